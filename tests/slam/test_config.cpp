@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slam/config.hpp"
+
+namespace adit {
+namespace {
+
+struct BadSetting {
+  std::string field;
+  std::function<void(Config&)> spoil;
+  std::string must;  ///< a part of the message
+};
+
+std::vector<BadSetting> bad_settings() {
+  return {
+      {"preprocess.c_min", [](Config& c) { c.preprocess.c_min = -1; }, "is -1; must be between 0"},
+      {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 0.2; }, "greater than preprocess.c_min (0.5)"},
+      {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 1e6; }, "at most 1000 m"},
+      {"preprocess.r_input", [](Config& c) { c.preprocess.r_input = 0; }, "is 0; must be between 0.01"},
+      {"preprocess.r_input", [](Config& c) { c.preprocess.c_max = 0.6, c.preprocess.r_input = 0.7; },
+       "less than preprocess.c_max (0.6)"},
+      {"preprocess.beam_spacing", [](Config& c) { c.preprocess.beam_spacing = 0; }, "rad"},
+      {"registration.r_align", [](Config& c) { c.registration.r_align = 0.1; },
+       "at least preprocess.r_input (0.25)"},
+      {"registration.d_max", [](Config& c) { c.registration.d_max = 0; }, "is 0"},
+      {"registration.max_iterations", [](Config& c) { c.registration.max_iterations = 0; }, "between 1 and"},
+      {"registration.translation_epsilon", [](Config& c) { c.registration.translation_epsilon = 0; },
+       "greater than 0"},
+      {"registration.translation_epsilon", [](Config& c) { c.registration.translation_epsilon = 5; },
+       "less than registration.d_max (1)"},
+      {"registration.rotation_epsilon", [](Config& c) { c.registration.rotation_epsilon = 1; }, "0.1 rad"},
+      {"registration.min_inliers", [](Config& c) { c.registration.min_inliers = 5; }, "at least 6"},
+      {"registration.min_overlap", [](Config& c) { c.registration.min_overlap = 1; }, "less than 1"},
+      {"submap.l", [](Config& c) { c.submap.l = 0; }, "clouds"},
+      {"keyframe.delta_trans", [](Config& c) { c.keyframe.delta_trans = 0; }, "greater than 0"},
+      {"keyframe.delta_rot", [](Config& c) { c.keyframe.delta_rot = 4; }, "at most pi"},
+      {"recovery.max_coasting", [](Config& c) { c.recovery.max_coasting = -1; }, "between 0"},
+  };
+}
+
+/// Calls act(dotted name, value) for each setting.
+void for_each_setting(Config& config, const auto& act) {
+  Config::visit(config, [&](const std::string& section, auto& fields) {
+    std::decay_t<decltype(fields)>::visit(
+        fields, [&](const char* name, auto& value, auto&&...) { act(section + "." + name, value); });
+  });
+}
+
+TEST(Config, DefaultsAreValid) { EXPECT_FALSE(validate(Config{}).has_value()); }
+
+TEST(Config, EachBadSettingIsNamedWithItsValueAndWhatWouldDo) {
+  for (const BadSetting& bad : bad_settings()) {
+    Config config;
+    bad.spoil(config);
+    const auto problem = validate(config);
+    ASSERT_TRUE(problem.has_value()) << bad.field << ": " << bad.must;
+    EXPECT_EQ(problem->field, bad.field);
+    EXPECT_NE(problem->message.find(bad.must), std::string::npos) << problem->message;
+  }
+}
+
+TEST(Config, EverySettingIsChecked) {
+  std::set<std::string> checked;
+  for (const BadSetting& bad : bad_settings()) checked.insert(bad.field);
+  Config config;
+  for_each_setting(config, [&](const std::string& name, auto&) {
+    EXPECT_TRUE(checked.contains(name)) << name << " has no bad value in this test";
+  });
+}
+
+TEST(Config, NumbersThatAreNotFiniteAreRefusedInEveryField) {
+  Config names;
+  for_each_setting(names, [&](const std::string& name, auto& value) {
+    if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
+      for (const double odd : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+        const double before = std::exchange(value, odd);
+        const auto problem = validate(names);
+        ASSERT_TRUE(problem.has_value()) << name;
+        EXPECT_EQ(problem->field, name);
+        value = before;
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/config_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/input_error.hpp"
+#include "tools/nearest_name.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+/// A configuration file that lives as long as the test.
+class ConfigFile : public testing::Test {
+ protected:
+  ConfigFile() {
+    file_ = std::filesystem::path(testing::TempDir()) /
+            (std::string("adit_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml");
+  }
+  ~ConfigFile() override { std::filesystem::remove(file_); }
+
+  Config load(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    std::ofstream(file_, std::ios::binary) << text;
+    return load_config({.file = file_, .overrides = overrides});
+  }
+
+  /// The message that loading `text` ends with; empty when it is accepted.
+  std::string refusal(const std::string& text) {
+    try {
+      load(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  void expect_refused(const std::string& text, const std::vector<std::string>& parts) {
+    const std::string message = refusal(text);
+    EXPECT_NE(message.find(file_.string()), std::string::npos) << message;
+    for (const std::string& part : parts) {
+      EXPECT_NE(message.find(part), std::string::npos) << "no '" << part << "' in: " << message;
+    }
+  }
+
+  std::filesystem::path file_;
+};
+
+std::string override_refusal(const std::string& text) {
+  try {
+    load_config({.file = {}, .overrides = {text}});
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST_F(ConfigFile, AnEmptyFileGivesTheDefaults) { EXPECT_EQ(to_json(load("")), to_json(Config{})); }
+
+TEST_F(ConfigFile, WhatIsPrintedReadsBackAsTheSameConfiguration) {
+  Config config;
+  config.preprocess.r_input = 0.1 + 0.2;  // needs all 17 digits
+  config.registration.rotation_epsilon = 1e-5;
+  config.registration.d_max = 3;  // a whole number
+  config.submap.l = 23;
+  const Config again = load(to_toml(config));
+  EXPECT_EQ(again.preprocess.r_input, config.preprocess.r_input);
+  EXPECT_EQ(to_json(again), to_json(config));
+  EXPECT_EQ(to_toml(again), to_toml(config));
+}
+
+TEST_F(ConfigFile, WhatIsPrintedNamesUnitAndDefaultOfEverySetting) {
+  const std::string text = to_toml(Config{});
+  EXPECT_NE(text.find("[m] returns nearer than this are dropped; default 0.5\nc_min = 0.5\n"), std::string::npos)
+      << text;
+}
+
+TEST_F(ConfigFile, IntegersServeAsNumbersAndOtherSettingsKeepTheirDefaults) {
+  const Config config = load("[preprocess]\nc_max = 80\n");
+  EXPECT_EQ(config.preprocess.c_max, 80.0);
+  EXPECT_EQ(config.preprocess.c_min, Config{}.preprocess.c_min);
+}
+
+TEST_F(ConfigFile, UnknownKeyNamesFileLineColumnAndNearestName) {
+  expect_refused("[preprocess]\nc_min = 1\n  r_imput = 0.5\n",
+                 {"line 3, column 3", "'preprocess.r_imput'", "nearest valid name is 'r_input'"});
+}
+
+TEST_F(ConfigFile, UnknownKeyThatResemblesNothingListsTheValidNames) {
+  expect_refused("[submap]\nquantisation_of_time = 1\n", {"line 2", "Valid are l"});
+}
+
+TEST_F(ConfigFile, UnknownSectionNamesFileLineAndNearestName) {
+  expect_refused("\n[registraton]\nd_max = 1\n", {"line 2", "'registraton'", "'registration'"});
+}
+
+TEST_F(ConfigFile, SettingOutsideOfASectionIsRefused) {
+  expect_refused("preprocess = 3\n", {"line 1", "[preprocess]"});
+  expect_refused("c_min = 3\n", {"line 1", "no section 'c_min'"});
+}
+
+TEST_F(ConfigFile, WrongTypeNamesLineAndWhatWasExpected) {
+  expect_refused("[preprocess]\nc_min = \"1\"\n", {"line 2", "preprocess.c_min is of type string", "a number"});
+  expect_refused("[preprocess]\nc_min = true\n", {"line 2", "boolean", "a number"});
+  expect_refused("[submap]\nl = 2.5\n", {"line 2", "submap.l", "a whole number"});
+  expect_refused("[submap]\nl = 99999999999\n", {"line 2", "submap.l is 99999999999", "smaller"});
+  expect_refused("[submap.l]\n", {"line 1", "submap.l is a section"});
+}
+
+TEST_F(ConfigFile, SyntaxErrorNamesLine) {
+  expect_refused("[preprocess]\nc_min = = 1\n", {"line 2", "not valid TOML"});
+  expect_refused("[submap]\nl = 1\nl = 2\n", {"line 3", "not valid TOML"});
+}
+
+TEST_F(ConfigFile, RefusedValueNamesItsLine) {
+  expect_refused("[preprocess]\nc_min = 1\nc_max = 0.5\n", {"line 3", "preprocess.c_max is 0.5", "c_min (1)"});
+}
+
+TEST_F(ConfigFile, RefusedRelationNamesTheLineOfTheSettingThatWasGiven) {
+  // c_max has its default: the cause is line 2.
+  expect_refused("[preprocess]\nc_min = 200\n", {"line 2", "preprocess.c_max is 100"});
+}
+
+TEST_F(ConfigFile, MissingFileAndFolderAreNamed) {
+  EXPECT_THROW(load_config({.file = file_ / "nowhere.toml", .overrides = {}}), InputError);
+  EXPECT_THROW(load_config({.file = testing::TempDir(), .overrides = {}}), InputError);
+}
+
+TEST_F(ConfigFile, OverridesWinOverTheFileAndTheLastOneOverTheOthers) {
+  const Config config = load("[submap]\nl = 5\n[preprocess]\nc_min = 2\n", {"submap.l=6", "submap.l=7"});
+  EXPECT_EQ(config.submap.l, 7);
+  EXPECT_EQ(config.preprocess.c_min, 2.0);
+}
+
+TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
+  EXPECT_NE(override_refusal("preprocess").find("section.key=value"), std::string::npos);
+  EXPECT_NE(override_refusal("r_input=0.5").find("section.key=value"), std::string::npos);
+  EXPECT_NE(override_refusal("preprocess.r_inptu=0.5").find("'r_input'"), std::string::npos);
+  EXPECT_NE(override_refusal("preproces.r_input=0.5").find("'preprocess'"), std::string::npos);
+  EXPECT_NE(override_refusal("preprocess.r_input=half").find("'half' is not a value"), std::string::npos);
+  EXPECT_NE(override_refusal("preprocess.r_input=").find("is not a value"), std::string::npos);
+  EXPECT_NE(override_refusal("submap.l=2.5").find("whole number"), std::string::npos);
+  EXPECT_NE(override_refusal("submap.l=0").find("submap.l is 0; must be"), std::string::npos);
+  EXPECT_NE(override_refusal("submap.l=1\n[x]").find("section.key=value"), std::string::npos);
+  EXPECT_NE(override_refusal("].l=1").find("without spaces"), std::string::npos);
+}
+
+TEST(NearestName, EditDistanceCountsInsertionsDeletionsReplacementsAndSwaps) {
+  EXPECT_EQ(edit_distance("", ""), 0U);
+  EXPECT_EQ(edit_distance("", "abc"), 3U);
+  EXPECT_EQ(edit_distance("r_input", "r_imput"), 1U);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+  EXPECT_EQ(edit_distance("rnu", "run"), 1U);
+}
+
+TEST(NearestName, FarWordsAreAnsweredWithTheList) {
+  EXPECT_EQ(suggestion("rnu", {"run", "devices"}), "The nearest valid name is 'run'");
+  EXPECT_EQ(suggestion("zzz", {"run", "devices"}), "Valid are run, devices");
+}
+
+}  // namespace
+}  // namespace adit

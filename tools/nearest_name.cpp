@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/nearest_name.hpp"
+
+#include <algorithm>
+
+namespace adit {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const std::size_t width = b.size() + 1;
+  std::vector<std::size_t> table((a.size() + 1) * width);
+  const auto at = [&](std::size_t i, std::size_t j) -> std::size_t& { return table[i * width + j]; };
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        at(i, j) = i + j;
+        continue;
+      }
+      const std::size_t replaced = at(i - 1, j - 1) + (a[i - 1] == b[j - 1] ? 0 : 1);
+      at(i, j) = std::min({replaced, at(i - 1, j) + 1, at(i, j - 1) + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        at(i, j) = std::min(at(i, j), at(i - 2, j - 2) + 1);
+      }
+    }
+  }
+  return table.back();
+}
+
+std::string suggestion(std::string_view given, const std::vector<std::string>& valid) {
+  if (valid.empty()) return {};
+  const auto distance = [&](const std::string& name) { return edit_distance(given, name); };
+  const std::string& nearest = *std::ranges::min_element(valid, {}, distance);
+  // A word of which less than half survives is no slip of the pen.
+  if (2 * distance(nearest) <= std::max(given.size(), nearest.size())) {
+    return "The nearest valid name is '" + nearest + "'";
+  }
+  std::string list = "Valid are ";
+  for (const std::string& name : valid) {
+    if (&name != &valid.front()) list += ", ";
+    list += name;
+  }
+  return list;
+}
+
+}  // namespace adit
