@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/buffer.hpp"
+#include "engine/device_info.hpp"
+#include "engine/error.hpp"
+#include "engine/kernel.hpp"
+#include "engine/recorder.hpp"
+#include "engine/submission.hpp"
+
+namespace adit::engine {
+
+struct Device;
+
+struct ContextOptions {
+  /// Index, UUID, or part of the name or driver (case-insensitive). Empty: the first device that is
+  /// not software; a software one only where there is nothing else.
+  std::string device;
+  bool validation = false;                  ///< load the validation layer and collect its messages
+  bool synchronization_validation = false;  ///< also look for missing barriers (implies validation)
+  bool profile = false;                     ///< measure Recorder::scope()
+  uint64_t memory_budget_bytes = 0;         ///< 0: no limit but the device's
+};
+
+/// A device, its memory and its queue; the one object of the engine that is passed around. It
+/// outlives every buffer, kernel, recorder and submission made with it. Its functions may be called
+/// from any thread.
+class Context {
+ public:
+  /// Throws Error: no driver, no such device (listing what there is), a device below the baseline
+  /// (listing what it lacks), no validation layer.
+  explicit Context(const ContextOptions& options);
+  Context(Context&&) noexcept;
+  Context& operator=(Context&&) noexcept;
+  ~Context();
+
+  const DeviceInfo& device() const;
+  /// Nothing was asked for and only software was found. The caller says so.
+  bool software_fallback() const;
+
+  /// `bytes` > 0. Throws OutOfMemory naming the buffer, its size, the budget and what is in use.
+  Buffer make_buffer(uint64_t bytes, Memory kind, std::string_view name);
+
+  uint64_t memory_in_use() const;  ///< bytes of the buffers alive, each rounded up to its alignment
+  uint64_t memory_peak() const;    ///< the largest memory_in_use() so far
+  uint64_t memory_reserved() const;  ///< bytes taken from the device; what the budget bounds
+
+  Recorder make_recorder();
+  /// Starts the work; submissions run in the order of these calls.
+  Submission submit(Recorder&& recorder);
+
+  /// Warnings and errors of the validation layer so far; empty is what it should be.
+  std::vector<std::string> validation_messages() const;
+
+  Device& internal() const { return *device_; }  ///< for the engine alone
+
+ private:
+  std::unique_ptr<Device> device_;
+};
+
+}  // namespace adit::engine

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a Vulkan device is and offers, in plain types.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace adit::engine {
+
+/// One line of the baseline that every kernel may assume.
+struct Requirement {
+  std::string name;    ///< as Vulkan calls it
+  std::string needed;  ///< for people, e.g. ">= 128"
+  std::string has;
+  bool met = false;
+};
+
+struct DeviceInfo {
+  uint32_t index = 0;  ///< in the order of list_devices()
+  std::string name;
+  std::string driver;
+  std::string driver_version;
+  std::string api_version;  ///< "major.minor.patch"
+  std::string uuid;         ///< 8-4-4-4-12 hexadecimal digits
+  bool software = false;    ///< runs on the CPU (lavapipe, SwiftShader)
+  uint32_t subgroup_size = 0;
+  uint64_t max_storage_buffer_bytes = 0;  ///< the largest slice a kernel can bind
+  uint64_t device_memory_bytes = 0;       ///< sum of the device-local heaps
+  uint32_t max_workgroup_invocations = 0;
+  uint32_t max_shared_bytes = 0;
+  /// Software or integrated: device memory is the host's, so Memory::device is mapped as well.
+  bool unified_memory = false;
+  std::vector<Requirement> requirements;  ///< the baseline, each with what this device has
+
+  bool meets_baseline() const;
+};
+
+/// Every Vulkan device on the machine, in the loader's order. Throws Error where there is none (no
+/// loader, no driver, no device), saying what to install.
+std::vector<DeviceInfo> list_devices();
+
+}  // namespace adit::engine

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "engine/spirv.hpp"
+
+namespace adit::engine {
+
+class Context;
+
+/// The value of one specialization constant (its bits).
+struct Specialization {
+  uint32_t id = 0;
+  uint32_t value = 0;
+};
+
+/// By convention constant_id 0 of every shader is its work-group size in x, and this is its
+/// default. (The default in the shader does not count: glslang writes 1 for a size given by
+/// local_size_x_id alone.)
+inline constexpr uint32_t kDefaultLocalSize = 64;
+
+/// A compute shader made ready for a device: a pipeline and what is checked at every dispatch.
+/// Must outlive the recordings and submissions that use it; the context must outlive it.
+class Kernel {
+ public:
+  /// `shader_name` is the file stem of shaders/*.comp. Throws std::logic_error for a shader or a
+  /// constant that does not exist and for a work-group size the device cannot run, Error where the
+  /// driver fails.
+  Kernel(Context& context, std::string_view shader_name,
+         const std::vector<Specialization>& specializations = {});
+  Kernel(Kernel&&) noexcept;
+  Kernel& operator=(Kernel&&) noexcept;
+  ~Kernel();
+
+  std::string_view name() const;
+  uint32_t local_size() const;  ///< invocations a group in x, as specialised
+  const Reflection& reflection() const;
+  /// Groups for one invocation an item: ceil(items / local_size()).
+  uint32_t groups_for(uint64_t items) const;
+
+  struct State;
+  const State& state() const { return *state_; }  ///< for the engine alone
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace adit::engine
