@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The adit authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Makes dist/adit-VERSION-linux-ARCH.tar.gz: the program, the Vulkan loader beside it, licences.
+# Runs where glibc is 2.36 or later and a Vulkan driver is installed. Called by `./dev package`.
+#
+# The C++ runtime is linked in rather than put beside: a bundled libstdc++.so would be the one that the
+# system's Vulkan driver gets as well, and a newer driver needs a newer one. The loader is C.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build/package
+max_bytes=$((60 * 1024 * 1024))
+max_glibc=2.36
+
+die() { printf 'package: %s\n' "$*" >&2; exit 1; }
+
+# DT_RPATH, not DT_RUNPATH: it also holds for what the bundled libraries load in turn.
+link_flags='-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib'
+if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DADIT_TESTS=OFF \
+  -DADIT_BENCHMARKS=OFF -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
+cmake --build "$build" --target adit >&2
+
+version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
+name=adit-$version-linux-$(uname -m)
+stage=$build/stage/$name
+rm -rf "$build/stage"
+mkdir -p "$stage/bin" "$stage/lib" "$stage/licenses"
+cp "$build/tools/adit" "$stage/bin/"
+cp "$root/README.md" "$root/LICENSE" "$root/CHANGELOG.md" "$stage/"
+
+# Libraries that every glibc system has. All others that the program loads are put beside it.
+is_glibc() { [[ $1 =~ ^(linux-vdso|ld-linux-[^/]*|libc|libm|libdl|librt|libpthread)\.so ]]; }
+
+declare -A licensed=()
+add_license() { # PACKAGE
+  local from=/usr/share/doc/$1/copyright
+  [[ -z ${licensed[$1]:-} ]] || return 0
+  [[ -f $from ]] || die "the licence of $1 is not at $from"
+  cp "$from" "$stage/licenses/$1.txt"
+  licensed[$1]=1
+}
+
+owner_of() { # FILE: the Debian package it comes from
+  dpkg-query -S "$(realpath "$1")" 2>/dev/null | sed 's/:.*//' | head -n 1
+}
+
+while read -r library path; do
+  is_glibc "$library" && continue
+  [[ -f $path ]] || die "$library, which adit loads, was not found"
+  [[ $library != libstdc++* && $library != libgcc_s* ]] || die "$library is to be linked statically"
+  cp -L "$path" "$stage/lib/$library"
+  package=$(owner_of "$path")
+  [[ -n $package ]] || die "$path belongs to no package: its licence is not known"
+  add_license "$package"
+done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
+
+# Compiled in: header-only libraries and the C++ runtime.
+for package in libeigen3-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev libstdc++6; do
+  add_license "$package"
+done
+
+# What was staged stands alone: nothing from outside but glibc, and no newer glibc than promised.
+while read -r library _ path _; do
+  is_glibc "${library##*/}" && continue
+  [[ $(realpath "$path") == "$stage"/* ]] || die "$library would come from $path, outside the package"
+done < <(ldd "$stage/bin/adit")
+for file in "$stage"/bin/* "$stage"/lib/*; do
+  needs=$(objdump -T "$file" | grep -o 'GLIBC_[0-9.]*' | sed 's/GLIBC_//' | sort -uV | tail -n 1)
+  [[ $(printf '%s\n%s\n' "$needs" "$max_glibc" | sort -V | tail -n 1) == "$max_glibc" ]] ||
+    die "${file##*/} needs glibc $needs; the package promises $max_glibc (build it on Debian 12)"
+done
+"$stage/bin/adit" --version >/dev/null || die "the staged program does not start"
+
+mkdir -p "$root/dist"
+archive=$root/dist/$name.tar.gz
+# The same tree gives the same bytes.
+stamp=${SOURCE_DATE_EPOCH:-$(git -C "$root" log -1 --format=%ct 2>/dev/null || echo 0)}
+tar --create --directory "$build/stage" --sort=name --mtime="@$stamp" --owner=0 --group=0 --numeric-owner "$name" |
+  gzip -9n >"$archive"
+bytes=$(stat -c %s "$archive")
+((bytes < max_bytes)) || die "$archive has $bytes bytes; the limit is $max_bytes"
+printf '%s  (%d.%d MiB)\n' "$archive" $((bytes / 1048576)) $((bytes % 1048576 * 10 / 1048576))
