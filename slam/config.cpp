@@ -25,12 +25,14 @@ class Checks {
   template <class Number>
   void require(bool holds, const char* field, Number value, const std::string& must) {
     if (!holds && !problem_) {
-      problem_ = ConfigProblem{.field = field, .message = "is " + text_of(value) + "; must be " + must};
+      problem_ =
+          ConfigProblem{.field = field, .message = "is " + text_of(value) + "; must be " + must};
     }
   }
 
   template <class Number>
-  void between(const char* field, Number value, Number low, Number high, const std::string& unit = "") {
+  void between(const char* field, Number value, Number low, Number high,
+               const std::string& unit = "") {
     require(value >= low && value <= high, field, value,
             "between " + text_of(low) + " and " + text_of(high) + (unit.empty() ? "" : " " + unit));
   }
@@ -49,11 +51,12 @@ class Checks {
 
 void check_finite(Checks& checks, const Config& config) {
   Config::visit(config, [&](const std::string& section, const auto& fields) {
-    std::decay_t<decltype(fields)>::visit(fields, [&](const char* name, const auto& value, auto&&...) {
-      if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
-        checks.finite(section + "." + name, value);
-      }
-    });
+    std::decay_t<decltype(fields)>::visit(
+        fields, [&](const char* name, const auto& value, auto&&...) {
+          if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
+            checks.finite(section + "." + name, value);
+          }
+        });
   });
 }
 
@@ -61,13 +64,14 @@ std::string than(const char* relation, const char* field, double value) {
   return std::string(relation) + " " + field + " (" + text_of(value) + ")";
 }
 
-// The device works in float32 in the submap's frame: a millimetre is resolved within about 4 km, and a sweep
-// plus the way driven over a submap has to stay well inside of that.
+// The device works in float32 in the submap's frame: a millimetre is resolved within about 4 km,
+// and a sweep plus the way driven over a submap has to stay well inside of that.
 constexpr double kFarthestReturn = 1000.0;
 
 void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.between("preprocess.c_min", p.c_min, 0.0, kFarthestReturn, "m");
-  checks.require(p.c_max > p.c_min, "preprocess.c_max", p.c_max, than("greater than", "preprocess.c_min", p.c_min));
+  checks.require(p.c_max > p.c_min, "preprocess.c_max", p.c_max,
+                 than("greater than", "preprocess.c_min", p.c_min));
   checks.require(p.c_max <= kFarthestReturn, "preprocess.c_max", p.c_max,
                  "at most " + text_of(kFarthestReturn) + " m");
   checks.between("preprocess.r_input", p.r_input, 0.01, 10.0, "m");
@@ -83,22 +87,23 @@ void check_registration(Checks& checks, const Config& config) {
                  than("at least", "preprocess.r_input", config.preprocess.r_input));
   checks.between("registration.d_max", r.d_max, 0.01, 100.0, "m");
   checks.between("registration.max_iterations", r.max_iterations, 1, 200);
-  checks.require(r.translation_epsilon > 0.0, "registration.translation_epsilon", r.translation_epsilon,
-                 "greater than 0");
-  checks.require(r.translation_epsilon < r.d_max, "registration.translation_epsilon", r.translation_epsilon,
-                 than("less than", "registration.d_max", r.d_max));
-  checks.require(r.rotation_epsilon > 0.0 && r.rotation_epsilon < 0.1, "registration.rotation_epsilon",
-                 r.rotation_epsilon, "greater than 0 and less than 0.1 rad");
+  checks.require(r.translation_epsilon > 0.0, "registration.translation_epsilon",
+                 r.translation_epsilon, "greater than 0");
+  checks.require(r.translation_epsilon < r.d_max, "registration.translation_epsilon",
+                 r.translation_epsilon, than("less than", "registration.d_max", r.d_max));
+  checks.require(r.rotation_epsilon > 0.0 && r.rotation_epsilon < 0.1,
+                 "registration.rotation_epsilon", r.rotation_epsilon,
+                 "greater than 0 and less than 0.1 rad");
   checks.require(r.min_inliers >= 6, "registration.min_inliers", r.min_inliers,
                  "at least 6 (a pose has six degrees of freedom)");
-  checks.require(r.min_overlap >= 0.0 && r.min_overlap < 1.0, "registration.min_overlap", r.min_overlap,
-                 "at least 0 and less than 1");
+  checks.require(r.min_overlap >= 0.0 && r.min_overlap < 1.0, "registration.min_overlap",
+                 r.min_overlap, "at least 0 and less than 1");
 }
 
 void check_rest(Checks& checks, const Config& config) {
   checks.between("submap.l", config.submap.l, 1, 1000, "clouds");
-  checks.require(config.keyframe.delta_trans > 0.0, "keyframe.delta_trans", config.keyframe.delta_trans,
-                 "greater than 0");
+  checks.require(config.keyframe.delta_trans > 0.0, "keyframe.delta_trans",
+                 config.keyframe.delta_trans, "greater than 0");
   checks.require(config.keyframe.delta_rot > 0.0 && config.keyframe.delta_rot <= std::numbers::pi,
                  "keyframe.delta_rot", config.keyframe.delta_rot, "greater than 0 and at most pi");
   checks.between("recovery.max_coasting", config.recovery.max_coasting, 0, 1'000'000, "sweeps");

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <type_traits>
 
-#include <nlohmann/json.hpp>
 #include <toml++/toml.h>
+#include <nlohmann/json.hpp>
 
 #include "tools/input_error.hpp"
 #include "tools/nearest_name.hpp"
@@ -71,7 +71,8 @@ void assign(double& to, const toml::node& node) {
 void assign(int& to, const toml::node& node) {
   const auto value = node.is_integer() ? node.value<int64_t>() : std::nullopt;
   if (!value) {
-    throw Complaint{node.source().begin, "is " + type_name(node), "Write a whole number, such as 10"};
+    throw Complaint{node.source().begin, "is " + type_name(node),
+                    "Write a whole number, such as 10"};
   }
   if (*value < std::numeric_limits<int>::min() || *value > std::numeric_limits<int>::max()) {
     throw Complaint{node.source().begin, "is " + std::to_string(*value), "Write a smaller number"};
@@ -80,7 +81,8 @@ void assign(int& to, const toml::node& node) {
 }
 
 template <class Fields>
-void read_section(Fields& fields, const std::string& section, const toml::table& table, Origins& origins) {
+void read_section(Fields& fields, const std::string& section, const toml::table& table,
+                  Origins& origins) {
   for (const auto& [key, node] : table) {
     const std::string dotted = section + "." + std::string(key.str());
     bool known = false;
@@ -121,7 +123,8 @@ void read_table(Config& config, const toml::table& table, Origins& origins) {
   }
 }
 
-/// The origin of the setting a problem is about or, where that one has its default, of one the message names.
+/// The origin of the setting a problem is about or, where that one has its default, of one the
+/// message names.
 const Origins::value_type* origin_of(const ConfigProblem& problem, const Origins& origins) {
   if (const auto at = origins.find(problem.field); at != origins.end()) return &*at;
   for (const auto& origin : origins) {
@@ -167,7 +170,9 @@ Origins apply_file(Config& config, const fs::path& file) {
 
 /// Applies "section.key=value" and returns the dotted name.
 std::string apply_override(Config& config, const std::string& text) {
-  const auto refuse = [&](const std::string& why) { throw UsageError("--set " + text + ": " + why); };
+  const auto refuse = [&](const std::string& why) {
+    throw UsageError("--set " + text + ": " + why);
+  };
   const std::size_t equals = text.find('=');
   const std::size_t dot = text.find('.');
   const bool one_line = text.find_first_of("\r\n") == std::string::npos;
@@ -182,7 +187,8 @@ std::string apply_override(Config& config, const std::string& text) {
   }
   try {
     Origins origins;
-    read_table(config, toml::parse("[" + section + "]\n" + key + " = " + text.substr(equals + 1)), origins);
+    read_table(config, toml::parse("[" + section + "]\n" + key + " = " + text.substr(equals + 1)),
+               origins);
   } catch (const toml::parse_error&) {
     refuse("'" + text.substr(equals + 1) + "' is not a value. Write a number, true or false.");
   } catch (const Complaint& complaint) {
@@ -216,14 +222,17 @@ Config load_config(const ConfigSource& source) {
 }
 
 std::string to_toml(const Config& config) {
-  // nlohmann::json prints the shortest text that reads back as the same number, and 1.0 for a whole double.
+  // nlohmann::json prints the shortest text that reads back as the same number, and 1.0 for a whole
+  // double.
   std::ostringstream text;
-  text << "# The effective configuration of adit: every setting, with its unit, meaning and default.\n";
+  text << "# The effective configuration of adit: every setting, with its unit, meaning and "
+          "default.\n";
   const auto defaults = to_json(Config{});
   Config::visit(config, [&](const std::string& section, const auto& fields) {
     text << "\n[" << section << "]\n";
     std::decay_t<decltype(fields)>::visit(
-        fields, [&](const std::string& name, const auto& value, const std::string& unit, const std::string& help) {
+        fields, [&](const std::string& name, const auto& value, const std::string& unit,
+                    const std::string& help) {
           text << "# " << (unit.empty() ? "" : "[" + unit + "] ") << help << "; default "
                << defaults[section][name].dump() << "\n"
                << name << " = " << nlohmann::json(value).dump() << "\n";
@@ -236,7 +245,9 @@ nlohmann::json to_json(const Config& config) {
   nlohmann::json object;
   Config::visit(config, [&](const std::string& section, const auto& fields) {
     std::decay_t<decltype(fields)>::visit(
-        fields, [&](const std::string& name, const auto& value, auto&&...) { object[section][name] = value; });
+        fields, [&](const std::string& name, const auto& value, auto&&...) {
+          object[section][name] = value;
+        });
   });
   return object;
 }

@@ -21,13 +21,13 @@ struct ConfigSource {
   std::vector<std::string> overrides;  ///< "section.key=value", the last one of a key wins
 };
 
-/// Reads and validates. Throws InputError with line and column for what the file says, UsageError for
-/// what an override says: syntax, an unknown name (with the nearest valid one), a wrong type, a value
-/// that validate() refuses.
+/// Reads and validates. Throws InputError with line and column for what the file says, UsageError
+/// for what an override says: syntax, an unknown name (with the nearest valid one), a wrong type, a
+/// value that validate() refuses.
 Config load_config(const ConfigSource& source);
 
-/// The whole configuration as TOML, each setting with its unit, help and default as a comment. load_config() gives
-/// the same configuration back, bit for bit.
+/// The whole configuration as TOML, each setting with its unit, help and default as a comment.
+/// load_config() gives the same configuration back, bit for bit.
 std::string to_toml(const Config& config);
 
 /// The same as an object of objects.

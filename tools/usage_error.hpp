@@ -6,7 +6,8 @@
 
 namespace adit {
 
-/// The command line asks for something that cannot be: exit code 2. what() says what and what would do.
+/// The command line asks for something that cannot be: exit code 2. what() says what and what would
+/// do.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -23,23 +23,30 @@ struct BadSetting {
 std::vector<BadSetting> bad_settings() {
   return {
       {"preprocess.c_min", [](Config& c) { c.preprocess.c_min = -1; }, "is -1; must be between 0"},
-      {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 0.2; }, "greater than preprocess.c_min (0.5)"},
+      {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 0.2; },
+       "greater than preprocess.c_min (0.5)"},
       {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 1e6; }, "at most 1000 m"},
-      {"preprocess.r_input", [](Config& c) { c.preprocess.r_input = 0; }, "is 0; must be between 0.01"},
-      {"preprocess.r_input", [](Config& c) { c.preprocess.c_max = 0.6, c.preprocess.r_input = 0.7; },
+      {"preprocess.r_input", [](Config& c) { c.preprocess.r_input = 0; },
+       "is 0; must be between 0.01"},
+      {"preprocess.r_input",
+       [](Config& c) { c.preprocess.c_max = 0.6, c.preprocess.r_input = 0.7; },
        "less than preprocess.c_max (0.6)"},
       {"preprocess.beam_spacing", [](Config& c) { c.preprocess.beam_spacing = 0; }, "rad"},
       {"registration.r_align", [](Config& c) { c.registration.r_align = 0.1; },
        "at least preprocess.r_input (0.25)"},
       {"registration.d_max", [](Config& c) { c.registration.d_max = 0; }, "is 0"},
-      {"registration.max_iterations", [](Config& c) { c.registration.max_iterations = 0; }, "between 1 and"},
-      {"registration.translation_epsilon", [](Config& c) { c.registration.translation_epsilon = 0; },
-       "greater than 0"},
-      {"registration.translation_epsilon", [](Config& c) { c.registration.translation_epsilon = 5; },
+      {"registration.max_iterations", [](Config& c) { c.registration.max_iterations = 0; },
+       "between 1 and"},
+      {"registration.translation_epsilon",
+       [](Config& c) { c.registration.translation_epsilon = 0; }, "greater than 0"},
+      {"registration.translation_epsilon",
+       [](Config& c) { c.registration.translation_epsilon = 5; },
        "less than registration.d_max (1)"},
-      {"registration.rotation_epsilon", [](Config& c) { c.registration.rotation_epsilon = 1; }, "0.1 rad"},
+      {"registration.rotation_epsilon", [](Config& c) { c.registration.rotation_epsilon = 1; },
+       "0.1 rad"},
       {"registration.min_inliers", [](Config& c) { c.registration.min_inliers = 5; }, "at least 6"},
-      {"registration.min_overlap", [](Config& c) { c.registration.min_overlap = 1; }, "less than 1"},
+      {"registration.min_overlap", [](Config& c) { c.registration.min_overlap = 1; },
+       "less than 1"},
       {"submap.l", [](Config& c) { c.submap.l = 0; }, "clouds"},
       {"keyframe.delta_trans", [](Config& c) { c.keyframe.delta_trans = 0; }, "greater than 0"},
       {"keyframe.delta_rot", [](Config& c) { c.keyframe.delta_rot = 4; }, "at most pi"},
@@ -50,12 +57,15 @@ std::vector<BadSetting> bad_settings() {
 /// Calls act(dotted name, value) for each setting.
 void for_each_setting(Config& config, const auto& act) {
   Config::visit(config, [&](const std::string& section, auto& fields) {
-    std::decay_t<decltype(fields)>::visit(
-        fields, [&](const char* name, auto& value, auto&&...) { act(section + "." + name, value); });
+    std::decay_t<decltype(fields)>::visit(fields, [&](const char* name, auto& value, auto&&...) {
+      act(section + "." + name, value);
+    });
   });
 }
 
-TEST(Config, DefaultsAreValid) { EXPECT_FALSE(validate(Config{}).has_value()); }
+TEST(Config, DefaultsAreValid) {
+  EXPECT_FALSE(validate(Config{}).has_value());
+}
 
 TEST(Config, EachBadSettingIsNamedWithItsValueAndWhatWouldDo) {
   for (const BadSetting& bad : bad_settings()) {

@@ -22,7 +22,8 @@ class ConfigFile : public testing::Test {
  protected:
   ConfigFile() {
     file_ = std::filesystem::path(testing::TempDir()) /
-            (std::string("adit_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml");
+            (std::string("adit_") + testing::UnitTest::GetInstance()->current_test_info()->name() +
+             ".toml");
   }
   ~ConfigFile() override { std::filesystem::remove(file_); }
 
@@ -61,7 +62,9 @@ std::string override_refusal(const std::string& text) {
   return {};
 }
 
-TEST_F(ConfigFile, AnEmptyFileGivesTheDefaults) { EXPECT_EQ(to_json(load("")), to_json(Config{})); }
+TEST_F(ConfigFile, AnEmptyFileGivesTheDefaults) {
+  EXPECT_EQ(to_json(load("")), to_json(Config{}));
+}
 
 TEST_F(ConfigFile, WhatIsPrintedReadsBackAsTheSameConfiguration) {
   Config config;
@@ -77,7 +80,8 @@ TEST_F(ConfigFile, WhatIsPrintedReadsBackAsTheSameConfiguration) {
 
 TEST_F(ConfigFile, WhatIsPrintedNamesUnitAndDefaultOfEverySetting) {
   const std::string text = to_toml(Config{});
-  EXPECT_NE(text.find("[m] returns nearer than this are dropped; default 0.5\nc_min = 0.5\n"), std::string::npos)
+  EXPECT_NE(text.find("[m] returns nearer than this are dropped; default 0.5\nc_min = 0.5\n"),
+            std::string::npos)
       << text;
 }
 
@@ -106,7 +110,8 @@ TEST_F(ConfigFile, SettingOutsideOfASectionIsRefused) {
 }
 
 TEST_F(ConfigFile, WrongTypeNamesLineAndWhatWasExpected) {
-  expect_refused("[preprocess]\nc_min = \"1\"\n", {"line 2", "preprocess.c_min is of type string", "a number"});
+  expect_refused("[preprocess]\nc_min = \"1\"\n",
+                 {"line 2", "preprocess.c_min is of type string", "a number"});
   expect_refused("[preprocess]\nc_min = true\n", {"line 2", "boolean", "a number"});
   expect_refused("[submap]\nl = 2.5\n", {"line 2", "submap.l", "a whole number"});
   expect_refused("[submap]\nl = 99999999999\n", {"line 2", "submap.l is 99999999999", "smaller"});
@@ -119,7 +124,8 @@ TEST_F(ConfigFile, SyntaxErrorNamesLine) {
 }
 
 TEST_F(ConfigFile, RefusedValueNamesItsLine) {
-  expect_refused("[preprocess]\nc_min = 1\nc_max = 0.5\n", {"line 3", "preprocess.c_max is 0.5", "c_min (1)"});
+  expect_refused("[preprocess]\nc_min = 1\nc_max = 0.5\n",
+                 {"line 3", "preprocess.c_max is 0.5", "c_min (1)"});
 }
 
 TEST_F(ConfigFile, RefusedRelationNamesTheLineOfTheSettingThatWasGiven) {
@@ -133,7 +139,8 @@ TEST_F(ConfigFile, MissingFileAndFolderAreNamed) {
 }
 
 TEST_F(ConfigFile, OverridesWinOverTheFileAndTheLastOneOverTheOthers) {
-  const Config config = load("[submap]\nl = 5\n[preprocess]\nc_min = 2\n", {"submap.l=6", "submap.l=7"});
+  const Config config =
+      load("[submap]\nl = 5\n[preprocess]\nc_min = 2\n", {"submap.l=6", "submap.l=7"});
   EXPECT_EQ(config.submap.l, 7);
   EXPECT_EQ(config.preprocess.c_min, 2.0);
 }
@@ -143,7 +150,8 @@ TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("r_input=0.5").find("section.key=value"), std::string::npos);
   EXPECT_NE(override_refusal("preprocess.r_inptu=0.5").find("'r_input'"), std::string::npos);
   EXPECT_NE(override_refusal("preproces.r_input=0.5").find("'preprocess'"), std::string::npos);
-  EXPECT_NE(override_refusal("preprocess.r_input=half").find("'half' is not a value"), std::string::npos);
+  EXPECT_NE(override_refusal("preprocess.r_input=half").find("'half' is not a value"),
+            std::string::npos);
   EXPECT_NE(override_refusal("preprocess.r_input=").find("is not a value"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=2.5").find("whole number"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=0").find("submap.l is 0; must be"), std::string::npos);
