@@ -47,14 +47,20 @@ owner_of() { # FILE: the Debian package it comes from
   dpkg-query -S "$(realpath "$1")" 2>/dev/null | sed 's/:.*//' | head -n 1
 }
 
-while read -r library path; do
-  is_glibc "$library" && continue
-  [[ -f $path ]] || die "$library, which adit loads, was not found"
-  [[ $library != libstdc++* && $library != libgcc_s* ]] || die "$library is to be linked statically"
-  cp -L "$path" "$stage/lib/$library"
-  package=$(owner_of "$path")
-  [[ -n $package ]] || die "$path belongs to no package: its licence is not known"
+bundle() { # NAME PATH
+  local package
+  [[ -f $2 ]] || die "$1, which adit loads, was not found"
+  [[ $1 != libstdc++* && $1 != libgcc_s* ]] || die "$1 is to be linked statically"
+  cp -L "$2" "$stage/lib/$1"
+  package=$(owner_of "$2")
+  [[ -n $package ]] || die "$2 belongs to no package: its licence is not known"
   add_license "$package"
+}
+
+# Opened by name while the program runs, so ldd does not know of it; the RPATH holds for that too.
+bundle libvulkan.so.1 "$(g++ -print-file-name=libvulkan.so.1)"
+while read -r library path; do
+  is_glibc "$library" || bundle "$library" "$path"
 done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 
 # Compiled in: header-only libraries and the C++ runtime.
@@ -63,11 +69,11 @@ for package in libeigen3-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev
 done
 
 # What was staged stands alone: nothing from outside but glibc, and no newer glibc than promised.
-while read -r library _ path _; do
-  is_glibc "${library##*/}" && continue
-  [[ $(realpath "$path") == "$stage"/* ]] || die "$library would come from $path, outside the package"
-done < <(ldd "$stage/bin/adit")
 for file in "$stage"/bin/* "$stage"/lib/*; do
+  while read -r library _ path _; do
+    is_glibc "${library##*/}" && continue
+    [[ $(realpath "$path") == "$stage"/* ]] || die "${file##*/}: $library would come from $path, outside the package"
+  done < <(ldd "$file")
   needs=$(objdump -T "$file" | grep -o 'GLIBC_[0-9.]*' | sed 's/GLIBC_//' | sort -uV | tail -n 1)
   [[ $(printf '%s\n%s\n' "$needs" "$max_glibc" | sort -V | tail -n 1) == "$max_glibc" ]] ||
     die "${file##*/} needs glibc $needs; the package promises $max_glibc (build it on Debian 12)"
