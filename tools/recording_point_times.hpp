@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Drivers write the time of a point in seconds, milli-, micro- or nanoseconds, counted from the
+// sweep's stamp, from its end, or from an epoch, and do not say which. The spread of one sweep
+// (0.01 to 1 s) tells the unit, the earliest value tells the zero.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "slam/types.hpp"
+#include "tools/input_error.hpp"
+
+namespace adit {
+
+struct PointTimes {
+  Nanoseconds start{
+      0};  ///< earliest time: of the recording's clock if absolute, else relative to the stamp
+  bool absolute = false;       ///< 1 s or more from zero
+  std::vector<float> offsets;  ///< s after `start`, one a point, none negative
+};
+
+/// Interprets one sweep's times. Only points with valid[i] != 0 count for the unit and the start;
+/// the others' times are brought into the sweep. Throws InputError (with the point): not finite for
+/// a valid point, farther apart than one sweep lasts, or absolute in single precision, which cannot
+/// hold them.
+PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
+                           std::span<const uint8_t> valid, bool single_precision);
+PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
+                           std::span<const uint8_t> valid);
+
+}  // namespace adit
