@@ -30,7 +30,8 @@ constexpr uint64_t align_slice(uint64_t bytes) {
 
 class Buffer;
 
-/// A range of a buffer: what kernels bind and what fill() and copy() act on.
+/// A range of a buffer: what kernels bind and what fill() and copy() act on. It refers to the
+/// Buffer object, so it is made when it is needed and not kept across a move of the buffer.
 struct Slice {
   const Buffer* buffer = nullptr;
   uint64_t offset = 0;  ///< bytes; a multiple of kSliceAlignment where a kernel binds it

@@ -16,6 +16,12 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What was asked for names no device, or several. what() lists those there are.
+class NoSuchDevice : public Error {
+ public:
+  using Error::Error;
+};
+
 /// A buffer does not fit into the budget or the device. The context stays usable.
 class OutOfMemory : public Error {
  public:

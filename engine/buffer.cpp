@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/buffer.hpp"
+
+#include <stdexcept>
+
+#include "engine/buffer_state.hpp"
+
+namespace adit::engine {
+
+Buffer::State::State(Device& owner, uint64_t size, Memory kind, std::string_view label)
+    : device(&owner), bytes(size), name(label) {
+  if (bytes == 0) {
+    throw std::invalid_argument("buffer '" + name + "': 0 bytes asked for");
+  }
+  if (bytes > owner.max_buffer_bytes) {
+    throw OutOfMemory("buffer '" + name + "' of " + std::to_string(bytes) +
+                      " bytes: the largest buffer of " + owner.info.name + " has " +
+                      std::to_string(owner.max_buffer_bytes) + " bytes (budget " +
+                      std::to_string(owner.memory->budget()) + ", in use " +
+                      std::to_string(owner.memory->in_use()) + ")");
+  }
+  translated("making buffer '" + name + "' of " + std::to_string(bytes) + " bytes", [&] {
+    using Usage = vk::BufferUsageFlagBits;
+    handle = vk::raii::Buffer(
+        owner.device, vk::BufferCreateInfo({}, bytes,
+                                           Usage::eStorageBuffer | Usage::eTransferSrc |
+                                               Usage::eTransferDst | Usage::eIndirectBuffer));
+    owner.set_name(handle, name);
+    memory = owner.memory->allocate(handle.getMemoryRequirements(), kind, name);
+    try {
+      handle.bindMemory(*memory.block->memory, memory.offset);
+    } catch (...) {
+      owner.memory->free(memory);
+      throw;
+    }
+  });
+  mapped = memory.block->mapped == nullptr ? nullptr : memory.block->mapped + memory.offset;
+}
+
+Buffer::State::~State() {
+  handle = vk::raii::Buffer(nullptr);
+  device->memory->free(memory);
+}
+
+Buffer::Buffer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Buffer::Buffer(Buffer&&) noexcept = default;
+Buffer& Buffer::operator=(Buffer&&) noexcept = default;
+Buffer::~Buffer() = default;
+
+uint64_t Buffer::size() const {
+  return state_->bytes;
+}
+const std::string& Buffer::name() const {
+  return state_->name;
+}
+std::byte* Buffer::mapped() const {
+  return state_->mapped;
+}
+
+Slice Slice::sub(uint64_t at, uint64_t length) const {
+  if (at > bytes || length > bytes - at) {
+    throw std::out_of_range("a slice of " + std::to_string(length) + " bytes at " +
+                            std::to_string(at) + " is not inside one of " + std::to_string(bytes) +
+                            " bytes" +
+                            (buffer == nullptr ? "" : " of buffer '" + buffer->name() + "'"));
+  }
+  return {buffer, offset + at, length};
+}
+
+Slice Slice::from(uint64_t at) const {
+  return sub(at, at > bytes ? 0 : bytes - at);
+}
+
+std::byte* Slice::mapped() const {
+  return buffer == nullptr || buffer->mapped() == nullptr ? nullptr : buffer->mapped() + offset;
+}
+
+}  // namespace adit::engine

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/context.hpp"
+
+#include <stdexcept>
+
+#include "engine/buffer_state.hpp"
+#include "engine/recorder_state.hpp"
+#include "engine/submission_state.hpp"
+
+namespace adit::engine {
+
+Context::Context(const ContextOptions& options) : device_(std::make_unique<Device>(options)) {}
+Context::Context(Context&&) noexcept = default;
+Context& Context::operator=(Context&&) noexcept = default;
+Context::~Context() = default;
+
+const DeviceInfo& Context::device() const {
+  return device_->info;
+}
+bool Context::software_fallback() const {
+  return device_->software_fallback;
+}
+
+Buffer Context::make_buffer(uint64_t bytes, Memory kind, std::string_view name) {
+  return Buffer(std::make_unique<Buffer::State>(*device_, bytes, kind, name));
+}
+
+uint64_t Context::memory_in_use() const {
+  return device_->memory->in_use();
+}
+uint64_t Context::memory_peak() const {
+  return device_->memory->peak();
+}
+uint64_t Context::memory_reserved() const {
+  return device_->memory->reserved();
+}
+
+Recorder Context::make_recorder() {
+  return Recorder(std::make_unique<Recorder::State>(*device_));
+}
+
+Submission Context::submit(Recorder&& recorder) {
+  if (recorder.state_ == nullptr || recorder.state_->slot == nullptr) {
+    throw std::logic_error("submit: the recorder was submitted or moved away before");
+  }
+  Recorder::State& state = *recorder.state_;
+  if (state.slot->scopes_open()) {
+    throw std::logic_error("submit: a scope of the recorder is still open");
+  }
+  if (state.device != device_.get()) {
+    throw std::logic_error("submit: the recorder belongs to another context");
+  }
+  // What the device wrote is there for the host once it has waited.
+  using Stage = vk::PipelineStageFlagBits2;
+  using Access = vk::AccessFlagBits2;
+  const vk::MemoryBarrier2 to_host(Stage::eComputeShader | Stage::eAllTransfer,
+                                   Access::eShaderStorageWrite | Access::eTransferWrite,
+                                   Stage::eHost, Access::eHostRead);
+  state.slot->commands().pipelineBarrier2(vk::DependencyInfo({}, to_host));
+  translated("ending a recording", [&] { state.slot->end(); });
+  const uint64_t value = device_->submit(*state.slot);
+  return Submission(std::make_unique<Submission::State>(*device_, std::move(state.slot), value));
+}
+
+std::vector<std::string> Context::validation_messages() const {
+  return device_->instance.log->messages();
+}
+
+}  // namespace adit::engine

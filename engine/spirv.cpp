@@ -1,0 +1,356 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/spirv.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+#include "engine/error.hpp"
+
+namespace adit::engine {
+namespace {
+
+constexpr uint32_t kMagic = 0x07230203;
+constexpr uint32_t kMaxBound = 4'194'303;  // the specification's limit on ids
+
+// Instructions, decorations, modes and storage classes: only those that are read here.
+enum Op : uint32_t {
+  kOpName = 5,
+  kOpMemberName = 6,
+  kOpEntryPoint = 15,
+  kOpExecutionMode = 16,
+  kOpTypeInt = 21,
+  kOpTypeFloat = 22,
+  kOpTypeVector = 23,
+  kOpTypeMatrix = 24,
+  kOpTypeArray = 28,
+  kOpTypeRuntimeArray = 29,
+  kOpTypeStruct = 30,
+  kOpTypePointer = 32,
+  kOpConstant = 43,
+  kOpSpecConstantTrue = 48,
+  kOpSpecConstantFalse = 49,
+  kOpSpecConstant = 50,
+  kOpVariable = 59,
+  kOpDecorate = 71,
+  kOpMemberDecorate = 72,
+  kOpExecutionModeId = 331,
+};
+enum Decoration : uint32_t {
+  kSpecId = 1,
+  kArrayStride = 6,
+  kMatrixStride = 7,
+  kNonWritable = 24,
+  kBinding = 33,
+  kDescriptorSet = 34,
+  kOffset = 35,
+};
+constexpr uint32_t kModeLocalSize = 17;
+constexpr uint32_t kModeLocalSizeId = 38;
+constexpr uint32_t kModelGLCompute = 5;
+constexpr uint32_t kClassUniformConstant = 0;
+constexpr uint32_t kClassUniform = 2;
+constexpr uint32_t kClassPushConstant = 9;
+constexpr uint32_t kClassStorageBuffer = 12;
+
+struct Member {
+  std::string name;
+  std::optional<uint32_t> offset;
+  uint32_t matrix_stride = 0;
+  bool non_writable = false;
+};
+
+// What is known of one id. Decorations and names come before the types they belong to.
+struct Id {
+  uint32_t op = 0;
+  std::string name;
+  std::optional<uint32_t> spec_id, binding, set;
+  uint32_t array_stride = 0;
+  bool non_writable = false;
+  std::map<uint32_t, Member> members;
+  uint32_t bytes = 0;           // of a type; 0: not known before run time
+  uint32_t columns = 0;         // of a matrix
+  uint32_t element = 0;         // id an array or a pointer refers to
+  uint32_t value = 0;           // of a constant
+  std::vector<uint32_t> types;  // of a struct's members
+};
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error("SPIR-V module cannot be used: " + what);
+}
+
+// The operands of one instruction; reading past its end is an error, not a crash.
+class Operands {
+ public:
+  explicit Operands(std::span<const uint32_t> words) : words_(words) {}
+  std::size_t size() const { return words_.size(); }
+  uint32_t operator[](std::size_t i) const {
+    if (i >= words_.size()) {
+      fail("an instruction is cut short");
+    }
+    return words_[i];
+  }
+  std::string text(std::size_t from) const {
+    std::string text;
+    for (std::size_t i = from; i < words_.size(); ++i) {
+      for (uint32_t shift = 0; shift < 32; shift += 8) {
+        const char c = static_cast<char>((words_[i] >> shift) & 0xFFU);
+        if (c == '\0') {
+          return text;
+        }
+        text.push_back(c);
+      }
+    }
+    fail("a name does not end");
+  }
+
+ private:
+  std::span<const uint32_t> words_;
+};
+
+class Parser {
+ public:
+  Reflection parse(std::span<const uint32_t> words);
+
+ private:
+  Id& id(uint32_t index) {
+    if (index >= ids_.size()) {
+      fail("id " + std::to_string(index) + " is out of range");
+    }
+    return ids_[index];
+  }
+  void instruction(uint32_t op, const Operands& in);
+  void decorate(uint32_t decoration, uint32_t value, Id& target);
+  void decorate_member(uint32_t decoration, uint32_t value, Member& member);
+  void define_type(uint32_t op, const Operands& in);
+  void define_struct(Id& type);
+  void variable(const Operands& in);
+  void finish();
+
+  std::vector<Id> ids_;
+  std::vector<uint32_t> struct_ids_;
+  std::array<uint32_t, 3> size_ids_{};  // constants of LocalSizeId
+  uint32_t entry_points_ = 0;
+  Reflection result_;
+};
+
+Reflection Parser::parse(std::span<const uint32_t> words) {
+  if (words.size() < 5 || words[0] != kMagic) {
+    fail("it does not begin like one");
+  }
+  if (words[3] > kMaxBound) {
+    fail("too many ids");
+  }
+  ids_.resize(words[3]);
+  for (std::size_t at = 5; at < words.size();) {
+    const std::size_t length = words[at] >> 16U;
+    if (length == 0 || length > words.size() - at) {
+      fail("it is cut short at word " + std::to_string(at));
+    }
+    instruction(words[at] & 0xFFFFU, Operands(words.subspan(at + 1, length - 1)));
+    at += length;
+  }
+  finish();
+  return std::move(result_);
+}
+
+void Parser::instruction(uint32_t op, const Operands& in) {
+  switch (op) {
+    case kOpName:
+      id(in[0]).name = in.text(1);
+      break;
+    case kOpMemberName:
+      id(in[0]).members[in[1]].name = in.text(2);
+      break;
+    case kOpDecorate:
+      decorate(in[1], in.size() > 2 ? in[2] : 0, id(in[0]));
+      break;
+    case kOpMemberDecorate:
+      decorate_member(in[2], in.size() > 3 ? in[3] : 0, id(in[0]).members[in[1]]);
+      break;
+    case kOpEntryPoint:
+      entry_points_ += in[0] == kModelGLCompute ? 1U : 2U;
+      break;
+    case kOpExecutionMode:
+      if (in[1] == kModeLocalSize) {
+        result_.local_size = {in[2], in[3], in[4]};
+      }
+      break;
+    case kOpExecutionModeId:
+      if (in[1] == kModeLocalSizeId) {
+        size_ids_ = {in[2], in[3], in[4]};
+      }
+      break;
+    case kOpConstant:
+    case kOpSpecConstant:
+      id(in[1]).op = op;
+      id(in[1]).value = in[2];
+      break;
+    case kOpSpecConstantTrue:
+    case kOpSpecConstantFalse:
+      id(in[1]).op = op;
+      id(in[1]).value = op == kOpSpecConstantTrue ? 1 : 0;
+      break;
+    case kOpVariable:
+      variable(in);
+      break;
+    default:
+      define_type(op, in);
+  }
+}
+
+void Parser::decorate(uint32_t decoration, uint32_t value, Id& target) {
+  switch (decoration) {
+    case kSpecId:
+      target.spec_id = value;
+      break;
+    case kBinding:
+      target.binding = value;
+      break;
+    case kDescriptorSet:
+      target.set = value;
+      break;
+    case kArrayStride:
+      target.array_stride = value;
+      break;
+    case kNonWritable:
+      target.non_writable = true;
+      break;
+    default:
+      break;
+  }
+}
+
+void Parser::decorate_member(uint32_t decoration, uint32_t value, Member& member) {
+  if (decoration == kOffset) {
+    member.offset = value;
+  } else if (decoration == kMatrixStride) {
+    member.matrix_stride = value;
+  } else if (decoration == kNonWritable) {
+    member.non_writable = true;
+  }
+}
+
+// Types are defined before they are used, so each one's size is known when the next needs it.
+void Parser::define_type(uint32_t op, const Operands& in) {
+  switch (op) {
+    case kOpTypeInt:
+    case kOpTypeFloat:
+      id(in[0]).bytes = in[1] / 8;
+      break;
+    case kOpTypeVector:
+      id(in[0]).bytes = id(in[1]).bytes * in[2];
+      break;
+    case kOpTypeMatrix:
+      id(in[0]).columns = in[2];
+      id(in[0]).bytes = id(in[1]).bytes * in[2];
+      break;
+    case kOpTypeArray:
+      id(in[0]).element = in[1];
+      id(in[0]).bytes = id(in[0]).array_stride * id(in[2]).value;
+      break;
+    case kOpTypeRuntimeArray:
+    case kOpTypePointer:
+      id(in[0]).element = in[op == kOpTypePointer ? 2 : 1];
+      break;
+    case kOpTypeStruct:
+      for (std::size_t i = 1; i < in.size(); ++i) {
+        id(in[0]).types.push_back(in[i]);
+      }
+      define_struct(id(in[0]));
+      if (std::ranges::all_of(id(in[0]).members,
+                              [](const auto& m) { return m.second.offset.has_value(); })) {
+        struct_ids_.push_back(in[0]);
+      }
+      break;
+    default:
+      return;
+  }
+  id(in[0]).op = op;
+}
+
+void Parser::define_struct(Id& type) {
+  for (uint32_t i = 0; i < type.types.size(); ++i) {
+    const Member& member = type.members[i];
+    const Id& of = id(type.types[i]);
+    const uint32_t bytes = of.columns > 0 ? of.columns * member.matrix_stride : of.bytes;
+    type.bytes = std::max(type.bytes, member.offset.value_or(0) + bytes);
+  }
+}
+
+void Parser::variable(const Operands& in) {
+  const Id& variable = id(in[1]);
+  const uint32_t storage = in[2];
+  const Id& type = id(id(in[0]).element);
+  if (storage == kClassPushConstant) {
+    result_.push_bytes = type.bytes;
+  } else if (storage == kClassStorageBuffer) {
+    if (variable.set.value_or(0) != 0 || !variable.binding.has_value()) {
+      fail("a storage buffer is outside descriptor set 0");
+    }
+    const bool read_only =
+        variable.non_writable ||
+        (!type.types.empty() &&
+         std::ranges::all_of(type.members, [](const auto& m) { return m.second.non_writable; }));
+    result_.bindings.push_back({*variable.binding, read_only});
+  } else if (storage == kClassUniform || storage == kClassUniformConstant) {
+    fail("it uses descriptors other than storage buffers");
+  }
+}
+
+void Parser::finish() {
+  if (entry_points_ != 1) {
+    fail("it is not one compute shader");
+  }
+  std::ranges::sort(result_.bindings, {}, &BindingInfo::binding);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (size_ids_[axis] != 0) {
+      result_.local_size[axis] = id(size_ids_[axis]).value;
+      result_.local_size_ids[axis] = id(size_ids_[axis]).spec_id;
+    }
+  }
+  std::map<uint32_t, uint32_t> constants;
+  for (const Id& constant : ids_) {
+    if (constant.spec_id.has_value() && constant.op != 0) {
+      constants.emplace(*constant.spec_id, constant.value);
+    }
+  }
+  for (const auto& [spec_id, value] : constants) {
+    result_.spec_constants.push_back({spec_id, value});
+  }
+  for (const uint32_t index : struct_ids_) {
+    const Id& type = id(index);
+    StructLayout layout{type.name, {}, {}};
+    for (uint32_t i = 0; i < type.types.size(); ++i) {
+      const Member& member = type.members.at(i);
+      const Id& of = id(type.types[i]);
+      layout.members.push_back({member.name, member.offset.value_or(0),
+                                of.columns > 0 ? of.columns * member.matrix_stride : of.bytes,
+                                of.array_stride});
+    }
+    for (const Id& array : ids_) {
+      if ((array.op == kOpTypeArray || array.op == kOpTypeRuntimeArray) && array.element == index &&
+          array.array_stride != 0) {
+        layout.array_strides.push_back(array.array_stride);
+      }
+    }
+    result_.structs.push_back(std::move(layout));
+  }
+}
+
+}  // namespace
+
+uint32_t StructLayout::end() const {
+  uint32_t end = 0;
+  for (const StructMember& member : members) {
+    end = std::max(end, member.offset + member.bytes);
+  }
+  return end;
+}
+
+Reflection reflect(std::span<const uint32_t> words) {
+  return Parser().parse(words);
+}
+
+}  // namespace adit::engine

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/submission.hpp"
+
+#include <stdexcept>
+
+#include "engine/submission_state.hpp"
+
+namespace adit::engine {
+
+Submission::State::State(Device& owner, std::unique_ptr<CommandSlot> commands, uint64_t at)
+    : device(&owner), slot(std::move(commands)), value(at) {}
+
+Submission::State::~State() {
+  try {
+    wait();
+  } catch (const Error&) {
+    // Whoever needs to know that the device is lost waits by name; commands and buffers can go now.
+  }
+}
+
+void Submission::State::wait() {
+  if (slot == nullptr) {
+    return;
+  }
+  device->wait(value);
+  times = translated("reading timestamps",
+                     [&] { return slot->scope_times(device->ns_per_tick, device->tick_mask); });
+  device->recycle(std::move(slot));
+}
+
+Submission::Submission(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Submission::Submission(Submission&&) noexcept = default;
+Submission& Submission::operator=(Submission&&) noexcept = default;
+Submission::~Submission() = default;
+
+void Submission::wait() {
+  state_->wait();
+}
+
+bool Submission::done() const {
+  return state_->slot == nullptr || state_->device->reached(state_->value);
+}
+
+const std::vector<ScopeTime>& Submission::scope_times() const {
+  if (state_->slot != nullptr) {
+    throw std::logic_error("scope_times() is read before wait()");
+  }
+  return state_->times;
+}
+
+}  // namespace adit::engine
