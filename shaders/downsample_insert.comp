@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Voxel down-sampling, pass 1 of 3: gathers the raw points of a sweep into a hash grid of cells of edge
+// r_input. One thread takes kRun consecutive points; neighbours along a beam share cells, so it adds up a
+// run in registers and touches the table once a run. Written: the cells' integer sums, and for each point
+// that starts a run 1 + the slot of its cell (others: kFree).
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/include/hash.glsl"
+#include "shaders/shared/preprocess.h"
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 0) const uint kLocalSize = 64;
+layout(constant_id = 1) const uint kRun = 16;
+
+layout(set = 0, binding = 0, scalar) readonly buffer Raw { vec4 points[]; };
+layout(set = 0, binding = 1, scalar) buffer Table { InputCell cells[]; };
+layout(set = 0, binding = 2, scalar) writeonly buffer Slots { uint slot_of[]; };
+layout(set = 0, binding = 3, scalar) buffer Counters { SweepCounters counters; };
+layout(push_constant, scalar) uniform Push { DownsamplePush push; };
+
+struct Run {
+  uint first;
+  uint count;
+  ivec3 cell;
+  uvec3 sum;
+};
+
+ivec3 cell_of(vec3 p) { return ivec3(floor(p * push.inverse_cell)); }
+
+uint insert(Run run) {
+  uint slot = hash_cell(run.cell) & push.table_mask;
+  uint probes = 0;
+  bool found;
+  do {
+    const uint owner = atomicCompSwap(cells[slot].owner, kFree, run.first + 1);
+    found = owner == kFree || cell_of(points[owner == kFree ? run.first : owner - 1].xyz) == run.cell;
+    slot = found ? slot : (slot + 1) & push.table_mask;
+    probes += 1;
+  } while (!found && probes < kMaxProbes);
+  if (!found) {
+    atomicAdd(counters.input_failures, run.count);
+    return kFree;
+  }
+  atomicMax(cells[slot].inverted_first, ~run.first);
+  atomicAdd(cells[slot].count, run.count);
+  atomicAdd(cells[slot].sum_x, run.sum.x);
+  atomicAdd(cells[slot].sum_y, run.sum.y);
+  atomicAdd(cells[slot].sum_z, run.sum.z);
+  return slot + 1;
+}
+
+void main() {
+  const uint begin = gl_GlobalInvocationID.x * kRun;
+  const uint end = min(begin + kRun, push.point_count);
+  uint valid_points = 0;
+  Run run = Run(0, 0, ivec3(0), uvec3(0));
+  for (uint i = begin; i <= end && begin < end; ++i) {
+    const vec3 p = points[min(i, push.point_count - 1)].xyz;
+    const float squared = dot(p, p);
+    const bool valid =
+        i < end && is_finite(p) && squared >= push.min_squared && squared <= push.max_squared;
+    const vec3 scaled = p * push.inverse_cell;
+    const vec3 corner = floor(scaled);
+    const ivec3 cell = ivec3(corner);
+    const bool continues = valid && run.count > 0 && cell == run.cell;
+    if (!continues && run.count > 0) {
+      slot_of[run.first] = insert(run);
+      run.count = 0;
+    }
+    if (valid) {
+      const uvec3 offset = fixed_offset(scaled, corner);
+      run = Run(continues ? run.first : i, run.count + 1, cell, continues ? run.sum + offset : offset);
+      valid_points += 1;
+    }
+    if (i < end && !(valid && run.first == i)) {
+      slot_of[i] = kFree;
+    }
+  }
+  if (valid_points > 0) {
+    atomicAdd(counters.valid_points, valid_points);
+  }
+}

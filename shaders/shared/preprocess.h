@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Down-sampling and surface estimation of one sweep: what the kernels and the host share.
+#ifndef ADIT_SHADERS_SHARED_PREPROCESS_H
+#define ADIT_SHADERS_SHARED_PREPROCESS_H
+#include "shaders/shared/prelude.h"
+#ifdef __cplusplus
+namespace adit::gpu {
+#endif
+
+// One cell of the down-sampling grid while it is being filled. Sums are offsets from the cell's corner in
+// 1/65536 of its edge: integers, so that any order of addition gives the same bits.
+struct InputCell {
+  uint owner;   // 1 + index of the raw point that claimed the slot; kFree: free
+  uint inverted_first;  // the largest ~index of its points: the smallest index, its place in the output
+  uint count;
+  uint sum_x, sum_y, sum_z;
+  uint unused0, unused1;  // 32 bytes: a cell never straddles two cache lines
+};
+
+// What the kernels of one sweep report. Zeroed by the host before the sweep.
+struct SweepCounters {
+  uint valid_points;      // raw points left after NaN, no-return and range clipping
+  uint cloud_points;      // points of the down-sampled cloud
+  uint input_failures;    // raw points that found no slot: 0, or the table is too small
+  uint surface_failures;  // cloud points that found no surface cell: 0, or the table is too small
+};
+
+struct DownsamplePush {
+  uint point_count;
+  uint table_mask;     // slots - 1, slots a power of two
+  float inverse_cell;  // 1 / r_input, 1/m
+  float min_squared;   // c_min^2, m^2
+  float max_squared;   // c_max^2, m^2
+};
+
+struct CountPush {
+  uint point_count;
+};
+
+struct EmitPush {
+  uint point_count;
+  float cell;                  // r_input, m
+  float inverse_cell;          // 1 / r_input, 1/m
+  float inverse_surface_cell;  // 1 / edge of a level-0 surface cell, 1/m
+  float level_factor;          // (beam_spacing / r_input)^2, 1/m^2
+  uint surface_mask;           // slots of the surface table - 1
+};
+
+struct SurfacePush {
+  float inverse_surface_cell;
+  float level_factor;
+  uint surface_mask;
+};
+
+#ifdef __cplusplus
+}  // namespace adit::gpu
+#endif
+#endif

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Adds a cloud to a Gaussian voxel map, or takes it out again, exactly: all sums are integers. One thread
+// takes points strided over all threads. Written: count, mean and surface constraint sums of their voxels.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/include/surface.glsl"
+#include "shaders/shared/gaussian_cell.h"
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 0) const uint kLocalSize = 64;
+
+layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 surface_cloud[]; };
+layout(set = 0, binding = 1, scalar) buffer Voxels { GaussianCell voxels[]; };
+layout(set = 0, binding = 2, scalar) buffer Counters { VoxelMapCounters counters; };
+layout(push_constant, scalar) uniform Push { VoxelMapAddPush push; };
+
+void main() {
+  const uint threads = gl_NumWorkGroups.x * kLocalSize;
+  for (uint i = gl_GlobalInvocationID.x; i < push.point_count; i += threads) {
+    const uvec4 point = surface_cloud[i];
+    const vec3 p = vec4(uintBitsToFloat(point.xyz), 1.0) * push.pose;
+    const vec3 v = vec4(unpack_direction(point.w), 0.0) * push.pose;
+    const vec2 w = surface_weights(point.w);
+    const vec3 scaled = p * push.inverse_cell;
+    const vec3 corner = floor(scaled);
+    const uint key = pack_voxel(ivec3(corner));
+    if (key == kFree) {
+      atomicAdd(counters.out_of_range, 1);
+      continue;
+    }
+    uint slot = mix32(key) & push.table_mask;
+    uint probes = 0;
+    uint found;
+    do {
+      found = atomicCompSwap(voxels[slot].key, kFree, key);
+      slot = found == key || found == kFree ? slot : (slot + 1) & push.table_mask;
+      probes += 1;
+    } while (found != key && found != kFree && probes < kMaxProbes);
+    if (found == kFree) {
+      atomicAdd(counters.used_slots, 1);
+    } else if (found != key) {
+      atomicAdd(counters.failures, 1);
+      continue;
+    }
+    // P = w.x I + w.y v v^T, entries within [-1, 1], stored as (entry + 1) * 32768.
+    const uvec3 offset = fixed_offset(scaled, corner) * push.sign;
+    const vec3 vx = w.y * v.x * v;
+    const vec3 vy = w.y * v.y * v;
+    const uvec3 x = uvec3((vx + vec3(w.x, 0.0, 0.0) + 1.0) * 32768.0) * push.sign;
+    const uvec2 y = uvec2((vy.yz + vec2(w.x, 0.0) + 1.0) * 32768.0) * push.sign;
+    const uint z = uint((w.y * v.z * v.z + w.x + 1.0) * 32768.0) * push.sign;
+    atomicAdd(voxels[slot].count, push.sign);
+    atomicAdd(voxels[slot].sum_x, offset.x);
+    atomicAdd(voxels[slot].sum_y, offset.y);
+    atomicAdd(voxels[slot].sum_z, offset.z);
+    atomicAdd(voxels[slot].xx, x.x);
+    atomicAdd(voxels[slot].xy, x.y);
+    atomicAdd(voxels[slot].xz, x.z);
+    atomicAdd(voxels[slot].yy, y.x);
+    atomicAdd(voxels[slot].yz, y.y);
+    atomicAdd(voxels[slot].zz, z);
+  }
+}
