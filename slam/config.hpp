@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Every setting of the system, with its default and unit. A field is listed twice: as a member, and in
+// the visit() below it, which is what reads, writes, documents and validates configurations.
+// Names with a paper symbol (c_min, r_input, ...) are those of LG-SLAM, Table I.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace adit {
+
+/// What happens to a sweep before registration.
+struct PreprocessConfig {
+  double c_min = 0.5;     ///< m
+  double c_max = 100.0;   ///< m
+  double r_input = 0.25;  ///< m
+  double beam_spacing = 0.007;  ///< rad
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("c_min", self.c_min, "m", "returns nearer than this are dropped");
+    field("c_max", self.c_max, "m", "returns farther than this are dropped");
+    field("r_input", self.r_input, "m", "voxel size of the sweep's down-sampling (one centroid a voxel)");
+    field("beam_spacing", self.beam_spacing, "rad",
+          "angle between neighbouring beams, the wider of the two directions; the radius of normal "
+          "estimation grows with range times this");
+  }
+};
+
+/// Alignment of a sweep with the submap (VGICP).
+struct RegistrationConfig {
+  double r_align = 1.0;               ///< m
+  double d_max = 1.0;                 ///< m
+  int max_iterations = 20;
+  double translation_epsilon = 1e-3;  ///< m
+  double rotation_epsilon = 2e-4;     ///< rad
+  int min_inliers = 100;
+  double min_overlap = 0.3;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("r_align", self.r_align, "m", "voxel size of the submap's Gaussian voxel map");
+    field("d_max", self.d_max, "m", "matches farther apart than this are not used");
+    field("max_iterations", self.max_iterations, "", "Gauss-Newton iterations at most");
+    field("translation_epsilon", self.translation_epsilon, "m", "converged when a step is shorter than this");
+    field("rotation_epsilon", self.rotation_epsilon, "rad", "and turns less than this");
+    field("min_inliers", self.min_inliers, "", "fewer matched points are a failure");
+    field("min_overlap", self.min_overlap, "", "a smaller fraction of matched points is a failure");
+  }
+};
+
+/// The rolling submap that sweeps are aligned with.
+struct SubmapConfig {
+  int l = 10;  ///< clouds
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("l", self.l, "clouds", "the submap holds the last l aligned sweeps");
+  }
+};
+
+/// What the map keeps.
+struct KeyframeConfig {
+  double delta_trans = 1.0;      ///< m
+  double delta_rot = 0.3926991;  ///< rad
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("delta_trans", self.delta_trans, "m", "a sweep becomes a keyframe after this distance");
+    field("delta_rot", self.delta_rot, "rad", "or after this rotation");
+  }
+};
+
+/// What to do when a sweep cannot be aligned.
+struct RecoveryConfig {
+  int max_coasting = 5;  ///< sweeps
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("max_coasting", self.max_coasting, "sweeps",
+          "failed sweeps in a row that are bridged by the predicted motion; after them the submap starts anew");
+  }
+};
+
+struct Config {
+  PreprocessConfig preprocess;
+  RegistrationConfig registration;
+  SubmapConfig submap;
+  KeyframeConfig keyframe;
+  RecoveryConfig recovery;
+
+  /// Calls section(name, struct) for each section, in the order of the file.
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& section) {
+    section("preprocess", self.preprocess);
+    section("registration", self.registration);
+    section("submap", self.submap);
+    section("keyframe", self.keyframe);
+    section("recovery", self.recovery);
+  }
+};
+
+/// The first setting that makes no sense: its dotted name and what would.
+struct ConfigProblem {
+  std::string field;    ///< e.g. "preprocess.c_max"
+  std::string message;  ///< e.g. "is 0.2; must be greater than preprocess.c_min (0.5)"
+};
+
+/// Checks ranges and relations between fields. Empty when the configuration can be used.
+std::optional<ConfigProblem> validate(const Config& config);
+
+}  // namespace adit
