@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/evaluate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace adit {
+namespace {
+
+std::vector<std::string> find_warnings(const Trajectory& estimate, const Trajectory& truth,
+                                       const AssociationSummary& association) {
+  std::vector<std::string> warnings;
+  if (!association.by_time && association.estimate_poses != association.truth_poses) {
+    const bool one_stamped = estimate.stamped != truth.stamped;
+    warnings.push_back(
+        "the files hold " + std::to_string(association.estimate_poses) + " and " +
+        std::to_string(association.truth_poses) +
+        " poses and are matched by index: right only if both begin at the same sweep and none is "
+        "left out" +
+        (one_stamped ? "; give times to the one without (--truth-times, --estimate-times)" : ""));
+  }
+  const std::size_t possible = std::min(association.estimate_poses, association.truth_poses);
+  if (association.by_time && association.pairs * 10 < possible * 9) {
+    warnings.push_back(
+        "only " + std::to_string(association.pairs) + " of " + std::to_string(possible) +
+        " possible pairs lie within the tolerance: the figures stand for these alone");
+  }
+  return warnings;
+}
+
+}  // namespace
+
+Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
+                    const EvaluationOptions& options) {
+  Evaluation result;
+  result.options = options;
+  const Association association = associate(estimate, truth, options.tolerance);
+  result.association = association.summary;
+  std::vector<Eigen::Isometry3d> unaligned;
+  for (const MatchedPair& pair : association.pairs) {
+    unaligned.push_back(estimate.poses[pair.estimate].pose);
+    result.truth.push_back(truth.poses[pair.truth].pose);
+    if (association.summary.by_time) {
+      result.stamps.push_back(std::chrono::duration<double>(truth.poses[pair.truth].stamp).count());
+    }
+  }
+  const std::optional<Similarity> alignment = align(unaligned, result.truth, options.alignment);
+  if (!alignment) {
+    throw InputError(estimate.file, {},
+                     "its " + std::to_string(unaligned.size()) +
+                         " matched positions do not determine an alignment: fewer than three, or "
+                         "all on one line or in one place",
+                     "Use --align origin or --align none");
+  }
+  result.alignment = *alignment;
+  for (const Eigen::Isometry3d& pose : unaligned) {
+    result.estimate.push_back(*alignment * pose);
+  }
+  result.truth_path = path_lengths(result.truth);
+  result.position_errors = position_errors(result.estimate, result.truth);
+  result.ate = statistics(result.position_errors);
+  result.ate_rotation = statistics(rotation_errors(result.estimate, result.truth));
+  result.ate_unaligned = statistics(position_errors(unaligned, result.truth));
+  result.rpe = relative_errors(result.estimate, result.truth, options.rpe);
+  result.segments = kitti_segment_errors(result.estimate, result.truth);
+  result.all_segments = result.segments.back();
+  result.segments.pop_back();
+  result.warnings = find_warnings(estimate, truth, result.association);
+  return result;
+}
+
+}  // namespace adit

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/svg.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace adit {
+namespace {
+
+constexpr double kVisibleStep = 1.0 / 3.0;  // px
+
+/// A number as SVG wants it, whatever the locale; one hundredth of a pixel is enough.
+std::string number(double value) {
+  std::array<char, 64> text{};
+  const double bounded = std::clamp(value, -1e6, 1e6);
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), bounded, std::chars_format::fixed, 2);
+  return {text.data(), end.ptr};
+}
+
+std::string attribute(std::string_view name, double value) {
+  return " " + std::string(name) + "=\"" + number(value) + "\"";
+}
+
+std::string attribute(std::string_view name, std::string_view value) {
+  return " " + std::string(name) + "=\"" + std::string(value) + "\"";
+}
+
+std::string stroke_attributes(const SvgStroke& stroke) {
+  std::string text = attribute("stroke", stroke.color) + attribute("stroke-width", stroke.width);
+  return stroke.dash.empty() ? text : text + attribute("stroke-dasharray", stroke.dash);
+}
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += static_cast<unsigned char>(c) < 0x20U ? '?' : c;
+    }
+  }
+  return result;
+}
+
+std::string point_list(std::span<const Eigen::Vector2d> points) {
+  std::string list;
+  const Eigen::Vector2d* last = nullptr;
+  for (const Eigen::Vector2d& point : points) {
+    if (last != nullptr && &point != &points.back() && (point - *last).norm() < kVisibleStep) {
+      continue;
+    }
+    last = &point;
+    list += (list.empty() ? "" : " ") + number(point.x()) + "," + number(point.y());
+  }
+  return list;
+}
+
+}  // namespace
+
+SvgDocument::SvgDocument(double width, double height)
+    : head_("<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) +
+            attribute("height", height) + " viewBox=\"0 0 " + number(width) + " " + number(height) +
+            "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<rect width=\"100%\" "
+            "height=\"100%\" "
+            "fill=\"#ffffff\"/>\n") {}
+
+void SvgDocument::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                       const SvgStroke& stroke) {
+  body_ += "<line" + attribute("x1", from.x()) + attribute("y1", from.y()) +
+           attribute("x2", to.x()) + attribute("y2", to.y()) + stroke_attributes(stroke) + "/>\n";
+}
+
+void SvgDocument::polyline(std::span<const Eigen::Vector2d> points, const SvgStroke& stroke) {
+  body_ += "<polyline fill=\"none\" stroke-linejoin=\"round\"" + stroke_attributes(stroke) +
+           attribute("points", point_list(points)) + "/>\n";
+}
+
+void SvgDocument::polygon(std::span<const Eigen::Vector2d> points, std::string_view fill,
+                          double opacity) {
+  body_ += "<polygon" + attribute("fill", fill) + attribute("fill-opacity", opacity) +
+           attribute("points", point_list(points)) + "/>\n";
+}
+
+void SvgDocument::rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
+                            const SvgStroke& stroke) {
+  body_ += "<rect fill=\"none\"" + attribute("x", corner.x()) + attribute("y", corner.y()) +
+           attribute("width", size.x()) + attribute("height", size.y()) +
+           stroke_attributes(stroke) + "/>\n";
+}
+
+void SvgDocument::circle(const Eigen::Vector2d& center, double radius, std::string_view fill,
+                         const SvgStroke& stroke) {
+  body_ += "<circle" + attribute("cx", center.x()) + attribute("cy", center.y()) +
+           attribute("r", radius) + attribute("fill", fill) + stroke_attributes(stroke) + "/>\n";
+}
+
+void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font) {
+  constexpr std::array<std::string_view, 3> kAnchors = {"start", "middle", "end"};
+  body_ += "<text" + attribute("x", at.x()) + attribute("y", at.y()) +
+           attribute("font-size", font.size) + attribute("fill", font.color) +
+           attribute("text-anchor", kAnchors[static_cast<std::size_t>(font.anchor)]);
+  if (font.bold) {
+    body_ += attribute("font-weight", "bold");
+  }
+  if (font.upwards) {
+    body_ += attribute("transform", "rotate(-90 " + number(at.x()) + " " + number(at.y()) + ")");
+  }
+  body_ += ">" + escaped(text) + "</text>\n";
+}
+
+std::string SvgDocument::str() const {
+  return head_ + body_ + "</svg>\n";
+}
+
+std::vector<double> round_ticks(double low, double high, int count) {
+  const double raw = (high - low) / std::max(count, 1);
+  if (!(raw > 0.0) || !std::isfinite(raw)) {
+    return {low};
+  }
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  const double mantissa = raw / power;
+  const double step = power * (mantissa < 1.5   ? 1.0
+                               : mantissa < 3.5 ? 2.0
+                               : mantissa < 7.5 ? 5.0
+                                                : 10.0);
+  std::vector<double> ticks;
+  const double first = std::ceil(low / step - 1e-9);
+  for (double i = first; i * step <= high + 1e-9 * step; i += 1.0) {
+    ticks.push_back(i * step);
+  }
+  return ticks;
+}
+
+std::string tick_label(double value, double step) {
+  const int decimals =
+      step > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9) : 3;
+  std::array<char, 352> text{};
+  const double shown = std::abs(value) < 1e-9 * step ? 0.0 : value;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), shown,
+                                 std::chars_format::fixed, decimals);
+  return {text.data(), end.ptr};
+}
+
+}  // namespace adit
