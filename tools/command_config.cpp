@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_config.hpp"
+
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/command_guard.hpp"
+
+namespace adit {
+
+int config_command(const ConfigSource& source, std::ostream& out, std::ostream& err) {
+  return guarded("adit config", err, [&] {
+    out << to_toml(load_config(source)) << std::flush;
+    return 0;
+  });
+}
+
+void add_config_options(CLI::App& command, ConfigSource& source) {
+  command
+      .add_option("--config", source.file, "TOML file; `adit config` prints one with every setting")
+      ->type_name("FILE");
+  command
+      .add_option("--set", source.overrides, "Overrides one setting; may be given several times")
+      ->type_name("SECTION.KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done) {
+  auto source = std::make_shared<ConfigSource>();
+  CLI::App* command = app.add_subcommand(
+      "config", "Print the effective configuration, each setting with unit and meaning");
+  command->footer(
+      "What it prints is a configuration file that gives the same configuration.\n\n"
+      "Examples:\n"
+      "  adit config > my.toml\n"
+      "  adit config --config my.toml --set preprocess.r_input=0.5");
+  add_config_options(*command, *source);
+  command->callback(
+      [source, done = std::move(done)] { done(config_command(*source, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit

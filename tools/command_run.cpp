@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tools/command_config.hpp"
+#include "tools/command_guard.hpp"
+#include "tools/progress.hpp"
+#include "tools/run_mapping.hpp"
+#include "tools/run_statistics.hpp"
+#include "tools/run_summary.hpp"
+#include "tools/stop_signal.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+SweepRange choose_range(const Recording& recording, const RunCommandOptions& options) {
+  const std::size_t size = recording.size();
+  if (options.start >= size) {
+    throw UsageError("--start " + std::to_string(options.start) +
+                     ": the recording has the sweeps 0 to " + std::to_string(size - 1) + ".");
+  }
+  const std::size_t rest = size - options.start;
+  return {.first = options.start, .count = std::min(options.count.value_or(rest), rest)};
+}
+
+RunDescription describe_run(const RunCommandOptions& options, const Config& config,
+                            const Recording& recording, const engine::Context& context) {
+  return {.recording = options.recording,
+          .recording_description = recording.description(),
+          .recording_sweeps = recording.size(),
+          .times_are_assumed = recording.times_are_assumed(),
+          .range = choose_range(recording, options),
+          .output = options.output,
+          .map = options.map,
+          .config = config,
+          .device = context.device(),
+          .device_requested = requested_device(options.device.device),
+          .software_fallback = context.software_fallback(),
+          .memory_budget_bytes = options.device.max_vram_bytes,
+          .validation = options.device.validation};
+}
+
+/// The new text replaces the old one whole or not at all.
+void replace_text_file(const std::filesystem::path& file, const std::string& text) {
+  const std::filesystem::path draft = file.string() + ".part";
+  write_text_file(draft, text);
+  std::error_code error;
+  std::filesystem::rename(draft, file, error);
+  if (error) {
+    throw OutputError(file, file.string() + ": cannot be replaced: " + error.message() + ".");
+  }
+}
+
+/// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
+/// it had ended before.
+RunOutcome map_and_close(const Mapping& mapping) {
+  RunOutcome outcome;
+  const auto start = std::chrono::steady_clock::now();
+  outcome.result = map_recording(mapping);
+  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  try {
+    mapping.outputs.close();
+  } catch (const OutputError& error) {
+    if (outcome.result.end == RunEnd::completed) {
+      outcome.result = {RunEnd::output_error, error.what()};
+    }
+  }
+  outcome.map_points = mapping.outputs.map_points();
+  return outcome;
+}
+
+/// Says what went wrong and returns the exit code.
+int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::ostream& err) {
+  for (const std::string& message : outcome.validation_messages) {
+    err << "adit run: validation: " << message << "\n";
+  }
+  if (outcome.result.end != RunEnd::completed) {
+    err << "adit run: " << outcome.result.reason << "\n"
+        << "adit run: ended early after " << statistics.sweeps()
+        << " sweeps; what was computed is kept" << std::endl;
+    return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
+  }
+  if (statistics.sweeps() > 1 && statistics.count(OdometryState::tracking) == 0) {
+    err << "adit run: not one sweep could be aligned with the ones before it; the trajectory is a "
+           "guess"
+        << std::endl;
+    return 1;
+  }
+  return outcome.validation_messages.empty() ? 0 : 1;
+}
+
+int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const Config config = load_config(options.config);
+  const std::unique_ptr<Recording> recording = open_recording(options.recording);
+  const SweepRange range = choose_range(*recording, options);
+  check_writable(options.output, options.map);
+  engine::Context context = open_device(options.device);
+  if (context.software_fallback() && !options.quiet) {
+    err << software_note(context.device()) << std::endl;
+  }
+  const RunDescription description = describe_run(options, config, *recording, context);
+  Odometry odometry(context, config);
+
+  RunOutputs outputs(options.output, options.map);
+  const RunFiles files(options.output);
+  write_text_file(files.summary, running_summary(description).dump(2) + "\n");
+  const StopSignal stop;
+  RunStatistics statistics(config);
+  Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
+                    "mapping", range.count);
+  RunOutcome outcome =
+      map_and_close({.recording = *recording,
+                     .range = range,
+                     .place = [&](const Sweep& sweep) { return odometry.step(sweep); },
+                     .stop = [] { return StopSignal::received() != 0; },
+                     .outputs = outputs,
+                     .statistics = statistics,
+                     .progress = progress,
+                     .quiet = options.quiet});
+  progress.finish();
+  outcome.device_peak_bytes = context.memory_peak();
+  outcome.validation_messages = context.validation_messages();
+
+  const int code = judge(outcome, statistics, err);
+  const std::string summary = final_summary(description, outcome, statistics).dump(2) + "\n";
+  if (options.json) {
+    out << summary << std::flush;
+  } else if (!options.quiet) {
+    out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
+  }
+  replace_text_file(files.summary, summary);
+  return code;
+}
+
+}  // namespace
+
+int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit run", err, [&] { return run(options, out, err); });
+}
+
+void add_device_options(CLI::App& command, DeviceOptions& device) {
+  command
+      .add_option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
+      ->type_name("DEVICE");
+  command.add_option("--max-vram", device.max_vram_bytes, "Most device memory to use, e.g. 512MiB")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("SIZE");
+  command.add_flag("--validation", device.validation,
+                   "Check every Vulkan call and barrier (slow); a complaint is a failure");
+}
+
+CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<RunCommandOptions>();
+  CLI::App* command = app.add_subcommand("run", "Map a recording: trajectory, map and summary");
+  command->footer(
+      "RECORDING is a folder of sweeps: KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or "
+      "one such file.\n"
+      "OUT gets trajectory.tum, trajectory.kitti, map.ply and summary.json.\n\n"
+      "Examples:\n"
+      "  adit run drive/ -o out\n"
+      "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
+      "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n\n"
+      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 130 stopped by Ctrl-C.\n"
+      "The environment's ADIT_DEVICE stands in for --device.");
+  command->add_option("recording", options->recording, "Folder or file of sweeps")
+      ->required()
+      ->type_name("RECORDING");
+  command->add_option("-o,--output", options->output, "Folder for the results; made if need be")
+      ->required()
+      ->type_name("OUT");
+  add_config_options(*command, options->config);
+  add_device_options(*command, options->device);
+  command->add_flag("--profile", options->device.profile,
+                    "Measure every stage on the device, and print the table");
+  command
+      ->add_option("--map-resolution", options->map.resolution,
+                   "Keep one map point per voxel of this size (m)")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->type_name("M");
+  command->add_flag("--no-map{false}", options->map.enabled, "Write no map.ply");
+  command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
+  command->add_option("--count", options->count, "Sweeps at most")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  command->add_flag("--json", options->json, "Print summary.json instead of the table");
+  command->add_flag("--quiet", options->quiet, "Print errors alone");
+  command->callback([options, done = std::move(done)] {
+    options->stage_table = options->device.profile;
+    done(run_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit
