@@ -3,7 +3,7 @@
 #include "engine/allocator.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <optional>
 #include <string>
 

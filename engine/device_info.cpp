@@ -3,9 +3,8 @@
 #include "engine/device_info.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <optional>
+#include <string_view>
 
 #include "engine/buffer.hpp"
 #include "engine/instance.hpp"
@@ -21,14 +20,14 @@ std::string version(uint32_t packed) {
 }
 
 std::string uuid_text(const uint8_t* bytes) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text;
   for (std::size_t i = 0; i < VK_UUID_SIZE; ++i) {
     if (i == 4 || i == 6 || i == 8 || i == 10) {
       text.push_back('-');
     }
-    std::array<char, 3> digits{};
-    std::snprintf(digits.data(), digits.size(), "%02x", bytes[i]);
-    text += digits.data();
+    text.push_back(kDigits[bytes[i] >> 4U]);
+    text.push_back(kDigits[bytes[i] & 15U]);
   }
   return text;
 }

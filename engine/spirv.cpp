@@ -3,7 +3,6 @@
 #include "engine/spirv.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 
 #include "engine/error.hpp"

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/device_fixture.hpp"
+
+namespace adit::engine {
+namespace {
+
+// Sets an environment variable for one test.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    if (const char* old = std::getenv(name); old != nullptr) {
+      old_ = old;
+    }
+    setenv(name, value, 1);
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  ~Environment() {
+    if (old_.has_value()) {
+      setenv(name_, old_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
+template <class Call>
+std::string message(Call&& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+ContextOptions named(std::string device) {
+  ContextOptions options;
+  options.device = std::move(device);
+  return options;
+}
+
+TEST(Context, EveryDeviceOfTheTestMeetsTheBaseline) {
+  const std::vector<DeviceInfo> devices = list_devices();
+  ASSERT_FALSE(devices.empty());
+  for (const DeviceInfo& device : devices) {
+    EXPECT_TRUE(device.software) << device.name;
+    EXPECT_TRUE(device.unified_memory) << device.name;
+    EXPECT_GE(device.requirements.size(), 20U);
+    for (const Requirement& requirement : device.requirements) {
+      EXPECT_TRUE(requirement.met) << device.name << ": " << requirement.name << " needs "
+                                   << requirement.needed << ", has " << requirement.has;
+    }
+  }
+}
+
+TEST(Context, DeviceIsOpenedByIndexNameAndUuid) {
+  const DeviceInfo first = list_devices().front();
+  for (const std::string& name :
+       {std::to_string(first.index), first.uuid, first.name, first.name.substr(0, 5)}) {
+    const Context context(named(name));
+    EXPECT_EQ(context.device().uuid, first.uuid);
+    EXPECT_FALSE(context.software_fallback());
+  }
+}
+
+TEST(Context, OnlySoftwareAndNothingAskedForIsAFallback) {
+  const Context context(named(""));
+  EXPECT_TRUE(context.software_fallback());
+}
+
+TEST(Context, DeviceThatDoesNotExistIsAnErrorThatListsWhatThereIs) {
+  const std::string text = message([] { Context context(named("Voodoo 2")); });
+  EXPECT_NE(text.find("Voodoo 2"), std::string::npos) << text;
+  EXPECT_NE(text.find(list_devices().front().name), std::string::npos) << text;
+}
+
+TEST(Context, MachineWithoutADriverIsToldWhatToInstall) {
+  const Environment no_driver("VK_DRIVER_FILES", "/nonexistent/driver.json");
+  const Environment older_name("VK_ICD_FILENAMES", "/nonexistent/driver.json");
+  const std::string text = message([] { Context context(named("")); });
+  EXPECT_NE(text.find("no Vulkan driver"), std::string::npos) << text;
+  EXPECT_NE(text.find("mesa-vulkan-drivers"), std::string::npos) << text;
+  EXPECT_EQ(message([] { list_devices(); }), text);
+}
+
+TEST(Context, MissingValidationLayerNamesItsPackage) {
+  const Environment no_layers("VK_LAYER_PATH", "/nonexistent");
+  ContextOptions options;
+  options.validation = true;
+  const std::string text = message([&] { Context context(options); });
+  EXPECT_NE(text.find("vulkan-validationlayers"), std::string::npos) << text;
+}
+
+TEST(Context, CanBeMovedWhileItsBuffersLive) {
+  std::optional<Context> last;  // outlives the buffer
+  Context first(named(""));
+  const Buffer buffer = first.make_buffer(1000, Memory::upload, "kept");
+  last.emplace(std::move(first));
+  EXPECT_EQ(last->memory_in_use(), 1024U);
+  EXPECT_EQ(buffer.size(), 1000U);
+}
+
+}  // namespace
+}  // namespace adit::engine

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/error.hpp"
+#include "engine/spirv.hpp"
+#include "shaders/embedded.hpp"
+
+namespace adit::engine {
+namespace {
+
+std::vector<uint32_t> probe() {
+  const std::span<const uint32_t> words = shaders::find("engine_probe");
+  return {words.begin(), words.end()};
+}
+
+TEST(Spirv, ProbeShaderIsReflectedAsItIsWritten) {
+  const Reflection reflection = reflect(probe());
+  ASSERT_EQ(reflection.bindings.size(), 2U);
+  EXPECT_EQ(reflection.bindings[0].binding, 0U);
+  EXPECT_TRUE(reflection.bindings[0].read_only);
+  EXPECT_EQ(reflection.bindings[1].binding, 1U);
+  EXPECT_FALSE(reflection.bindings[1].read_only);
+  EXPECT_EQ(reflection.push_bytes, 8U);
+  EXPECT_EQ(reflection.local_size_ids[0], 0U);
+  EXPECT_FALSE(reflection.local_size_ids[1].has_value());
+  EXPECT_EQ(reflection.local_size[1], 1U);
+  EXPECT_EQ(reflection.local_size[2], 1U);
+  ASSERT_EQ(reflection.spec_constants.size(), 2U);
+  EXPECT_EQ(reflection.spec_constants[0].id, 0U);
+  EXPECT_EQ(reflection.spec_constants[1].id, 1U);
+  EXPECT_EQ(reflection.spec_constants[1].default_value, 1U);
+}
+
+TEST(Spirv, DebugBuildKeepsNamesThatOptimisationDrops) {
+  const auto names_push = [](const StructLayout& layout) { return layout.name == "ProbePush"; };
+  const Reflection debug = reflect(shaders::find_debug("engine_probe"));
+  EXPECT_TRUE(std::ranges::any_of(debug.structs, names_push));
+  EXPECT_FALSE(std::ranges::any_of(reflect(probe()).structs, names_push));
+  EXPECT_EQ(debug.push_bytes, 8U);
+}
+
+TEST(Spirv, EveryEmbeddedShaderIsReflectedTheSameInBothBuilds) {
+  ASSERT_FALSE(shaders::names().empty());
+  EXPECT_EQ(shaders::names(), shaders::names_debug());
+  for (const std::string_view name : shaders::names()) {
+    SCOPED_TRACE(name);
+    const Reflection optimised = reflect(shaders::find(name));
+    const Reflection debug = reflect(shaders::find_debug(name));
+    ASSERT_EQ(optimised.bindings.size(), debug.bindings.size())
+        << "a buffer is declared and never used";
+    for (std::size_t i = 0; i < debug.bindings.size(); ++i) {
+      EXPECT_EQ(optimised.bindings[i].binding, i);
+      EXPECT_EQ(debug.bindings[i].binding, i);
+      EXPECT_EQ(optimised.bindings[i].read_only, debug.bindings[i].read_only);
+    }
+    EXPECT_EQ(optimised.push_bytes, debug.push_bytes);
+    EXPECT_LE(optimised.push_bytes, 128U);
+    EXPECT_EQ(optimised.local_size_ids[0], 0U)
+        << "constant 0 is the work-group size in every shader";
+  }
+}
+
+TEST(Spirv, UnknownShaderIsEmpty) {
+  EXPECT_TRUE(shaders::find("no_such_shader").empty());
+  EXPECT_TRUE(shaders::find_debug("no_such_shader").empty());
+}
+
+TEST(Spirv, ModuleCutAnywhereIsAnErrorOrStillWhole) {
+  const std::vector<uint32_t> words = probe();
+  std::size_t errors = 0;
+  for (std::size_t length = 0; length < words.size(); ++length) {
+    try {
+      reflect(
+          std::span(words).first(length));  // cut between instructions: what is there can be read
+    } catch (const Error&) {
+      ++errors;
+    }
+  }
+  EXPECT_GT(errors, words.size() / 2);
+}
+
+TEST(Spirv, CorruptWordsNeverDoMoreThanThrow) {
+  const std::span<const uint32_t> debug = shaders::find_debug("engine_probe");
+  std::mt19937 engine(7);
+  const auto random = [&] { return static_cast<uint32_t>(engine()); };
+  std::size_t errors = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<uint32_t> words(debug.begin(), debug.end());
+    for (int change = 0; change < 3; ++change) {
+      uint32_t& word = words[random() % words.size()];
+      word = random() % 2 == 0 ? random() % 400 : word ^ (1U << (random() % 32));
+    }
+    words[3] = std::min(words[3], 100'000U);  // keeps the time of a run down, not its outcome
+    try {
+      reflect(words);
+    } catch (const Error&) {
+      ++errors;
+    }
+  }
+  EXPECT_GT(errors, 0U);
+}
+
+TEST(Spirv, FileThatIsNoSpirvIsAnError) {
+  const std::vector<uint32_t> words(100, 0x12345678U);
+  EXPECT_THROW(reflect(words), Error);
+  EXPECT_THROW(reflect({}), Error);
+}
+
+}  // namespace
+}  // namespace adit::engine
