@@ -32,8 +32,8 @@ std::unique_ptr<vk::raii::Context> open_loader() {
   try {
     return std::make_unique<vk::raii::Context>();
   } catch (const std::exception& error) {
-    throw Error(std::string("no Vulkan loader: ") + error.what() +
-                ". Install it (Debian: apt install libvulkan1). " + kInstallDriver);
+    throw Error(std::string("the Vulkan loader, libvulkan.so.1, is not there (") + error.what() +
+                "). Install it (Debian: apt install libvulkan1). " + kInstallDriver);
   }
 }
 

@@ -3,6 +3,7 @@
 #include "engine/kernel.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -143,7 +144,9 @@ const Reflection& Kernel::reflection() const {
 }
 
 uint32_t Kernel::groups_for(uint64_t items) const {
-  return static_cast<uint32_t>((items + state_->local_size - 1) / state_->local_size);
+  const uint64_t groups = items / state_->local_size + (items % state_->local_size != 0 ? 1 : 0);
+  // Too many stay too many, so that the dispatch refuses them.
+  return static_cast<uint32_t>(std::min<uint64_t>(groups, std::numeric_limits<uint32_t>::max()));
 }
 
 }  // namespace adit::engine

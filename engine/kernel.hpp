@@ -40,7 +40,8 @@ class Kernel {
   std::string_view name() const;
   uint32_t local_size() const;  ///< invocations a group in x, as specialised
   const Reflection& reflection() const;
-  /// Groups for one invocation an item: ceil(items / local_size()).
+  /// Groups for one invocation an item: ceil(items / local_size()). A dispatch takes at most
+  /// kMaxGroups.
   uint32_t groups_for(uint64_t items) const;
 
   struct State;

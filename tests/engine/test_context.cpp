@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -55,8 +56,7 @@ TEST(Context, EveryDeviceOfTheTestMeetsTheBaseline) {
   const std::vector<DeviceInfo> devices = list_devices();
   ASSERT_FALSE(devices.empty());
   for (const DeviceInfo& device : devices) {
-    EXPECT_TRUE(device.software) << device.name;
-    EXPECT_TRUE(device.unified_memory) << device.name;
+    EXPECT_TRUE(device.unified_memory || !device.software) << device.name;
     EXPECT_GE(device.requirements.size(), 20U);
     for (const Requirement& requirement : device.requirements) {
       EXPECT_TRUE(requirement.met) << device.name << ": " << requirement.name << " needs "
@@ -77,7 +77,8 @@ TEST(Context, DeviceIsOpenedByIndexNameAndUuid) {
 
 TEST(Context, OnlySoftwareAndNothingAskedForIsAFallback) {
   const Context context(named(""));
-  EXPECT_TRUE(context.software_fallback());
+  EXPECT_EQ(context.software_fallback(),
+            std::ranges::all_of(list_devices(), &DeviceInfo::software));
 }
 
 TEST(Context, DeviceThatDoesNotExistIsAnErrorThatListsWhatThereIs) {

@@ -151,6 +151,31 @@ TEST_F(DispatchMistakes, WorkGroupBeyondTheDeviceIsRefused) {
                  {"work-group size of 0"});
 }
 
+TEST_F(DispatchMistakes, WhatBelongsToAnotherContextIsRefused) {
+  Context other(test::test_options());
+  const Kernel stranger(other, "engine_probe");
+  const Buffer far = other.make_buffer(4096, Memory::device, "far");
+  expect_mistake(mistake([&] {
+                   recorder_.dispatch(stranger, 1, ProbePush{}, {in_, out_});
+                 }),
+                 {"engine_probe", "another context"});
+  expect_mistake(mistake([&] {
+                   recorder_.dispatch(kernel_, 1, ProbePush{}, {in_, far});
+                 }),
+                 {"binding 1", "another context", "far"});
+  expect_mistake(mistake([&] { (void)other.submit(std::move(recorder_)); }), {"another context"});
+}
+
+TEST_F(DispatchMistakes, GroupsForMoreItemsThanADispatchTakesAreRefused) {
+  EXPECT_EQ(kernel_.groups_for(0), 0U);
+  EXPECT_EQ(kernel_.groups_for(64), 1U);
+  EXPECT_EQ(kernel_.groups_for(65), 2U);
+  expect_mistake(mistake([&] {
+                   recorder_.dispatch(kernel_, kernel_.groups_for(~0ULL), ProbePush{}, {in_, out_});
+                 }),
+                 {"at most 65535"});
+}
+
 TEST_F(DispatchMistakes, SubmittedRecorderRecordsNoMore) {
   const Submission submission = context().submit(std::move(recorder_));
   EXPECT_THROW(recorder_.barrier(),

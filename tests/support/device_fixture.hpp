@@ -27,7 +27,9 @@ inline bool validation_wanted() {
 }
 
 inline engine::ContextOptions test_options() {
+  const char* device = std::getenv("ADIT_DEVICE");
   engine::ContextOptions options;
+  options.device = device == nullptr ? "" : device;
   options.validation = validation_wanted();
   options.synchronization_validation = validation_wanted();
   options.profile = true;
