@@ -19,10 +19,11 @@ GLSL = {".comp", ".glsl"}
 SPDX = ("SPDX-FileCopyrightText: ", "SPDX-License-Identifier: Apache-2.0")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 MACHINE_PATH = re.compile(r"(?<![\w./}$-])/(home|root|work|mnt|Users)/")
+PRINTS = re.compile(r"\bstd::(cout|cerr|clog)\b|\b(f?printf|f?puts|putchar)\s*\(|\b(std::)?(exit|abort|quick_exit)\s*\(")
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
 # Layers, lowest first: a file includes its own layer and those below it, never one above.
 LAYERS = ["shaders", "engine", "engine/kernels", "slam", "tools", "tests"]
-# engine/ and slam/ neither print, nor read files, nor start threads.
+# What these layers are not to include; they do not print or end the process either (PRINTS).
 FORBIDDEN_HEADERS = {
     "engine": {"iostream", "cstdio", "stdio.h"},
     "slam": {"iostream", "fstream", "cstdio", "stdio.h", "filesystem", "thread"},
@@ -100,6 +101,17 @@ def check_includes(files):
                 yield path, f'includes "{name}": shaders/shared is read by C++ and GLSL and stands alone'
 
 
+def check_silence(files):
+    """Libraries report to their caller; only the program prints and ends."""
+    for path, text in files.items():
+        if suffix(path) not in CXX or path.split("/", 1)[0] not in FORBIDDEN_HEADERS:
+            continue
+        for number, line in enumerate(text.split("\n"), 1):
+            found = PRINTS.search(line.split("//", 1)[0])
+            if found:
+                yield f"{path}:{number}", f"'{found.group(0)}': engine/ and slam/ neither print nor end the process"
+
+
 def check_vulkan(files):
     """Vulkan headers are seen by engine/*.{hpp,cpp} alone, not even through another header."""
     sees = {path for path, text in files.items()
@@ -149,8 +161,8 @@ def check_links(files, folders):
 def check(files):
     """All violations in a tree given as {path: text}, as sorted 'path: message' lines."""
     folders = {str(parent) for path in files for parent in pathlib.PurePosixPath(path).parents}
-    found = [*check_layout(files), *check_text(files), *check_includes(files), *check_vulkan(files),
-             *check_headers(files), *check_links(files, folders)]
+    found = [*check_layout(files), *check_text(files), *check_includes(files), *check_silence(files),
+             *check_vulkan(files), *check_headers(files), *check_links(files, folders)]
     return sorted(f"{path}: {message}" for path, message in found)
 
 

@@ -75,6 +75,12 @@ class CheckTree(unittest.TestCase):
     def test_printing_in_slam_is_found(self):
         self.expect("slam/a.cpp", SPDX + "#include <iostream>\n", "does not print")
 
+        self.expect("slam/a.cpp", SPDX + "void f() { printf(\"a\"); }\n", "slam/a.cpp:3: 'printf('")
+        self.assertEqual(check_tree.check({**SOUND, "slam/a.cpp": SPDX + "// std::cout\n// snprintf(\n"}), [])
+
+    def test_ending_the_process_in_the_engine_is_found(self):
+        self.expect("engine/a.cpp", SPDX + "void f() { std::abort(); }\n", "engine/a.cpp:3: 'std::abort('")
+
     def test_a_header_without_a_guard_is_found(self):
         self.expect("slam/a.hpp", SPDX, "neither #pragma once")
 
