@@ -80,6 +80,18 @@ TEST(DeviceChoice, UnknownDeviceListsWhatThereIs) {
   EXPECT_NE(message(laptop(), "3").find("no Vulkan device"), std::string::npos);
 }
 
+TEST(DeviceChoice, NameThatDoesNotChooseIsToldFromADeviceThatCannotRun) {
+  EXPECT_THROW(choose_device(laptop(), "GeForce"), NoSuchDevice);
+  EXPECT_THROW(choose_device(laptop(), "e"), NoSuchDevice) << "part of several names";
+  try {
+    choose_device(laptop(), "2");
+    FAIL() << "a device below the baseline was chosen";
+  } catch (const NoSuchDevice& error) {
+    FAIL() << "the device exists: " << error.what();
+  } catch (const Error&) {
+  }
+}
+
 TEST(DeviceChoice, NameOfSeveralDevicesIsAnError) {
   const std::vector<DeviceInfo> twins{device(0, "A100", false, true),
                                       device(1, "A100", false, true)};
