@@ -30,13 +30,13 @@ void add_to_surface(vec3 p) {
   const SurfaceCellId id = surface_cell(p, push.inverse_surface_cell, push.level_factor);
   uint slot = mix32(id.key) & push.surface_mask;
   uint probes = 0;
-  bool found;
-  do {
+  bool found = false;
+  while (!found && probes < kMaxProbes) {
     const uint key = atomicCompSwap(surfaces[slot].key, kFree, id.key);
     found = key == kFree || key == id.key;
     slot = found ? slot : (slot + 1) & push.surface_mask;
     probes += 1;
-  } while (!found && probes < kMaxProbes);
+  }
   if (!found) {
     return;  // surface_normals.comp counts it
   }
@@ -88,18 +88,14 @@ void main() {
   uint i = begin;
   while (offset < last) {
     // Find this thread's next first point: a light loop, so that the heavy body below runs once a cell.
-    uint slot;
-    bool first;
-    do {
+    uint slot = kFree;
+    bool first = false;
+    while (!first && i < end) {
       slot = slot_of[i];
-      first = slot != kFree;
-      if (first) {
+      if (slot != kFree) {
         first = cells[slot - 1].inverted_first == ~i;
       }
       ++i;
-    } while (!first && i < end);
-    if (!first) {
-      break;
     }
     const vec4 raw = points[i - 1];
     const InputCell cell = cells[slot - 1];

@@ -33,13 +33,13 @@ ivec3 cell_of(vec3 p) { return ivec3(floor(p * push.inverse_cell)); }
 uint insert(Run run) {
   uint slot = hash_cell(run.cell) & push.table_mask;
   uint probes = 0;
-  bool found;
-  do {
+  bool found = false;
+  while (!found && probes < kMaxProbes) {
     const uint owner = atomicCompSwap(cells[slot].owner, kFree, run.first + 1);
     found = owner == kFree || cell_of(points[owner == kFree ? run.first : owner - 1].xyz) == run.cell;
     slot = found ? slot : (slot + 1) & push.table_mask;
     probes += 1;
-  } while (!found && probes < kMaxProbes);
+  }
   if (!found) {
     atomicAdd(counters.input_failures, run.count);
     return kFree;

@@ -51,12 +51,12 @@ void main() {
     const uint key = surface_cell(p, push.inverse_surface_cell, push.level_factor).key;
     uint slot = mix32(key) & push.surface_mask;
     uint probes = 0;
-    uvec4 head;
-    do {
+    uvec4 head = surfaces[3 * slot];
+    while (head.x != key && head.x != kFree && probes < kMaxProbes) {
+      slot = (slot + 1) & push.surface_mask;
       head = surfaces[3 * slot];
-      slot = head.x == key ? slot : (slot + 1) & push.surface_mask;
       probes += 1;
-    } while (head.x != key && head.x != kFree && probes < kMaxProbes);
+    }
     uint packed = pack_surface(vec3(0.0, 0.0, 1.0), kIsotropic);
     if (head.x != key) {
       atomicAdd(counters.surface_failures, 1);

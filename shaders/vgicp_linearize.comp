@@ -42,12 +42,12 @@ Match match(vec3 q) {
   const uint key = pack_voxel(ivec3(corner));
   uint slot = mix32(key) & push.table_mask;
   uint probes = 0;
-  uvec4 head;
-  do {
+  uvec4 head = voxels[3 * slot];
+  while (head.x != key && head.x != kFree && probes < kMaxProbes) {
+    slot = (slot + 1) & push.table_mask;
     head = voxels[3 * slot];
-    slot = head.x == key ? slot : (slot + 1) & push.table_mask;
     probes += 1;
-  } while (head.x != key && head.x != kFree && probes < kMaxProbes);
+  }
   const uvec4 middle = voxels[3 * slot + 1];
   const uvec4 tail = voxels[3 * slot + 2];
   Match m;

@@ -33,12 +33,12 @@ void main() {
     }
     uint slot = mix32(key) & push.table_mask;
     uint probes = 0;
-    uint found;
-    do {
+    uint found = atomicCompSwap(voxels[slot].key, kFree, key);
+    while (found != key && found != kFree && probes < kMaxProbes) {
+      slot = (slot + 1) & push.table_mask;
       found = atomicCompSwap(voxels[slot].key, kFree, key);
-      slot = found == key || found == kFree ? slot : (slot + 1) & push.table_mask;
       probes += 1;
-    } while (found != key && found != kFree && probes < kMaxProbes);
+    }
     if (found == kFree) {
       atomicAdd(counters.used_slots, 1);
     } else if (found != key) {

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "slam/config.hpp"
-#include "slam/lie.hpp"
+#include "slam/registration.hpp"
 #include "slam/types.hpp"
 
 namespace adit::engine {
@@ -15,30 +16,6 @@ class Context;
 }
 
 namespace adit {
-
-/// How an alignment ended. Only `converged` is a success; the others say why the pose is not to be used.
-enum class RegistrationStatus {
-  converged,
-  not_converged,       ///< still moving after max_iterations
-  too_little_overlap,  ///< matched fraction below min_overlap
-  too_few_points,      ///< matched points below min_inliers, or an empty source or target
-  diverged,            ///< the step or the pose is not finite, or left the target's extent
-};
-std::string_view to_string(RegistrationStatus status);
-
-/// Result of aligning a source cloud with a target. The Hessian and residuals are those at the final pose.
-struct RegistrationResult {
-  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
-  RegistrationStatus status = RegistrationStatus::too_few_points;
-  Matrix6d hessian = Matrix6d::Zero();  ///< [rho, phi] of T_target_source, right perturbation; 1/m^2, 1/(m rad), 1/rad^2
-  Vector6d gradient = Vector6d::Zero();
-  double cost = 0.0;          ///< sum of e^T Omega e over the inliers
-  double residual_rms = 0.0;  ///< m, root mean square distance along the target's normals over the inliers
-  double overlap = 0.0;       ///< inliers / source points
-  int inliers = 0;
-  int source_points = 0;
-  int iterations = 0;
-};
 
 /// What the odometry knows after a sweep.
 enum class OdometryState {
@@ -51,7 +28,7 @@ std::string_view to_string(OdometryState state);
 
 /// Time of one stage of a sweep.
 struct StageTime {
-  std::string_view stage;
+  std::string stage;
   double device_ms = 0.0;  ///< between device timestamps; 0 where the stage has no device work
 };
 
@@ -60,13 +37,15 @@ struct SweepResult {
   Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   OdometryState state = OdometryState::initializing;
-  RegistrationResult registration;  ///< T_target_source = T_map_lidar before drift handling; default at the first sweep
-  bool keyframe = false;            ///< far enough from the last keyframe; false while coasting
+  RegistrationResult registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
+  bool keyframe = false;            ///< far enough from the last keyframe; never while coasting
   int raw_points = 0;               ///< points of the sweep as it came
   int valid_points = 0;             ///< left after NaN, no-return and range clipping
+  int cloud_points = 0;             ///< left after down-sampling
+  int lost_points = 0;              ///< found no place in a table on the device or in the submap's extent; 0 is normal
   std::vector<Point> cloud;         ///< keyframes only: the down-sampled sweep, lidar frame
   std::vector<StageTime> stages;    ///< device time by stage (empty unless the context profiles)
-  double host_ms = 0.0;             ///< host work: decode into staging, record, read back
+  double host_ms = 0.0;             ///< host work: copy into staging, record, read back
   double wait_ms = 0.0;             ///< host time spent waiting for the device
 };
 

@@ -8,6 +8,9 @@
 
 #include "shaders/shared/gaussian_cell.h"
 
+// How a probe loop must be written: test at the top, results only in variables that the loop carries. After
+// `do { ... } while (...)`, lavapipe (Mesa 22.3) and SwiftShader give threads that left the loop early what a
+// load or an atomic returned to them while they were inactive in a later iteration of the others.
 const uint kMaxProbes = 128u;  // at load 0.5 a chain reaches this once in 10^12 keys
 
 // MurmurHash3's finaliser: every input bit reaches every output bit.

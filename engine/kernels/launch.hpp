@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "engine/device_info.hpp"
+
+namespace adit::engine {
+
+/// How kernels that loop over their items are launched. Fixed for a device, so that the order of sums is.
+struct LaunchShape {
+  uint32_t local_size = 0;  ///< invocations a group
+  uint32_t groups = 0;
+  uint32_t run = 0;         ///< consecutive raw points one invocation takes when down-sampling
+
+  uint32_t threads() const { return local_size * groups; }
+};
+
+/// Software devices: few groups, since a group has a price and there are few cores. Others: enough to fill
+/// a large GPU.
+inline LaunchShape launch_shape(const DeviceInfo& device) {
+  return device.software ? LaunchShape{64, 16, 16} : LaunchShape{128, 512, 4};
+}
+
+}  // namespace adit::engine

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/kernels/preprocess.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/context.hpp"
+#include "shaders/shared/gaussian_cell.h"
+
+namespace adit::engine {
+namespace {
+
+// Surface cells are at least 2.5 voxels wide (algorithm: the radius of 2.5 point spacings).
+constexpr double kSurfaceCellFactor = 2.5;
+
+// Where the parts of the scratch are, for a capacity in points.
+struct Layout {
+  Slice cells;
+  Slice slots;
+  Slice thread_counts;
+  Slice group_counts;
+  Slice surfaces;
+  uint32_t cell_mask;
+  uint32_t surface_mask;
+  uint64_t bytes;
+};
+
+// A raw point claims a cell at most: load 0.5 at most. A surface cell holds several points of the
+// down-sampled cloud; even if every raw point were alone in its voxel, the load would stay moderate.
+Layout layout_of(uint32_t capacity, const LaunchShape& shape, Slice scratch) {
+  const uint32_t cell_slots = std::bit_ceil(std::max(2 * capacity, 1024U));
+  const uint32_t surface_slots = std::bit_ceil(std::max(capacity / 2, 1024U));
+  Layout layout{};
+  const auto take = [&](uint64_t bytes) {
+    const Slice slice{scratch.buffer, scratch.offset + layout.bytes, bytes};
+    layout.bytes += align_slice(bytes);
+    return slice;
+  };
+  layout.cells = take(uint64_t{cell_slots} * sizeof(gpu::InputCell));
+  layout.slots = take(uint64_t{capacity} * sizeof(uint32_t));
+  layout.thread_counts = take(uint64_t{shape.threads()} * sizeof(uint32_t));
+  layout.group_counts = take(uint64_t{shape.groups} * sizeof(uint32_t));
+  layout.surfaces = take(uint64_t{surface_slots} * sizeof(gpu::GaussianCell));
+  layout.cell_mask = cell_slots - 1;
+  layout.surface_mask = surface_slots - 1;
+  return layout;
+}
+
+}  // namespace
+
+Preprocess::Preprocess(Context& context)
+    : shape_(launch_shape(context.device())),
+      insert_(context, "downsample_insert", {{0, shape_.local_size}, {1, shape_.run}}),
+      count_(context, "downsample_count", {{0, shape_.local_size}}),
+      emit_(context, "downsample_emit", {{0, shape_.local_size}}),
+      normals_(context, "surface_normals", {{0, shape_.local_size}}) {}
+
+uint64_t Preprocess::scratch_bytes(uint32_t capacity) const {
+  return layout_of(capacity, shape_, {}).bytes;
+}
+
+void Preprocess::record_reset(Recorder& recorder, Slice scratch) const {
+  recorder.fill(scratch, gpu::kFree);
+  recorder.barrier();
+}
+
+void Preprocess::record(Recorder& recorder, const PreprocessSettings& settings,
+                        const PreprocessArguments& arguments, Slice scratch) const {
+  const Layout layout = layout_of(arguments.capacity, shape_, scratch);
+  const uint32_t count = arguments.point_count;
+  const auto cell = static_cast<float>(settings.r_input);
+  const float inverse_cell = 1.0F / cell;
+  const float inverse_surface_cell = static_cast<float>(1.0 / (kSurfaceCellFactor * settings.r_input));
+  const double level_root = settings.beam_spacing / settings.r_input;
+  const auto level_factor = static_cast<float>(level_root * level_root);
+
+  recorder.fill(arguments.counters, 0);
+  recorder.fill(layout.surfaces, gpu::kFree);
+  recorder.barrier();
+  if (count == 0) {
+    return;
+  }
+  {
+    const Scope scope = recorder.scope("downsample");
+    recorder.dispatch(insert_, insert_.groups_for((count + shape_.run - 1) / shape_.run),
+                      gpu::DownsamplePush{count, layout.cell_mask, inverse_cell,
+                                          static_cast<float>(settings.c_min * settings.c_min),
+                                          static_cast<float>(settings.c_max * settings.c_max)},
+                      {arguments.raw, layout.cells, layout.slots, arguments.counters});
+    recorder.barrier();
+    recorder.dispatch(count_, shape_.groups, gpu::CountPush{count},
+                      {layout.slots, layout.cells, layout.thread_counts, layout.group_counts});
+    recorder.barrier();
+    recorder.dispatch(
+        emit_, shape_.groups,
+        gpu::EmitPush{count, cell, inverse_cell, inverse_surface_cell, level_factor, layout.surface_mask},
+        {arguments.raw, layout.slots, layout.cells, layout.thread_counts, layout.group_counts,
+         arguments.cloud, layout.surfaces, arguments.counters});
+    recorder.barrier();
+  }
+  const Scope scope = recorder.scope("surfaces");
+  recorder.dispatch(normals_, shape_.groups,
+                    gpu::SurfacePush{inverse_surface_cell, level_factor, layout.surface_mask},
+                    {arguments.cloud, layout.surfaces, arguments.surface_cloud, arguments.counters});
+}
+
+}  // namespace adit::engine

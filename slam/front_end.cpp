@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/front_end.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <string>
+
+#include "engine/context.hpp"
+
+namespace adit {
+namespace {
+
+constexpr uint32_t kSmallestCapacity = 1U << 14U;
+// The down-sampling table of a sweep this large still fits one storage buffer of the baseline device.
+constexpr size_t kLargestSweep = size_t{1} << 21U;
+
+}  // namespace
+
+FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
+    : context_(&context),
+      preprocess_(context),
+      settings_{.c_min = config.c_min,
+                .c_max = config.c_max,
+                .r_input = config.r_input,
+                .beam_spacing = config.beam_spacing},
+      direct_(context.device().software),
+      counters_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::device, "sweep counters")),
+      counters_readback_(
+          context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::readback, "sweep counters back")) {}
+
+void FrontEnd::grow(uint32_t points) {
+  const uint32_t capacity = std::bit_ceil(std::max(points, kSmallestCapacity));
+  const uint64_t bytes = uint64_t{capacity} * sizeof(Point);
+  capacity_ = 0;
+  for (auto* buffer : {&staging_, &raw_, &cloud_, &cloud_readback_, &scratch_}) {
+    buffer->reset();
+  }
+  staging_ = context_->make_buffer(bytes, engine::Memory::upload, "raw points");
+  cloud_ = context_->make_buffer(bytes, engine::Memory::device, "down-sampled cloud");
+  if (!direct_) {
+    raw_ = context_->make_buffer(bytes, engine::Memory::device, "raw points on the device");
+    cloud_readback_ = context_->make_buffer(bytes, engine::Memory::readback, "down-sampled cloud back");
+  }
+  scratch_ = context_->make_buffer(preprocess_.scratch_bytes(capacity), engine::Memory::device,
+                                   "preprocessing scratch");
+  reset_scratch_ = true;
+  capacity_ = capacity;
+}
+
+void FrontEnd::upload(const Sweep& sweep) {
+  if (sweep.points.size() > kLargestSweep) {
+    throw engine::Error("sweep " + sweep.source + " has " + std::to_string(sweep.points.size()) +
+                        " points; at most " + std::to_string(kLargestSweep) +
+                        " fit: thin the recording or split its sweeps");
+  }
+  const auto count = static_cast<uint32_t>(sweep.points.size());
+  if (count > capacity_ || capacity_ == 0) {
+    grow(count);
+  }
+  point_count_ = count;
+  std::memcpy(staging_->mapped(), sweep.points.data(), sweep.points.size() * sizeof(Point));
+}
+
+void FrontEnd::record(engine::Recorder& recorder, engine::Slice surface_cloud) {
+  if (reset_scratch_) {
+    preprocess_.record_reset(recorder, *scratch_);
+    reset_scratch_ = false;
+  }
+  if (!direct_ && point_count_ > 0) {
+    const engine::Scope scope = recorder.scope("upload");
+    const uint64_t bytes = uint64_t{point_count_} * sizeof(Point);
+    recorder.copy(staging_->slice(0, bytes), raw_->slice(0, bytes));
+    recorder.barrier();
+  }
+  preprocess_.record(recorder, settings_,
+                     {.point_count = point_count_,
+                      .capacity = capacity_,
+                      .raw = direct_ ? *staging_ : *raw_,
+                      .cloud = *cloud_,
+                      .surface_cloud = surface_cloud,
+                      .counters = counters_},
+                     *scratch_);
+  recorder.barrier();
+  recorder.copy(counters_, counters_readback_);
+  if (!direct_ && point_count_ > 0) {
+    const uint64_t bytes = uint64_t{point_count_} * sizeof(Point);
+    recorder.copy(cloud_->slice(0, bytes), cloud_readback_->slice(0, bytes));
+  }
+}
+
+gpu::SweepCounters FrontEnd::read_counters() const {
+  return counters_readback_.as<gpu::SweepCounters>()[0];
+}
+
+std::vector<Point> FrontEnd::read_cloud() const {
+  const auto points = (direct_ ? *cloud_ : *cloud_readback_).as<Point>();
+  return {points.begin(), points.begin() + read_counters().cloud_points};
+}
+
+}  // namespace adit

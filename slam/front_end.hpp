@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engine/buffer.hpp"
+#include "engine/kernels/preprocess.hpp"
+#include "slam/config.hpp"
+#include "slam/types.hpp"
+
+namespace adit::engine {
+class Context;
+class Recorder;
+}  // namespace adit::engine
+
+namespace adit {
+
+/// From a sweep's raw points to its down-sampled cloud with surfaces: device memory and recording.
+class FrontEnd {
+ public:
+  FrontEnd(engine::Context& context, const PreprocessConfig& config);
+
+  /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws engine::Error if the
+  /// device has no room for it.
+  void upload(const Sweep& sweep);
+  /// Points the buffers are sized for.
+  uint32_t capacity() const { return capacity_; }
+
+  /// Records everything up to the surfaces, and the copies back.
+  void record(engine::Recorder& recorder, engine::Slice surface_cloud);
+  /// gpu::SweepCounters of the sweep on the device, for kernels that follow.
+  engine::Slice counters() const { return counters_; }
+
+  /// After the submission: the counters, and the down-sampled cloud in the lidar frame.
+  gpu::SweepCounters read_counters() const;
+  std::vector<Point> read_cloud() const;
+  /// After a submission that failed: the scratch may hold anything.
+  void invalidate() { reset_scratch_ = true; }
+
+ private:
+  void grow(uint32_t points);
+
+  engine::Context* context_;
+  engine::Preprocess preprocess_;
+  engine::PreprocessSettings settings_;
+  bool direct_;  ///< kernels read uploads, and the host reads results, where they are
+  uint32_t capacity_ = 0;
+  uint32_t point_count_ = 0;
+  bool reset_scratch_ = true;
+  std::optional<engine::Buffer> staging_;
+  std::optional<engine::Buffer> raw_;
+  std::optional<engine::Buffer> cloud_;
+  std::optional<engine::Buffer> cloud_readback_;
+  std::optional<engine::Buffer> scratch_;
+  engine::Buffer counters_;
+  engine::Buffer counters_readback_;
+};
+
+}  // namespace adit

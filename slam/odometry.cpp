@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/odometry.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "engine/context.hpp"
+#include "slam/aligner.hpp"
+#include "slam/front_end.hpp"
+#include "slam/motion_model.hpp"
+#include "slam/submap.hpp"
+
+namespace adit {
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The times of scopes outside any other, added up by name.
+std::vector<StageTime> stage_times(const engine::Submission& submission) {
+  std::vector<StageTime> stages;
+  for (const engine::ScopeTime& time : submission.scope_times()) {
+    if (time.depth > 0) {
+      continue;
+    }
+    const auto same = [&](const StageTime& stage) { return stage.stage == time.name; };
+    const auto found = std::find_if(stages.begin(), stages.end(), same);
+    if (found == stages.end()) {
+      stages.push_back({time.name, time.device_ms});
+    } else {
+      found->device_ms += time.device_ms;
+    }
+  }
+  return stages;
+}
+
+}  // namespace
+
+std::string_view to_string(OdometryState state) {
+  switch (state) {
+    case OdometryState::initializing: return "initializing";
+    case OdometryState::tracking: return "tracking";
+    case OdometryState::coasting: return "coasting";
+    case OdometryState::restarted: return "restarted";
+  }
+  return "unknown";
+}
+
+struct Odometry::Impl {
+  Impl(engine::Context& context_, const Config& config_)
+      : context(context_),
+        config(config_),
+        front_end(context_, config_.preprocess),
+        submap(context_, config_),
+        aligner(context_, config_.registration) {}
+
+  void run_on_device(const Prediction& prediction, SweepResult& result);
+  OdometryState decide(const Prediction& prediction, SweepResult& result);
+  bool is_keyframe(const SweepResult& result);
+
+  engine::Context& context;
+  Config config;
+  FrontEnd front_end;
+  Submap submap;
+  Aligner aligner;
+  MotionModel motion;
+  int failures_in_a_row = 0;
+  std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
+};
+
+Odometry::Odometry(engine::Context& context, const Config& config)
+    : impl_(std::make_unique<Impl>(context, config)) {}
+Odometry::~Odometry() = default;
+
+SweepResult Odometry::step(const Sweep& sweep) {
+  const auto start = std::chrono::steady_clock::now();
+  SweepResult result;
+  result.stamp = sweep.stamp;
+  result.raw_points = static_cast<int>(sweep.points.size());
+  impl_->front_end.upload(sweep);
+  const Prediction prediction = impl_->motion.predict(sweep.stamp);
+  impl_->run_on_device(prediction, result);
+  result.state = impl_->decide(prediction, result);
+  if (impl_->is_keyframe(result)) {
+    result.keyframe = true;
+    result.cloud = impl_->front_end.read_cloud();
+  }
+  result.host_ms = milliseconds_since(start) - result.wait_ms;
+  return result;
+}
+
+// One submission, one wait: the last sweep joins the submap, this one is prepared and aligned with it.
+void Odometry::Impl::run_on_device(const Prediction& prediction, SweepResult& result) {
+  const engine::Slice surface_cloud = submap.next_cloud(front_end.capacity());
+  const bool aligns = !submap.empty();
+  try {
+    engine::Recorder recorder = context.make_recorder();
+    submap.record_update(recorder);
+    front_end.record(recorder, surface_cloud);
+    if (aligns) {
+      aligner.record(recorder, prediction, surface_cloud, front_end.counters(), submap);
+    }
+    engine::Submission submission = context.submit(std::move(recorder));
+    const auto start = std::chrono::steady_clock::now();
+    submission.wait();
+    result.wait_ms = milliseconds_since(start);
+    result.stages = stage_times(submission);
+  } catch (...) {
+    submap.invalidate();
+    front_end.invalidate();
+    throw;
+  }
+  const gpu::SweepCounters counters = front_end.read_counters();
+  result.valid_points = static_cast<int>(counters.valid_points);
+  result.cloud_points = static_cast<int>(counters.cloud_points);
+  result.lost_points = static_cast<int>(counters.input_failures + counters.surface_failures);
+  if (aligns) {
+    const gpu::VoxelMapCounters map_counters = aligner.read_map_counters();
+    result.lost_points += static_cast<int>(submap.note_counters(map_counters));
+    result.registration = aligner.read_result(result.cloud_points, submap);
+  }
+}
+
+// The policy of success, failure and recovery (docs/theory/odometry.md).
+OdometryState Odometry::Impl::decide(const Prediction& prediction, SweepResult& result) {
+  const auto points = static_cast<uint32_t>(result.cloud_points);
+  const bool can_start = result.cloud_points >= config.registration.min_inliers;
+  const bool aligned = result.registration.status == RegistrationStatus::converged;
+  result.T_map_lidar = aligned ? result.registration.T_target_source : prediction.T_map_lidar;
+  const StampedPose pose{result.stamp, result.T_map_lidar};
+
+  if (aligned) {
+    failures_in_a_row = 0;
+    motion.update(pose, true);
+    submap.push(points, pose.pose);
+    return OdometryState::tracking;
+  }
+  const bool first = submap.empty();
+  const bool gives_up = failures_in_a_row >= config.recovery.max_coasting;
+  if (can_start && (first || gives_up)) {
+    failures_in_a_row = 0;
+    motion.restart(pose);
+    submap.clear();
+    submap.push(points, pose.pose);
+    return first ? OdometryState::initializing : OdometryState::restarted;
+  }
+  ++failures_in_a_row;
+  motion.update(pose, false);
+  return OdometryState::coasting;
+}
+
+bool Odometry::Impl::is_keyframe(const SweepResult& result) {
+  if (result.state == OdometryState::coasting) {
+    return false;
+  }
+  if (last_keyframe) {
+    const Eigen::Isometry3d moved = last_keyframe->inverse() * result.T_map_lidar;
+    if (moved.translation().norm() < config.keyframe.delta_trans &&
+        rotation_angle(moved.linear()) < config.keyframe.delta_rot) {
+      return false;
+    }
+  }
+  last_keyframe = result.T_map_lidar;
+  return true;
+}
+
+}  // namespace adit

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/submap.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "engine/context.hpp"
+#include "slam/registration.hpp"
+
+namespace adit {
+namespace {
+
+constexpr uint32_t kSmallestTable = 1U << 16U;
+constexpr uint32_t kCoarseTable = 1U << 16U;
+// A table this full is rebuilt: its slots are taken by voxels that every cloud has left.
+constexpr double kFullestLoad = 0.5;
+// A sensor this far from the submap's frame: its coordinates are still exact to 0.01 mm in float32.
+constexpr double kLongestReach = 100.0;  // m
+// Voxel keys hold 511 voxels in z, the shortest axis (shaders/include/hash.glsl).
+constexpr double kKeyRange = 511.0;
+
+}  // namespace
+
+Submap::Submap(engine::Context& context, const Config& config)
+    : context_(&context),
+      kernels_(context),
+      length_(static_cast<size_t>(config.submap.l)),
+      voxel_size_(config.registration.r_align),
+      reach_(std::min(kLongestReach, kKeyRange * config.registration.r_align - config.preprocess.c_max)),
+      counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device, "submap counters")),
+      coarse_counters_(
+          context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device, "coarse submap counters")) {
+  use_table(kSmallestTable);
+}
+
+void Submap::use_table(uint32_t slots) {
+  table_.reset();
+  table_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(slots), engine::Memory::device,
+                                 "submap voxel map");
+  view_ = {.table = *table_, .counters = counters_, .voxel_size = voxel_size_};
+}
+
+void Submap::clear() {
+  for (Cloud& cloud : clouds_) {
+    spare_.push_back(std::move(cloud.surface_cloud));
+  }
+  clouds_.clear();
+  pending_ = false;
+  rebuild_ = true;
+}
+
+engine::Slice Submap::next_cloud(uint32_t capacity) {
+  const uint64_t bytes = uint64_t{std::max(capacity, 1U)} * sizeof(gpu::uvec4);
+  if (next_ && next_->size() < bytes) {
+    next_.reset();
+  }
+  while (!next_ && !spare_.empty()) {
+    if (spare_.back().size() >= bytes) {
+      next_ = std::move(spare_.back());
+    }
+    spare_.pop_back();
+  }
+  if (!next_) {
+    next_ = context_->make_buffer(bytes, engine::Memory::device, "surface cloud");
+  }
+  return *next_;
+}
+
+void Submap::push(uint32_t points, const Eigen::Isometry3d& T_map_lidar) {
+  clouds_.push_back({std::move(*next_), points, T_map_lidar, {}});
+  next_.reset();
+  pending_ = true;
+  if ((T_map_submap_.translation() - T_map_lidar.translation()).norm() > reach_) {
+    rebuild_ = true;
+  }
+}
+
+void Submap::add_to_map(engine::Recorder& recorder, Cloud& cloud) {
+  cloud.T_submap_lidar = to_device(T_map_submap_.inverse() * cloud.T_map_lidar);
+  kernels_.record_add(recorder, view_, cloud.surface_cloud, cloud.points, cloud.T_submap_lidar);
+}
+
+void Submap::record_update(engine::Recorder& recorder) {
+  if (clouds_.empty() || !(pending_ || rebuild_)) {
+    return;
+  }
+  const engine::Scope scope = recorder.scope("submap");
+  pending_ = false;
+  if (rebuild_) {
+    record_rebuild(recorder);
+    return;
+  }
+  if (clouds_.size() > length_) {
+    Cloud& oldest = clouds_.front();
+    kernels_.record_remove(recorder, view_, oldest.surface_cloud, oldest.points, oldest.T_submap_lidar);
+    recorder.barrier();
+    spare_.push_back(std::move(oldest.surface_cloud));
+    clouds_.pop_front();
+  }
+  add_to_map(recorder, clouds_.back());
+}
+
+void Submap::record_rebuild(engine::Recorder& recorder) {
+  while (clouds_.size() > length_) {
+    spare_.push_back(std::move(clouds_.front().surface_cloud));
+    clouds_.pop_front();
+  }
+  // Room for every voxel of the last count at half the load that triggers a rebuild, and as much again.
+  const auto wanted = static_cast<uint32_t>(2.0 * std::max(noted_.used_slots, noted_.failures) / kFullestLoad);
+  if (std::bit_ceil(wanted) > view_.slots()) {
+    use_table(std::bit_ceil(wanted));
+  }
+  T_map_submap_ = clouds_.back().T_map_lidar;
+  kernels_.record_clear(recorder, view_);
+  for (Cloud& cloud : clouds_) {
+    add_to_map(recorder, cloud);
+  }
+  rebuild_ = false;
+}
+
+engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double factor) {
+  const engine::Scope scope = recorder.scope("coarse submap");
+  if (!coarse_table_) {
+    coarse_table_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(kCoarseTable),
+                                          engine::Memory::device, "coarse submap voxel map");
+  }
+  const engine::VoxelMapView view{.table = *coarse_table_,
+                                  .counters = coarse_counters_,
+                                  .voxel_size = voxel_size_ * factor};
+  recorder.barrier();
+  kernels_.record_clear(recorder, view);
+  for (const Cloud& cloud : clouds_) {
+    kernels_.record_add(recorder, view, cloud.surface_cloud, cloud.points, cloud.T_submap_lidar);
+  }
+  return view;
+}
+
+uint32_t Submap::note_counters(const gpu::VoxelMapCounters& counters) {
+  const auto lost = [](const gpu::VoxelMapCounters& c) { return c.failures + c.out_of_range; };
+  const uint32_t before = lost(noted_) <= lost(counters) ? lost(noted_) : 0;  // a rebuild starts from zero
+  noted_ = counters;
+  if (counters.failures > 0 || counters.used_slots > kFullestLoad * view_.slots()) {
+    rebuild_ = true;
+  }
+  return lost(counters) - before;
+}
+
+}  // namespace adit
