@@ -17,7 +17,7 @@ namespace {
 constexpr double kWidth = 960.0;        // px, of the drawing
 constexpr double kLeft = 76.0;          // px, of both panels
 constexpr double kPanelWidth = 860.0;   // px
-constexpr double kMapTop = 84.0;        // px
+constexpr double kMapTop = 100.0;       // px
 constexpr double kErrorHeight = 190.0;  // px
 constexpr double kGap = 74.0;           // px between the panels
 
@@ -142,7 +142,7 @@ void draw_scale_bar(SvgDocument& svg, const Panel& panel) {
            {12.0, kTruthColor, SvgAnchor::middle});
 }
 
-void draw_legend(SvgDocument& svg, double y) {
+void draw_legend(SvgDocument& svg, double y, bool aligned) {
   double x = kLeft;
   const auto entry = [&](std::string_view name, double width, auto&& symbol) {
     symbol(x);
@@ -152,7 +152,7 @@ void draw_legend(SvgDocument& svg, double y) {
   entry("truth", 96.0, [&](double at) {
     svg.line({at, y}, {at + 28.0, y}, {kTruthColor, 2.4, "6 4"});
   });
-  entry("estimate, aligned", 186.0, [&](double at) {
+  entry(aligned ? "estimate, aligned" : "estimate", aligned ? 186.0 : 124.0, [&](double at) {
     svg.line({at, y}, {at + 28.0, y}, {kEstimateColor, 2.0});
   });
   entry("start", 84.0, [&](double at) {
@@ -206,6 +206,14 @@ void draw_errors(SvgDocument& svg, const Evaluation& evaluation, double top) {
            "rmse " + tick_label(rmse, 1e-3) + " m", {12.0, kRmseColor, SvgAnchor::end, true});
 }
 
+std::string summary(const Evaluation& evaluation) {
+  return "ATE rmse " + tick_label(evaluation.ate.rmse, 1e-3) + " m, max " +
+         tick_label(evaluation.ate.max, 1e-3) + " m (alignment " +
+         std::string(to_string(evaluation.options.alignment)) + "); " +
+         std::to_string(evaluation.ate.count) + " pairs of poses over " +
+         tick_label(evaluation.truth_path.back(), 0.1) + " m";
+}
+
 }  // namespace
 
 std::string plot_evaluation(const Evaluation& evaluation, const std::string& title) {
@@ -214,14 +222,8 @@ std::string plot_evaluation(const Evaluation& evaluation, const std::string& tit
   const double errors_top = map.corner.y() + map.size.y() + kGap;
   SvgDocument svg(kWidth, errors_top + kErrorHeight + 54.0);
   svg.text({kLeft, 30.0}, title, {17.0, "#000000", SvgAnchor::start, true});
-  svg.text({kWidth - 24.0, 66.0},
-           "ATE rmse " + tick_label(evaluation.ate.rmse, 1e-3) + " m, max " +
-               tick_label(evaluation.ate.max, 1e-3) + " m (alignment " +
-               std::string(to_string(evaluation.options.alignment)) + "), " +
-               std::to_string(evaluation.ate.count) + " poses, " +
-               tick_label(evaluation.truth_path.back(), 0.1) + " m",
-           {12.0, kAxisColor, SvgAnchor::end});
-  draw_legend(svg, 62.0);
+  svg.text({kLeft, 51.0}, summary(evaluation), {13.0, kAxisColor});
+  draw_legend(svg, 80.0, evaluation.options.alignment != Alignment::none);
   draw_map(svg, evaluation, map, view);
   draw_errors(svg, evaluation, errors_top);
   return svg.str();

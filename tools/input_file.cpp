@@ -152,11 +152,13 @@ std::optional<uint64_t> parse_unsigned(std::string_view word) {
 }
 
 std::optional<Nanoseconds> to_nanoseconds(double seconds) {
-  const double value = std::round(seconds * 1e9);
-  if (!(std::abs(value) < 9.2e18)) {
+  if (!(std::abs(seconds) < 9.2e9)) {
     return std::nullopt;
   }
-  return Nanoseconds(static_cast<int64_t>(value));
+  // The whole seconds apart: a product of 1e18 would be rounded to 256 ns.
+  const double whole = std::trunc(seconds);
+  return Nanoseconds(static_cast<int64_t>(whole) * kNanosecondsPerSecond +
+                     std::llround((seconds - whole) * 1e9));
 }
 
 std::optional<Nanoseconds> parse_seconds(std::string_view word) {

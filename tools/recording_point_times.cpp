@@ -69,13 +69,17 @@ double unit_from_spread(double spread, double largest, bool integers) {
   return largest > 1e14 ? 1e-6 : largest > 1e11 ? 1e-3 : 1.0;
 }
 
-/// times[i] * unit in nanoseconds, exact where the unit is a nanosecond and T an integer.
+/// time * unit in nanoseconds, as exact as the time itself: the whole units do not pass through a
+/// product of doubles.
 template <class T>
 Nanoseconds scaled(T time, double unit) {
+  const auto nanoseconds_per_unit = static_cast<int64_t>(std::llround(unit * 1e9));
   if constexpr (std::is_integral_v<T>) {
-    return Nanoseconds(time * static_cast<int64_t>(std::llround(unit * 1e9)));
+    return Nanoseconds(time * nanoseconds_per_unit);
   } else {
-    return Nanoseconds(std::llround(time * (unit * 1e9)));
+    const T whole = std::trunc(time);
+    const auto fraction = std::llround((time - whole) * static_cast<T>(nanoseconds_per_unit));
+    return Nanoseconds(static_cast<int64_t>(whole) * nanoseconds_per_unit + fraction);
   }
 }
 

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Real data with known answers lie beside a checkout, in ../shared/data, and are not part of it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+namespace adit::test {
+
+/// ../shared/data/NAME beside the source tree, where it exists.
+inline std::optional<std::filesystem::path> shared_data(std::string_view name) {
+  // This file is tests/support/shared_data.hpp of the tree that is compiled.
+  const std::filesystem::path self = std::filesystem::absolute(__FILE__).lexically_normal();
+  const std::filesystem::path tree = self.parent_path().parent_path().parent_path();
+  const std::filesystem::path data = tree.parent_path() / "shared" / "data" / name;
+  return std::filesystem::exists(data) ? std::optional(data) : std::nullopt;
+}
+
+}  // namespace adit::test
+
+/// Binds `variable` to the path of shared data, or skips the test and says what is missing.
+#define ADIT_SHARED_DATA_OR_SKIP(variable, name)                                                 \
+  const std::optional<std::filesystem::path> variable##_found = ::adit::test::shared_data(name); \
+  if (!variable##_found) {                                                                       \
+    GTEST_SKIP() << "needs ../shared/data/" << (name) << " beside the checkout";                 \
+  }                                                                                              \
+  const std::filesystem::path& variable = *variable##_found
