@@ -26,8 +26,7 @@ void add_config_options(CLI::App& command, ConfigSource& source) {
   command
       .add_option("--set", source.overrides, "Overrides one setting; may be given several times")
       ->type_name("SECTION.KEY=VALUE")
-      ->expected(1)
-      ->take_all();
+      ->allow_extra_args(false);
 }
 
 CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done) {

@@ -72,12 +72,13 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
   const SpinningLidar lidar;
   const DemoFiles files = simulate(options, lidar, err);
   const fs::path config = write_config(options.output, lidar);
-  const int code = run_command({.recording = files.recording,
-                                .output = options.output,
-                                .config = {.file = config, .overrides = {}},
-                                .device = options.device,
-                                .quiet = options.quiet},
-                               out, err);
+  RunCommandOptions run;
+  run.recording = files.recording;
+  run.output = options.output;
+  run.config.file = config;
+  run.device = options.device;
+  run.quiet = options.quiet;
+  const int code = run_command(run, out, err);
   if (code != 0) {
     return code;
   }

@@ -154,8 +154,9 @@ CLI::App* add_devices_command(CLI::App& app, std::function<void(int)> done) {
       "  adit devices --json --no-self-test\n\n"
       "Exit codes: 0 a device can be used, 1 none can.");
   command->add_flag("--json", options->json, "Print JSON instead of text");
-  command->add_flag("--no-self-test{false}", options->self_test,
-                    "Do not run the kernels on known cases");
+  command->add_flag_callback(
+      "--no-self-test", [options] { options->self_test = false; },
+      "Do not run the kernels on known cases");
   command->callback(
       [options, done = std::move(done)] { done(devices_command(*options, std::cout, std::cerr)); });
   return command;

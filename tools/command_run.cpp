@@ -23,14 +23,40 @@
 namespace adit {
 namespace {
 
+// A file name need not be UTF-8, JSON must be.
+constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
+
+/// "512MiB" to its bytes, in place; the result is a complaint or empty.
+std::string size_to_bytes(std::string& text) {
+  if (text.starts_with('-')) {
+    return "a size is not negative";
+  }
+  return CLI::AsSizeValue(false)(text);
+}
+
+void check_options(const RunCommandOptions& options) {
+  const MapOptions& map = options.map;
+  if (map.resolution && !(*map.resolution >= 1e-3 && *map.resolution <= 1e3)) {
+    throw UsageError("--map-resolution: must be between 0.001 and 1000 m.");
+  }
+  if (map.resolution && !map.enabled) {
+    throw UsageError("--map-resolution and --no-map exclude each other.");
+  }
+  if (options.start < 0 || options.count.value_or(1) < 1) {
+    throw UsageError("--start must be at least 0, --count at least 1.");
+  }
+}
+
 SweepRange choose_range(const Recording& recording, const RunCommandOptions& options) {
   const std::size_t size = recording.size();
-  if (options.start >= size) {
-    throw UsageError("--start " + std::to_string(options.start) +
-                     ": the recording has the sweeps 0 to " + std::to_string(size - 1) + ".");
+  const auto start = static_cast<std::size_t>(options.start);
+  if (start >= size) {
+    throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
+                     std::to_string(size - 1) + ".");
   }
-  const std::size_t rest = size - options.start;
-  return {.first = options.start, .count = std::min(options.count.value_or(rest), rest)};
+  const std::size_t rest = size - start;
+  const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
+  return {.first = start, .count = std::min(count, rest)};
 }
 
 RunDescription describe_run(const RunCommandOptions& options, const Config& config,
@@ -50,14 +76,20 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
           .validation = options.device.validation};
 }
 
-/// The new text replaces the old one whole or not at all.
+/// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
+/// then it is written over the old one, whose space it fits into as a rule.
 void replace_text_file(const std::filesystem::path& file, const std::string& text) {
   const std::filesystem::path draft = file.string() + ".part";
-  write_text_file(draft, text);
   std::error_code error;
-  std::filesystem::rename(draft, file, error);
+  try {
+    write_text_file(draft, text);
+    std::filesystem::rename(draft, file, error);
+  } catch (const OutputError&) {
+    error = std::make_error_code(std::errc::no_space_on_device);
+  }
   if (error) {
-    throw OutputError(file, file.string() + ": cannot be replaced: " + error.message() + ".");
+    std::filesystem::remove(draft, error);
+    write_text_file(file, text);
   }
 }
 
@@ -100,6 +132,7 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::ostre
 }
 
 int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  check_options(options);
   const Config config = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording);
   const SweepRange range = choose_range(*recording, options);
@@ -113,7 +146,8 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
 
   RunOutputs outputs(options.output, options.map);
   const RunFiles files(options.output);
-  write_text_file(files.summary, running_summary(description).dump(2) + "\n");
+  write_text_file(files.summary,
+                  running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
   const StopSignal stop;
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
@@ -132,7 +166,8 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   outcome.validation_messages = context.validation_messages();
 
   const int code = judge(outcome, statistics, err);
-  const std::string summary = final_summary(description, outcome, statistics).dump(2) + "\n";
+  const std::string summary =
+      final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   if (options.json) {
     out << summary << std::flush;
   } else if (!options.quiet) {
@@ -153,7 +188,7 @@ void add_device_options(CLI::App& command, DeviceOptions& device) {
       .add_option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
       ->type_name("DEVICE");
   command.add_option("--max-vram", device.max_vram_bytes, "Most device memory to use, e.g. 512MiB")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::Validator(size_to_bytes, ""))
       ->type_name("SIZE");
   command.add_flag("--validation", device.validation,
                    "Check every Vulkan call and barrier (slow); a complaint is a failure");
@@ -185,13 +220,11 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
   command
       ->add_option("--map-resolution", options->map.resolution,
                    "Keep one map point per voxel of this size (m)")
-      ->check(CLI::Range(1e-3, 1e3))
       ->type_name("M");
-  command->add_flag("--no-map{false}", options->map.enabled, "Write no map.ply");
+  command->add_flag_callback(
+      "--no-map", [options] { options->map.enabled = false; }, "Write no map.ply");
   command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
-  command->add_option("--count", options->count, "Sweeps at most")
-      ->check(CLI::PositiveNumber)
-      ->type_name("N");
+  command->add_option("--count", options->count, "Sweeps at most")->type_name("N");
   command->add_flag("--json", options->json, "Print summary.json instead of the table");
   command->add_flag("--quiet", options->quiet, "Print errors alone");
   command->callback([options, done = std::move(done)] {

@@ -4,7 +4,7 @@
 // `adit run RECORDING -o OUT`.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
@@ -26,11 +26,11 @@ struct RunCommandOptions {
   ConfigSource config{};
   DeviceOptions device{};
   MapOptions map{};
-  std::size_t start = 0;               ///< the first sweep, counted from 0
-  std::optional<std::size_t> count{};  ///< none: to the end
-  bool json = false;                   ///< summary.json on `out` instead of the table
-  bool quiet = false;                  ///< errors alone
-  bool stage_table = false;            ///< the table with every stage
+  int64_t start = 0;               ///< the first sweep, counted from 0
+  std::optional<int64_t> count{};  ///< none: to the end
+  bool json = false;               ///< summary.json on `out` instead of the table
+  bool quiet = false;              ///< errors alone
+  bool stage_table = false;        ///< the table with every stage
 };
 
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,

@@ -241,8 +241,8 @@ std::string to_toml(const Config& config) {
   return text.str();
 }
 
-nlohmann::json to_json(const Config& config) {
-  nlohmann::json object;
+nlohmann::ordered_json to_json(const Config& config) {
+  nlohmann::ordered_json object;
   Config::visit(config, [&](const std::string& section, const auto& fields) {
     std::decay_t<decltype(fields)>::visit(
         fields, [&](const std::string& name, const auto& value, auto&&...) {

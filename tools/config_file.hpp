@@ -30,7 +30,7 @@ Config load_config(const ConfigSource& source);
 /// load_config() gives the same configuration back, bit for bit.
 std::string to_toml(const Config& config);
 
-/// The same as an object of objects.
-nlohmann::json to_json(const Config& config);
+/// The same as an object of objects, in the order of the file.
+nlohmann::ordered_json to_json(const Config& config);
 
 }  // namespace adit

@@ -99,14 +99,48 @@ double distance_to(const Vector3d& point, const Sphere& sphere) {
   return std::max((point - sphere.center).norm() - sphere.radius, 0.0);
 }
 
+Sphere bounding_sphere(const Box& box) {
+  return {.center = box.center, .radius = box.half_size.norm()};
+}
+
+Sphere bounding_sphere(const Cylinder& cylinder) {
+  const Vector3d center(cylinder.center.x(), cylinder.center.y(),
+                        0.5 * (cylinder.bottom + cylinder.top));
+  return {.center = center,
+          .radius = std::hypot(cylinder.radius, 0.5 * (cylinder.top - cylinder.bottom))};
+}
+
+Sphere bounding_sphere(const Sphere& sphere) {
+  return sphere;
+}
+
 SceneView::SceneView(const std::vector<SceneObject>& objects, const Vector3d& eye, double max_range)
     : eye_(eye), max_range_(max_range) {
   for (const SceneObject& object : objects) {
-    const double nearest =
-        std::visit([&](const auto& shape) { return distance_to(eye, shape); }, object.shape);
-    if (nearest <= max_range) candidates_.push_back({.nearest = nearest, .object = &object});
+    const Candidate seen = candidate(object, eye);
+    if (seen.nearest <= max_range) {
+      candidates_.push_back(seen);
+    }
   }
   std::ranges::stable_sort(candidates_, {}, &Candidate::nearest);
+}
+
+SceneView::Candidate SceneView::candidate(const SceneObject& object, const Vector3d& eye) {
+  const auto nearest = [&](const auto& shape) { return distance_to(eye, shape); };
+  const Sphere hull =
+      std::visit([](const auto& shape) { return bounding_sphere(shape); }, object.shape);
+  const Vector3d to_center = hull.center - eye;
+  const double distance = to_center.norm();
+  Candidate seen{.nearest = std::visit(nearest, object.shape),
+                 .axis = Vector3d::UnitX(),
+                 .cos_spread = -2.0,  // the eye is within the hull: every direction may hit
+                 .object = &object};
+  if (distance > hull.radius) {
+    const double sine = hull.radius / distance;
+    seen.axis = to_center / distance;
+    seen.cos_spread = std::sqrt(1.0 - sine * sine) - 1e-9;
+  }
+  return seen;
 }
 
 std::optional<SceneHit> SceneView::cast(const Vector3d& direction) const {
@@ -118,7 +152,12 @@ std::optional<SceneHit> SceneView::cast(const Vector3d& direction) const {
     found = true;
   }
   for (const Candidate& candidate : candidates_) {
-    if (candidate.nearest > best.distance) break;
+    if (candidate.nearest > best.distance) {
+      break;
+    }
+    if (direction.dot(candidate.axis) < candidate.cos_spread) {
+      continue;
+    }
     const auto distance = std::visit([&](const auto& shape) { return intersect(ray, shape); },
                                      candidate.object->shape);
     if (distance && *distance <= best.distance) {

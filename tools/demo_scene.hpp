@@ -53,6 +53,11 @@ double distance_to(const Eigen::Vector3d& point, const Box& box);
 double distance_to(const Eigen::Vector3d& point, const Cylinder& cylinder);
 double distance_to(const Eigen::Vector3d& point, const Sphere& sphere);
 
+/// A sphere that holds the shape.
+Sphere bounding_sphere(const Box& box);
+Sphere bounding_sphere(const Cylinder& cylinder);
+Sphere bounding_sphere(const Sphere& sphere);
+
 struct SceneObject {
   Shape shape;
   float reflectivity = 0.5F;  ///< 0 to 1, becomes the intensity of a return
@@ -74,9 +79,13 @@ class SceneView {
 
  private:
   struct Candidate {
-    double nearest = 0.0;  ///< m, no hit can be nearer than this
+    double nearest = 0.0;     ///< m, no hit can be nearer than this
+    Eigen::Vector3d axis;     ///< the cone from the eye that holds the object: its unit axis
+    double cos_spread = 0.0;  ///< and the cosine of its half angle
     const SceneObject* object = nullptr;
   };
+
+  static Candidate candidate(const SceneObject& object, const Eigen::Vector3d& eye);
 
   Eigen::Vector3d eye_;
   double max_range_;

@@ -69,6 +69,12 @@ std::optional<std::string> failure_reason(const SweepResult& sweep, const Config
   if (placed) {
     return std::nullopt;
   }
+  if (sweep.cloud_points < config.registration.min_inliers) {
+    return "only " + std::to_string(sweep.cloud_points) +
+           " points are left of it after down-sampling, " +
+           std::to_string(config.registration.min_inliers) +
+           " are needed (registration.min_inliers)";
+  }
   return status_reason(sweep, config);
 }
 
@@ -84,6 +90,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   last_ = pose;
   ++sweeps_;
   keyframes_ += result.keyframe ? 1 : 0;
+  lost_points_ += static_cast<std::size_t>(result.lost_points);
   ++states_[static_cast<std::size_t>(result.state)];
 
   const std::array by_stage{times.read, times.host, times.wait, times.write};
@@ -124,14 +131,14 @@ void RunStatistics::add_device_times(const std::vector<StageTime>& stages) {
     stage->ms.push_back(static_cast<float>(ms));
   };
   if (device_.empty()) {
-    device_.push_back({.stage = "device", .ms = {}});
+    device_.push_back({.stage = "total", .ms = {}});
   }
   double sum = 0.0;
   for (const StageTime& stage : stages) {
     put(stage.stage, stage.device_ms);
     sum += stage.device_ms;
   }
-  put("device", sum);
+  put("total", sum);
 }
 
 }  // namespace adit

@@ -68,12 +68,15 @@ class RunStatistics {
   std::size_t count(RegistrationStatus status) const {
     return statuses_[static_cast<std::size_t>(status)];
   }
+  /// Points of all sweeps that found no place on the device (SweepResult::lost_points); 0 is
+  /// normal.
+  std::size_t lost_points() const { return lost_points_; }
   const std::vector<SweepFailure>& failures() const { return failures_; }
   double distance() const { return distance_; }  ///< m, along the estimated path
   double recorded_seconds() const;               ///< s between the first and the last stamp
-  /// "read", "host", "wait", "write", and "sweep", their sum.
+  /// "read", "host", "wait", "write", and "total", their sum.
   const std::array<StageTimes, 5>& host_stages() const { return host_; }
-  /// In the order in which the device ran them, then "device", their sum; empty unless profiled.
+  /// In the order in which the device ran them, then "total", their sum; empty unless profiled.
   const std::vector<StageTimes>& device_stages() const { return device_; }
 
  private:
@@ -82,6 +85,7 @@ class RunStatistics {
   Config config_;
   std::size_t sweeps_ = 0;
   std::size_t keyframes_ = 0;
+  std::size_t lost_points_ = 0;
   std::array<std::size_t, 4> states_{};
   std::array<std::size_t, 5> statuses_{};
   std::vector<SweepFailure> failures_;
@@ -90,7 +94,7 @@ class RunStatistics {
   StampedPose last_;
   std::array<StageTimes, 5> host_{StageTimes{"read", {}}, StageTimes{"host", {}},
                                   StageTimes{"wait", {}}, StageTimes{"write", {}},
-                                  StageTimes{"sweep", {}}};
+                                  StageTimes{"total", {}}};
   std::vector<StageTimes> device_;
 };
 

@@ -35,6 +35,7 @@ ordered_json describe_sweeps(const RunStatistics& statistics) {
   json["processed"] = statistics.sweeps();
   json["failed"] = statistics.failures().size();
   json["keyframes"] = statistics.keyframes();
+  json["lost_points"] = statistics.lost_points();
   for (const OdometryState state : kOdometryStates) {
     json["states"][std::string(to_string(state))] = statistics.count(state);
   }
@@ -57,8 +58,11 @@ ordered_json describe_stages(const Stages& stages) {
   ordered_json json = ordered_json::object();
   for (const StageTimes& stage : stages) {
     const Distribution times = distribution(stage.ms);
-    json[stage.stage] = {
-        {"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}};
+    json[stage.stage] = {{"sweeps", times.count},
+                         {"mean", times.mean},
+                         {"p50", times.p50},
+                         {"p95", times.p95},
+                         {"max", times.max}};
   }
   return json;
 }

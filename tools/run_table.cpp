@@ -29,7 +29,11 @@ std::string counts(const RunStatistics& statistics) {
     text += line(" (%zu bridged by the predicted motion, %zu new starts; see summary.json)",
                  coasting, restarted);
   }
-  return text + line(", %zu keyframes", statistics.keyframes());
+  text += line(", %zu keyframes", statistics.keyframes());
+  if (statistics.lost_points() > 0) {
+    text += line("; %zu points found no place on the device", statistics.lost_points());
+  }
+  return text;
 }
 
 std::string host_times(const RunStatistics& statistics) {
@@ -47,11 +51,11 @@ std::string host_times(const RunStatistics& statistics) {
 }
 
 std::string stage_table(const RunStatistics& statistics) {
-  std::string text = "\n  ms a sweep              mean      p50      p95      max\n";
+  std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
   const auto row = [&](const char* where, const StageTimes& stage) {
     const Distribution d = distribution(stage.ms);
-    text += line("  %-6s %-14s %7.3f  %7.3f  %7.3f  %7.3f\n", where, stage.stage.c_str(), d.mean,
-                 d.p50, d.p95, d.max);
+    text += line("  %-6s %-18s %7zu  %7.3f  %7.3f  %7.3f  %7.3f\n", where, stage.stage.c_str(),
+                 d.count, d.mean, d.p50, d.p95, d.max);
   };
   for (const StageTimes& stage : statistics.host_stages()) {
     row("host", stage);
