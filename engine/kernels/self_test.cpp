@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/kernels/self_test.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "engine/context.hpp"
+#include "engine/kernels/self_test_checks.hpp"
+#include "engine/kernels/vgicp.hpp"
+#include "shaders/shared/engine_probe.h"
+
+namespace adit::engine {
+namespace {
+
+constexpr uint32_t kSlots = 4096;   // of the voxel map; about 150 voxels
+constexpr double kVoxelSize = 0.5;  // m
+constexpr VgicpSettings kAlignment = {
+    .d_max = 0.5, .translation_epsilon = 1e-4, .rotation_epsilon = 1e-4, .max_iterations = 30};
+constexpr uint32_t kProbeItems = 1000;
+constexpr uint32_t kProbeScale = 3;
+constexpr uint32_t kProbeOffset = 11;
+
+// Slices one after the other; made twice, first to learn the size.
+class Layout {
+ public:
+  explicit Layout(const Buffer* buffer) : buffer_(buffer) {}
+  Slice take(uint64_t bytes) {
+    const Slice slice{buffer_, end_, bytes};
+    end_ += align_slice(bytes);
+    return slice;
+  }
+  uint64_t bytes() const { return end_; }
+
+ private:
+  const Buffer* buffer_;
+  uint64_t end_ = 0;
+};
+
+struct Inputs {
+  Slice raw, start, pose, probe;
+
+  Inputs(Layout& layout, const KnownScene& scene)
+      : raw(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
+        start(layout.take(sizeof(gpu::RegistrationStart))),
+        pose(layout.take(sizeof(gpu::mat3x4))),
+        probe(layout.take(kProbeItems * sizeof(uint32_t))) {}
+};
+
+// Zero before the run, so that what a kernel leaves out is not what happened to lie there. Buffers
+// of points have room for every raw point: a wrong count writes nowhere else.
+struct Outputs {
+  Slice counters, cloud, surface_cloud, map, map_counters, state, probe;
+
+  Outputs(Layout& layout, const KnownScene& scene)
+      : counters(layout.take(sizeof(gpu::SweepCounters))),
+        cloud(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
+        surface_cloud(layout.take(scene.raw.size() * sizeof(gpu::uvec4))),
+        map(layout.take(VoxelMapKernels::table_bytes(kSlots))),
+        map_counters(layout.take(sizeof(gpu::VoxelMapCounters))),
+        state(layout.take(sizeof(gpu::RegistrationState))),
+        probe(layout.take(sizeof(gpu::ProbeSums) + kProbeItems * sizeof(uint32_t))) {}
+};
+
+template <class Slices>
+uint64_t bytes_of(const KnownScene& scene) {
+  Layout layout(nullptr);
+  const Slices slices(layout, scene);
+  return layout.bytes();
+}
+
+template <class T>
+void write(Slice slice, const T& values) {
+  std::memcpy(slice.mapped(), values.data(), values.size() * sizeof(values[0]));
+}
+
+template <class T>
+std::span<const T> read(Slice slice) {
+  return {reinterpret_cast<const T*>(slice.mapped()), static_cast<size_t>(slice.bytes / sizeof(T))};
+}
+
+std::vector<uint32_t> probe_values() {
+  std::vector<uint32_t> values(kProbeItems);
+  std::iota(values.begin(), values.end(), 5U);
+  return values;
+}
+
+SelfTestCase check_probe(std::span<const uint32_t> output) {
+  uint32_t sum = 0;
+  uint32_t wrong = 0;
+  for (uint32_t i = 0; i < kProbeItems; ++i) {
+    const uint32_t expected = kProbeScale * (i + 5U) + kProbeOffset;
+    sum += expected;
+    wrong += output[2 + i] == expected ? 0U : 1U;
+  }
+  return {"engine_probe", wrong == 0 && output[0] == sum && output[1] == kProbeItems,
+          "expected a sum of " + std::to_string(sum) + " over " + std::to_string(kProbeItems) +
+              " items, found " + std::to_string(output[0]) + " over " + std::to_string(output[1]) +
+              "; " + std::to_string(wrong) + " results wrong"};
+}
+
+}  // namespace
+
+bool SelfTestReport::passed() const {
+  return std::all_of(cases.begin(), cases.end(),
+                     [](const SelfTestCase& test) { return test.passed; });
+}
+
+SelfTestReport run_self_test(Context& context) {
+  const KnownScene scene = make_known_scene();
+  const Preprocess preprocess(context);
+  const VoxelMapKernels voxel_maps(context);
+  const Vgicp vgicp(context);
+  const Kernel probe(context, "engine_probe", {{0, kDefaultLocalSize}, {1, kProbeScale}});
+
+  const auto raw_points = static_cast<uint32_t>(scene.raw.size());
+  const auto cloud_points = static_cast<uint32_t>(scene.cloud.size());
+  const Buffer upload =
+      context.make_buffer(bytes_of<Inputs>(scene), Memory::upload, "self-test upload");
+  const Buffer input = context.make_buffer(upload.size(), Memory::device, "self-test input");
+  const Buffer work =
+      context.make_buffer(bytes_of<Outputs>(scene), Memory::device, "self-test output");
+  const Buffer results = context.make_buffer(work.size(), Memory::readback, "self-test results");
+  const Buffer emptied = context.make_buffer(VoxelMapKernels::table_bytes(kSlots), Memory::readback,
+                                             "self-test emptied map");
+  const Buffer preprocess_scratch = context.make_buffer(
+      preprocess.scratch_bytes(raw_points), Memory::device, "self-test preprocessing scratch");
+  const Buffer vgicp_scratch =
+      context.make_buffer(vgicp.scratch_bytes(), Memory::device, "self-test alignment scratch");
+
+  Layout upload_layout(&upload);
+  const Inputs staged(upload_layout, scene);
+  write(staged.raw, scene.raw);
+  write(staged.start, std::array{vgicp.start()});
+  write(staged.pose, std::array{gpu::mat3x4{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}});
+  write(staged.probe, probe_values());
+
+  Layout input_layout(&input);
+  const Inputs in(input_layout, scene);
+  Layout work_layout(&work);
+  const Outputs out(work_layout, scene);
+  const VoxelMapView map{.table = out.map, .counters = out.map_counters, .voxel_size = kVoxelSize};
+  const gpu::mat3x4 T_map_cloud = known_pose();
+
+  Recorder recorder = context.make_recorder();
+  recorder.copy(upload, input);
+  recorder.fill(work, 0);
+  recorder.barrier();
+  recorder.copy(in.pose,
+                out.state.sub(offsetof(gpu::RegistrationState, pose), sizeof(gpu::mat3x4)));
+  recorder.dispatch(probe, 4, gpu::ProbePush{kProbeItems, kProbeOffset}, {in.probe, out.probe});
+  preprocess.record_reset(recorder, preprocess_scratch);
+  preprocess.record(recorder, scene.settings,
+                    {.point_count = raw_points,
+                     .capacity = raw_points,
+                     .raw = in.raw,
+                     .cloud = out.cloud,
+                     .surface_cloud = out.surface_cloud,
+                     .counters = out.counters},
+                    preprocess_scratch);
+  recorder.barrier();
+  voxel_maps.record_clear(recorder, map);
+  voxel_maps.record_add(recorder, map, out.surface_cloud, cloud_points, T_map_cloud);
+  vgicp.record(recorder, kAlignment,
+               {.surface_cloud = out.surface_cloud,
+                .counters = out.counters,
+                .target = map,
+                .start = in.start,
+                .state = out.state},
+               vgicp_scratch);
+  recorder.copy(work, results);
+  recorder.barrier();
+  voxel_maps.record_remove(recorder, map, out.surface_cloud, cloud_points, T_map_cloud);
+  recorder.barrier();
+  recorder.copy(out.map, emptied);
+  context.submit(std::move(recorder)).wait();
+
+  Layout result_layout(&results);
+  const Outputs found(result_layout, scene);
+  const gpu::SweepCounters counters = read<gpu::SweepCounters>(found.counters)[0];
+  return {{check_probe(read<uint32_t>(found.probe)), check_insert(scene, counters),
+           check_count(scene, counters), check_emit(scene, read<gpu::vec4>(found.cloud)),
+           check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
+           check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),
+                                   .emptied = read<gpu::GaussianCell>(emptied),
+                                   .counters = read<gpu::VoxelMapCounters>(found.map_counters)[0],
+                                   .voxel_size = kVoxelSize}),
+           check_alignment(scene, read<gpu::RegistrationState>(found.state)[0])}};
+}
+
+}  // namespace adit::engine
