@@ -3,8 +3,19 @@
 #include "tools/nearest_name.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace adit {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+}  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const std::size_t width = b.size() + 1;
@@ -30,11 +41,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string suggestion(std::string_view given, const std::vector<std::string>& valid) {
   if (valid.empty()) return {};
-  const auto distance = [&](const std::string& name) { return edit_distance(given, name); };
+  const auto distance = [&](const std::string& name) {
+    return edit_distance(lower(given), lower(name));
+  };
   const std::string& nearest = *std::ranges::min_element(valid, {}, distance);
   // A word of which less than half survives is no slip of the pen.
   if (2 * distance(nearest) <= std::max(given.size(), nearest.size())) {
     return "The nearest valid name is '" + nearest + "'";
+  }
+  if (valid.size() == 1) {
+    return "The only valid name is '" + valid.front() + "'";
   }
   std::string list = "Valid are ";
   for (const std::string& name : valid) {

@@ -97,7 +97,8 @@ TEST_F(ConfigFile, UnknownKeyNamesFileLineColumnAndNearestName) {
 }
 
 TEST_F(ConfigFile, UnknownKeyThatResemblesNothingListsTheValidNames) {
-  expect_refused("[submap]\nquantisation_of_time = 1\n", {"line 2", "Valid are l"});
+  expect_refused("[keyframe]\nquantisation_of_time = 1\n",
+                 {"line 2", "Valid are delta_trans, delta_rot"});
 }
 
 TEST_F(ConfigFile, UnknownSectionNamesFileLineAndNearestName) {
@@ -170,6 +171,8 @@ TEST(NearestName, EditDistanceCountsInsertionsDeletionsReplacementsAndSwaps) {
 TEST(NearestName, FarWordsAreAnsweredWithTheList) {
   EXPECT_EQ(suggestion("rnu", {"run", "devices"}), "The nearest valid name is 'run'");
   EXPECT_EQ(suggestion("zzz", {"run", "devices"}), "Valid are run, devices");
+  EXPECT_EQ(suggestion("zzz", {"run"}), "The only valid name is 'run'");
+  EXPECT_EQ(suggestion("C_MIN", {"c_max", "c_min"}), "The nearest valid name is 'c_min'");
 }
 
 }  // namespace

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the tests of `adit run` share.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "slam/odometry.hpp"
+#include "tools/demo_recording.hpp"
+#include "tools/recording.hpp"
+
+namespace adit::test {
+
+inline std::string content(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+inline nlohmann::json json_of(const std::filesystem::path& file) {
+  return nlohmann::json::parse(content(file));
+}
+
+inline std::size_t lines(const std::filesystem::path& file) {
+  const std::string text = content(file);
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// A recording in memory; `before_read` may throw or raise.
+class MemoryRecording : public Recording {
+ public:
+  explicit MemoryRecording(std::size_t size, std::function<void(std::size_t)> before_read = {})
+      : size_(size), before_read_(std::move(before_read)) {}
+
+  std::size_t size() const override { return size_; }
+  std::string description() const override { return "made for a test"; }
+  bool times_are_assumed() const override { return false; }
+  Sweep read(std::size_t index) override {
+    if (before_read_) {
+      before_read_(index);
+    }
+    Sweep sweep;
+    sweep.stamp = std::chrono::milliseconds(100 * index);
+    sweep.points = {{1.0F, 2.0F, 3.0F, 0.5F}, {1.01F, 2.0F, 3.0F, 0.6F}, {4.0F, 5.0F, 6.0F, 0.7F}};
+    sweep.source = "sweep_" + std::to_string(index);
+    return sweep;
+  }
+
+ private:
+  std::size_t size_;
+  std::function<void(std::size_t)> before_read_;
+};
+
+/// A result as of an odometry that moves a metre a sweep along x and makes each one a keyframe.
+inline SweepResult placed(const Sweep& sweep) {
+  SweepResult result;
+  result.stamp = sweep.stamp;
+  result.T_map_lidar.translation().x() = 10.0 * std::chrono::duration<double>(sweep.stamp).count();
+  result.state = sweep.stamp.count() == 0 ? OdometryState::initializing : OdometryState::tracking;
+  result.registration.status = RegistrationStatus::converged;
+  result.keyframe = true;
+  result.raw_points = static_cast<int>(sweep.points.size());
+  result.valid_points = result.raw_points;
+  result.cloud_points = result.raw_points;
+  result.cloud = sweep.points;
+  return result;
+}
+
+/// A lidar that makes small files, and the configuration that suits it.
+inline SpinningLidar coarse_lidar() {
+  SpinningLidar lidar;
+  lidar.beams = 24;
+  lidar.columns = 360;
+  return lidar;
+}
+
+/// The first `sweeps` sweeps of the demo's drive as a KITTI folder, seen by coarse_lidar().
+inline DemoFiles small_recording(const std::filesystem::path& folder, std::size_t sweeps) {
+  return write_demo_recording(folder, make_demo_drive(sweeps), coarse_lidar());
+}
+
+}  // namespace adit::test

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/program.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/run_support.hpp"
+#include "tools/config_file.hpp"
+#include "tools/version.hpp"
+
+namespace adit {
+namespace {
+
+struct Answer {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+Answer call(std::vector<const char*> words) {
+  words.insert(words.begin(), "adit");
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int code = program(static_cast<int>(words.size()), words.data());
+  return {.code = code,
+          .out = testing::internal::GetCapturedStdout(),
+          .err = testing::internal::GetCapturedStderr()};
+}
+
+void expect_usage_error(const std::vector<const char*>& words, const std::string& part) {
+  const Answer answer = call(words);
+  EXPECT_EQ(answer.code, 2) << answer.err;
+  EXPECT_NE(answer.err.find(part), std::string::npos) << "no '" << part << "' in: " << answer.err;
+  EXPECT_EQ(answer.out, "");
+}
+
+TEST(Program, VersionAndHelpAreAnswers) {
+  const Answer version_answer = call({"--version"});
+  EXPECT_EQ(version_answer.code, 0);
+  EXPECT_EQ(version_answer.out, "adit " + std::string(version()) + "\n");
+  for (const char* command : {"demo", "run", "evaluate", "devices", "config"}) {
+    const Answer help = call({command, "--help"});
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_NE(help.out.find("Example"), std::string::npos) << command << "\n" << help.out;
+    EXPECT_NE(call({"--help"}).out.find(command), std::string::npos) << command;
+  }
+}
+
+TEST(Program, WithoutWordsItExplainsItself) {
+  expect_usage_error({}, "Subcommands:");
+}
+
+TEST(Program, UnknownCommandNamesTheNearest) {
+  expect_usage_error({"rnu"}, "no command 'rnu'. The nearest valid name is 'run'");
+  expect_usage_error({"configure"}, "'config'");
+}
+
+TEST(Program, UnknownOptionNamesTheNearestEvenWhereSomethingElseIsMissing) {
+  expect_usage_error({"run", "drive", "--otput", "x"},
+                     "adit run: there is no option '--otput'. The nearest valid "
+                     "name is '--output'");
+  expect_usage_error({"devices", "--jsn"}, "'--json'");
+  expect_usage_error({"--versoin"}, "'--version'");
+}
+
+TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
+  expect_usage_error({"run"}, "recording is required");
+  expect_usage_error({"run", "drive"}, "--output is required");
+  expect_usage_error({"config", "--set", "submap.l=4", "submap.l=5"}, "not expected: submap.l=5");
+  expect_usage_error({"run", "drive", "-o", "out", "--start", "-1"}, "--start must be at least 0");
+  expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "-1"}, "not negative");
+  expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "5 parsecs"}, "--max-vram");
+}
+
+TEST(Program, ConfigPrintsWhatItReadsBack) {
+  const test::TemporaryFolder folder;
+  const Answer first = call({"config", "--set", "submap.l=7", "--set", "preprocess.c_min=1"});
+  ASSERT_EQ(first.code, 0) << first.err;
+  const std::string file = folder.write("my.toml", first.out).string();
+  const Answer second = call({"config", "--config", file.c_str()});
+  EXPECT_EQ(second.code, 0) << second.err;
+  EXPECT_EQ(second.out, first.out);
+  EXPECT_EQ(load_config({.file = file, .overrides = {}}).submap.l, 7);
+}
+
+TEST(Program, ConfigRefusesABadFileWithItsLine) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("bad.toml", "[submap]\nL = 3\n").string();
+  const Answer answer = call({"config", "--config", file.c_str()});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.err.find("bad.toml, line 2"), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("'l'"), std::string::npos) << answer.err;
+}
+
+TEST(Program, DevicesListsTheDeviceOfTheTestAndItsKernels) {
+  const Answer answer = call({"devices", "--json"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const nlohmann::json devices = nlohmann::json::parse(answer.out)["devices"];
+  ASSERT_GE(devices.size(), 1U);
+  EXPECT_EQ(devices[0]["index"], 0);
+  EXPECT_EQ(devices[0]["usable"], true);
+  EXPECT_GE(devices[0]["requirements"].size(), 10U);
+  EXPECT_GE(devices[0]["self_test"].size(), 1U);
+  const std::string name = devices[0]["name"];
+  const Answer text = call({"devices", "--no-self-test"});
+  EXPECT_EQ(text.code, 0);
+  EXPECT_NE(text.out.find("0: " + name), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("self-test not run"), std::string::npos) << text.out;
+}
+
+TEST(Program, DemoMapsEvaluatesAndSaysWhereToLook) {
+  const test::TemporaryFolder folder;
+  const std::string out = (folder / "demo").string();
+  const Answer answer = call({"demo", "-o", out.c_str(), "--sweeps", "6"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  EXPECT_NE(answer.out.find("bound 0.10 m: good"), std::string::npos) << answer.out;
+  for (const char* file :
+       {"trajectory.tum", "map.ply", "summary.json", "truth.tum", "config.toml", "map.svg",
+        "evaluation.svg", "recording/times.txt", "recording/velodyne/000005.bin"}) {
+    EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 0U) << file;
+  }
+  EXPECT_LT(std::filesystem::file_size(std::filesystem::path(out) / "map.svg"), 1'000'000U);
+}
+
+}  // namespace
+}  // namespace adit

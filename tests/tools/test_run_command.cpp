@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit run` from a folder of sweeps to the files it writes, on the device that the environment
+// gives.
+#include "tools/command_run.hpp"
+
+#include <csignal>
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/run_support.hpp"
+#include "tools/evaluate.hpp"
+#include "tools/ply_reader.hpp"
+#include "tools/trajectory_io.hpp"
+#include "tools/version.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kSweeps = 8;
+
+/// The recording is simulated once for all tests.
+class RunCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    data_ = new test::TemporaryFolder();
+    small_recording(data_->path());
+  }
+  static void TearDownTestSuite() {
+    delete data_;
+    data_ = nullptr;
+  }
+
+  static DemoFiles small_recording(const fs::path& folder) {
+    return test::small_recording(folder, kSweeps);
+  }
+
+  RunCommandOptions options() const {
+    RunCommandOptions options;
+    options.recording = DemoFiles(data_->path()).recording;
+    options.output = out_ / "out";
+    options.config.overrides = {"preprocess.beam_spacing=0.03"};
+    return options;
+  }
+
+  int run(const RunCommandOptions& options) {
+    printed_.str("");
+    said_.str("");
+    return run_command(options, printed_, said_);
+  }
+
+  nlohmann::json summary() const { return test::json_of(out_ / "out/summary.json"); }
+
+  static inline test::TemporaryFolder* data_ = nullptr;
+  test::TemporaryFolder out_;
+  std::ostringstream printed_;
+  std::ostringstream said_;
+};
+
+TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
+  ASSERT_EQ(run(options()), 0) << said_.str();
+  const Trajectory estimate = read_trajectory(out_ / "out/trajectory.tum");
+  ASSERT_EQ(estimate.poses.size(), kSweeps);
+  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.kitti").poses.size(), kSweeps);
+  EXPECT_GT(read_ply(out_ / "out/map.ply").sweep.points.size(), 1000U);
+  const Trajectory truth = read_trajectory(DemoFiles(data_->path()).truth);
+  for (std::size_t i = 0; i < kSweeps; ++i) {
+    const Eigen::Vector3d error =
+        estimate.poses[i].pose.translation() - truth.poses[i].pose.translation();
+    EXPECT_LT(error.norm(), 0.15) << "sweep " << i;
+  }
+  for (const char* file : {"trajectory.tum", "trajectory.kitti", "map.ply", "summary.json"}) {
+    EXPECT_NE(printed_.str().find(file), std::string::npos) << printed_.str();
+  }
+  EXPECT_FALSE(fs::exists(out_ / "out/summary.json.part"));
+}
+
+TEST_F(RunCommand, SummaryTellsWhatWasDoneWithWhat) {
+  RunCommandOptions profiled = options();
+  profiled.device.profile = true;
+  ASSERT_EQ(run(profiled), 0) << said_.str();
+  const nlohmann::json json = summary();
+  EXPECT_EQ(json["adit"], version());
+  EXPECT_EQ(json["status"], "completed");
+  EXPECT_EQ(json["input"]["sweeps"], kSweeps);
+  EXPECT_EQ(json["sweeps"]["processed"], kSweeps);
+  EXPECT_EQ(json["sweeps"]["failed"], 0);
+  EXPECT_EQ(json["sweeps"]["states"]["initializing"], 1);
+  EXPECT_EQ(json["sweeps"]["states"]["tracking"], kSweeps - 1);
+  EXPECT_EQ(json["sweeps"]["registrations"]["converged"], kSweeps - 1);
+  EXPECT_NEAR(json["distance_m"].get<double>(), 0.8 * (kSweeps - 1), 0.2);
+  EXPECT_EQ(json["configuration"]["preprocess"]["beam_spacing"], 0.03);
+  EXPECT_EQ(json["configuration"]["submap"]["l"], Config{}.submap.l);
+  EXPECT_FALSE(json["device"]["name"].get<std::string>().empty());
+  EXPECT_FALSE(json["device"]["driver_version"].get<std::string>().empty());
+  EXPECT_GT(json["device"]["memory_peak_bytes"].get<uint64_t>(), 0U);
+  EXPECT_EQ(json["time"]["host_ms"]["total"]["sweeps"], kSweeps);
+  EXPECT_GT(json["time"]["device_ms"]["total"]["mean"].get<double>(), 0.0);
+  EXPECT_GT(json["time"]["sweeps_per_s"].get<double>(), 0.0);
+  EXPECT_EQ(json["output"]["map_points"], read_ply(out_ / "out/map.ply").sweep.points.size());
+}
+
+TEST_F(RunCommand, TwoRunsGiveTheSameBytes) {
+  ASSERT_EQ(run(options()), 0) << said_.str();
+  RunCommandOptions again = options();
+  again.output = out_ / "again";
+  ASSERT_EQ(run(again), 0) << said_.str();
+  for (const char* file : {"trajectory.tum", "trajectory.kitti", "map.ply"}) {
+    EXPECT_EQ(test::content(out_ / "out" / file), test::content(out_ / "again" / file)) << file;
+  }
+}
+
+TEST_F(RunCommand, JsonOptionPrintsTheSummary) {
+  RunCommandOptions json = options();
+  json.json = true;
+  ASSERT_EQ(run(json), 0) << said_.str();
+  EXPECT_EQ(printed_.str(), test::content(out_ / "out/summary.json"));
+}
+
+TEST_F(RunCommand, QuietPrintsNothing) {
+  RunCommandOptions quiet = options();
+  quiet.quiet = true;
+  ASSERT_EQ(run(quiet), 0);
+  EXPECT_EQ(printed_.str() + said_.str(), "");
+}
+
+TEST_F(RunCommand, PartOfARecordingIsMapped) {
+  RunCommandOptions part = options();
+  part.start = 2;
+  part.count = 3;
+  part.map.enabled = false;
+  ASSERT_EQ(run(part), 0) << said_.str();
+  const Trajectory estimate = read_trajectory(out_ / "out/trajectory.tum");
+  ASSERT_EQ(estimate.poses.size(), 3U);
+  EXPECT_EQ(estimate.poses[0].stamp, std::chrono::milliseconds(200));
+  EXPECT_TRUE(estimate.poses[0].pose.isApprox(Eigen::Isometry3d::Identity()));
+  EXPECT_FALSE(fs::exists(out_ / "out/map.ply"));
+}
+
+TEST_F(RunCommand, DamagedSweepInTheMiddleKeepsTheTrajectoryAndSaysSo) {
+  const test::TemporaryFolder damaged;
+  RunCommandOptions run_options = options();
+  run_options.recording = small_recording(damaged.path()).recording;
+  const fs::path sweep = run_options.recording / "velodyne/000005.bin";
+  fs::resize_file(sweep, fs::file_size(sweep) - 7);
+  EXPECT_EQ(run(run_options), 1);
+  EXPECT_NE(said_.str().find("000005.bin"), std::string::npos) << said_.str();
+  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.tum").poses.size(), 5U);
+  EXPECT_EQ(summary()["status"], "input_error");
+  EXPECT_NE(summary()["reason"].get<std::string>().find("000005.bin"), std::string::npos);
+  EXPECT_EQ(summary()["sweeps"]["processed"], 5);
+}
+
+TEST_F(RunCommand, SweepWithoutPointsIsAFailureAndTheRunGoesOn) {
+  const test::TemporaryFolder damaged;
+  RunCommandOptions run_options = options();
+  run_options.recording = small_recording(damaged.path()).recording;
+  fs::resize_file(run_options.recording / "velodyne/000004.bin", 0);
+  EXPECT_EQ(run(run_options), 0) << said_.str();
+  const nlohmann::json json = summary();
+  EXPECT_EQ(json["sweeps"]["processed"], kSweeps);
+  ASSERT_EQ(json["sweeps"]["failures"].size(), 1U);
+  EXPECT_EQ(json["sweeps"]["failures"][0]["index"], 4);
+  EXPECT_EQ(json["sweeps"]["failures"][0]["reason"], "it has no points");
+  EXPECT_NE(said_.str().find("sweep 4"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, RecordingWithoutAnyPointFails) {
+  const test::TemporaryFolder empty;
+  RunCommandOptions run_options = options();
+  run_options.recording = small_recording(empty.path()).recording;
+  for (std::size_t i = 0; i < kSweeps; ++i) {
+    fs::resize_file(run_options.recording / "velodyne" / ("00000" + std::to_string(i) + ".bin"), 0);
+  }
+  EXPECT_EQ(run(run_options), 1);
+  EXPECT_NE(said_.str().find("not one sweep could be aligned"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, FullDiskIsReportedAndTheRestKept) {
+  fs::create_directory(out_ / "out");
+  fs::create_symlink("/dev/full", out_ / "out/map.ply");
+  EXPECT_EQ(run(options()), 1);
+  EXPECT_NE(said_.str().find("map.ply"), std::string::npos) << said_.str();
+  EXPECT_NE(said_.str().find("No space left"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, UnwritableOutputIsNamedBeforeAnyWork) {
+  fs::create_directories(out_ / "out/trajectory.kitti");
+  EXPECT_EQ(run(options()), 1);
+  EXPECT_NE(said_.str().find("trajectory.kitti: cannot be written"), std::string::npos)
+      << said_.str();
+  EXPECT_FALSE(fs::exists(out_ / "out/trajectory.tum"));
+  EXPECT_EQ(said_.str().find("mapping"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, MistakesOnTheCommandLineAreUsageErrors) {
+  RunCommandOptions device = options();
+  device.device.device = "4711";
+  EXPECT_EQ(run(device), 2);
+  EXPECT_NE(said_.str().find("4711"), std::string::npos) << said_.str();
+  EXPECT_NE(said_.str().find("0: "), std::string::npos) << "the list of devices: " << said_.str();
+  RunCommandOptions start = options();
+  start.start = kSweeps;
+  EXPECT_EQ(run(start), 2);
+  EXPECT_NE(said_.str().find("the sweeps 0 to 7"), std::string::npos) << said_.str();
+  RunCommandOptions resolution = options();
+  resolution.map.resolution = 0.0;
+  EXPECT_EQ(run(resolution), 2);
+  RunCommandOptions setting = options();
+  setting.config.overrides = {"submap.l=0"};
+  EXPECT_EQ(run(setting), 2);
+  EXPECT_FALSE(fs::exists(out_ / "out/trajectory.tum")) << "nothing was done";
+}
+
+TEST_F(RunCommand, TooSmallAMemoryBudgetIsReported) {
+  RunCommandOptions small = options();
+  small.device.max_vram_bytes = 4096;
+  EXPECT_EQ(run(small), 1);
+  EXPECT_NE(said_.str().find("4096"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, MissingRecordingIsReported) {
+  RunCommandOptions missing = options();
+  missing.recording = out_ / "nowhere";
+  EXPECT_EQ(run(missing), 1);
+  EXPECT_NE(said_.str().find("nowhere"), std::string::npos) << said_.str();
+}
+
+}  // namespace
+}  // namespace adit

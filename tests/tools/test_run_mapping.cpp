@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/run_mapping.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "engine/error.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/run_support.hpp"
+#include "tools/input_error.hpp"
+#include "tools/stop_signal.hpp"
+
+namespace adit {
+namespace {
+
+/// map_recording() with what it needs; the odometry is test::placed().
+class MapRecording : public testing::Test {
+ protected:
+  MappingResult map(Recording& recording, SweepRange range,
+                    const std::function<SweepResult(const Sweep&)>& place = test::placed) {
+    RunOutputs outputs(folder_.path(), {});
+    Progress progress(notes_, ProgressStyle::none, "mapping", range.count);
+    MappingResult result = map_recording({.recording = recording,
+                                          .range = range,
+                                          .place = place,
+                                          .stop = [] { return StopSignal::received() != 0; },
+                                          .outputs = outputs,
+                                          .statistics = statistics_,
+                                          .progress = progress});
+    outputs.close();
+    return result;
+  }
+
+  std::size_t written() const { return test::lines(folder_ / "trajectory.tum"); }
+
+  test::TemporaryFolder folder_;
+  RunStatistics statistics_{Config{}};
+  std::ostringstream notes_;
+  StopSignal stop_;
+};
+
+TEST_F(MapRecording, TakesEverySweepOfTheRangeInOrder) {
+  std::vector<std::size_t> read;
+  test::MemoryRecording recording(10, [&](std::size_t index) { read.push_back(index); });
+  const MappingResult result = map(recording, {.first = 3, .count = 4});
+  EXPECT_EQ(result.end, RunEnd::completed);
+  EXPECT_EQ(result.reason, "");
+  EXPECT_EQ(read, (std::vector<std::size_t>{3, 4, 5, 6}));
+  EXPECT_EQ(written(), 4U);
+}
+
+TEST_F(MapRecording, DamagedSweepEndsTheRunAndKeepsWhatCameBefore) {
+  test::MemoryRecording recording(10, [](std::size_t index) {
+    if (index == 6) {
+      throw InputError("velodyne/000006.bin", Place::byte(16), "cut short", "Copy it again");
+    }
+  });
+  const MappingResult result = map(recording, {.first = 0, .count = 10});
+  EXPECT_EQ(result.end, RunEnd::input_error);
+  EXPECT_NE(result.reason.find("velodyne/000006.bin, byte 16: cut short"), std::string::npos)
+      << result.reason;
+  EXPECT_EQ(written(), 6U);
+  EXPECT_EQ(statistics_.sweeps(), 6U);
+}
+
+TEST_F(MapRecording, InterruptFinishesTheCurrentSweep) {
+  test::MemoryRecording recording(10, [](std::size_t index) {
+    if (index == 2) {
+      std::raise(SIGINT);
+    }
+  });
+  const MappingResult result = map(recording, {.first = 0, .count = 10});
+  EXPECT_EQ(result.end, RunEnd::interrupted);
+  EXPECT_EQ(StopSignal::received(), SIGINT);
+  EXPECT_EQ(written(), 3U);
+}
+
+TEST_F(MapRecording, LostDeviceEndsTheRunAndKeepsWhatCameBefore) {
+  test::MemoryRecording recording(10);
+  const MappingResult result = map(recording, {.first = 0, .count = 10}, [](const Sweep& sweep) {
+    if (sweep.source == "sweep_4") {
+      throw engine::DeviceLost("the device was lost");
+    }
+    return test::placed(sweep);
+  });
+  EXPECT_EQ(result.end, RunEnd::device_error);
+  EXPECT_EQ(result.reason, "the device was lost");
+  EXPECT_EQ(written(), 4U);
+}
+
+TEST_F(MapRecording, FailedSweepsAreNotedWithIndexFileAndReasonAndTheRunGoesOn) {
+  test::MemoryRecording recording(20);
+  const MappingResult result = map(recording, {.first = 0, .count = 20}, [](const Sweep& sweep) {
+    SweepResult result_ = test::placed(sweep);
+    if (sweep.stamp.count() > 0) {
+      result_.state = OdometryState::coasting;
+      result_.valid_points = 0;
+      result_.keyframe = false;
+    }
+    return result_;
+  });
+  EXPECT_EQ(result.end, RunEnd::completed);
+  EXPECT_EQ(written(), 20U);
+  EXPECT_EQ(statistics_.failures().size(), 19U);
+  EXPECT_NE(notes_.str().find("sweep 1 (sweep_1), coasting: none of its 3 points"),
+            std::string::npos)
+      << notes_.str();
+  EXPECT_EQ(std::ranges::count(notes_.str(), '\n'), 6)
+      << "five failures and the word that there are more";
+}
+
+TEST(StopSignal, NotesTheSignalAndGivesTheHandlersBack) {
+  {
+    const StopSignal stop;
+    EXPECT_EQ(StopSignal::received(), 0);
+    std::raise(SIGTERM);
+    EXPECT_EQ(StopSignal::received(), SIGTERM);
+  }
+  EXPECT_EXIT(std::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "");
+}
+
+TEST(StopSignal, SecondSignalEndsTheProcess) {
+  EXPECT_EXIT(
+      {
+        const StopSignal stop;
+        std::raise(SIGINT);
+        std::raise(SIGINT);
+      },
+      testing::KilledBySignal(SIGINT), "");
+}
+
+}  // namespace
+}  // namespace adit
