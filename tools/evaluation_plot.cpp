@@ -119,7 +119,9 @@ Panel map_panel(const Evaluation& evaluation, const View& view) {
   const Eigen::Vector2d low(bounds.low(view.right), bounds.low(view.up));
   const Eigen::Vector2d high(bounds.high(view.right), bounds.high(view.up));
   const Eigen::Vector2d center = 0.5 * (low + high);
-  const double least = std::max(1e-3, 0.02 * (high - low).maxCoeff());
+  // Far from the origin, doubles do not resolve a small extent.
+  const double resolved = 1e-9 * center.cwiseAbs().maxCoeff();
+  const double least = std::max({1e-3, resolved, 0.02 * (high - low).maxCoeff()});
   const Eigen::Vector2d extent = 1.1 * (high - low).cwiseMax(least);
   const double height = std::clamp(kPanelWidth * extent.y() / extent.x(), 240.0, 720.0);
   const double metres_per_px = std::max(extent.x() / kPanelWidth, extent.y() / height);
@@ -168,9 +170,10 @@ void draw_map(SvgDocument& svg, const Evaluation& evaluation, const Panel& panel
   // The same step on both axes: squares stay squares.
   const std::vector<double> x_ticks = round_ticks(panel.low.x(), panel.high.x(), 10);
   const double step = x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1.0;
+  const double first = std::ceil(panel.low.y() / step);
   std::vector<double> y_ticks;
-  for (double i = std::ceil(panel.low.y() / step); i * step <= panel.high.y(); i += 1.0) {
-    y_ticks.push_back(i * step);
+  for (int i = 0; i < 50 && (first + i) * step <= panel.high.y(); ++i) {
+    y_ticks.push_back((first + i) * step);
   }
   draw_axes(svg, panel, kAxisNames[static_cast<std::size_t>(view.right)],
             kAxisNames[static_cast<std::size_t>(view.up)], x_ticks, y_ticks);
@@ -203,7 +206,8 @@ void draw_errors(SvgDocument& svg, const Evaluation& evaluation, double top) {
   const double rmse = evaluation.ate.rmse;
   svg.line(panel(0.0, rmse), panel(length, rmse), {kRmseColor, 1.5, "7 4"});
   svg.text(panel(length, rmse) + Eigen::Vector2d(-6.0, -5.0),
-           "rmse " + tick_label(rmse, 1e-3) + " m", {12.0, kRmseColor, SvgAnchor::end, true});
+           "rmse " + tick_label(rmse, 1e-3) + " m",
+           {12.0, kRmseColor, SvgAnchor::end, true, false, true});
 }
 
 std::string summary(const Evaluation& evaluation) {

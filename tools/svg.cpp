@@ -117,6 +117,10 @@ void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const S
   if (font.bold) {
     body_ += attribute("font-weight", "bold");
   }
+  if (font.halo) {
+    body_ +=
+        " stroke=\"#ffffff\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+  }
   if (font.upwards) {
     body_ += attribute("transform", "rotate(-90 " + number(at.x()) + " " + number(at.y()) + ")");
   }
@@ -140,8 +144,9 @@ std::vector<double> round_ticks(double low, double high, int count) {
                                                 : 10.0);
   std::vector<double> ticks;
   const double first = std::ceil(low / step - 1e-9);
-  for (double i = first; i * step <= high + 1e-9 * step; i += 1.0) {
-    ticks.push_back(i * step);
+  const double last = std::floor(high / step + 1e-9);
+  for (int i = 0; i <= std::min(static_cast<int>(last - first), 10 * count); ++i) {
+    ticks.push_back((first + i) * step);
   }
   return ticks;
 }

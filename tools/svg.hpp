@@ -27,6 +27,7 @@ struct SvgFont {
   SvgAnchor anchor = SvgAnchor::start;
   bool bold = false;
   bool upwards = false;  ///< turned by 90 degrees, reads from bottom to top
+  bool halo = false;     ///< a white edge, to stand out from lines
 };
 
 /// A drawing on white, put together element by element. Coordinates in px, x right, y down.

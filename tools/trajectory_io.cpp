@@ -21,16 +21,18 @@ constexpr std::size_t kKittiColumns = 12;
 using Words = std::array<std::string_view, kKittiColumns>;
 using Numbers = std::array<double, kKittiColumns>;
 
-/// The line's numbers. Throws InputError for what is none or not finite.
+constexpr double kLargestNumber = 1e12;  // m, beyond any position; s, beyond any time
+
+/// The line's numbers. Throws InputError for what is none, not finite or absurd.
 Numbers parse_numbers(const std::filesystem::path& file, uint64_t line,
                       std::span<const std::string_view> words) {
   Numbers numbers{};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::optional<double> number = parse_double(words[i]);
-    if (!number || !std::isfinite(*number)) {
+    if (!number || !(std::abs(*number) <= kLargestNumber)) {
       throw InputError(file, Place::line(line),
                        "column " + std::to_string(i + 1) + " is " + in_quotes(words[i]) +
-                           ", not a finite number",
+                           ", not a number up to 1e12",
                        "Correct or delete the line");
     }
     numbers[i] = *number;
@@ -40,13 +42,13 @@ Numbers parse_numbers(const std::filesystem::path& file, uint64_t line,
 
 StampedPose tum_pose(const std::filesystem::path& file, uint64_t line,
                      std::span<const std::string_view> words) {
-  const Numbers n = parse_numbers(file, line, words);
   const std::optional<Nanoseconds> stamp = parse_seconds(words[0]);
   if (!stamp) {
     throw InputError(file, Place::line(line),
-                     "the time " + in_quotes(words[0]) + " s is beyond 292 years",
-                     "Times are in seconds; nanoseconds need dividing by 1e9");
+                     "the time " + in_quotes(words[0]) + " is no number of seconds up to 292 years",
+                     "Correct the line; nanoseconds need dividing by 1e9");
   }
+  const Numbers n = parse_numbers(file, line, words);
   const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
   const double norm = q.norm();
   if (!(norm > 1e-3 && norm < 1e3)) {

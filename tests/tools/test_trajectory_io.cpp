@@ -150,10 +150,12 @@ TEST(TrajectoryIo, WhatIsNoNumberIsShown) {
   EXPECT_NE(error.found().find("column 4 is '4x'"), std::string::npos);
 }
 
-TEST(TrajectoryIo, NanAndInfinityAreErrors) {
+TEST(TrajectoryIo, NanInfinityAndAbsurdNumbersAreErrors) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(input_error(folder, "1 nan 0 0 0 0 0 1\n").place(), "line 1");
   EXPECT_EQ(input_error(folder, "1 inf 0 0 0 0 0 1\n").place(), "line 1");
+  EXPECT_EQ(input_error(folder, "1 1e13 0 0 0 0 0 1\n").place(), "line 1");
+  EXPECT_EQ(input_error(folder, "nan 0 0 0 0 0 0 1\n").place(), "line 1");
   EXPECT_EQ(input_error(folder, "1 0 0 7 0 nan 0 8 0 0 1 9\n").place(), "line 1");
 }
 

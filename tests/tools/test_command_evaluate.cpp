@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_evaluate.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tools/input_file.hpp"
+
+namespace adit {
+namespace {
+
+/// A circle of 20 m radius, once around, with an offset that grows.
+std::string circle(double drift) {
+  std::string text;
+  for (int i = 0; i < 120; ++i) {
+    const double angle = 0.05 * i;
+    text += std::to_string(100.0 + 0.1 * i) + " " +
+            std::to_string(20.0 * std::cos(angle) + drift * i) + " " +
+            std::to_string(20.0 * std::sin(angle)) + " 0 0 0 " +
+            std::to_string(std::sin(angle / 2)) + " " + std::to_string(std::cos(angle / 2)) + "\n";
+  }
+  return text;
+}
+
+class CommandEvaluate : public testing::Test {
+ protected:
+  CommandEvaluate() {
+    options_.estimate = folder_.write("estimate.tum", circle(0.01));
+    options_.truth = folder_.write("truth.tum", circle(0.0));
+  }
+
+  int run() { return evaluate_command(options_, out_, err_); }
+
+  /// Runs the sub-command of a program with these arguments; -1 where it did not run.
+  static int parse(const std::vector<std::string>& arguments) {
+    int code = -1;
+    CLI::App app("adit");
+    add_evaluate_command(app, [&](int result) { code = result; });
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+    app.parse(reversed);
+    return code;
+  }
+
+  test::TemporaryFolder folder_;
+  EvaluateCommandOptions options_;
+  std::ostringstream out_;
+  std::ostringstream err_;
+};
+
+TEST_F(CommandEvaluate, TableSaysAssociationCoverageAndAlignment) {
+  EXPECT_EQ(run(), 0);
+  const std::string report = out_.str();
+  for (const char* part :
+       {"120 pairs by time", "120 of 120 poses of the estimate", "100.0 %", "SE(3) Umeyama",
+        "position (m)", "rotation (deg)", "consecutive pairs 10 m apart", "KITTI segments"}) {
+    EXPECT_NE(report.find(part), std::string::npos) << part << "\n" << report;
+  }
+  EXPECT_EQ(err_.str(), "");
+}
+
+TEST_F(CommandEvaluate, JsonHoldsTheSameFigures) {
+  options_.json = true;
+  EXPECT_EQ(run(), 0);
+  const nlohmann::json report = nlohmann::json::parse(out_.str());
+  const Evaluation direct =
+      evaluate(read_trajectory(options_.estimate), read_trajectory(options_.truth), {});
+  EXPECT_EQ(report["ate"]["position_m"]["rmse"].get<double>(), direct.ate.rmse);
+  EXPECT_EQ(report["rpe"]["translation_m"]["count"].get<std::size_t>(),
+            direct.rpe.translation.count);
+  EXPECT_EQ(report["association"]["method"], "time");
+  EXPECT_EQ(report["alignment"]["method"], "se3");
+  EXPECT_TRUE(report["kitti_segments"]["by_length"].is_array());
+}
+
+TEST_F(CommandEvaluate, JsonOfAShortPathHasNulls) {
+  options_.json = true;
+  options_.evaluation.rpe.delta = 1000.0;
+  EXPECT_EQ(run(), 0);
+  EXPECT_TRUE(nlohmann::json::parse(out_.str())["rpe"]["translation_m"].is_null());
+}
+
+TEST_F(CommandEvaluate, PlotIsAnSvgWithBothPaths) {
+  options_.plot = folder_ / "plot.svg";
+  EXPECT_EQ(run(), 0);
+  const std::string svg = read_text_file(folder_ / "plot.svg");
+  EXPECT_TRUE(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  for (const char* part : {"estimate.tum against truth.tum", "x (m)", "y (m)", "position error (m)",
+                           "<polyline", "start", "rmse"}) {
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+TEST_F(CommandEvaluate, BadInputIsCodeOneWithTheFileAndNoReport) {
+  options_.estimate = folder_.write("bad.tum", "1 2 3\n");
+  EXPECT_EQ(run(), 1);
+  EXPECT_EQ(out_.str(), "");
+  EXPECT_NE(err_.str().find("bad.tum, line 1"), std::string::npos) << err_.str();
+}
+
+TEST_F(CommandEvaluate, PlotThatCannotBeWrittenIsCodeOne) {
+  options_.plot = folder_ / "missing/plot.svg";
+  EXPECT_EQ(run(), 1);
+  EXPECT_NE(err_.str().find("missing/plot.svg"), std::string::npos);
+  EXPECT_NE(out_.str(), "");  // the report was made and is kept
+}
+
+TEST_F(CommandEvaluate, OutputThatCannotBeWrittenIsCodeOne) {
+  out_.setstate(std::ios::badbit);
+  EXPECT_EQ(run(), 1);
+}
+
+TEST_F(CommandEvaluate, OptionsReachTheEvaluation) {
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(parse({"evaluate", options_.estimate.string(), options_.truth.string(), "--json",
+                   "--align", "origin", "--delta", "3", "--delta-unit", "f", "--pairs", "truth",
+                   "--tolerance", "0.02", "--from-first-pose"}),
+            0);
+  const nlohmann::json report = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  EXPECT_EQ(report["alignment"]["method"], "origin");
+  EXPECT_EQ(report["rpe"]["delta"], 3.0);
+  EXPECT_EQ(report["rpe"]["delta_unit"], "f");
+  EXPECT_EQ(report["rpe"]["pairs_from"], "truth");
+  EXPECT_EQ(report["rpe"]["from_first_pose"], true);
+  EXPECT_EQ(report["association"]["tolerance_s"], 0.02);
+}
+
+TEST_F(CommandEvaluate, FramesDefaultToOne) {
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(parse({"evaluate", options_.estimate.string(), options_.truth.string(), "--json",
+                   "--delta-unit", "f"}),
+            0);
+  EXPECT_EQ(nlohmann::json::parse(testing::internal::GetCapturedStdout())["rpe"]["delta"], 1.0);
+}
+
+TEST_F(CommandEvaluate, UsageErrorsDoNotRun) {
+  EXPECT_THROW(parse({"evaluate", "a"}), CLI::ParseError);
+  EXPECT_THROW(parse({"evaluate", "a", "b", "--align", "best"}), CLI::ParseError);
+  EXPECT_THROW(parse({"evaluate", "a", "b", "--delta", "0"}), CLI::ParseError);
+  EXPECT_THROW(parse({"evaluate", "a", "b", "--delta", "1.5", "--delta-unit", "f"}),
+               CLI::ParseError);
+  EXPECT_THROW(parse({"evaluate", "a", "b", "--tolerance", "-1"}), CLI::ParseError);
+}
+
+TEST_F(CommandEvaluate, MissingFilesAreErrorsOfTheData) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"evaluate", "nowhere.tum", options_.truth.string()}), 1);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("nowhere.tum"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace adit
