@@ -6,8 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
+#include <sstream>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tools/svg.hpp"
@@ -19,8 +22,8 @@ namespace {
 constexpr std::array<std::string_view, 8> kRamp{"#2b2c6b", "#2f4b8c", "#2c6f97", "#2a9290",
                                                 "#43b37c", "#86cc5c", "#c6dc3f", "#fde725"};
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
-constexpr double kCells = 500.0;        ///< along the longer side
-constexpr double kPixelsPerCell = 2.0;  ///< on the screen
+constexpr double kCells = 500.0;           ///< along the longer side
+constexpr std::size_t kPixelsPerCell = 2;  ///< on the screen
 
 /// The highest point of each cell; row 0 is the northernmost.
 struct Raster {
@@ -84,7 +87,7 @@ std::string cells(const Raster& raster) {
     return static_cast<std::size_t>(
         std::clamp(share, 0.0F, static_cast<float>(kRamp.size()) - 1.0F));
   };
-  std::array<std::string, kRamp.size()> strokes;
+  std::array<std::ostringstream, kRamp.size()> strokes;
   for (std::size_t row = 0; row < raster.rows; ++row) {
     const float* line = &raster.top[row * raster.columns];
     for (std::size_t column = 0; column < raster.columns;) {
@@ -97,50 +100,54 @@ std::string cells(const Raster& raster) {
       while (column < raster.columns && line[column] != kEmpty && color_of(line[column]) == color) {
         ++column;
       }
-      strokes[color] += "M" + std::to_string(start) + " " + std::to_string(row) + ".5h" +
-                        std::to_string(column - start);
+      strokes[color] << 'M' << start << ' ' << row << ".5h" << column - start;
     }
   }
-  std::string text;
+  std::ostringstream text;
   for (std::size_t color = 0; color < kRamp.size(); ++color) {
-    text += "<path stroke=\"" + std::string(kRamp[color]) + "\" d=\"" + strokes[color] + "\"/>\n";
+    text << "<path stroke=\"" << kRamp[color] << "\" d=\"" << strokes[color].str() << "\"/>\n";
   }
-  return text;
+  return text.str();
 }
 
 std::string polyline(const Raster& raster, std::span<const StampedPose> path) {
-  std::string text = "<polyline fill=\"none\" stroke=\"#e4342c\" stroke-width=\"1.5\" points=\"";
+  std::ostringstream text;
+  text << R"(<polyline fill="none" stroke="#e4342c" stroke-width="1.5" points=")";
   for (const StampedPose& pose : path) {
     const Eigen::Vector2d p = raster.place(pose.pose.translation().head<2>());
-    text += tick_label(p.x(), 0.1) + "," + tick_label(p.y(), 0.1) + " ";
+    text << tick_label(p.x(), 0.1) << ',' << tick_label(p.y(), 0.1) << ' ';
   }
-  return text + "\"/>\n";
+  text << "\"/>\n";
+  return text.str();
 }
 
 std::string scale_bar(const Raster& raster) {
   const double width = static_cast<double>(raster.columns) * raster.cell;
   const double length = std::pow(10.0, std::floor(std::log10(std::max(width, 1.0) / 2.0)));
-  const std::string y = std::to_string(raster.rows + 12);
-  return "<path stroke=\"#ffffff\" stroke-width=\"2\" d=\"M4 " + y + "h" +
-         tick_label(length / raster.cell, 0.1) +
-         "\"/>\n<text fill=\"#ffffff\" font-family=\"sans-serif\" font-size=\"9\" x=\"" +
-         tick_label(length / raster.cell + 8.0, 0.1) + "\" y=\"" +
-         std::to_string(raster.rows + 15) + "\">" + tick_label(length, length) + " m</text>\n";
+  const double cells_long = length / raster.cell;
+  std::ostringstream text;
+  text << R"(<path stroke="#ffffff" stroke-width="2" d="M4 )" << raster.rows + 12 << 'h'
+       << tick_label(cells_long, 0.1) << "\"/>\n"
+       << R"(<text fill="#ffffff" font-family="sans-serif" font-size="9" x=")"
+       << tick_label(cells_long + 8.0, 0.1) << "\" y=\"" << raster.rows + 15 << "\">"
+       << tick_label(length, length) << " m</text>\n";
+  return text.str();
 }
 
 }  // namespace
 
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path) {
   const Raster raster = rasterize(points, path);
-  const auto width = static_cast<double>(raster.columns);
-  const auto height = static_cast<double>(raster.rows) + 20.0;  // with the scale bar below
-  const auto number = [](double value) { return tick_label(value, 1.0); };
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(width * kPixelsPerCell) +
-         "\" height=\"" + number(height * kPixelsPerCell) + "\" viewBox=\"0 0 " + number(width) +
-         " " + number(height) +
-         "\">\n<rect width=\"100%\" height=\"100%\" fill=\"#10101c\"/>\n<g "
-         "shape-rendering=\"crispEdges\">\n" +
-         cells(raster) + "</g>\n" + polyline(raster, path) + scale_bar(raster) + "</svg>\n";
+  const std::size_t height = raster.rows + 20;  // with the scale bar below
+  std::ostringstream text;
+  text << R"(<svg xmlns="http://www.w3.org/2000/svg" width=")" << kPixelsPerCell * raster.columns
+       << "\" height=\"" << kPixelsPerCell * height << "\" viewBox=\"0 0 " << raster.columns << ' '
+       << height << "\">\n"
+       << "<rect width=\"100%\" height=\"100%\" fill=\"#10101c\"/>\n<g "
+          "shape-rendering=\"crispEdges\">\n"
+       << cells(raster) << "</g>\n"
+       << polyline(raster, path) << scale_bar(raster) << "</svg>\n";
+  return text.str();
 }
 
 }  // namespace adit

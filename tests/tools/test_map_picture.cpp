@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/map_picture.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tools/random.hpp"
+
+namespace adit {
+namespace {
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++found;
+  }
+  return found;
+}
+
+TEST(MapPicture, NeighbouringCellsOfOneHeightAreOneStroke) {
+  std::vector<Point> wall;
+  for (int i = 0; i <= 40; ++i) {
+    const float inside = i == 0 ? 0.0F : 0.02F;  // the first point is the corner of the picture
+    wall.push_back(
+        {.x = 0.05F * static_cast<float>(i) + inside, .y = 0.0F, .z = 1.0F, .intensity = 0.0F});
+  }
+  wall.push_back({.x = 0.01F, .y = 2.0F, .z = 9.0F, .intensity = 0.0F});
+  const std::string picture = map_picture(wall, {});
+  EXPECT_EQ(count(picture, "h41"), 1U) << picture;
+  EXPECT_NE(picture.find("M0 0.5h1"), std::string::npos) << "the northern point is in the top row";
+  EXPECT_EQ(picture.find("nan"), std::string::npos);
+}
+
+TEST(MapPicture, HighestPointGivesTheColour) {
+  const std::vector<Point> low{{0.0F, 0.0F, 0.0F, 0.0F}, {5.0F, 5.0F, 8.0F, 0.0F}};
+  std::vector<Point> both = low;
+  both.push_back({0.0F, 0.0F, 8.0F, 0.0F});
+  EXPECT_NE(map_picture(low, {}), map_picture(both, {}));
+  std::vector<Point> below = both;
+  below.push_back({0.0F, 0.0F, -3.0F, 0.0F});
+  EXPECT_EQ(map_picture(both, {}), map_picture(below, {}));
+}
+
+TEST(MapPicture, EmptyMapIsAPictureStill) {
+  const std::string picture = map_picture({}, {});
+  EXPECT_EQ(picture.find("nan"), std::string::npos);
+  EXPECT_NE(picture.find("</svg>"), std::string::npos);
+}
+
+TEST(MapPicture, StaysSmallWhateverTheMap) {
+  Random random(1);
+  std::vector<Point> noise;
+  for (int i = 0; i < 400'000; ++i) {
+    noise.push_back({static_cast<float>(random.uniform(-900, 900)),
+                     static_cast<float>(random.uniform(-900, 900)),
+                     static_cast<float>(random.uniform(0, 9)), 0.0F});
+  }
+  EXPECT_LT(map_picture(noise, {}).size(), 3'000'000U)
+      << "noise in every cell is the worst there is";
+}
+
+}  // namespace
+}  // namespace adit
