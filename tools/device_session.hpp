@@ -17,7 +17,7 @@ struct DeviceOptions {
   std::string device;  ///< --device; empty: the environment's ADIT_DEVICE, else the best there is
   uint64_t max_vram_bytes = 0;  ///< 0: no limit
   bool validation = false;
-  bool profile = false;
+  bool profile = true;  ///< device timestamps around every stage; they cost nothing measurable
 };
 
 /// The device asked for by option or environment; empty where none was.

@@ -85,7 +85,7 @@ TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
 
 TEST_F(RunCommand, SummaryTellsWhatWasDoneWithWhat) {
   RunCommandOptions profiled = options();
-  profiled.device.profile = true;
+  profiled.stage_table = true;
   ASSERT_EQ(run(profiled), 0) << said_.str();
   const nlohmann::json json = summary();
   EXPECT_EQ(json["adit"], version());
@@ -104,6 +104,7 @@ TEST_F(RunCommand, SummaryTellsWhatWasDoneWithWhat) {
   EXPECT_GT(json["device"]["memory_peak_bytes"].get<uint64_t>(), 0U);
   EXPECT_EQ(json["time"]["host_ms"]["total"]["sweeps"], kSweeps);
   EXPECT_GT(json["time"]["device_ms"]["total"]["mean"].get<double>(), 0.0);
+  EXPECT_NE(printed_.str().find("  device total "), std::string::npos) << printed_.str();
   EXPECT_GT(json["time"]["sweeps_per_s"].get<double>(), 0.0);
   EXPECT_EQ(json["output"]["map_points"], read_ply(out_ / "out/map.ply").sweep.points.size());
 }
