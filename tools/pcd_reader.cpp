@@ -48,7 +48,7 @@ CloudColumns columns_of(const std::filesystem::path& file, const PcdHeader& head
     if (roles.index[role] >= 0) {
       const auto i = static_cast<std::size_t>(roles.index[role]);
       columns.columns[role] =
-          Column{data + places[i].offset, places[i].stride, header.fields[i].type, kSwap};
+          Column{data, places[i].offset, places[i].stride, header.fields[i].type, kSwap};
     }
   }
   return columns;
@@ -118,8 +118,9 @@ CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header
   columns.points = points;
   for (std::size_t role = 0; role < kFieldRoles; ++role) {
     if (roles.index[role] >= 0) {
-      columns.columns[role] = Column{reinterpret_cast<const std::byte*>(values.data() + role),
-                                     kFieldRoles * sizeof(double), ScalarType::f64, false};
+      columns.columns[role] =
+          Column{reinterpret_cast<const std::byte*>(values.data()), role * sizeof(double),
+                 kFieldRoles * sizeof(double), ScalarType::f64, false};
     }
   }
   return decode_cloud(file, columns);

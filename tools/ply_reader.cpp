@@ -129,7 +129,7 @@ class BinaryBody {
       for (std::size_t i = 0; i < field; ++i) {
         offset += size_of(vertex.properties[i].type);
       }
-      columns.columns[role] = Column{content_.data() + at_ + offset, vertex.smallest_record(),
+      columns.columns[role] = Column{content_.data(), at_ + offset, vertex.smallest_record(),
                                      vertex.properties[field].type, swap()};
     }
     return decode_cloud(file_, columns);
@@ -157,7 +157,7 @@ class BinaryBody {
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
         columns.columns[role] =
-            Column{rows.data() + role * kSlot, kRow,
+            Column{rows.data(), role * kSlot, kRow,
                    vertex.properties[static_cast<std::size_t>(roles.index[role])].type, swap()};
       }
     }
@@ -195,8 +195,9 @@ class AsciiBody {
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
-        columns.columns[role] = Column{reinterpret_cast<const std::byte*>(values.data() + role),
-                                       kFieldRoles * sizeof(double), ScalarType::f64, false};
+        columns.columns[role] =
+            Column{reinterpret_cast<const std::byte*>(values.data()), role * sizeof(double),
+                   kFieldRoles * sizeof(double), ScalarType::f64, false};
       }
     }
     return decode_cloud(file_, columns);
@@ -212,7 +213,7 @@ class AsciiBody {
 
   std::string_view next_line(const PlyElement& element, uint64_t record) {
     while (const std::optional<std::string_view> line = lines_.next()) {
-      if (split_words(*line, {}) > 0) {
+      if (line->find_first_not_of(" \t") != std::string_view::npos) {
         return *line;
       }
     }
@@ -224,17 +225,21 @@ class AsciiBody {
 
   void read_record(const PlyElement& vertex, const FieldRoles& roles, std::string_view line,
                    double* values) {
-    words_.resize(split_words(line, {}));
-    split_words(line, words_);
+    const std::size_t found = split_words(line, words_);
+    if (found > words_.size()) {
+      words_.resize(found);
+      split_words(line, words_);
+    }
+    const std::span<const std::string_view> words = std::span(words_).first(found);
     std::size_t at = 0;
     for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
-      if (at >= words_.size()) {
-        fail_count(words_.size());
+      if (at >= words.size()) {
+        fail_count(words.size());
       }
-      const std::string_view word = words_[at++];
+      const std::string_view word = words[at++];
       if (vertex.properties[i].list_count) {
         const std::optional<uint64_t> count = parse_unsigned(word);
-        if (!count || *count > words_.size() - at) {
+        if (!count || *count > words.size() - at) {
           throw InputError(file_, place(),
                            in_quotes(word) + " is not the length of the list that follows",
                            kCutOff);
@@ -252,8 +257,8 @@ class AsciiBody {
         }
       }
     }
-    if (at != words_.size()) {
-      fail_count(words_.size());
+    if (at != words.size()) {
+      fail_count(words.size());
     }
   }
 

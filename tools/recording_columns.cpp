@@ -33,7 +33,7 @@ template <class Take>
 void for_each_value(const Column& column, std::size_t count, Take&& take) {
   const auto run = [&]<class T>(T) {
     for (std::size_t i = 0; i < count; ++i) {
-      take(i, load<T>(column.first + i * column.stride, column.swap_bytes));
+      take(i, load<T>(column.data + column.offset + i * column.stride, column.swap_bytes));
     }
   };
   switch (column.type) {

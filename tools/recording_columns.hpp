@@ -21,7 +21,8 @@ std::size_t size_of(ScalarType type);
 
 /// Numbers of one type, `stride` bytes apart. No alignment is needed.
 struct Column {
-  const std::byte* first = nullptr;
+  const std::byte* data = nullptr;  ///< may be null where there are no points
+  std::size_t offset = 0;           ///< bytes from `data` to the first number
   std::size_t stride = 0;
   ScalarType type = ScalarType::f32;
   bool swap_bytes = false;  ///< stored in the other byte order than this machine's

@@ -104,6 +104,20 @@ TEST(Mutations, SeedsAreValid) {
   }
 }
 
+TEST(Mutations, ElementsWithoutAnyPoint) {
+  // Found by libFuzzer: an offset into an empty vector.
+  for (const char* format : {"ascii", "binary_little_endian"}) {
+    feed("ply\nformat " + std::string(format) +
+         " 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty list ushort double "
+         "b\n"
+         "property float z\nproperty uint t\nend_header\n");
+  }
+  for (const std::string& data : {std::string("ascii\n"), std::string("binary\n"),
+                                  "binary_compressed\n" + std::string(8, '\0')}) {
+    feed("FIELDS x y z time\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 0\nHEIGHT 1\nDATA " + data);
+  }
+}
+
 TEST(Mutations, FilesCutOffAtEveryByte) {
   for (const std::string& seed : seeds()) {
     for (std::size_t size = 0; size < seed.size(); ++size) {

@@ -141,7 +141,7 @@ CloudFile decode_one(ScalarType type, const std::vector<T>& xyz) {
   columns.points = 1;
   for (std::size_t i = 0; i < 3; ++i) {
     columns.columns[i] =
-        Column{reinterpret_cast<const std::byte*>(xyz.data() + i), sizeof(T), type, false};
+        Column{reinterpret_cast<const std::byte*>(xyz.data() + i), 0, sizeof(T), type, false};
   }
   return decode_cloud("cloud.pcd", columns);
 }
@@ -179,8 +179,8 @@ TEST(DecodeCloud, RingThatIsNoBeamNumberIsAnErrorWithThePoint) {
   columns.points = 1;
   const std::size_t roles[] = {0, 1, 2, static_cast<std::size_t>(FieldRole::ring)};
   for (std::size_t i = 0; i < 4; ++i) {
-    columns.columns[roles[i]] =
-        Column{reinterpret_cast<const std::byte*>(values.data() + i), 16, ScalarType::f32, false};
+    columns.columns[roles[i]] = Column{reinterpret_cast<const std::byte*>(values.data() + i), 0, 16,
+                                       ScalarType::f32, false};
   }
   try {
     decode_cloud("cloud.pcd", columns);
