@@ -23,9 +23,10 @@ Buffer::State::State(Device& owner, uint64_t size, Memory kind, std::string_view
   translated("making buffer '" + name + "' of " + std::to_string(bytes) + " bytes", [&] {
     using Usage = vk::BufferUsageFlagBits;
     handle = vk::raii::Buffer(
-        owner.device, vk::BufferCreateInfo({}, bytes,
-                                           Usage::eStorageBuffer | Usage::eTransferSrc |
-                                               Usage::eTransferDst | Usage::eIndirectBuffer));
+        owner.device,
+        vk::BufferCreateInfo({}, bytes,
+                             Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst |
+                                 Usage::eIndirectBuffer | Usage::eUniformTexelBuffer));
     owner.set_name(handle, name);
     memory = owner.memory->allocate(handle.getMemoryRequirements(), kind, name);
     try {
@@ -38,7 +39,19 @@ Buffer::State::State(Device& owner, uint64_t size, Memory kind, std::string_view
   mapped = memory.block->mapped == nullptr ? nullptr : memory.block->mapped + memory.offset;
 }
 
+vk::BufferView Buffer::State::texels(uint64_t offset, uint64_t length) {
+  const std::scoped_lock lock(views_mutex_);
+  const auto found = views_.find({offset, length});
+  if (found != views_.end()) {
+    return *found->second;
+  }
+  const vk::BufferViewCreateInfo info({}, *handle, vk::Format::eR32G32B32A32Uint, offset, length);
+  return *views_.emplace(std::pair{offset, length}, vk::raii::BufferView(device->device, info))
+              .first->second;
+}
+
 Buffer::State::~State() {
+  views_.clear();
   handle = vk::raii::Buffer(nullptr);
   device->memory->free(memory);
 }

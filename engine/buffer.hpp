@@ -23,6 +23,11 @@ enum class Memory {
 /// Offsets of slices that kernels bind are multiples of this on every baseline device.
 inline constexpr uint64_t kSliceAlignment = 256;
 
+/// A texel of a uniform texel buffer: four 32-bit words. Every device can bind slices of up to
+/// kMinTexels of them; what a device can is DeviceInfo::max_texel_buffer_elements.
+inline constexpr uint64_t kTexelBytes = 16;
+inline constexpr uint64_t kMinTexels = 65536;
+
 /// The next multiple of kSliceAlignment, for laying several slices out in one buffer.
 constexpr uint64_t align_slice(uint64_t bytes) {
   return (bytes + kSliceAlignment - 1) / kSliceAlignment * kSliceAlignment;
@@ -78,7 +83,7 @@ class Buffer {
   }  // NOLINT(google-explicit-constructor): binds as a whole
 
   struct State;
-  const State& state() const { return *state_; }  ///< for the engine alone
+  State& state() const { return *state_; }  ///< for the engine alone
 
  private:
   friend class Context;

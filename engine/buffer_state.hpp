@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+#include <mutex>
 #include <string>
+#include <utility>
 
 #include "engine/device.hpp"
 
@@ -20,6 +23,13 @@ struct Buffer::State {
   vk::raii::Buffer handle{nullptr};
   Allocator::Allocation memory;
   std::byte* mapped = nullptr;
+
+  /// A view of a range as texels of four 32-bit words, made when first asked for.
+  vk::BufferView texels(uint64_t offset, uint64_t length);
+
+ private:
+  std::mutex views_mutex_;
+  std::map<std::pair<uint64_t, uint64_t>, vk::raii::BufferView> views_;
 };
 
 }  // namespace adit::engine

@@ -44,8 +44,10 @@ vk::DescriptorSet CommandSlot::descriptor_set(vk::DescriptorSetLayout layout, ui
     ++current_pool_;
   }
   if (current_pool_ == descriptor_pools_.size()) {
-    const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kDescriptorsPerPool);
-    descriptor_pools_.push_back({vk::raii::DescriptorPool(*device_, {{}, kSetsPerPool, size}),
+    const std::array sizes = {
+        vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kDescriptorsPerPool),
+        vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kDescriptorsPerPool)};
+    descriptor_pools_.push_back({vk::raii::DescriptorPool(*device_, {{}, kSetsPerPool, sizes}),
                                  kSetsPerPool, kDescriptorsPerPool});
   }
   DescriptorPool& pool = descriptor_pools_[current_pool_];

@@ -91,6 +91,9 @@ std::vector<Requirement> requirements(const vk::raii::PhysicalDevice& device) {
   list.push_back(at_least("maxStorageBufferRange", 128ULL << 20U, limits.maxStorageBufferRange));
   list.push_back(at_least("maxPerStageDescriptorStorageBuffers", 30,
                           limits.maxPerStageDescriptorStorageBuffers));
+  list.push_back(at_least("maxTexelBufferElements", kMinTexels, limits.maxTexelBufferElements));
+  list.push_back(at_most("minTexelBufferOffsetAlignment", kSliceAlignment,
+                         limits.minTexelBufferOffsetAlignment));
   list.push_back(at_most("minStorageBufferOffsetAlignment", kSliceAlignment,
                          limits.minStorageBufferOffsetAlignment));
   return list;
@@ -136,6 +139,7 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& device, uint32_t index) {
   info.driver_version = version(core.driverVersion);
   info.software = core.deviceType == vk::PhysicalDeviceType::eCpu;
   info.max_storage_buffer_bytes = core.limits.maxStorageBufferRange;
+  info.max_texel_buffer_elements = core.limits.maxTexelBufferElements;
   info.max_workgroup_invocations = core.limits.maxComputeWorkGroupInvocations;
   info.max_shared_bytes = core.limits.maxComputeSharedMemorySize;
   const vk::PhysicalDeviceMemoryProperties memory = device.getMemoryProperties();

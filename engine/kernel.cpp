@@ -62,7 +62,7 @@ void check_bindings(const Kernel::State& state) {
   const auto& bindings = state.reflection.bindings;
   for (uint32_t i = 0; i < bindings.size(); ++i) {
     if (bindings[i].binding != i) {
-      mistake(state.name, "storage buffer " + std::to_string(i) +
+      mistake(state.name, "buffer " + std::to_string(i) +
                               " is missing or never used: bindings are 0, 1, ... "
                               "without gaps");
     }
@@ -73,8 +73,10 @@ void create_layouts(Kernel::State& state) {
   const vk::raii::Device& device = state.device->device;
   std::vector<vk::DescriptorSetLayoutBinding> bindings;
   for (const BindingInfo& binding : state.reflection.bindings) {
-    bindings.emplace_back(binding.binding, vk::DescriptorType::eStorageBuffer, 1,
-                          vk::ShaderStageFlagBits::eCompute);
+    bindings.emplace_back(binding.binding,
+                          binding.texels ? vk::DescriptorType::eUniformTexelBuffer
+                                         : vk::DescriptorType::eStorageBuffer,
+                          1, vk::ShaderStageFlagBits::eCompute);
   }
   state.set_layout =
       vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));

@@ -45,6 +45,15 @@ std::string range_problem(const Slice& slice) {
   return {};
 }
 
+std::string texel_problem(const Slice& slice, const Device& device) {
+  const uint64_t most = device.info.max_texel_buffer_elements;
+  if (slice.bytes % kTexelBytes != 0 || slice.bytes / kTexelBytes > most) {
+    return "texels are multiples of " + std::to_string(kTexelBytes) + " bytes, at most " +
+           std::to_string(most) + " of them on " + device.info.name + ", given " + text(slice);
+  }
+  return {};
+}
+
 std::string binding_problem(const Slice& slice, const Device& device) {
   if (std::string problem = range_problem(slice); !problem.empty()) {
     return problem;
@@ -77,7 +86,11 @@ void check_dispatch(const Device& device, const Kernel& kernel, std::span<const 
                         " buffers, given " + std::to_string(slices.size()));
   }
   for (std::size_t i = 0; i < slices.size(); ++i) {
-    if (const std::string problem = binding_problem(slices[i], device); !problem.empty()) {
+    std::string problem = binding_problem(slices[i], device);
+    if (problem.empty() && state.reflection.bindings[i].texels) {
+      problem = texel_problem(slices[i], device);
+    }
+    if (!problem.empty()) {
       mistake(kernel, "binding " + std::to_string(i) + ": " + problem);
     }
   }
@@ -109,13 +122,21 @@ void bind(Recorder::State& state, const Kernel& kernel, std::span<const std::byt
     const auto count = static_cast<uint32_t>(slices.size());
     const vk::DescriptorSet set = state.slot->descriptor_set(*k.set_layout, count);
     std::array<vk::DescriptorBufferInfo, kMaxBindings> buffers;
-    for (std::size_t i = 0; i < slices.size(); ++i) {
-      buffers[i] = vk::DescriptorBufferInfo(handle(slices[i]), slices[i].offset, slices[i].bytes);
+    std::array<vk::BufferView, kMaxBindings> views;
+    std::array<vk::WriteDescriptorSet, kMaxBindings> writes;
+    for (uint32_t i = 0; i < count; ++i) {
+      writes[i] = vk::WriteDescriptorSet(set, i, 0, 1, vk::DescriptorType::eStorageBuffer);
+      if (k.reflection.bindings[i].texels) {
+        views[i] = slices[i].buffer->state().texels(slices[i].offset, slices[i].bytes);
+        writes[i].setDescriptorType(vk::DescriptorType::eUniformTexelBuffer);
+        writes[i].setPTexelBufferView(&views[i]);
+      } else {
+        buffers[i] = vk::DescriptorBufferInfo(handle(slices[i]), slices[i].offset, slices[i].bytes);
+        writes[i].setPBufferInfo(&buffers[i]);
+      }
     }
-    // One write covers all: a write that runs over a binding goes on with the next one.
-    const vk::WriteDescriptorSet write(set, 0, 0, count, vk::DescriptorType::eStorageBuffer,
-                                       nullptr, buffers.data());
-    state.device->device.updateDescriptorSets(write, {});
+    state.device->device.updateDescriptorSets(
+        vk::ArrayProxy<const vk::WriteDescriptorSet>(count, writes.data()), {});
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *k.layout, 0, set, {});
   }
   if (!push.empty()) {
@@ -207,8 +228,8 @@ void Recorder::barrier() {
       Stage::eComputeShader | Stage::eAllTransfer,
       Access::eShaderStorageWrite | Access::eTransferWrite,
       Stage::eComputeShader | Stage::eAllTransfer | Stage::eDrawIndirect,
-      Access::eShaderStorageRead | Access::eShaderStorageWrite | Access::eTransferRead |
-          Access::eTransferWrite | Access::eIndirectCommandRead);
+      Access::eShaderStorageRead | Access::eShaderStorageWrite | Access::eShaderSampledRead |
+          Access::eTransferRead | Access::eTransferWrite | Access::eIndirectCommandRead);
   slot_of(state_).commands().pipelineBarrier2(vk::DependencyInfo({}, everything));
 }
 

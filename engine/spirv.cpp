@@ -52,6 +52,8 @@ constexpr uint32_t kClassUniformConstant = 0;
 constexpr uint32_t kClassUniform = 2;
 constexpr uint32_t kClassPushConstant = 9;
 constexpr uint32_t kClassStorageBuffer = 12;
+constexpr uint32_t kOpTypeImage = 25;
+constexpr uint32_t kDimBuffer = 5;
 
 struct Member {
   std::string name;
@@ -67,6 +69,7 @@ struct Id {
   std::optional<uint32_t> spec_id, binding, set;
   uint32_t array_stride = 0;
   bool non_writable = false;
+  bool texel_buffer = false;  // an image of dimension Buffer
   std::map<uint32_t, Member> members;
   uint32_t bytes = 0;           // of a type; 0: not known before run time
   uint32_t columns = 0;         // of a matrix
@@ -253,6 +256,9 @@ void Parser::define_type(uint32_t op, const Operands& in) {
     case kOpTypePointer:
       id(in[0]).element = in[op == kOpTypePointer ? 2 : 1];
       break;
+    case kOpTypeImage:
+      id(in[0]).texel_buffer = in[2] == kDimBuffer;
+      break;
     case kOpTypeStruct:
       for (std::size_t i = 1; i < in.size(); ++i) {
         id(in[0]).types.push_back(in[i]);
@@ -282,19 +288,20 @@ void Parser::variable(const Operands& in) {
   const Id& variable = id(in[1]);
   const uint32_t storage = in[2];
   const Id& type = id(id(in[0]).element);
+  const bool texels = storage == kClassUniformConstant && type.texel_buffer;
   if (storage == kClassPushConstant) {
     result_.push_bytes = type.bytes;
-  } else if (storage == kClassStorageBuffer) {
+  } else if (storage == kClassStorageBuffer || texels) {
     if (variable.set.value_or(0) != 0 || !variable.binding.has_value()) {
-      fail("a storage buffer is outside descriptor set 0");
+      fail("a buffer is outside descriptor set 0");
     }
     const bool read_only =
-        variable.non_writable ||
+        variable.non_writable || texels ||
         (!type.types.empty() &&
          std::ranges::all_of(type.members, [](const auto& m) { return m.second.non_writable; }));
-    result_.bindings.push_back({*variable.binding, read_only});
+    result_.bindings.push_back({*variable.binding, read_only, texels});
   } else if (storage == kClassUniform || storage == kClassUniformConstant) {
-    fail("it uses descriptors other than storage buffers");
+    fail("it uses descriptors other than storage and texel buffers");
   }
 }
 

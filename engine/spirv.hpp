@@ -14,10 +14,11 @@
 
 namespace adit::engine {
 
-/// A storage buffer of descriptor set 0.
+/// A buffer of descriptor set 0: storage, or uniform texels.
 struct BindingInfo {
   uint32_t binding = 0;
-  bool read_only = false;  ///< declared readonly
+  bool read_only = false;  ///< declared readonly; texels always are
+  bool texels = false;     ///< a uniform texel buffer
 };
 
 struct StructMember {
@@ -53,7 +54,7 @@ struct Reflection {
 };
 
 /// Throws Error where `words` is not a compute module of the kind this project builds (one entry
-/// point, storage buffers in set 0, push constants) or is cut short.
+/// point, storage and texel buffers in set 0, push constants) or is cut short.
 Reflection reflect(std::span<const uint32_t> words);
 
 }  // namespace adit::engine

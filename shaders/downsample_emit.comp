@@ -7,21 +7,25 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/include/parts.glsl"
 #include "shaders/include/surface.glsl"
+#include "shaders/include/texels.glsl"
 #include "shaders/shared/gaussian_cell.h"
 #include "shaders/shared/preprocess.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
+layout(constant_id = 1) const uint kRun = 8;
 
-layout(set = 0, binding = 0, scalar) readonly buffer Raw { vec4 points[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer Slots { uint slot_of[]; };
+layout(set = 0, binding = 0, scalar) readonly buffer Raw { uvec4 points[]; };
+layout(set = 0, binding = 1, scalar) readonly buffer Firsts { uvec2 firsts[]; };
 layout(set = 0, binding = 2, scalar) buffer Table { InputCell cells[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer ThreadCounts { uint thread_counts[]; };
 layout(set = 0, binding = 4, scalar) readonly buffer GroupCounts { uint group_counts[]; };
 layout(set = 0, binding = 5, scalar) writeonly buffer Cloud { vec4 cloud[]; };
 layout(set = 0, binding = 6, scalar) buffer Surfaces { GaussianCell surfaces[]; };
 layout(set = 0, binding = 7, scalar) buffer Counters { SweepCounters counters; };
+layout(set = 0, binding = 8) uniform utextureBuffer points_texels;
 layout(push_constant, scalar) uniform Push { EmitPush push; };
 
 shared uint thread_offsets[kLocalSize];
@@ -56,13 +60,13 @@ void add_to_surface(vec3 p) {
 }
 
 // Points before this thread's: those of earlier groups, and of earlier threads of this group.
-uint output_offset() {
+uint output_offset(Part part) {
   const uint local = gl_LocalInvocationIndex;
-  thread_offsets[local] = thread_counts[gl_GlobalInvocationID.x];
+  thread_offsets[local] = thread_counts[part.index];
   barrier();
   if (local == 0) {
     uint offset = 0;
-    for (uint g = 0; g < gl_WorkGroupID.x; ++g) {
+    for (uint g = 0; g < part.group; ++g) {
       offset += group_counts[g];
     }
     for (uint t = 0; t < kLocalSize; ++t) {
@@ -70,7 +74,7 @@ uint output_offset() {
       thread_offsets[t] = offset;
       offset += count;
     }
-    if (gl_WorkGroupID.x == gl_NumWorkGroups.x - 1) {
+    if (part.group == gl_NumWorkGroups.x - 1) {
       counters.cloud_points = offset;
     }
   }
@@ -79,31 +83,17 @@ uint output_offset() {
 }
 
 void main() {
-  const uint part = (push.point_count + gl_NumWorkGroups.x * kLocalSize - 1) / (gl_NumWorkGroups.x * kLocalSize);
-  const uint begin = gl_GlobalInvocationID.x * part;
-  const uint end = min(begin + part, push.point_count);
-  const uint count = thread_counts[gl_GlobalInvocationID.x];
-  uint offset = output_offset();
-  const uint last = offset + count;
-  uint i = begin;
-  while (offset < last) {
-    // Find this thread's next first point: a light loop, so that the heavy body below runs once a cell.
-    uint slot = kFree;
-    bool first = false;
-    while (!first && i < end) {
-      slot = slot_of[i];
-      if (slot != kFree) {
-        first = cells[slot - 1].inverted_first == ~i;
-      }
-      ++i;
-    }
-    const vec4 raw = points[i - 1];
-    const InputCell cell = cells[slot - 1];
-    cells[slot - 1] = InputCell(kFree, 0, 0, 0, 0, 0, 0, 0);
+  const Part part = part_of_thread((push.point_count + kRun - 1) / kRun, kLocalSize);
+  const uint count = thread_counts[part.index];
+  const uint offset = output_offset(part);
+  for (uint k = 0; k < count; ++k) {
+    const uvec2 first = firsts[part.begin * kRun + k];
+    const vec4 raw = uintBitsToFloat(FETCH(points, first.y));
+    const InputCell cell = cells[first.x];
+    cells[first.x] = InputCell(kFree, 0, 0, 0, 0, 0);
     const vec3 mean = (vec3(cell.sum_x, cell.sum_y, cell.sum_z) / float(cell.count) + 0.5) / 65536.0;
     const vec3 p = (floor(raw.xyz * push.inverse_cell) + mean) * push.cell;
-    cloud[offset] = vec4(p, raw.w);
+    cloud[offset + k] = vec4(p, raw.w);
     add_to_surface(p);
-    ++offset;
   }
 }

@@ -9,15 +9,18 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/include/surface.glsl"
 #include "shaders/include/sym3.glsl"
+#include "shaders/include/texels.glsl"
 #include "shaders/shared/preprocess.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
 
-layout(set = 0, binding = 0, scalar) readonly buffer Cloud { vec4 cloud[]; };
+layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 cloud[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Surfaces { uvec4 surfaces[]; };  // GaussianCell: 3 each
 layout(set = 0, binding = 2, scalar) writeonly buffer Output { uvec4 surface_cloud[]; };
 layout(set = 0, binding = 3, scalar) buffer Counters { SweepCounters counters; };
+layout(set = 0, binding = 4) uniform utextureBuffer cloud_texels;
+layout(set = 0, binding = 5) uniform utextureBuffer surfaces_texels;
 layout(push_constant, scalar) uniform Push { SurfacePush push; };
 
 const float kMinPoints = 5.0;
@@ -28,41 +31,37 @@ const float kLineRatio = 0.02;
 const float kSteep = 0.7;
 
 uint classify(Sym3 covariance, vec3 p) {
-  const Eigen3 e = eigen(covariance);
-  uint low = e.values.x <= e.values.y ? 0 : 1;
-  low = e.values[low] <= e.values.z ? low : 2;
-  uint high = e.values.x > e.values.y ? 0 : 1;
-  high = e.values[high] > e.values.z ? high : 2;
-  if (low == high) {
-    return pack_surface(vec3(0.0, 0.0, 1.0), kIsotropic);
-  }
-  const float middle = e.values[3 - low - high];
-  const bool line = middle < kLineRatio * e.values[high];
-  const vec3 v = normalize(e.vectors[line ? high : low]);
-  const uint kind = !line ? kPlane : (abs(v.z) > kSteep ? kLine : kIsotropic);
-  return pack_surface(dot(v, p) > 0.0 ? -v : v, kind);
+  const float scale = 1.0 / max(covariance.xx + covariance.yy + covariance.zz, 1e-30);
+  const Sym3 unit = Sym3(covariance.xx * scale, covariance.xy * scale, covariance.xz * scale,
+                         covariance.yy * scale, covariance.yz * scale, covariance.zz * scale);
+  const vec3 values = eigenvalues(unit);
+  const bool line = values.y < kLineRatio * values.z;
+  const vec3 v = eigenvector(unit, line ? values.z : values.x);
+  const bool useful = dot(v, v) > 0.5 && (!line || abs(v.z) > kSteep);
+  return pack_surface(useful ? (dot(v, p) > 0.0 ? -v : v) : vec3(0.0, 0.0, 1.0),
+                      useful ? (line ? kLine : kPlane) : kIsotropic);
 }
 
 void main() {
   const uint count = counters.cloud_points;
   const uint threads = gl_NumWorkGroups.x * kLocalSize;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
-    const vec3 p = cloud[i].xyz;
+    const vec3 p = uintBitsToFloat(FETCH(cloud, i).xyz);
     const uint key = surface_cell(p, push.inverse_surface_cell, push.level_factor).key;
     uint slot = mix32(key) & push.surface_mask;
     uint probes = 0;
-    uvec4 head = surfaces[3 * slot];
+    uvec4 head = FETCH(surfaces, 3 * slot);
     while (head.x != key && head.x != kFree && probes < kMaxProbes) {
       slot = (slot + 1) & push.surface_mask;
-      head = surfaces[3 * slot];
+      head = FETCH(surfaces, 3 * slot);
       probes += 1;
     }
     uint packed = pack_surface(vec3(0.0, 0.0, 1.0), kIsotropic);
     if (head.x != key) {
       atomicAdd(counters.surface_failures, 1);
     } else {
-      const uvec4 middle = surfaces[3 * slot + 1];
-      const uvec4 tail = surfaces[3 * slot + 2];
+      const uvec4 middle = FETCH(surfaces, 3 * slot + 1);
+      const uvec4 tail = FETCH(surfaces, 3 * slot + 2);
       const float n = float(head.y);
       const float scale = 1.0 / (n * 65536.0);
       const vec3 mean = vec3(head.zw, middle.x) * scale;

@@ -13,6 +13,7 @@
 #include "shaders/include/lie.glsl"
 #include "shaders/include/surface.glsl"
 #include "shaders/include/sym3.glsl"
+#include "shaders/include/texels.glsl"
 #include "shaders/shared/preprocess.h"
 #include "shaders/shared/registration.h"
 
@@ -24,6 +25,8 @@ layout(set = 0, binding = 1, scalar) readonly buffer Counters { SweepCounters co
 layout(set = 0, binding = 2, scalar) readonly buffer Voxels { uvec4 voxels[]; };  // GaussianCell: 3 each
 layout(set = 0, binding = 3, scalar) coherent buffer Partials { float partials[]; };
 layout(set = 0, binding = 4, scalar) coherent buffer State { RegistrationState state; };
+layout(set = 0, binding = 5) uniform utextureBuffer surface_cloud_texels;
+layout(set = 0, binding = 6) uniform utextureBuffer voxels_texels;
 layout(push_constant, scalar) uniform Push { LinearizePush push; };
 
 const uint kMaxSubgroups = kLocalSize / 4;  // no baseline device has subgroups of fewer than 4
@@ -42,14 +45,14 @@ Match match(vec3 q) {
   const uint key = pack_voxel(ivec3(corner));
   uint slot = mix32(key) & push.table_mask;
   uint probes = 0;
-  uvec4 head = voxels[3 * slot];
+  uvec4 head = FETCH(voxels, 3 * slot);
   while (head.x != key && head.x != kFree && probes < kMaxProbes) {
     slot = (slot + 1) & push.table_mask;
-    head = voxels[3 * slot];
+    head = FETCH(voxels, 3 * slot);
     probes += 1;
   }
-  const uvec4 middle = voxels[3 * slot + 1];
-  const uvec4 tail = voxels[3 * slot + 2];
+  const uvec4 middle = FETCH(voxels, 3 * slot + 1);
+  const uvec4 tail = FETCH(voxels, 3 * slot + 2);
   Match m;
   m.found = head.x == key && key != kFree && head.y > 0;
   const float per_point = m.found ? 1.0 / float(head.y) : 0.0;
@@ -204,7 +207,7 @@ void main() {
     sums[k] = 0.0;
   }
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
-    const uvec4 point = surface_cloud[i];
+    const uvec4 point = FETCH(surface_cloud, i);
     const vec3 ra = vec4(uintBitsToFloat(point.xyz), 0.0) * pose;
     const vec3 v = vec4(unpack_direction(point.w), 0.0) * pose;
     const Match m = match(ra + vec3(pose[0].w, pose[1].w, pose[2].w));

@@ -7,6 +7,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/include/surface.glsl"
+#include "shaders/include/texels.glsl"
 #include "shaders/shared/gaussian_cell.h"
 
 layout(local_size_x_id = 0) in;
@@ -15,12 +16,13 @@ layout(constant_id = 0) const uint kLocalSize = 64;
 layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 surface_cloud[]; };
 layout(set = 0, binding = 1, scalar) buffer Voxels { GaussianCell voxels[]; };
 layout(set = 0, binding = 2, scalar) buffer Counters { VoxelMapCounters counters; };
+layout(set = 0, binding = 3) uniform utextureBuffer surface_cloud_texels;
 layout(push_constant, scalar) uniform Push { VoxelMapAddPush push; };
 
 void main() {
   const uint threads = gl_NumWorkGroups.x * kLocalSize;
   for (uint i = gl_GlobalInvocationID.x; i < push.point_count; i += threads) {
-    const uvec4 point = surface_cloud[i];
+    const uvec4 point = FETCH(surface_cloud, i);
     const vec3 p = vec4(uintBitsToFloat(point.xyz), 1.0) * push.pose;
     const vec3 v = vec4(unpack_direction(point.w), 0.0) * push.pose;
     const vec2 w = surface_weights(point.w);

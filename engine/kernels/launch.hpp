@@ -8,19 +8,21 @@
 
 namespace adit::engine {
 
-/// How kernels that loop over their items are launched. Fixed for a device, so that the order of sums is.
+/// How kernels that loop over their items are launched. Fixed for a device, so that the order of
+/// sums is.
 struct LaunchShape {
   uint32_t local_size = 0;  ///< invocations a group
-  uint32_t groups = 0;
-  uint32_t run = 0;         ///< consecutive raw points one invocation takes when down-sampling
+  uint32_t groups = 0;      ///< a power of two
+  uint32_t run =
+      0;  ///< consecutive raw points one invocation looks at when down-sampling; 8 at most
 
   uint32_t threads() const { return local_size * groups; }
 };
 
-/// Software devices: few groups, since a group has a price and there are few cores. Others: enough to fill
-/// a large GPU.
+/// Software devices: few groups, since a group has a price and there are few cores. Others: enough
+/// to fill a large GPU.
 inline LaunchShape launch_shape(const DeviceInfo& device) {
-  return device.software ? LaunchShape{64, 16, 16} : LaunchShape{128, 512, 4};
+  return device.software ? LaunchShape{64, 16, 8} : LaunchShape{128, 512, 4};
 }
 
 }  // namespace adit::engine

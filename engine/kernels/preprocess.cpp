@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "engine/context.hpp"
+#include "engine/kernels/texels.hpp"
 #include "shaders/shared/gaussian_cell.h"
 
 namespace adit::engine {
@@ -17,7 +18,9 @@ constexpr double kSurfaceCellFactor = 2.5;
 // Where the parts of the scratch are, for a capacity in points.
 struct Layout {
   Slice cells;
-  Slice slots;
+  Slice run_counts;
+  Slice run_heads;
+  Slice firsts;
   Slice thread_counts;
   Slice group_counts;
   Slice surfaces;
@@ -27,7 +30,8 @@ struct Layout {
 };
 
 // A raw point claims a cell at most: load 0.5 at most. A surface cell holds several points of the
-// down-sampled cloud; even if every raw point were alone in its voxel, the load would stay moderate.
+// down-sampled cloud; even if every raw point were alone in its voxel, the load would stay
+// moderate.
 Layout layout_of(uint32_t capacity, const LaunchShape& shape, Slice scratch) {
   const uint32_t cell_slots = std::bit_ceil(std::max(2 * capacity, 1024U));
   const uint32_t surface_slots = std::bit_ceil(std::max(capacity / 2, 1024U));
@@ -38,7 +42,10 @@ Layout layout_of(uint32_t capacity, const LaunchShape& shape, Slice scratch) {
     return slice;
   };
   layout.cells = take(uint64_t{cell_slots} * sizeof(gpu::InputCell));
-  layout.slots = take(uint64_t{capacity} * sizeof(uint32_t));
+  const uint64_t blocks = (capacity + shape.run - 1) / shape.run;
+  layout.run_counts = take(blocks * sizeof(uint32_t));
+  layout.run_heads = take(blocks * shape.run * sizeof(uint32_t));
+  layout.firsts = take(blocks * shape.run * sizeof(gpu::uvec2));
   layout.thread_counts = take(uint64_t{shape.threads()} * sizeof(uint32_t));
   layout.group_counts = take(uint64_t{shape.groups} * sizeof(uint32_t));
   layout.surfaces = take(uint64_t{surface_slots} * sizeof(gpu::GaussianCell));
@@ -51,10 +58,13 @@ Layout layout_of(uint32_t capacity, const LaunchShape& shape, Slice scratch) {
 
 Preprocess::Preprocess(Context& context)
     : shape_(launch_shape(context.device())),
-      insert_(context, "downsample_insert", {{0, shape_.local_size}, {1, shape_.run}}),
-      count_(context, "downsample_count", {{0, shape_.local_size}}),
-      emit_(context, "downsample_emit", {{0, shape_.local_size}}),
-      normals_(context, "surface_normals", {{0, shape_.local_size}}) {}
+      texels_(reads_texels(context.device())),
+      insert_(context, "downsample_insert",
+              {{0, shape_.local_size}, {1, shape_.run}, {2, texels_ ? 1U : 0U}}),
+      count_(context, "downsample_count", {{0, shape_.local_size}, {1, shape_.run}}),
+      emit_(context, "downsample_emit",
+            {{0, shape_.local_size}, {1, shape_.run}, {2, texels_ ? 1U : 0U}}),
+      normals_(context, "surface_normals", {{0, shape_.local_size}, {2, texels_ ? 1U : 0U}}) {}
 
 uint64_t Preprocess::scratch_bytes(uint32_t capacity) const {
   return layout_of(capacity, shape_, {}).bytes;
@@ -71,7 +81,8 @@ void Preprocess::record(Recorder& recorder, const PreprocessSettings& settings,
   const uint32_t count = arguments.point_count;
   const auto cell = static_cast<float>(settings.r_input);
   const float inverse_cell = 1.0F / cell;
-  const float inverse_surface_cell = static_cast<float>(1.0 / (kSurfaceCellFactor * settings.r_input));
+  const float inverse_surface_cell =
+      static_cast<float>(1.0 / (kSurfaceCellFactor * settings.r_input));
   const double level_root = settings.beam_spacing / settings.r_input;
   const auto level_factor = static_cast<float>(level_root * level_root);
 
@@ -87,22 +98,26 @@ void Preprocess::record(Recorder& recorder, const PreprocessSettings& settings,
                       gpu::DownsamplePush{count, layout.cell_mask, inverse_cell,
                                           static_cast<float>(settings.c_min * settings.c_min),
                                           static_cast<float>(settings.c_max * settings.c_max)},
-                      {arguments.raw, layout.cells, layout.slots, arguments.counters});
+                      {arguments.raw, layout.cells, layout.run_counts, layout.run_heads,
+                       arguments.counters, texel_slice(arguments.raw, texels_)});
     recorder.barrier();
     recorder.dispatch(count_, shape_.groups, gpu::CountPush{count},
-                      {layout.slots, layout.cells, layout.thread_counts, layout.group_counts});
+                      {layout.run_counts, layout.run_heads, layout.cells, layout.firsts,
+                       layout.thread_counts, layout.group_counts});
     recorder.barrier();
-    recorder.dispatch(
-        emit_, shape_.groups,
-        gpu::EmitPush{count, cell, inverse_cell, inverse_surface_cell, level_factor, layout.surface_mask},
-        {arguments.raw, layout.slots, layout.cells, layout.thread_counts, layout.group_counts,
-         arguments.cloud, layout.surfaces, arguments.counters});
+    recorder.dispatch(emit_, shape_.groups,
+                      gpu::EmitPush{count, cell, inverse_cell, inverse_surface_cell, level_factor,
+                                    layout.surface_mask},
+                      {arguments.raw, layout.firsts, layout.cells, layout.thread_counts,
+                       layout.group_counts, arguments.cloud, layout.surfaces, arguments.counters,
+                       texel_slice(arguments.raw, texels_)});
     recorder.barrier();
   }
   const Scope scope = recorder.scope("surfaces");
   recorder.dispatch(normals_, shape_.groups,
                     gpu::SurfacePush{inverse_surface_cell, level_factor, layout.surface_mask},
-                    {arguments.cloud, layout.surfaces, arguments.surface_cloud, arguments.counters});
+                    {arguments.cloud, layout.surfaces, arguments.surface_cloud, arguments.counters,
+                     texel_slice(arguments.cloud, texels_), texel_slice(layout.surfaces, texels_)});
 }
 
 }  // namespace adit::engine

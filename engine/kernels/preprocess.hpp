@@ -25,15 +25,16 @@ struct PreprocessSettings {
 struct PreprocessArguments {
   uint32_t point_count = 0;
   uint32_t capacity = 0;
-  Slice raw;            ///< in: vec4 (x, y, z, intensity) a point, sensor frame
-  Slice cloud;          ///< out: vec4 (x, y, z, intensity) a point: one centroid a voxel, in sweep order
+  Slice raw;    ///< in: vec4 (x, y, z, intensity) a point, sensor frame
+  Slice cloud;  ///< out: vec4 (x, y, z, intensity) a point: one centroid a voxel, in sweep order
   Slice surface_cloud;  ///< out: uvec4 (bits of x, y, z, packed surface) a point
   Slice counters;       ///< in and out: gpu::SweepCounters
 };
 
-/// Drops invalid points, clips the range, down-samples to one centroid a voxel of r_input, and estimates the
-/// surface (plane, line, isotropic) at each point. Same input, same bytes: all sums are integers, and
-/// the output is in the order in which the sweep first entered each voxel (docs/theory/preprocessing.md).
+/// Drops invalid points, clips the range, down-samples to one centroid a voxel of r_input, and
+/// estimates the surface (plane, line, isotropic) at each point. Same input, same bytes: all sums
+/// are integers, and the output is in the order in which the sweep first entered each voxel
+/// (docs/theory/preprocessing.md).
 class Preprocess {
  public:
   explicit Preprocess(Context& context);
@@ -43,11 +44,12 @@ class Preprocess {
   /// Must be recorded once for new scratch, and after a submission that failed.
   void record_reset(Recorder& recorder, Slice scratch) const;
   /// Four dispatches. Zeroes the counters first. Ends without a barrier.
-  void record(Recorder& recorder, const PreprocessSettings& settings, const PreprocessArguments& arguments,
-              Slice scratch) const;
+  void record(Recorder& recorder, const PreprocessSettings& settings,
+              const PreprocessArguments& arguments, Slice scratch) const;
 
  private:
   LaunchShape shape_;
+  bool texels_;
   Kernel insert_;
   Kernel count_;
   Kernel emit_;

@@ -27,11 +27,13 @@ struct VgicpArguments {
   Slice counters;       ///< in: gpu::SweepCounters of the source, for its number of points
   VoxelMapView target;
   Slice start;  ///< in: gpu::RegistrationStart from Vgicp::start()
-  Slice state;  ///< in and out: gpu::RegistrationState; its pose is the initial guess, then the result
+  Slice state;  ///< in and out: gpu::RegistrationState; its pose is the initial guess, then the
+                ///< result
 };
 
-/// Voxelised GICP (Koide et al., ICRA 2021), Gauss-Newton, with the iterations, the 6x6 solves and the test of
-/// convergence on the device: nothing is waited for, and what is recorded beyond convergence costs nothing.
+/// Voxelised GICP (Koide et al., ICRA 2021), Gauss-Newton, with the iterations, the 6x6 solves and
+/// the test of convergence on the device: nothing is waited for, and what is recorded beyond
+/// convergence costs nothing.
 class Vgicp {
  public:
   explicit Vgicp(Context& context);
@@ -39,13 +41,15 @@ class Vgicp {
   uint64_t scratch_bytes() const;
   /// What VgicpArguments::start holds.
   gpu::RegistrationStart start() const;
-  /// Up to max_iterations steps and one evaluation at the final pose. Levels of a coarse-to-fine alignment
-  /// are recorded one after the other on the same state. Begins with a barrier and ends with one.
+  /// Up to max_iterations steps and one evaluation at the final pose. Levels of a coarse-to-fine
+  /// alignment are recorded one after the other on the same state. Begins with a barrier and ends
+  /// with one.
   void record(Recorder& recorder, const VgicpSettings& settings, const VgicpArguments& arguments,
               Slice scratch) const;
 
  private:
   LaunchShape shape_;
+  bool texels_;
   Kernel linearize_;
 };
 

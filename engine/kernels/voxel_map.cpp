@@ -3,11 +3,14 @@
 #include "engine/kernels/voxel_map.hpp"
 
 #include "engine/context.hpp"
+#include "engine/kernels/texels.hpp"
 
 namespace adit::engine {
 
 VoxelMapKernels::VoxelMapKernels(Context& context)
-    : shape_(launch_shape(context.device())), add_(context, "voxel_map_add", {{0, shape_.local_size}}) {}
+    : shape_(launch_shape(context.device())),
+      texels_(reads_texels(context.device())),
+      add_(context, "voxel_map_add", {{0, shape_.local_size}, {2, texels_ ? 1U : 0U}}) {}
 
 void VoxelMapKernels::record_clear(Recorder& recorder, const VoxelMapView& map) const {
   recorder.fill(map.table, gpu::kFree);
@@ -20,20 +23,21 @@ void VoxelMapKernels::record_add(Recorder& recorder, const VoxelMapView& map, Sl
   record(recorder, map, surface_cloud, count, T_map_cloud, 1);
 }
 
-void VoxelMapKernels::record_remove(Recorder& recorder, const VoxelMapView& map, Slice surface_cloud,
-                                    uint32_t count, const gpu::mat3x4& T_map_cloud) const {
+void VoxelMapKernels::record_remove(Recorder& recorder, const VoxelMapView& map,
+                                    Slice surface_cloud, uint32_t count,
+                                    const gpu::mat3x4& T_map_cloud) const {
   record(recorder, map, surface_cloud, count, T_map_cloud, 0xffffffffU);
 }
 
-void VoxelMapKernels::record(Recorder& recorder, const VoxelMapView& map, Slice surface_cloud, uint32_t count,
-                             const gpu::mat3x4& T_map_cloud, uint32_t sign) const {
+void VoxelMapKernels::record(Recorder& recorder, const VoxelMapView& map, Slice surface_cloud,
+                             uint32_t count, const gpu::mat3x4& T_map_cloud, uint32_t sign) const {
   if (count == 0) {
     return;
   }
   recorder.dispatch(add_, shape_.groups,
                     gpu::VoxelMapAddPush{T_map_cloud, static_cast<float>(1.0 / map.voxel_size),
                                          map.slots() - 1, count, sign},
-                    {surface_cloud, map.table, map.counters});
+                    {surface_cloud, map.table, map.counters, texel_slice(surface_cloud, texels_)});
 }
 
 }  // namespace adit::engine

@@ -25,41 +25,40 @@ Sym3 inverse(Sym3 m) {
               (m.xy * m.xz - m.xx * m.yz) * scale, (m.xx * m.yy - m.xy * m.xy) * scale);
 }
 
-struct Eigen3 {
-  vec3 values;   // unordered
-  mat3 vectors;  // columns, in the order of the values
-};
-
-// One Jacobi rotation that zeroes a(p, q); r is the third index.
-void rotate(inout float app, inout float aqq, inout float apq, inout float arp, inout float arq, inout vec3 vp,
-            inout vec3 vq) {
-  const float theta = 0.5 * (aqq - app);
-  const float denominator = abs(theta) + sqrt(theta * theta + apq * apq);
-  const float t = (theta < 0.0 ? -apq : apq) / max(denominator, 1e-30);
-  const float c = inversesqrt(t * t + 1.0);
-  const float s = t * c;
-  app -= t * apq;
-  aqq += t * apq;
-  apq = 0.0;
-  const vec2 row = vec2(arp, arq);
-  arp = c * row.x - s * row.y;
-  arq = s * row.x + c * row.y;
-  const vec3 column = vp;
-  vp = c * column - s * vq;
-  vq = s * column + c * vq;
+// Eigenvalues of a positive semi-definite matrix, ascending. The smallest is the limit of Newton's method from 0 on
+// the characteristic polynomial, which rises and is concave left of its first root, so that no step overshoots;
+// the others follow from a quadratic. Only + - * / and sqrt, which every device rounds well (GLSL's acos and cos,
+// that the trigonometric form would need, are coarse). Absolute error about 1e-7 of the trace.
+vec3 eigenvalues(Sym3 m) {
+  const float trace = m.xx + m.yy + m.zz;
+  const float c00 = m.yy * m.zz - m.yz * m.yz;
+  const float minors = c00 + (m.xx * m.zz - m.xz * m.xz) + (m.xx * m.yy - m.xy * m.xy);
+  const float determinant =
+      m.xx * c00 + m.xy * (m.xz * m.yz - m.xy * m.zz) + m.xz * (m.xy * m.yz - m.yy * m.xz);
+  float low = 0.0;
+  for (int step = 0; step < 8; ++step) {
+    const float value = ((low - trace) * low + minors) * low - determinant;
+    const float slope = (3.0 * low - 2.0 * trace) * low + minors;
+    low += slope > 0.0 ? max(-value, 0.0) / slope : 0.0;
+  }
+  const float mean = 0.5 * (trace - low);
+  const float product = minors - low * (trace - low);
+  const float high = mean + sqrt(max(mean * mean - product, 0.0));
+  return vec3(low, max(trace - low - high, low), high);
 }
 
-// Cyclic Jacobi, four sweeps: only + - * / and sqrt, which every device rounds well (GLSL's acos does not).
-Eigen3 eigen(Sym3 m) {
-  vec3 v0 = vec3(1.0, 0.0, 0.0);
-  vec3 v1 = vec3(0.0, 1.0, 0.0);
-  vec3 v2 = vec3(0.0, 0.0, 1.0);
-  for (int sweep = 0; sweep < 4; ++sweep) {
-    rotate(m.xx, m.yy, m.xy, m.xz, m.yz, v0, v1);
-    rotate(m.xx, m.zz, m.xz, m.xy, m.yz, v0, v2);
-    rotate(m.yy, m.zz, m.yz, m.xy, m.xz, v1, v2);
-  }
-  return Eigen3(vec3(m.xx, m.yy, m.zz), mat3(v0, v1, v2));
+// The eigenvector of a simple eigenvalue: the longest cross product of two rows of m - value I. Zero if there is
+// none (the eigenvalue is not simple).
+vec3 eigenvector(Sym3 m, float value) {
+  const vec3 r0 = vec3(m.xx - value, m.xy, m.xz);
+  const vec3 r1 = vec3(m.xy, m.yy - value, m.yz);
+  const vec3 r2 = vec3(m.xz, m.yz, m.zz - value);
+  const vec3 a = cross(r0, r1);
+  const vec3 b = cross(r0, r2);
+  const vec3 c = cross(r1, r2);
+  const vec3 ab = dot(a, a) > dot(b, b) ? a : b;
+  const vec3 longest = dot(ab, ab) > dot(c, c) ? ab : c;
+  return longest * inversesqrt(max(dot(longest, longest), 1e-30));
 }
 
 #endif

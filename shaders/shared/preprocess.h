@@ -16,7 +16,6 @@ struct InputCell {
   uint inverted_first;  // the largest ~index of its points: the smallest index, its place in the output
   uint count;
   uint sum_x, sum_y, sum_z;
-  uint unused0, unused1;  // 32 bytes: a cell never straddles two cache lines
 };
 
 // What the kernels of one sweep report. Zeroed by the host before the sweep.
