@@ -68,6 +68,9 @@ std::string than(const char* relation, const char* field, double value) {
 // and a sweep plus the way driven over a submap has to stay well inside of that.
 constexpr double kFarthestReturn = 1000.0;
 
+// How far the sensor can at least go before the submap's frame has to follow, m.
+constexpr double kShortestReach = 10.0;
+
 void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.between("preprocess.c_min", p.c_min, 0.0, kFarthestReturn, "m");
   checks.require(p.c_max > p.c_min, "preprocess.c_max", p.c_max,
@@ -77,7 +80,8 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.between("preprocess.r_input", p.r_input, 0.01, 10.0, "m");
   checks.require(p.r_input < p.c_max, "preprocess.r_input", p.r_input,
                  than("less than", "preprocess.c_max", p.c_max));
-  checks.between("preprocess.beam_spacing", p.beam_spacing, 1e-4, 0.2, "rad");
+  // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
+  checks.between("preprocess.beam_spacing", p.beam_spacing, 0.002, 0.2, "rad");
 }
 
 void check_registration(Checks& checks, const Config& config) {
@@ -85,6 +89,17 @@ void check_registration(Checks& checks, const Config& config) {
   checks.between("registration.r_align", r.r_align, 0.05, 50.0, "m");
   checks.require(r.r_align >= config.preprocess.r_input, "registration.r_align", r.r_align,
                  than("at least", "preprocess.r_input", config.preprocess.r_input));
+  // Keys of the submap's voxels hold 511 of them upwards (shaders/include/hash.glsl).
+  const double smallest = (config.preprocess.c_max + kShortestReach) / 511.0;
+  checks.require(r.r_align >= smallest, "registration.r_align", r.r_align,
+                 "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
+                     text_of(config.preprocess.c_max) + ") smaller");
+  // A voxel's sums hold 65535 points.
+  const double edge = std::ceil(r.r_align / config.preprocess.r_input) + 1.0;
+  const double fullest = edge * edge * edge * config.submap.l;
+  checks.require(fullest <= 65535.0, "registration.r_align", r.r_align,
+                 "smaller: a voxel could hold " + text_of(fullest) + " points of " +
+                     text_of(config.submap.l) + " clouds, and 65535 is the most");
   checks.between("registration.d_max", r.d_max, 0.01, 100.0, "m");
   checks.between("registration.max_iterations", r.max_iterations, 1, 200);
   checks.require(r.translation_epsilon > 0.0, "registration.translation_epsilon",

@@ -31,11 +31,11 @@ struct PreprocessConfig {
 
 /// Alignment of a sweep with the submap (VGICP).
 struct RegistrationConfig {
-  double r_align = 1.0;               ///< m
-  double d_max = 1.0;                 ///< m
-  int max_iterations = 20;
-  double translation_epsilon = 1e-3;  ///< m
-  double rotation_epsilon = 2e-4;     ///< rad
+  double r_align = 0.5;               ///< m
+  double d_max = 0.5;                 ///< m
+  int max_iterations = 30;
+  double translation_epsilon = 2e-3;  ///< m
+  double rotation_epsilon = 5e-4;     ///< rad
   int min_inliers = 100;
   double min_overlap = 0.3;
 
