@@ -118,6 +118,26 @@ void accumulate(inout float sums[kSystemSize], vec3 ra, vec3 e, Sym3 omega, Sym3
   sums[29] += weight;
 }
 
+// Matches that change from step to step can make Gauss-Newton go to and fro between two poses for ever. A step
+// that goes back, and at least half as far as the last one went, is halved, and so are all that follow.
+void damp(inout float step[6]) {
+  float back = 0.0;
+  float before = 0.0;
+  float now = 0.0;
+  for (uint i = 0; i < 6; ++i) {
+    const float last = state.last_step[i];
+    back -= last * step[i];
+    before += last * last;
+    now += step[i] * step[i];
+  }
+  const float damping = back > 0.0 && now > 0.25 * before ? 0.5 * state.damping : state.damping;
+  for (uint i = 0; i < 6; ++i) {
+    step[i] *= damping;
+    state.last_step[i] = step[i];
+  }
+  state.damping = damping;
+}
+
 // Cholesky of the system scaled to a unit diagonal, since metres and radians differ by the cloud's extent.
 bool solve(out float step[6]) {
   float h[36];
@@ -163,6 +183,7 @@ bool solve(out float step[6]) {
     }
     step[i] = sum / h[7 * i];
   }
+  damp(step);
   for (uint i = 0; i < 6; ++i) {
     step[i] *= scale[i];
   }

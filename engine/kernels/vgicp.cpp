@@ -31,7 +31,10 @@ gpu::RegistrationStart Vgicp::start() const {
           .iterations = 0,
           .converged = 0,
           .failed = 0,
-          .ticket = 0};
+          .ticket = 0,
+          .damping = 1.0F,
+          .last_step = {},
+          .unused0 = 0};
 }
 
 void Vgicp::record(Recorder& recorder, const VgicpSettings& settings,

@@ -27,6 +27,9 @@ struct RegistrationState {
   uint converged;  // 1: the last step was short enough
   uint failed;     // 1: no finite step, or fewer than 6 matches
   uint ticket;     // groups that have finished the current linearisation
+  float damping;   // factor of the steps; halved where they go to and fro
+  float last_step[6];  // in units of 1 / sqrt(H_ii)
+  uint unused0;
   mat3x4 pose;     // T_target_source, rows
   float system[32];
 };
@@ -39,6 +42,9 @@ struct RegistrationStart {
   uint converged;
   uint failed;
   uint ticket;
+  float damping;
+  float last_step[6];
+  uint unused0;
 };
 
 struct LinearizePush {
