@@ -11,8 +11,9 @@
 
 namespace adit {
 
-/// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, or, where the
-/// prediction is not to be trusted, from coarse voxels down to fine ones.
+/// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, and, where
+/// the prediction is not to be trusted, a second time from coarse voxels down to fine ones: the
+/// better one counts.
 class Aligner {
  public:
   Aligner(engine::Context& context, const RegistrationConfig& config);
@@ -25,12 +26,16 @@ class Aligner {
   gpu::VoxelMapCounters read_map_counters() const;
 
  private:
+  void record_search(engine::Recorder& recorder, engine::VgicpArguments arguments, Submap& submap);
+  void record_fine(engine::Recorder& recorder, const engine::VgicpArguments& arguments);
+
   RegistrationConfig config_;
   engine::Vgicp vgicp_;
-  engine::Buffer upload_;    ///< start block, then the initial pose
-  engine::Buffer state_;
+  engine::Buffer upload_;  ///< start block, then the initial pose
+  engine::Buffer states_;  ///< of the alignment from the prediction, then of the search
   engine::Buffer scratch_;
-  engine::Buffer readback_;  ///< state, then the voxel map's counters
+  engine::Buffer readback_;  ///< both states, then the voxel map's counters
+  bool searched_ = false;    ///< the last alignment recorded has a second state
 };
 
 }  // namespace adit
