@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every setting of the system, with its default and unit. A field is listed twice: as a member, and in
-// the visit() below it, which is what reads, writes, documents and validates configurations.
+// Every setting of the system, with its default and unit. A field is listed twice: as a member, and
+// in the visit() below it, which is what reads, writes, documents and validates configurations.
 // Names with a paper symbol (c_min, r_input, ...) are those of LG-SLAM, Table I.
 #pragma once
 
@@ -13,16 +13,17 @@ namespace adit {
 
 /// What happens to a sweep before registration.
 struct PreprocessConfig {
-  double c_min = 0.5;     ///< m
-  double c_max = 100.0;   ///< m
-  double r_input = 0.25;  ///< m
+  double c_min = 0.5;           ///< m
+  double c_max = 100.0;         ///< m
+  double r_input = 0.25;        ///< m
   double beam_spacing = 0.007;  ///< rad
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("c_min", self.c_min, "m", "returns nearer than this are dropped");
     field("c_max", self.c_max, "m", "returns farther than this are dropped");
-    field("r_input", self.r_input, "m", "voxel size of the sweep's down-sampling (one centroid a voxel)");
+    field("r_input", self.r_input, "m",
+          "voxel size of the sweep's down-sampling (one centroid a voxel)");
     field("beam_spacing", self.beam_spacing, "rad",
           "angle between neighbouring beams, the wider of the two directions; the radius of normal "
           "estimation grows with range times this");
@@ -31,8 +32,8 @@ struct PreprocessConfig {
 
 /// Alignment of a sweep with the submap (VGICP).
 struct RegistrationConfig {
-  double r_align = 0.5;               ///< m
-  double d_max = 0.5;                 ///< m
+  double r_align = 0.5;  ///< m
+  double d_max = 0.5;    ///< m
   int max_iterations = 30;
   double translation_epsilon = 2e-3;  ///< m
   double rotation_epsilon = 5e-4;     ///< rad
@@ -44,7 +45,8 @@ struct RegistrationConfig {
     field("r_align", self.r_align, "m", "voxel size of the submap's Gaussian voxel map");
     field("d_max", self.d_max, "m", "matches farther apart than this are not used");
     field("max_iterations", self.max_iterations, "", "Gauss-Newton iterations at most");
-    field("translation_epsilon", self.translation_epsilon, "m", "converged when a step is shorter than this");
+    field("translation_epsilon", self.translation_epsilon, "m",
+          "converged when a step is shorter than this");
     field("rotation_epsilon", self.rotation_epsilon, "rad", "and turns less than this");
     field("min_inliers", self.min_inliers, "", "fewer matched points are a failure");
     field("min_overlap", self.min_overlap, "", "a smaller fraction of matched points is a failure");
@@ -80,7 +82,8 @@ struct RecoveryConfig {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("max_coasting", self.max_coasting, "sweeps",
-          "failed sweeps in a row that are bridged by the predicted motion; after them the submap starts anew");
+          "failed sweeps in a row that are bridged by the predicted motion; after them the submap "
+          "starts anew");
   }
 };
 

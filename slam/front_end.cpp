@@ -13,7 +13,8 @@ namespace adit {
 namespace {
 
 constexpr uint32_t kSmallestCapacity = 1U << 14U;
-// The down-sampling table of a sweep this large still fits one storage buffer of the baseline device.
+// The down-sampling table of a sweep this large still fits one storage buffer of the baseline
+// device.
 constexpr size_t kLargestSweep = size_t{1} << 21U;
 
 }  // namespace
@@ -26,9 +27,10 @@ FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
                 .r_input = config.r_input,
                 .beam_spacing = config.beam_spacing},
       direct_(context.device().software),
-      counters_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::device, "sweep counters")),
-      counters_readback_(
-          context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::readback, "sweep counters back")) {}
+      counters_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::device,
+                                    "sweep counters")),
+      counters_readback_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::readback,
+                                             "sweep counters back")) {}
 
 void FrontEnd::grow(uint32_t points) {
   const uint32_t capacity = std::bit_ceil(std::max(points, kSmallestCapacity));
@@ -41,7 +43,8 @@ void FrontEnd::grow(uint32_t points) {
   cloud_ = context_->make_buffer(bytes, engine::Memory::device, "down-sampled cloud");
   if (!direct_) {
     raw_ = context_->make_buffer(bytes, engine::Memory::device, "raw points on the device");
-    cloud_readback_ = context_->make_buffer(bytes, engine::Memory::readback, "down-sampled cloud back");
+    cloud_readback_ =
+        context_->make_buffer(bytes, engine::Memory::readback, "down-sampled cloud back");
   }
   scratch_ = context_->make_buffer(preprocess_.scratch_bytes(capacity), engine::Memory::device,
                                    "preprocessing scratch");

@@ -23,8 +23,8 @@ class FrontEnd {
  public:
   FrontEnd(engine::Context& context, const PreprocessConfig& config);
 
-  /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws engine::Error if the
-  /// device has no room for it.
+  /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws
+  /// engine::Error if the device has no room for it.
   void upload(const Sweep& sweep);
   /// Points the buffers are sized for.
   uint32_t capacity() const { return capacity_; }

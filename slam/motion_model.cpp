@@ -10,7 +10,9 @@ constexpr int kTrustedAfter = 2;
 // Nobody moves at constant velocity for longer than this.
 constexpr double kLongestExtrapolation = 1.0;  // s
 
-double seconds(Nanoseconds duration) { return std::chrono::duration<double>(duration).count(); }
+double seconds(Nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
 
 }  // namespace
 

@@ -17,7 +17,8 @@ namespace adit {
 namespace {
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
 }
 
 // The times of scopes outside any other, added up by name.
@@ -42,10 +43,14 @@ std::vector<StageTime> stage_times(const engine::Submission& submission) {
 
 std::string_view to_string(OdometryState state) {
   switch (state) {
-    case OdometryState::initializing: return "initializing";
-    case OdometryState::tracking: return "tracking";
-    case OdometryState::coasting: return "coasting";
-    case OdometryState::restarted: return "restarted";
+    case OdometryState::initializing:
+      return "initializing";
+    case OdometryState::tracking:
+      return "tracking";
+    case OdometryState::coasting:
+      return "coasting";
+    case OdometryState::restarted:
+      return "restarted";
   }
   return "unknown";
 }
@@ -93,7 +98,8 @@ SweepResult Odometry::step(const Sweep& sweep) {
   return result;
 }
 
-// One submission, one wait: the last sweep joins the submap, this one is prepared and aligned with it.
+// One submission, one wait: the last sweep joins the submap, this one is prepared and aligned with
+// it.
 void Odometry::Impl::run_on_device(const Prediction& prediction, SweepResult& result) {
   const engine::Slice surface_cloud = submap.next_cloud(front_end.capacity());
   const bool aligns = !submap.empty();

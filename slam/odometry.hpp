@@ -21,8 +21,8 @@ namespace adit {
 enum class OdometryState {
   initializing,  ///< the submap has been started with this sweep
   tracking,      ///< aligned with the submap
-  coasting,      ///< alignment failed; the pose is the prediction, the sweep was left out of the submap
-  restarted,     ///< too many failures in a row: the submap starts anew at the predicted pose
+  coasting,  ///< alignment failed; the pose is the prediction, the sweep was left out of the submap
+  restarted,  ///< too many failures in a row: the submap starts anew at the predicted pose
 };
 std::string_view to_string(OdometryState state);
 
@@ -37,22 +37,25 @@ struct SweepResult {
   Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   OdometryState state = OdometryState::initializing;
-  RegistrationResult registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
-  bool keyframe = false;            ///< far enough from the last keyframe; never while coasting
-  int raw_points = 0;               ///< points of the sweep as it came
-  int valid_points = 0;             ///< left after NaN, no-return and range clipping
-  int cloud_points = 0;             ///< left after down-sampling
-  int lost_points = 0;              ///< found no place in a table on the device or in the submap's extent; 0 is normal
-  std::vector<Point> cloud;         ///< keyframes only: the down-sampled sweep, lidar frame
-  std::vector<StageTime> stages;    ///< device time by stage (empty unless the context profiles)
-  double host_ms = 0.0;             ///< host work: copy into staging, record, read back
-  double wait_ms = 0.0;             ///< host time spent waiting for the device
+  RegistrationResult
+      registration;       ///< T_target_source is T_map_lidar; all default at the first sweep
+  bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
+  int raw_points = 0;     ///< points of the sweep as it came
+  int valid_points = 0;   ///< left after NaN, no-return and range clipping
+  int cloud_points = 0;   ///< left after down-sampling
+  int lost_points =
+      0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
+  std::vector<Point> cloud;       ///< keyframes only: the down-sampled sweep, lidar frame
+  std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
+  double host_ms = 0.0;           ///< host work: copy into staging, record, read back
+  double wait_ms = 0.0;           ///< host time spent waiting for the device
 };
 
-/// LiDAR odometry: constant-velocity prediction, alignment against a rolling submap of the last l clouds.
+/// LiDAR odometry: constant-velocity prediction, alignment against a rolling submap of the last l
+/// clouds.
 ///
-/// One device submission and one host wait a sweep. The map frame is the lidar frame of the first sweep.
-/// On one device the same sweeps give the same bytes.
+/// One device submission and one host wait a sweep. The map frame is the lidar frame of the first
+/// sweep. On one device the same sweeps give the same bytes.
 class Odometry {
  public:
   /// Throws engine::Error if the device runs out of memory. `config` must have passed validate().

@@ -10,11 +10,16 @@ namespace adit {
 
 std::string_view to_string(RegistrationStatus status) {
   switch (status) {
-    case RegistrationStatus::converged: return "converged";
-    case RegistrationStatus::not_converged: return "not converged";
-    case RegistrationStatus::too_little_overlap: return "too little overlap";
-    case RegistrationStatus::too_few_points: return "too few points";
-    case RegistrationStatus::diverged: return "diverged";
+    case RegistrationStatus::converged:
+      return "converged";
+    case RegistrationStatus::not_converged:
+      return "not converged";
+    case RegistrationStatus::too_little_overlap:
+      return "too little overlap";
+    case RegistrationStatus::too_few_points:
+      return "too few points";
+    case RegistrationStatus::diverged:
+      return "diverged";
   }
   return "unknown";
 }
@@ -45,7 +50,8 @@ RegistrationResult read_registration(const gpu::RegistrationState& state, int so
   if (source_points == 0) {
     return result;
   }
-  // The device perturbs in the target's axes about the source's origin: delta_target = diag(R, R) delta_body.
+  // The device perturbs in the target's axes about the source's origin: delta_target = diag(R, R)
+  // delta_body.
   result.T_target_source = from_device(state.pose);
   Matrix6d to_target = Matrix6d::Zero();
   to_target.topLeftCorner<3, 3>() = result.T_target_source.linear();
@@ -66,7 +72,8 @@ RegistrationResult read_registration(const gpu::RegistrationState& state, int so
   result.cost = static_cast<double>(state.system[k++]);
   const double squared_distance = static_cast<double>(state.system[k++]);
   result.inliers = static_cast<int>(state.system[k]);
-  result.residual_rms = result.inliers > 0 ? std::sqrt(std::max(squared_distance, 0.0) / result.inliers) : 0.0;
+  result.residual_rms =
+      result.inliers > 0 ? std::sqrt(std::max(squared_distance, 0.0) / result.inliers) : 0.0;
   result.overlap = static_cast<double>(result.inliers) / source_points;
 
   const bool finite = result.T_target_source.matrix().allFinite() && result.hessian.allFinite();

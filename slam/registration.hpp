@@ -14,7 +14,8 @@ struct mat3x4;
 
 namespace adit {
 
-/// How an alignment ended. Only `converged` is a success; the others say why the pose is not to be used.
+/// How an alignment ended. Only `converged` is a success; the others say why the pose is not to be
+/// used.
 enum class RegistrationStatus {
   converged,
   not_converged,       ///< still moving after max_iterations
@@ -24,21 +25,25 @@ enum class RegistrationStatus {
 };
 std::string_view to_string(RegistrationStatus status);
 
-/// Result of aligning a source cloud with a target. The Hessian and residuals are those at the final pose.
+/// Result of aligning a source cloud with a target. The Hessian and residuals are those at the
+/// final pose.
 struct RegistrationResult {
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
   RegistrationStatus status = RegistrationStatus::too_few_points;
-  Matrix6d hessian = Matrix6d::Zero();  ///< [rho, phi] of T_target_source, right perturbation; 1/m^2, 1/(m rad), 1/rad^2
+  Matrix6d hessian = Matrix6d::Zero();  ///< [rho, phi] of T_target_source, right perturbation;
+                                        ///< 1/m^2, 1/(m rad), 1/rad^2
   Vector6d gradient = Vector6d::Zero();
-  double cost = 0.0;          ///< sum of e^T Omega e over the inliers
-  double residual_rms = 0.0;  ///< m, root mean square distance along the target's normals over the inliers
-  double overlap = 0.0;       ///< inliers / source points
+  double cost = 0.0;  ///< sum of e^T Omega e over the inliers
+  double residual_rms =
+      0.0;  ///< m, root mean square distance along the target's normals over the inliers
+  double overlap = 0.0;  ///< inliers / source points
   int inliers = 0;
   int source_points = 0;
   int iterations = 0;
 };
 
-/// The rows of a pose for the device (float32: the caller keeps it local), and back, rounded onto SE(3).
+/// The rows of a pose for the device (float32: the caller keeps it local), and back, rounded onto
+/// SE(3).
 gpu::mat3x4 to_device(const Eigen::Isometry3d& pose);
 Eigen::Isometry3d from_device(const gpu::mat3x4& rows);
 

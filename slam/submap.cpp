@@ -28,17 +28,21 @@ Submap::Submap(engine::Context& context, const Config& config)
       kernels_(context),
       length_(static_cast<size_t>(config.submap.l)),
       voxel_size_(config.registration.r_align),
-      reach_(std::min(kLongestReach, kKeyRange * config.registration.r_align - config.preprocess.c_max)),
-      counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device, "submap counters")),
-      coarse_counters_(
-          context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device, "coarse submap counters")) {
+      largest_table_(static_cast<uint32_t>(
+          std::bit_floor(context.device().max_storage_buffer_bytes / sizeof(gpu::GaussianCell)))),
+      reach_(std::min(kLongestReach,
+                      kKeyRange * config.registration.r_align - config.preprocess.c_max)),
+      counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
+                                    "submap counters")),
+      coarse_counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
+                                           "coarse submap counters")) {
   use_table(kSmallestTable);
 }
 
 void Submap::use_table(uint32_t slots) {
   table_.reset();
-  table_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(slots), engine::Memory::device,
-                                 "submap voxel map");
+  table_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(slots),
+                                 engine::Memory::device, "submap voxel map");
   view_ = {.table = *table_, .counters = counters_, .voxel_size = voxel_size_};
 }
 
@@ -94,7 +98,8 @@ void Submap::record_update(engine::Recorder& recorder) {
   }
   if (clouds_.size() > length_) {
     Cloud& oldest = clouds_.front();
-    kernels_.record_remove(recorder, view_, oldest.surface_cloud, oldest.points, oldest.T_submap_lidar);
+    kernels_.record_remove(recorder, view_, oldest.surface_cloud, oldest.points,
+                           oldest.T_submap_lidar);
     recorder.barrier();
     spare_.push_back(std::move(oldest.surface_cloud));
     clouds_.pop_front();
@@ -107,11 +112,17 @@ void Submap::record_rebuild(engine::Recorder& recorder) {
     spare_.push_back(std::move(clouds_.front().surface_cloud));
     clouds_.pop_front();
   }
-  // Room for every voxel of the last count at half the load that triggers a rebuild, and as much again.
-  const auto wanted = static_cast<uint32_t>(2.0 * std::max(noted_.used_slots, noted_.failures) / kFullestLoad);
-  if (std::bit_ceil(wanted) > view_.slots()) {
-    use_table(std::bit_ceil(wanted));
+  // The last rebuild tells how many voxels l clouds have: room for four times as many lets the
+  // submap roll on for a while before slots of voxels that all clouds have left fill the table.
+  uint32_t wanted = std::bit_ceil(std::max(4 * live_voxels_, kSmallestTable));
+  if (noted_.failures > 0) {
+    wanted = std::max(wanted, 2 * view_.slots());
   }
+  wanted = std::min(wanted, largest_table_);
+  if (wanted > view_.slots()) {
+    use_table(wanted);
+  }
+  rebuilt_ = true;
   T_map_submap_ = clouds_.back().T_map_lidar;
   kernels_.record_clear(recorder, view_);
   for (Cloud& cloud : clouds_) {
@@ -126,9 +137,8 @@ engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double fa
     coarse_table_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(kCoarseTable),
                                           engine::Memory::device, "coarse submap voxel map");
   }
-  const engine::VoxelMapView view{.table = *coarse_table_,
-                                  .counters = coarse_counters_,
-                                  .voxel_size = voxel_size_ * factor};
+  const engine::VoxelMapView view{
+      .table = *coarse_table_, .counters = coarse_counters_, .voxel_size = voxel_size_ * factor};
   recorder.barrier();
   kernels_.record_clear(recorder, view);
   for (const Cloud& cloud : clouds_) {
@@ -139,8 +149,13 @@ engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double fa
 
 uint32_t Submap::note_counters(const gpu::VoxelMapCounters& counters) {
   const auto lost = [](const gpu::VoxelMapCounters& c) { return c.failures + c.out_of_range; };
-  const uint32_t before = lost(noted_) <= lost(counters) ? lost(noted_) : 0;  // a rebuild starts from zero
+  const uint32_t before =
+      lost(noted_) <= lost(counters) ? lost(noted_) : 0;  // a rebuild starts from zero
   noted_ = counters;
+  if (rebuilt_) {
+    live_voxels_ = counters.used_slots;
+    rebuilt_ = false;
+  }
   if (counters.failures > 0 || counters.used_slots > kFullestLoad * view_.slots()) {
     rebuild_ = true;
   }

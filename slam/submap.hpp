@@ -19,10 +19,12 @@ class Recorder;
 
 namespace adit {
 
-/// The rolling submap S_t (LG-SLAM): the last l aligned clouds and their Gaussian voxel map, on the device.
+/// The rolling submap S_t (LG-SLAM): the last l aligned clouds and their Gaussian voxel map, on the
+/// device.
 ///
-/// The voxel map lives in the submap's own frame, float32: at rebuilds the frame moves to the newest pose, so
-/// coordinates stay small however long the drive. Between rebuilds a cloud enters and the oldest leaves, exactly.
+/// The voxel map lives in the submap's own frame, float32: at rebuilds the frame moves to the
+/// newest pose, so coordinates stay small however long the drive. Between rebuilds a cloud enters
+/// and the oldest leaves, exactly.
 class Submap {
  public:
   Submap(engine::Context& context, const Config& config);
@@ -37,12 +39,14 @@ class Submap {
   /// The cloud just written to next_cloud() joins at this pose when record_update() is next called.
   void push(uint32_t points, const Eigen::Isometry3d& T_map_lidar);
 
-  /// Brings the voxel map up to date: the pushed cloud enters, the oldest beyond l leaves, or all is rebuilt.
+  /// Brings the voxel map up to date: the pushed cloud enters, the oldest beyond l leaves, or all
+  /// is rebuilt.
   void record_update(engine::Recorder& recorder);
-  /// Builds a second voxel map of the same clouds with voxels `factor` times as large; the next call
-  /// overwrites it. For coarse-to-fine alignment.
+  /// Builds a second voxel map of the same clouds with voxels `factor` times as large; the next
+  /// call overwrites it. For coarse-to-fine alignment.
   engine::VoxelMapView record_coarse(engine::Recorder& recorder, double factor);
-  /// After the submission: what the map's counters say now. Returns how many points they lost since last time.
+  /// After the submission: what the map's counters say now. Returns how many points they lost since
+  /// last time.
   uint32_t note_counters(const gpu::VoxelMapCounters& counters);
   /// After a submission that failed: the voxel map may hold anything.
   void invalidate() { rebuild_ = true; }
@@ -67,12 +71,13 @@ class Submap {
   engine::VoxelMapKernels kernels_;
   size_t length_;  ///< l
   double voxel_size_;
+  uint32_t largest_table_;  ///< slots of the largest voxel map a kernel can bind
   double reach_;  ///< m; a sensor farther than this from the submap's frame is reason to rebuild
 
-  std::deque<Cloud> clouds_;  ///< oldest first
+  std::deque<Cloud> clouds_;            ///< oldest first
   std::vector<engine::Buffer> spare_;   ///< of clouds that left
   std::optional<engine::Buffer> next_;  ///< handed out by next_cloud()
-  bool pending_ = false;      ///< the last of clouds_ is not in the voxel map yet
+  bool pending_ = false;                ///< the last of clouds_ is not in the voxel map yet
   bool rebuild_ = true;
 
   std::optional<engine::Buffer> table_;  ///< of view_; made at the first rebuild
@@ -81,6 +86,8 @@ class Submap {
   engine::Buffer coarse_counters_;
   engine::VoxelMapView view_;
   gpu::VoxelMapCounters noted_{};
+  bool rebuilt_ = false;      ///< since the counters were last noted
+  uint32_t live_voxels_ = 0;  ///< right after the last rebuild
   Eigen::Isometry3d T_map_submap_ = Eigen::Isometry3d::Identity();
 };
 

@@ -17,7 +17,8 @@ namespace adit {
 /// Time since an epoch the recording chooses. Seconds appear only as differences.
 using Nanoseconds = std::chrono::nanoseconds;
 
-/// One return in the lidar frame (m). `intensity` keeps the sensor's own scale; 0 where it has none.
+/// One return in the lidar frame (m). `intensity` keeps the sensor's own scale; 0 where it has
+/// none.
 struct Point {
   float x = 0.0F;
   float y = 0.0F;
@@ -27,14 +28,14 @@ struct Point {
 static_assert(sizeof(Point) == 16, "a Point is uploaded to the device as one vec4");
 
 /// One turn of a range sensor, points in the lidar frame at the time each was captured.
-/// Points may be NaN or (0, 0, 0): no return. `times` and `rings` are empty where the source has none,
-/// and as long as `points` otherwise.
+/// Points may be NaN or (0, 0, 0): no return. `times` and `rings` are empty where the source has
+/// none, and as long as `points` otherwise.
 struct Sweep {
-  Nanoseconds stamp{0};           ///< time of the start of the sweep
-  std::vector<Point> points;      ///< lidar frame, m
-  std::vector<float> times;       ///< s after `stamp`, one a point, or empty
-  std::vector<uint16_t> rings;    ///< beam index, one a point, or empty
-  std::string source;             ///< file or message it came from, for messages to people
+  Nanoseconds stamp{0};         ///< time of the start of the sweep
+  std::vector<Point> points;    ///< lidar frame, m
+  std::vector<float> times;     ///< s after `stamp`, one a point, or empty
+  std::vector<uint16_t> rings;  ///< beam index, one a point, or empty
+  std::string source;           ///< file or message it came from, for messages to people
 };
 
 /// A pose at a time: T_map_lidar maps lidar coordinates to the map frame.
