@@ -62,7 +62,7 @@ std::string verdict(const Finding& finding) {
 }
 
 std::string mebibytes(uint64_t bytes) {
-  return std::to_string(bytes / (1024 * 1024)) + " MiB";
+  return std::to_string(bytes / (uint64_t{1024} * 1024)) + " MiB";
 }
 
 void print(const Finding& finding, std::ostream& out) {

@@ -83,11 +83,15 @@ void assign(int& to, const toml::node& node) {
 template <class Fields>
 void read_section(Fields& fields, const std::string& section, const toml::table& table,
                   Origins& origins) {
-  for (const auto& [key, node] : table) {
+  for (const auto& entry : table) {
+    const toml::key& key = entry.first;
+    const toml::node& node = entry.second;
     const std::string dotted = section + "." + std::string(key.str());
     bool known = false;
     Fields::visit(fields, [&](std::string_view name, auto& value, auto&&...) {
-      if (name != key.str()) return;
+      if (name != key.str()) {
+        return;
+      }
       known = true;
       try {
         assign(value, node);
@@ -105,10 +109,14 @@ void read_section(Fields& fields, const std::string& section, const toml::table&
 }
 
 void read_table(Config& config, const toml::table& table, Origins& origins) {
-  for (const auto& [key, node] : table) {
+  for (const auto& entry : table) {
+    const toml::key& key = entry.first;
+    const toml::node& node = entry.second;
     bool known = false;
     Config::visit(config, [&](std::string_view section, auto& fields) {
-      if (section != key.str()) return;
+      if (section != key.str()) {
+        return;
+      }
       known = true;
       if (!node.is_table()) {
         throw Complaint{node.source().begin, "'" + std::string(section) + "' is " + type_name(node),
@@ -126,9 +134,13 @@ void read_table(Config& config, const toml::table& table, Origins& origins) {
 /// The origin of the setting a problem is about or, where that one has its default, of one the
 /// message names.
 const Origins::value_type* origin_of(const ConfigProblem& problem, const Origins& origins) {
-  if (const auto at = origins.find(problem.field); at != origins.end()) return &*at;
+  if (const auto at = origins.find(problem.field); at != origins.end()) {
+    return &*at;
+  }
   for (const auto& origin : origins) {
-    if (problem.message.find(origin.first) != std::string::npos) return &origin;
+    if (problem.message.find(origin.first) != std::string::npos) {
+      return &origin;
+    }
   }
   return nullptr;
 }
@@ -150,7 +162,9 @@ std::string read_text(const fs::path& file) {
 
 /// InputError ends both parts with a full stop.
 std::string without_stop(std::string text) {
-  if (!text.empty() && text.back() == '.') text.pop_back();
+  if (!text.empty() && text.back() == '.') {
+    text.pop_back();
+  }
   return text;
 }
 
@@ -202,12 +216,18 @@ std::string apply_override(Config& config, const std::string& text) {
 Config load_config(const ConfigSource& source) {
   Config config;
   Origins origins;
-  if (source.file) origins = apply_file(config, *source.file);
+  if (source.file) {
+    origins = apply_file(config, *source.file);
+  }
   std::map<std::string, std::string> overridden;
-  for (const std::string& text : source.overrides) overridden[apply_override(config, text)] = text;
+  for (const std::string& text : source.overrides) {
+    overridden[apply_override(config, text)] = text;
+  }
 
   const auto problem = validate(config);
-  if (!problem) return config;
+  if (!problem) {
+    return config;
+  }
   const std::string found = problem->field + " " + problem->message;
   for (const auto& [name, text] : overridden) {
     origins.erase(name);
@@ -216,7 +236,9 @@ Config load_config(const ConfigSource& source) {
     }
   }
   const auto* origin = origin_of(*problem, origins);
-  if (origin == nullptr) throw std::logic_error("the default configuration is not valid: " + found);
+  if (origin == nullptr) {
+    throw std::logic_error("the default configuration is not valid: " + found);
+  }
   throw InputError(*source.file, Place::named(place(origin->second)), found,
                    "`adit config` prints every setting with its unit and default");
 }

@@ -31,7 +31,9 @@ double curvature(double s) {
   double sum = 0.0;
   for (const Turn& turn : kTurns) {
     const double u = (s - turn.start) / kTurnLength;
-    if (u > 0.0 && u < 1.0) sum += turn.angle / kTurnLength * (1.0 - std::cos(2.0 * kPi * u));
+    if (u > 0.0 && u < 1.0) {
+      sum += turn.angle / kTurnLength * (1.0 - std::cos(2.0 * kPi * u));
+    }
   }
   return sum;
 }
@@ -99,7 +101,8 @@ Box box_beside(const Station& station, double offset, double along, double acros
 
 void add_buildings(const Street& street, std::vector<SceneObject>& scene, Random& random) {
   for (const double side : {-1.0, 1.0}) {
-    for (double s = -kBefore; s < kAfter;) {
+    double s = -kBefore;
+    while (s < kAfter) {
       const double front = random.uniform(8.0, 16.0);
       const double depth = random.uniform(8.0, 12.0);
       const double setback = random.uniform(7.5, 11.0);
@@ -113,43 +116,60 @@ void add_buildings(const Street& street, std::vector<SceneObject>& scene, Random
 }
 
 void add_curbs(const Street& street, std::vector<SceneObject>& scene) {
-  constexpr double kPiece = 2.0;
+  constexpr double kPiece = 2.0;  // m
+  constexpr int kPieces = static_cast<int>((kBefore + kAfter) / kPiece);
   for (const double side : {-1.0, 1.0}) {
-    for (double s = -kBefore; s < kAfter; s += kPiece) {
-      const Box curb = box_beside(street.at(s), side * 5.2, kPiece, 2.4, 0.14);
+    for (int i = 0; i < kPieces; ++i) {
+      const Box curb = box_beside(street.at(-kBefore + kPiece * i), side * 5.2, kPiece, 2.4, 0.14);
       if (street.clear_of(curb)) scene.push_back({.shape = curb, .reflectivity = 0.35F});
     }
   }
 }
 
+void add_pole(const Vector2d& place, std::vector<SceneObject>& scene) {
+  const Cylinder pole{.center = place, .radius = 0.12, .bottom = 0.0, .top = 6.0};
+  scene.push_back({.shape = pole, .reflectivity = 0.9F});
+}
+
+void add_tree(const Vector2d& place, std::vector<SceneObject>& scene, Random& random) {
+  const double height = random.uniform(3.0, 4.0);
+  const Cylinder trunk{.center = place, .radius = 0.2, .bottom = 0.0, .top = height};
+  const Sphere crown{.center = {place.x(), place.y(), height + 1.0},
+                     .radius = random.uniform(1.2, 1.8)};
+  scene.push_back({.shape = trunk, .reflectivity = 0.3F});
+  scene.push_back({.shape = crown, .reflectivity = 0.5F});
+}
+
 void add_poles_and_trees(const Street& street, std::vector<SceneObject>& scene, Random& random) {
   for (const double side : {-1.0, 1.0}) {
-    for (double s = -kBefore + 3.0 * side; s < kAfter; s += random.uniform(7.0, 13.0)) {
+    double s = -kBefore + 3.0 * side;
+    while (s < kAfter) {
       const Station station = street.at(s);
       const Vector2d place = station.position + side * random.uniform(4.3, 5.5) * station.left();
       if (random.uniform(0.0, 1.0) < 0.5) {
-        const Cylinder pole{.center = place, .radius = 0.12, .bottom = 0.0, .top = 6.0};
-        scene.push_back({.shape = pole, .reflectivity = 0.9F});
-        continue;
+        add_pole(place, scene);
+      } else {
+        add_tree(place, scene, random);
       }
-      const double height = random.uniform(3.0, 4.0);
-      const Cylinder trunk{.center = place, .radius = 0.2, .bottom = 0.0, .top = height};
-      const Sphere crown{.center = {place.x(), place.y(), height + 1.0},
-                         .radius = random.uniform(1.2, 1.8)};
-      scene.push_back({.shape = trunk, .reflectivity = 0.3F});
-      scene.push_back({.shape = crown, .reflectivity = 0.5F});
+      s += random.uniform(7.0, 13.0);
     }
   }
 }
 
 void add_cars_and_walls(const Street& street, std::vector<SceneObject>& scene, Random& random) {
   for (const double side : {-1.0, 1.0}) {
-    for (double s = -kBefore; s < kAfter; s += random.uniform(9.0, 25.0)) {
+    double s = -kBefore;
+    while (s < kAfter) {
       const Box car = box_beside(street.at(s), side * 4.6, 4.3, 1.8, random.uniform(1.4, 1.9));
-      if (street.clear_of(car)) scene.push_back({.shape = car, .reflectivity = 0.6F});
+      if (street.clear_of(car)) {
+        scene.push_back({.shape = car, .reflectivity = 0.6F});
+      }
       const Box wall =
           box_beside(street.at(s + 5.0), side * 7.0, random.uniform(3.0, 8.0), 0.3, 1.1);
-      if (street.clear_of(wall)) scene.push_back({.shape = wall, .reflectivity = 0.45F});
+      if (street.clear_of(wall)) {
+        scene.push_back({.shape = wall, .reflectivity = 0.45F});
+      }
+      s += random.uniform(9.0, 25.0);
     }
   }
 }
@@ -197,7 +217,9 @@ DemoDrive make_demo_drive(std::size_t sweeps) {
   for (std::size_t i = 0; i < sweeps; ++i) {
     drive.poses.push_back(
         {.stamp = static_cast<int64_t>(i) * kPeriod, .pose = lidar_pose(street, s)});
-    for (int k = 0; k < kSubsteps; ++k) s += speed(s) * 0.1 / kSubsteps;
+    for (int k = 0; k < kSubsteps; ++k) {
+      s += speed(s) * 0.1 / kSubsteps;
+    }
   }
   return drive;
 }
@@ -216,7 +238,9 @@ Sweep scan(const std::vector<SceneObject>& scene, const StampedPose& T_world_lid
       const Vector3d direction(std::cos(elevation) * std::cos(azimuth),
                                std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
       const auto hit = view.cast(R_world_lidar * direction);
-      if (!hit) continue;
+      if (!hit) {
+        continue;
+      }
       const Vector3d p = (hit->distance + lidar.range_noise * random.gaussian()) * direction;
       sweep.points.push_back({.x = static_cast<float>(p.x()),
                               .y = static_cast<float>(p.y()),

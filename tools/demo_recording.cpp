@@ -49,7 +49,7 @@ DemoFiles::DemoFiles(const fs::path& folder)
 DemoFiles write_demo_recording(const fs::path& folder, const DemoDrive& drive,
                                const SpinningLidar& lidar,
                                const std::function<void(std::size_t)>& progress) {
-  const DemoFiles files(folder);
+  DemoFiles files(folder);
   const fs::path sweeps = files.recording / "velodyne";
   make_folder(sweeps);
   Random random(1);

@@ -32,7 +32,9 @@ Interval cut(Interval part, double origin, double direction, double low, double 
 }
 
 std::optional<double> first_hit(const Interval& part) {
-  if (part.enter > part.leave || part.enter <= 0.0) return std::nullopt;
+  if (part.enter > part.leave || part.enter <= 0.0) {
+    return std::nullopt;
+  }
   return part.enter;
 }
 
@@ -80,7 +82,9 @@ std::optional<double> intersect(const Ray& ray, const Sphere& sphere) {
 }
 
 std::optional<double> intersect_ground(const Ray& ray) {
-  if (ray.direction.z() >= 0.0) return std::nullopt;
+  if (ray.direction.z() >= 0.0) {
+    return std::nullopt;
+  }
   return -ray.origin.z() / ray.direction.z();
 }
 

@@ -54,7 +54,9 @@ std::string suggestion(std::string_view given, const std::vector<std::string>& v
   }
   std::string list = "Valid are ";
   for (const std::string& name : valid) {
-    if (&name != &valid.front()) list += ", ";
+    if (&name != &valid.front()) {
+      list += ", ";
+    }
     list += name;
   }
   return list;

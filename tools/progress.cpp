@@ -77,12 +77,16 @@ std::string format_bar(const std::string& label, const ProgressState& state, std
   const std::string numbers = std::string(share) + "  " + count_text(state) +
                               failed_text(state, "  ") + rate_text(state, "  ");
   const std::size_t fixed = label.size() + numbers.size() + 4;  // " [", "] "
-  if (columns < fixed + kShortestBar) return (label + " " + numbers).substr(0, columns);
+  if (columns < fixed + kShortestBar) {
+    return (label + " " + numbers).substr(0, columns);
+  }
 
   const std::size_t length = std::min(kLongestBar, columns - fixed);
   const std::size_t filled = state.total == 0 ? length : length * state.done / state.total;
   std::string bar(filled, '=');
-  if (filled < length) bar += '>';
+  if (filled < length) {
+    bar += '>';
+  }
   bar.resize(length, ' ');
   return label + " [" + bar + "] " + numbers;
 }
@@ -128,13 +132,19 @@ void Progress::update(std::size_t done, std::size_t failed, Clock::time_point no
 }
 
 void Progress::note(const std::string& message) {
-  if (bar_visible_) stream_ << "\r\x1b[K";
+  if (bar_visible_) {
+    stream_ << "\r\x1b[K";
+  }
   stream_ << message << std::endl;
-  if (bar_visible_) draw_bar();
+  if (bar_visible_) {
+    draw_bar();
+  }
 }
 
 void Progress::finish() {
-  if (!bar_visible_) return;
+  if (!bar_visible_) {
+    return;
+  }
   draw_bar();
   stream_ << std::endl;
   bar_visible_ = false;

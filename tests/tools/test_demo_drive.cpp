@@ -116,7 +116,9 @@ TEST(DemoDrive, SameSeedGivesTheSameSweep) {
 TEST(DemoDrive, RandomNumbersAreThoseOfTheStandardEngine) {
   // The 10000th number of std::mt19937_64 with its default seed is fixed by the C++ standard.
   Random random(5489);
-  for (int i = 1; i < 10000; ++i) random.uniform(0, 1);
+  for (int i = 1; i < 10000; ++i) {
+    random.uniform(0, 1);
+  }
   EXPECT_EQ(random.uniform(0, 1), static_cast<double>(9981545732273789042ULL >> 11U) * 0x1p-53);
 }
 

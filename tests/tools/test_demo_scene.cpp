@@ -63,7 +63,9 @@ TEST(DemoScene, EveryHitLiesOnTheSurfaceAndNoHitIsNearerThanTheDistanceToTheShap
   };
   const auto check = [](const Ray& r, const auto& shape) {
     const auto hit = intersect(r, shape);
-    if (!hit) return 0;
+    if (!hit) {
+      return 0;
+    }
     EXPECT_NEAR(distance_to(r.origin + *hit * r.direction, shape), 0.0, 1e-9);
     EXPECT_GT(distance_to(r.origin + (*hit - 1e-6) * r.direction, shape), 0.0);
     EXPECT_GE(*hit, distance_to(r.origin, shape) - 1e-9);
@@ -88,7 +90,9 @@ TEST(DemoScene, ViewReturnsTheNearestOfAllObjects) {
   std::vector<SceneObject> objects;
   for (int i = 0; i < 60; ++i) {
     const Vector2d place(random.uniform(-30, 30), random.uniform(-30, 30));
-    if (place.norm() < 5.0) continue;
+    if (place.norm() < 5.0) {
+      continue;
+    }
     objects.push_back({.shape = Cylinder{place, 0.8, 0, 4}, .reflectivity = 0.1F});
     objects.push_back({.shape = Box{{place.y(), place.x(), 1}, {2, 1, 1}}, .reflectivity = 0.2F});
   }

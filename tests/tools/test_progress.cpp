@@ -72,7 +72,9 @@ TEST(Progress, LinesComeEveryFiveSecondsWhenWorkIsVerySlow) {
   std::ostringstream out;
   const Progress::Clock::time_point start;
   Progress progress(out, ProgressStyle::lines, "map", 1000, start);
-  for (std::size_t i = 1; i <= 20; ++i) progress.update(i, 0, start + i * 1s);
+  for (std::size_t i = 1; i <= 20; ++i) {
+    progress.update(i, 0, start + i * 1s);
+  }
   EXPECT_EQ(count(out.str(), '\n'), 4U) << out.str();
 }
 
@@ -80,7 +82,9 @@ TEST(Progress, FastWorkPrintsLittleAndItsEnd) {
   std::ostringstream out;
   const Progress::Clock::time_point start;
   Progress progress(out, ProgressStyle::lines, "map", 1000, start);
-  for (std::size_t i = 1; i <= 1000; ++i) progress.update(i, 0, start + i * 1ms);
+  for (std::size_t i = 1; i <= 1000; ++i) {
+    progress.update(i, 0, start + i * 1ms);
+  }
   EXPECT_EQ(out.str(), "map 1000/1000 sweeps (100 %), 1000.0/s, 0:01\n");
 }
 
