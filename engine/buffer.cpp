@@ -2,11 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/buffer.hpp"
 
+#include <memory>
 #include <stdexcept>
 
 #include "engine/buffer_state.hpp"
 
 namespace adit::engine {
+namespace {
+
+// Far more than the ranges of a buffer that kernels bind again and again.
+constexpr std::size_t kMaxViews = 64;
+
+}  // namespace
 
 Buffer::State::State(Device& owner, uint64_t size, Memory kind, std::string_view label)
     : device(&owner), bytes(size), name(label) {
@@ -39,15 +46,22 @@ Buffer::State::State(Device& owner, uint64_t size, Memory kind, std::string_view
   mapped = memory.block->mapped == nullptr ? nullptr : memory.block->mapped + memory.offset;
 }
 
-vk::BufferView Buffer::State::texels(uint64_t offset, uint64_t length) {
+TexelView Buffer::State::texels(uint64_t offset, uint64_t length) const {
   const std::scoped_lock lock(views_mutex_);
   const auto found = views_.find({offset, length});
   if (found != views_.end()) {
-    return *found->second;
+    return found->second;
   }
-  const vk::BufferViewCreateInfo info({}, *handle, vk::Format::eR32G32B32A32Uint, offset, length);
-  return *views_.emplace(std::pair{offset, length}, vk::raii::BufferView(device->device, info))
-              .first->second;
+  if (views_.size() == kMaxViews) {
+    views_.clear();  // lengths that change from sweep to sweep; recordings hold what they use
+  }
+  const vk::BufferViewCreateInfo info({}, *handle, kTexelFormat, offset, length);
+  auto view = translated("viewing buffer '" + name + "' as texels", [&] {
+    return std::make_shared<const vk::raii::BufferView>(device->device, info);
+  });
+  device->set_name(*view, name);
+  views_.emplace(std::pair{offset, length}, view);
+  return view;
 }
 
 Buffer::State::~State() {

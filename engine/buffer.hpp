@@ -83,7 +83,7 @@ class Buffer {
   }  // NOLINT(google-explicit-constructor): binds as a whole
 
   struct State;
-  State& state() const { return *state_; }  ///< for the engine alone
+  const State& state() const { return *state_; }  ///< for the engine alone
 
  private:
   friend class Context;

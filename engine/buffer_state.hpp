@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -24,12 +26,14 @@ struct Buffer::State {
   Allocator::Allocation memory;
   std::byte* mapped = nullptr;
 
-  /// A view of a range as texels of four 32-bit words, made when first asked for.
-  vk::BufferView texels(uint64_t offset, uint64_t length);
+  /// A view of a range, bytes, as texels of four 32-bit words. Kept for the next time, so that in
+  /// the steady state none is made; whoever records it holds it until the device is done. From any
+  /// thread.
+  TexelView texels(uint64_t offset, uint64_t length) const;
 
  private:
-  std::mutex views_mutex_;
-  std::map<std::pair<uint64_t, uint64_t>, vk::raii::BufferView> views_;
+  mutable std::mutex views_mutex_;
+  mutable std::map<std::pair<uint64_t, uint64_t>, TexelView> views_;
 };
 
 }  // namespace adit::engine

@@ -4,13 +4,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/submission.hpp"
 #include "engine/vulkan.hpp"
 
 namespace adit::engine {
+
+/// A view of a buffer as texels, shared by the buffer's cache and the recordings that use it.
+using TexelView = std::shared_ptr<const vk::raii::BufferView>;
+inline constexpr vk::Format kTexelFormat = vk::Format::eR32G32B32A32Uint;
 
 /// One command buffer with the descriptor sets and timestamps it needs: recorded, submitted, and
 /// recycled whole once the device is done with it, so that in the steady state nothing is
@@ -22,8 +28,13 @@ class CommandSlot {
   void begin();  ///< forgets what was recorded before
   void end();
 
-  /// A set for `count` storage buffers; good until the next begin().
+  /// A set for `count` buffers of either kind; good until the next begin().
   vk::DescriptorSet descriptor_set(vk::DescriptorSetLayout layout, uint32_t count);
+
+  /// Holds a view that the recording uses until release().
+  void keep(TexelView view) { views_.push_back(std::move(view)); }
+  /// Lets go of what was kept; once the device is done, or where nothing was submitted.
+  void release() { views_.clear(); }
 
   /// Scopes are numbered in order of opening; each takes two timestamps.
   uint32_t open_scope(std::string_view name);
@@ -52,6 +63,7 @@ class CommandSlot {
   vk::raii::CommandBuffer commands_{nullptr};
   std::vector<DescriptorPool> descriptor_pools_;
   std::size_t current_pool_ = 0;
+  std::vector<TexelView> views_;
   std::vector<vk::raii::QueryPool> query_pools_;
   std::vector<OpenScope> scopes_;
   uint32_t depth_ = 0;

@@ -76,6 +76,7 @@ std::unique_ptr<CommandSlot> Device::begin_commands() {
 }
 
 void Device::recycle(std::unique_ptr<CommandSlot> slot) {
+  slot->release();
   const std::scoped_lock lock(slots_mutex_);
   free_slots_.push_back(std::move(slot));
 }

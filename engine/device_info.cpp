@@ -7,8 +7,10 @@
 #include <string_view>
 
 #include "engine/buffer.hpp"
+#include "engine/command_slot.hpp"
 #include "engine/instance.hpp"
 #include "engine/recorder.hpp"
+#include "engine/spirv.hpp"
 
 namespace adit::engine {
 namespace {
@@ -89,8 +91,13 @@ std::vector<Requirement> requirements(const vk::raii::PhysicalDevice& device) {
       at_least("maxComputeSharedMemorySize", 16 * 1024, limits.maxComputeSharedMemorySize));
   list.push_back(at_least("maxPushConstantsSize", 128, limits.maxPushConstantsSize));
   list.push_back(at_least("maxStorageBufferRange", 128ULL << 20U, limits.maxStorageBufferRange));
-  list.push_back(at_least("maxPerStageDescriptorStorageBuffers", 30,
+  list.push_back(at_least("maxPerStageDescriptorStorageBuffers", kMaxStorageBindings,
                           limits.maxPerStageDescriptorStorageBuffers));
+  list.push_back(at_least("maxPerStageDescriptorSampledImages", kMaxTexelBindings,
+                          limits.maxPerStageDescriptorSampledImages));
+  list.push_back(feature("R32G32B32A32_UINT in uniform texel buffers",
+                         static_cast<bool>(device.getFormatProperties(kTexelFormat).bufferFeatures &
+                                           vk::FormatFeatureFlagBits::eUniformTexelBuffer)));
   list.push_back(at_least("maxTexelBufferElements", kMinTexels, limits.maxTexelBufferElements));
   list.push_back(at_most("minTexelBufferOffsetAlignment", kSliceAlignment,
                          limits.minTexelBufferOffsetAlignment));

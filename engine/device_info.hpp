@@ -27,7 +27,7 @@ struct DeviceInfo {
   std::string uuid;         ///< 8-4-4-4-12 hexadecimal digits
   bool software = false;    ///< runs on the CPU (lavapipe, SwiftShader)
   uint32_t subgroup_size = 0;
-  uint64_t max_storage_buffer_bytes = 0;   ///< the largest slice a kernel can bind
+  uint64_t max_storage_buffer_bytes = 0;   ///< the largest slice bound as storage
   uint32_t max_texel_buffer_elements = 0;  ///< texels of the largest slice bound as texels
   uint64_t device_memory_bytes = 0;        ///< sum of the device-local heaps
   uint32_t max_workgroup_invocations = 0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "engine/buffer_state.hpp"
 #include "engine/kernel_state.hpp"
@@ -13,7 +14,7 @@
 namespace adit::engine {
 namespace {
 
-constexpr std::size_t kMaxBindings = 32;
+constexpr std::size_t kMaxBindings = kMaxStorageBindings + kMaxTexelBindings;
 constexpr uint64_t kIndirectBytes = 3 * sizeof(uint32_t);
 
 [[noreturn]] void mistake(const Kernel& kernel, const std::string& what) {
@@ -45,25 +46,30 @@ std::string range_problem(const Slice& slice) {
   return {};
 }
 
-std::string texel_problem(const Slice& slice, const Device& device) {
-  const uint64_t most = device.info.max_texel_buffer_elements;
+std::string size_problem(const Slice& slice, bool texels, const DeviceInfo& device) {
+  if (!texels) {
+    return slice.bytes <= device.max_storage_buffer_bytes
+               ? ""
+               : "a slice has at most " + std::to_string(device.max_storage_buffer_bytes) +
+                     " bytes on " + device.name + ", given " + text(slice);
+  }
+  const uint64_t most = device.max_texel_buffer_elements;
   if (slice.bytes % kTexelBytes != 0 || slice.bytes / kTexelBytes > most) {
     return "texels are multiples of " + std::to_string(kTexelBytes) + " bytes, at most " +
-           std::to_string(most) + " of them on " + device.info.name + ", given " + text(slice);
+           std::to_string(most) + " of them on " + device.name + ", given " + text(slice);
   }
   return {};
 }
 
-std::string binding_problem(const Slice& slice, const Device& device) {
+std::string binding_problem(const Slice& slice, bool texels, const Device& device) {
   if (std::string problem = range_problem(slice); !problem.empty()) {
     return problem;
   }
   if (slice.offset % kSliceAlignment != 0) {
     return "offsets are multiples of " + std::to_string(kSliceAlignment) + ", given " + text(slice);
   }
-  if (slice.bytes > device.info.max_storage_buffer_bytes) {
-    return "a slice has at most " + std::to_string(device.info.max_storage_buffer_bytes) +
-           " bytes on " + device.info.name + ", given " + text(slice);
+  if (std::string problem = size_problem(slice, texels, device.info); !problem.empty()) {
+    return problem;
   }
   if (slice.buffer->state().device != &device) {
     return "the buffer belongs to another context: " + text(slice);
@@ -86,11 +92,8 @@ void check_dispatch(const Device& device, const Kernel& kernel, std::span<const 
                         " buffers, given " + std::to_string(slices.size()));
   }
   for (std::size_t i = 0; i < slices.size(); ++i) {
-    std::string problem = binding_problem(slices[i], device);
-    if (problem.empty() && state.reflection.bindings[i].texels) {
-      problem = texel_problem(slices[i], device);
-    }
-    if (!problem.empty()) {
+    const bool texels = state.reflection.bindings[i].texels;
+    if (const std::string problem = binding_problem(slices[i], texels, device); !problem.empty()) {
       mistake(kernel, "binding " + std::to_string(i) + ": " + problem);
     }
   }
@@ -127,7 +130,9 @@ void bind(Recorder::State& state, const Kernel& kernel, std::span<const std::byt
     for (uint32_t i = 0; i < count; ++i) {
       writes[i] = vk::WriteDescriptorSet(set, i, 0, 1, vk::DescriptorType::eStorageBuffer);
       if (k.reflection.bindings[i].texels) {
-        views[i] = slices[i].buffer->state().texels(slices[i].offset, slices[i].bytes);
+        TexelView view = slices[i].buffer->state().texels(slices[i].offset, slices[i].bytes);
+        views[i] = **view;
+        state.slot->keep(std::move(view));
         writes[i].setDescriptorType(vk::DescriptorType::eUniformTexelBuffer);
         writes[i].setPTexelBufferView(&views[i]);
       } else {

@@ -24,7 +24,9 @@ inline constexpr uint32_t kMaxGroups = 65535;
 ///
 /// A call that does not fit the kernel (bindings, push constants, alignment, limits) is a mistake
 /// in the program: std::logic_error names the kernel, what it expects and what was given. Slices
-/// are bound to bindings 0, 1, ... of set 0 in their order.
+/// are bound to bindings 0, 1, ... of set 0 in their order, each as the shader declares it: as a
+/// storage buffer, or as texels (whole ones of kTexelBytes, DeviceInfo::max_texel_buffer_elements
+/// at most).
 class Recorder {
  public:
   /// Device timestamps around its lifetime, if the context profiles. Must end before the recorder

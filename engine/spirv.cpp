@@ -23,6 +23,8 @@ enum Op : uint32_t {
   kOpTypeFloat = 22,
   kOpTypeVector = 23,
   kOpTypeMatrix = 24,
+  kOpTypeImage = 25,
+  kOpTypeSampledImage = 27,
   kOpTypeArray = 28,
   kOpTypeRuntimeArray = 29,
   kOpTypeStruct = 30,
@@ -52,8 +54,8 @@ constexpr uint32_t kClassUniformConstant = 0;
 constexpr uint32_t kClassUniform = 2;
 constexpr uint32_t kClassPushConstant = 9;
 constexpr uint32_t kClassStorageBuffer = 12;
-constexpr uint32_t kOpTypeImage = 25;
 constexpr uint32_t kDimBuffer = 5;
+constexpr uint32_t kSampled = 1;
 
 struct Member {
   std::string name;
@@ -69,12 +71,12 @@ struct Id {
   std::optional<uint32_t> spec_id, binding, set;
   uint32_t array_stride = 0;
   bool non_writable = false;
-  bool texel_buffer = false;  // an image of dimension Buffer
+  bool texel_buffer = false;  // read through a uniform texel buffer of uint
   std::map<uint32_t, Member> members;
   uint32_t bytes = 0;           // of a type; 0: not known before run time
   uint32_t columns = 0;         // of a matrix
   uint32_t element = 0;         // id an array or a pointer refers to
-  uint32_t value = 0;           // of a constant
+  uint32_t value = 0;           // of a constant; of an integer type 1: signed
   std::vector<uint32_t> types;  // of a struct's members
 };
 
@@ -238,6 +240,9 @@ void Parser::decorate_member(uint32_t decoration, uint32_t value, Member& member
 void Parser::define_type(uint32_t op, const Operands& in) {
   switch (op) {
     case kOpTypeInt:
+      id(in[0]).bytes = in[1] / 8;
+      id(in[0]).value = in[2];
+      break;
     case kOpTypeFloat:
       id(in[0]).bytes = in[1] / 8;
       break;
@@ -256,8 +261,14 @@ void Parser::define_type(uint32_t op, const Operands& in) {
     case kOpTypePointer:
       id(in[0]).element = in[op == kOpTypePointer ? 2 : 1];
       break;
-    case kOpTypeImage:
-      id(in[0]).texel_buffer = in[2] == kDimBuffer;
+    case kOpTypeImage: {
+      const Id& of = id(in[1]);
+      id(in[0]).texel_buffer = in[2] == kDimBuffer && in[6] == kSampled && of.op == kOpTypeInt &&
+                               of.bytes == 4 && of.value == 0;
+      break;
+    }
+    case kOpTypeSampledImage:
+      id(in[0]).texel_buffer = id(in[1]).texel_buffer;
       break;
     case kOpTypeStruct:
       for (std::size_t i = 1; i < in.size(); ++i) {
@@ -301,7 +312,7 @@ void Parser::variable(const Operands& in) {
          std::ranges::all_of(type.members, [](const auto& m) { return m.second.non_writable; }));
     result_.bindings.push_back({*variable.binding, read_only, texels});
   } else if (storage == kClassUniform || storage == kClassUniformConstant) {
-    fail("it uses descriptors other than storage and texel buffers");
+    fail("it uses descriptors other than storage buffers and uniform texel buffers of uint");
   }
 }
 
@@ -310,6 +321,13 @@ void Parser::finish() {
     fail("it is not one compute shader");
   }
   std::ranges::sort(result_.bindings, {}, &BindingInfo::binding);
+  const auto texels = std::ranges::count(result_.bindings, true, &BindingInfo::texels);
+  const auto storage = std::ssize(result_.bindings) - texels;
+  if (storage > kMaxStorageBindings || texels > kMaxTexelBindings) {
+    fail("it binds " + std::to_string(storage) + " storage and " + std::to_string(texels) +
+         " texel buffers, at most " + std::to_string(kMaxStorageBindings) + " and " +
+         std::to_string(kMaxTexelBindings) + " are sure to be had");
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (size_ids_[axis] != 0) {
       result_.local_size[axis] = id(size_ids_[axis]).value;

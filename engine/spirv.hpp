@@ -14,11 +14,15 @@
 
 namespace adit::engine {
 
+/// The most buffers of each kind that one kernel binds on a baseline device.
+inline constexpr uint32_t kMaxStorageBindings = 30;
+inline constexpr uint32_t kMaxTexelBindings = 16;
+
 /// A buffer of descriptor set 0: storage, or uniform texels.
 struct BindingInfo {
   uint32_t binding = 0;
   bool read_only = false;  ///< declared readonly; texels always are
-  bool texels = false;     ///< a uniform texel buffer
+  bool texels = false;     ///< a uniform texel buffer of uint (utextureBuffer, usamplerBuffer)
 };
 
 struct StructMember {

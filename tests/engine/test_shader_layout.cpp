@@ -16,6 +16,9 @@ using test::expect_layout;
 TEST(ShaderLayout, ProbeStructsAreTheSameInCppAndGlsl) {
   expect_layout<gpu::ProbePush>("ProbePush", {{"count", offsetof(gpu::ProbePush, count)},
                                               {"offset", offsetof(gpu::ProbePush, offset)}});
+  expect_layout<gpu::TexelProbePush>("TexelProbePush",
+                                     {{"count", offsetof(gpu::TexelProbePush, count)},
+                                      {"offset", offsetof(gpu::TexelProbePush, offset)}});
   expect_layout<gpu::ProbeSums>("ProbeSums", {{"total", offsetof(gpu::ProbeSums, total)},
                                               {"items", offsetof(gpu::ProbeSums, items)}});
 }

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <initializer_list>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -36,6 +38,78 @@ TEST(Spirv, ProbeShaderIsReflectedAsItIsWritten) {
   EXPECT_EQ(reflection.spec_constants[1].default_value, 1U);
 }
 
+TEST(Spirv, TexelBuffersAreToldFromStorageBuffers) {
+  for (const auto words :
+       {shaders::find("engine_texel_probe"), shaders::find_debug("engine_texel_probe")}) {
+    const Reflection reflection = reflect(words);
+    ASSERT_EQ(reflection.bindings.size(), 4U);
+    for (uint32_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(reflection.bindings[i].binding, i);
+      EXPECT_EQ(reflection.bindings[i].texels, i == 1 || i == 2) << i;
+      EXPECT_EQ(reflection.bindings[i].read_only, i < 3) << i;
+    }
+  }
+}
+
+// A module that declares `count` variables of one opaque type, bindings 0, 1, ... of set 0. Modules
+// before SPIR-V 1.6 make a usamplerBuffer a sampled image, which today's compiler does not.
+struct Image {
+  uint32_t dim = 5;         // Buffer
+  uint32_t sampled = 1;     // 2: a storage image
+  uint32_t signedness = 0;  // of its int
+  uint32_t width = 32;      // of its int, bits
+  bool combined = false;    // OpTypeSampledImage
+  uint32_t count = 1;
+};
+
+std::vector<uint32_t> module_of(const Image& image) {
+  std::vector<uint32_t> words{0x07230203, 0x00010500, 0, 100, 0};
+  const auto add = [&](uint32_t op, std::initializer_list<uint32_t> operands) {
+    words.push_back(static_cast<uint32_t>(operands.size() + 1) << 16U | op);
+    words.insert(words.end(), operands);
+  };
+  add(15, {5, 1, 0});  // OpEntryPoint GLCompute
+  for (uint32_t i = 0; i < image.count; ++i) {
+    add(71, {10 + i, 34, 0});  // DescriptorSet
+    add(71, {10 + i, 33, i});  // Binding
+  }
+  add(21, {2, image.width, image.signedness});            // OpTypeInt
+  add(25, {3, 2, image.dim, 0, 0, 0, image.sampled, 0});  // OpTypeImage
+  add(27, {4, 3});                                        // OpTypeSampledImage
+  add(32, {5, 0, image.combined ? 4U : 3U});              // OpTypePointer UniformConstant
+  for (uint32_t i = 0; i < image.count; ++i) {
+    add(59, {5, 10 + i, 0});  // OpVariable UniformConstant
+  }
+  return words;
+}
+
+TEST(Spirv, SamplerBufferOfOlderModulesIsATexelBuffer) {
+  for (const bool combined : {false, true}) {
+    const Reflection reflection = reflect(module_of({.combined = combined}));
+    ASSERT_EQ(reflection.bindings.size(), 1U);
+    EXPECT_TRUE(reflection.bindings[0].texels);
+    EXPECT_TRUE(reflection.bindings[0].read_only);
+  }
+}
+
+TEST(Spirv, OnlyTexelBuffersOfUintAreUniformDescriptorsThatCanBeBound) {
+  for (const Image& image : {Image{.dim = 1}, Image{.sampled = 2}, Image{.signedness = 1},
+                             Image{.width = 64}, Image{.dim = 1, .combined = true}}) {
+    try {
+      reflect(module_of(image));
+      FAIL() << "dim " << image.dim << ", sampled " << image.sampled << " was taken";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("texel buffers of uint"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+TEST(Spirv, MoreTexelBuffersThanEveryDeviceBindsAreRefused) {
+  EXPECT_EQ(reflect(module_of({.count = kMaxTexelBindings})).bindings.size(), kMaxTexelBindings);
+  EXPECT_THROW(reflect(module_of({.count = kMaxTexelBindings + 1})), Error);
+}
+
 TEST(Spirv, DebugBuildKeepsNamesThatOptimisationDrops) {
   const auto names_push = [](const StructLayout& layout) { return layout.name == "ProbePush"; };
   const Reflection debug = reflect(shaders::find_debug("engine_probe"));
@@ -57,6 +131,7 @@ TEST(Spirv, EveryEmbeddedShaderIsReflectedTheSameInBothBuilds) {
       EXPECT_EQ(optimised.bindings[i].binding, i);
       EXPECT_EQ(debug.bindings[i].binding, i);
       EXPECT_EQ(optimised.bindings[i].read_only, debug.bindings[i].read_only);
+      EXPECT_EQ(optimised.bindings[i].texels, debug.bindings[i].texels);
     }
     EXPECT_EQ(optimised.push_bytes, debug.push_bytes);
     EXPECT_LE(optimised.push_bytes, 128U);

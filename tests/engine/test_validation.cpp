@@ -77,6 +77,44 @@ TEST(Validation, BarrierCoversKernelToKernelCopyAndIndirectArguments) {
   EXPECT_TRUE(context.validation_messages().empty()) << context.validation_messages().front();
 }
 
+// A kernel stores, and the next reads the same through a texel buffer.
+void store_and_fetch(Context& context, bool with_barrier) {
+  const Kernel store(context, "engine_probe");
+  const Kernel fetch(context, "engine_texel_probe");
+  const Buffer in = context.make_buffer(4096, Memory::device, "input");
+  const Buffer table = context.make_buffer(4096, Memory::device, "racing table");
+  const Buffer out = context.make_buffer(4096, Memory::device, "output");
+  Recorder recorder = context.make_recorder();
+  for (const Buffer* buffer : {&in, &table, &out}) {
+    recorder.fill(*buffer, 0);
+  }
+  recorder.barrier();
+  recorder.dispatch(store, 1, ProbePush{100, 1}, {in, table});
+  if (with_barrier) {
+    recorder.barrier();
+  }
+  recorder.dispatch(fetch, 1, gpu::TexelProbePush{10, 0}, {in, table, in, out});
+  context.submit(std::move(recorder)).wait();
+}
+
+TEST(Validation, MissingBarrierBeforeATexelFetchIsReported) {
+  Context context(validated(true));
+  store_and_fetch(context, false);
+  const std::vector<std::string> messages = context.validation_messages();
+  ASSERT_FALSE(messages.empty());
+  for (const char* part :
+       {"SYNC-HAZARD-READ-AFTER-WRITE", "[racing table]", "[engine_texel_probe]"}) {
+    EXPECT_NE(messages.front().find(part), std::string::npos)
+        << part << " is not in: " << messages.front();
+  }
+}
+
+TEST(Validation, BarrierCoversTexelFetches) {
+  Context context(validated(true));
+  store_and_fetch(context, true);
+  EXPECT_TRUE(context.validation_messages().empty()) << context.validation_messages().front();
+}
+
 TEST(Validation, OffMeansNoMessages) {
   Context context({});
   write_and_read(context, false);
