@@ -9,8 +9,6 @@
 
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/context.hpp"
+#include "tests/support/transfer.hpp"
 
 namespace adit::test {
 
@@ -34,32 +33,6 @@ inline engine::ContextOptions test_options() {
   options.synchronization_validation = validation_wanted();
   options.profile = true;
   return options;
-}
-
-/// A device buffer that holds `values`. Waits: for tests, not for a sweep.
-template <class T>
-engine::Buffer upload(engine::Context& context, const std::vector<T>& values,
-                      std::string_view name) {
-  const uint64_t bytes = values.size() * sizeof(T);
-  engine::Buffer staging = context.make_buffer(bytes, engine::Memory::upload, "staging");
-  std::memcpy(staging.mapped(), values.data(), bytes);
-  engine::Buffer buffer = context.make_buffer(bytes, engine::Memory::device, name);
-  engine::Recorder recorder = context.make_recorder();
-  recorder.copy(staging, buffer);
-  context.submit(std::move(recorder)).wait();
-  return buffer;
-}
-
-/// What `slice` holds, once all submitted work is done.
-template <class T>
-std::vector<T> download(engine::Context& context, engine::Slice slice) {
-  std::vector<T> values(slice.bytes / sizeof(T));
-  engine::Buffer staging = context.make_buffer(slice.bytes, engine::Memory::readback, "staging");
-  engine::Recorder recorder = context.make_recorder();
-  recorder.copy(slice, staging);
-  context.submit(std::move(recorder)).wait();
-  std::memcpy(values.data(), staging.mapped(), values.size() * sizeof(T));
-  return values;
 }
 
 /// One context for all tests of a suite: making one costs more than most tests do.

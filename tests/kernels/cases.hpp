@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The one list of inputs: tests verify every kernel on all of them, benchmarks verify and then time
+// the sweeps of kTimedSizes. All are made from seeds: the same points on every machine.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/kernels/preprocess.hpp"
+#include "engine/kernels/vgicp.hpp"
+#include "slam/lie.hpp"
+#include "slam/types.hpp"
+
+namespace adit::test {
+
+/// A sweep and how to preprocess it.
+struct SweepCase {
+  std::string name;
+  engine::PreprocessSettings settings;
+  std::vector<Point> raw;
+};
+
+/// Raw points of the sweeps that are timed, about.
+inline constexpr std::array<int, 3> kTimedSizes = {5'000, 30'000, 120'000};
+
+/// A spinning lidar in a street, `points` returns and no-returns in all.
+SweepCase street_sweep(int points);
+
+/// Rooms, rings, random clouds, long ranges, borders of cells and everything degenerate; the
+/// largest has 30 000 points.
+std::vector<SweepCase> sweep_cases();
+
+/// Two sweeps of a street and their true relative pose.
+struct AlignmentCase {
+  std::string name;
+  engine::PreprocessSettings preprocess;
+  std::vector<Point> target;
+  std::vector<Point> source;
+  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
+  double voxel_size = 0.0;  ///< m
+  engine::VgicpSettings settings;
+};
+
+/// The sweeps are about `points` long; the second was taken 0.6 m farther on and turned by 1.5
+/// degrees.
+AlignmentCase street_alignment(int points);
+
+/// Single clouds, for tests of one property.
+std::vector<Point> room(int points, uint64_t seed, double noise = 0.01);
+std::vector<Point> random_points(int points, uint64_t seed, const Eigen::Vector3d& low,
+                                 const Eigen::Vector3d& high);
+
+}  // namespace adit::test

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Each kernel family with its buffers filled, ready to run any number of times: what tests verify
+// is what benchmarks time. Every function waits for the device. Scope times are empty unless the
+// context profiles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "engine/context.hpp"
+#include "engine/kernels/preprocess.hpp"
+#include "engine/kernels/vgicp.hpp"
+#include "engine/kernels/voxel_map.hpp"
+#include "slam/types.hpp"
+
+namespace adit::test {
+
+using Times = std::vector<engine::ScopeTime>;
+
+/// A sweep on the device, and what Preprocess makes of it.
+class PreprocessRun {
+ public:
+  PreprocessRun(engine::Context& context, const engine::PreprocessSettings& settings,
+                const std::vector<Point>& raw);
+
+  Times run();
+
+  gpu::SweepCounters counters() const;
+  std::vector<Point> cloud() const;
+  std::vector<gpu::uvec4> surface_cloud() const;
+
+ private:
+  engine::Context* context_;
+  engine::Preprocess preprocess_;
+  engine::PreprocessSettings settings_;
+  uint32_t count_;
+  engine::Buffer raw_;
+  engine::Buffer cloud_;
+  engine::Buffer surface_cloud_;
+  engine::Buffer counters_;
+  engine::Buffer scratch_;
+};
+
+/// A surface cloud on the device.
+class DeviceCloud {
+ public:
+  DeviceCloud(engine::Context& context, const std::vector<gpu::uvec4>& points);
+
+  uint32_t size() const { return size_; }
+  engine::Slice points() const { return points_; }
+  /// gpu::SweepCounters that say size().
+  engine::Slice counters() const { return counters_; }
+
+ private:
+  uint32_t size_;
+  engine::Buffer points_;
+  engine::Buffer counters_;
+};
+
+/// A Gaussian voxel map, empty at first.
+class VoxelMapRun {
+ public:
+  /// Voxel size in m; `slots` is a power of two.
+  VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots);
+
+  void clear();
+  Times add(const DeviceCloud& cloud, const Eigen::Isometry3d& T_map_cloud);
+  Times remove(const DeviceCloud& cloud, const Eigen::Isometry3d& T_map_cloud);
+
+  engine::VoxelMapView view() const;
+  std::vector<gpu::GaussianCell> cells() const;
+  gpu::VoxelMapCounters counters() const;
+
+ private:
+  engine::Context* context_;
+  engine::VoxelMapKernels kernels_;
+  double voxel_size_;
+  engine::Buffer table_;
+  engine::Buffer counters_;
+};
+
+/// Alignments of one cloud with one map, which must outlive this.
+class VgicpRun {
+ public:
+  VgicpRun(engine::Context& context, const DeviceCloud& source, const VoxelMapRun& target,
+           const engine::VgicpSettings& settings);
+
+  /// The whole loop from `start`.
+  Times align(const Eigen::Isometry3d& start);
+  /// One linearisation at `pose`, no step.
+  Times evaluate(const Eigen::Isometry3d& pose);
+
+  gpu::RegistrationState state() const;
+
+ private:
+  Times run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations);
+
+  engine::Context* context_;
+  engine::Vgicp vgicp_;
+  const DeviceCloud* source_;
+  const VoxelMapRun* target_;
+  engine::VgicpSettings settings_;
+  engine::Buffer upload_;
+  engine::Buffer state_;
+  engine::Buffer scratch_;
+};
+
+/// Device time of the scope of this name, ms; 0 where there is none.
+double device_ms(const Times& times, std::string_view scope);
+
+}  // namespace adit::test

@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/kernels/cases.hpp"
+#include "tests/kernels/device_runs.hpp"
+#include "tests/kernels/verify.hpp"
+#include "tests/support/device_fixture.hpp"
+#include "tools/random.hpp"
+
+namespace adit {
+namespace {
+
+using test::PreprocessRun;
+using test::SweepCase;
+using test::Verdict;
+
+class PreprocessKernels : public test::DeviceTest {};
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Centroid and surface of each cell, by the centroid's bits.
+std::map<std::array<uint32_t, 3>, uint32_t> by_position(
+    const std::vector<gpu::uvec4>& surface_cloud) {
+  std::map<std::array<uint32_t, 3>, uint32_t> result;
+  for (const gpu::uvec4& p : surface_cloud) {
+    result[{p.x, p.y, p.z}] = p.w;
+  }
+  return result;
+}
+
+std::vector<Point> shuffled(std::vector<Point> points, uint64_t seed) {
+  Random random(seed);
+  for (size_t i = points.size(); i > 1; --i) {
+    std::swap(points[i - 1],
+              points[static_cast<size_t>(random.uniform(0.0, static_cast<double>(i)))]);
+  }
+  return points;
+}
+
+TEST_F(PreprocessKernels, CentroidsAreTheTwinsOnEveryCase) {
+  for (const SweepCase& sweep : test::sweep_cases()) {
+    SCOPED_TRACE(sweep.name);
+    PreprocessRun run(context(), sweep.settings, sweep.raw);
+    run.run();
+    const Verdict verdict =
+        test::verify_downsample(sweep.settings, sweep.raw, run.counters(), run.cloud());
+    EXPECT_TRUE(verdict.passed()) << verdict.text();
+    RecordProperty(sweep.name, verdict.text());
+  }
+}
+
+TEST_F(PreprocessKernels, SurfacesAreTheTwinsOnEveryCase) {
+  double normals = 0.0;
+  double lines = 0.0;
+  for (const SweepCase& sweep : test::sweep_cases()) {
+    SCOPED_TRACE(sweep.name);
+    PreprocessRun run(context(), sweep.settings, sweep.raw);
+    run.run();
+    EXPECT_EQ(run.counters().surface_failures, 0U);
+    Verdict verdict = test::verify_surfaces(sweep.settings, run.cloud(), run.surface_cloud());
+    EXPECT_TRUE(verdict.passed()) << verdict.text();
+    normals += verdict.worst["normals compared"];
+    lines += verdict.worst["lines compared"];
+    RecordProperty(sweep.name, verdict.text());
+  }
+  EXPECT_GT(normals, 10'000.0);
+  EXPECT_GT(lines, 50.0);
+}
+
+TEST_F(PreprocessKernels, NormalsAtAHundredMetresAreTheWalls) {
+  // What float32 sums of squares in sensor coordinates would get wrong by ten degrees: patches of
+  // walls 5 m wide, 96 m away, with 2 mm noise. Truth, not the twin, is the judge: with 30 or more
+  // neighbours over a metre, the noise turns a normal by less than 0.3 degrees.
+  Random random(11);
+  std::vector<Point> raw;
+  for (int i = 0; i < 40'000; ++i) {
+    const double u = random.uniform(-2.5, 2.5);
+    const double v = random.uniform(-2.5, 2.5);
+    const double noise = 0.002 * random.gaussian();
+    raw.push_back(
+        {static_cast<float>(96.0 + noise), static_cast<float>(u), static_cast<float>(v), 0.0F});
+  }
+  const engine::PreprocessSettings settings{
+      .c_min = 0.5, .c_max = 110.0, .r_input = 0.1, .beam_spacing = 0.004};
+  PreprocessRun run(context(), settings, raw);
+  run.run();
+  int planes = 0;
+  double worst = 0.0;
+  for (const reference::SurfacePoint& point : reference::decode(run.surface_cloud())) {
+    // Cells at the border of the patch may hold a sliver of it, which has no normal.
+    if (std::max(std::abs(point.p.y()), std::abs(point.p.z())) > 1.9) {
+      continue;
+    }
+    ASSERT_EQ(point.kind, reference::SurfaceKind::plane);
+    planes += 1;
+    worst = std::max(worst, (point.direction + Eigen::Vector3d::UnitX()).norm());
+  }
+  EXPECT_GT(planes, 1000);
+  EXPECT_LT(worst, 0.5 / 57.3);
+  RecordProperty("worst normal, degrees", std::to_string(worst * 57.3));
+}
+
+TEST_F(PreprocessKernels, TwoRunsGiveTheSameBytesAndLeaveTheScratchClean) {
+  for (const SweepCase& sweep : test::sweep_cases()) {
+    SCOPED_TRACE(sweep.name);
+    PreprocessRun run(context(), sweep.settings, sweep.raw);
+    run.run();
+    const std::vector<Point> cloud = run.cloud();
+    const std::vector<gpu::uvec4> surface_cloud = run.surface_cloud();
+    for (int again = 0; again < 2; ++again) {
+      run.run();  // the same scratch, not reset
+      EXPECT_TRUE(same_bytes(run.cloud(), cloud));
+      EXPECT_TRUE(same_bytes(run.surface_cloud(), surface_cloud));
+    }
+  }
+}
+
+TEST_F(PreprocessKernels, OrderOfThePointsChangesOnlyTheOrderOfTheCloud) {
+  for (const SweepCase& sweep : test::sweep_cases()) {
+    SCOPED_TRACE(sweep.name);
+    PreprocessRun run(context(), sweep.settings, sweep.raw);
+    run.run();
+    PreprocessRun other(context(), sweep.settings, shuffled(sweep.raw, 17));
+    other.run();
+    EXPECT_EQ(other.counters().valid_points, run.counters().valid_points);
+    EXPECT_EQ(by_position(other.surface_cloud()), by_position(run.surface_cloud()));
+  }
+}
+
+TEST_F(PreprocessKernels, MillionIdenticalPointsAreOneCell) {
+  // A cell's sums hold 65 535 points for certain. Beyond that a centroid is no mean any more, but
+  // it stays in its cell, the same in every run.
+  const Point point{-3.21F, 2.34F, 1.23F, 5.0F};
+  const SweepCase sweep{"a million identical points",
+                        {.c_min = 0.5, .c_max = 100.0, .r_input = 0.25, .beam_spacing = 0.01},
+                        std::vector<Point>(1'000'000, point)};
+  PreprocessRun run(context(), sweep.settings, sweep.raw);
+  run.run();
+  EXPECT_EQ(run.counters().valid_points, 1'000'000U);
+  EXPECT_EQ(run.counters().input_failures, 0U);
+  const std::vector<Point> cloud = run.cloud();
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud[0].intensity, point.intensity);
+  EXPECT_EQ(reference::cell_of({cloud[0].x, cloud[0].y, cloud[0].z}, 4.0F),
+            reference::cell_of({point.x, point.y, point.z}, 4.0F));
+  run.run();
+  EXPECT_TRUE(same_bytes(run.cloud(), cloud));
+}
+
+TEST_F(PreprocessKernels, FullCellsKeepTheirMean) {
+  // The most points whose sums fit for certain, near the upper corner, where the sums are largest.
+  const Point point{3.2499F, 2.2499F, 1.2499F, 5.0F};
+  const SweepCase sweep{"65 535 identical points",
+                        {.c_min = 0.5, .c_max = 100.0, .r_input = 0.25, .beam_spacing = 0.01},
+                        std::vector<Point>(65'535, point)};
+  PreprocessRun run(context(), sweep.settings, sweep.raw);
+  run.run();
+  const Verdict verdict =
+      test::verify_downsample(sweep.settings, sweep.raw, run.counters(), run.cloud());
+  EXPECT_TRUE(verdict.passed()) << verdict.text();
+}
+
+TEST_F(PreprocessKernels, EverySizeAroundRunsAndGroupsIsWhole) {
+  // One point a cell, so that a point that some thread forgets or takes twice is seen.
+  std::vector<Point> raw;
+  for (int i = 0; i < 5000; ++i) {
+    raw.push_back({2.0F + static_cast<float>(i % 70), static_cast<float>(i / 70), 1.0F,
+                   static_cast<float>(i)});
+  }
+  const engine::PreprocessSettings settings{
+      .c_min = 0.5, .c_max = 200.0, .r_input = 0.5, .beam_spacing = 0.01};
+  for (const size_t size : {1UL, 3UL, 4UL, 5UL, 15UL, 16UL, 17UL, 63UL, 64UL, 65UL, 127UL, 129UL,
+                            1023UL, 1024UL, 1025UL, 4095UL, 4097UL}) {
+    SCOPED_TRACE(size);
+    const std::vector<Point> part(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+    PreprocessRun run(context(), settings, part);
+    run.run();
+    const Verdict verdict = test::verify_downsample(settings, part, run.counters(), run.cloud());
+    EXPECT_TRUE(verdict.passed()) << verdict.text();
+  }
+}
+
+// Every point alone in its surface cell.
+std::vector<Point> isolated_points(int count) {
+  std::vector<Point> points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back({static_cast<float>(i % 64) - 31.5F, static_cast<float>(i / 64 % 64) - 31.5F,
+                      5.0F + static_cast<float>(i / 4096), 1.0F});
+  }
+  return shuffled(points, 3);
+}
+
+constexpr engine::PreprocessSettings kNarrow{
+    .c_min = 0.5, .c_max = 100.0, .r_input = 0.3, .beam_spacing = 0.004};
+
+TEST_F(PreprocessKernels, LongProbeChainsLoseNothing) {
+  // Half of all slots of the smallest tables, so that chains of probes are long and threads of a
+  // group leave their loops at different times. Two drivers hand a thread that has left a badly
+  // written loop what an atomic returned to it while it was inactive (shaders/include/hash.glsl).
+  const std::vector<Point> raw = isolated_points(512);
+  PreprocessRun run(context(), kNarrow, raw);
+  for (int again = 0; again < 5; ++again) {
+    run.run();
+    EXPECT_EQ(run.counters().surface_failures, 0U);
+    const Verdict centroids = test::verify_downsample(kNarrow, raw, run.counters(), run.cloud());
+    EXPECT_TRUE(centroids.passed()) << centroids.text();
+    const Verdict surfaces = test::verify_surfaces(kNarrow, run.cloud(), run.surface_cloud());
+    EXPECT_TRUE(surfaces.passed()) << surfaces.text();
+  }
+}
+
+TEST_F(PreprocessKernels, PointsWithoutASurfaceCellAreCounted) {
+  // More surface cells than the table may have slots for: what a point loses by that, it says.
+  std::vector<Point> raw = isolated_points(6000);
+  const std::vector<Point> wall =
+      test::random_points(2000, 8, {40.0, -5.0, -5.0}, {40.01, 5.0, 5.0});
+  raw.insert(raw.end(), wall.begin(), wall.end());
+  raw = shuffled(raw, 4);
+  PreprocessRun run(context(), kNarrow, raw);
+  run.run();
+  Verdict centroids = test::verify_downsample(kNarrow, raw, run.counters(), run.cloud());
+  EXPECT_TRUE(centroids.passed()) << centroids.text();
+  Verdict surfaces = test::verify_surfaces(kNarrow, run.cloud(), run.surface_cloud());
+  EXPECT_GT(surfaces.worst["normals compared"], 0.0);
+  EXPECT_LE(surfaces.worst["wrong classes"], run.counters().surface_failures);
+  RecordProperty("surface failures", std::to_string(run.counters().surface_failures));
+}
+
+}  // namespace
+}  // namespace adit
