@@ -4,6 +4,8 @@
 
 namespace adit {
 
-std::string_view version() { return ADIT_VERSION; }
+std::string_view version() {
+  return ADIT_VERSION;
+}
 
 }  // namespace adit
