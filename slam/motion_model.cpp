@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slam/motion_model.hpp"
 
+#include <algorithm>
+
 namespace adit {
 namespace {
 
@@ -21,8 +23,8 @@ Prediction MotionModel::predict(Nanoseconds stamp) const {
     return {};
   }
   const double elapsed = seconds(stamp - last_->stamp);
-  const bool trusted = aligned_in_a_row_ >= kTrustedAfter && elapsed <= kLongestExtrapolation;
-  const double bounded = std::min(elapsed, kLongestExtrapolation);
+  const double bounded = std::clamp(elapsed, 0.0, kLongestExtrapolation);
+  const bool trusted = aligned_in_a_row_ >= kTrustedAfter && elapsed == bounded;
   return {orthonormalized(last_->pose * se3_exp(bounded * velocity_)), trusted};
 }
 

@@ -67,7 +67,8 @@ RegistrationResult read_registration(const gpu::RegistrationState& state, int so
   for (int i = 0; i < 6; ++i) {
     g(i) = static_cast<double>(state.system[k++]);
   }
-  result.hessian = to_target.transpose() * h * to_target;
+  const Matrix6d turned = to_target.transpose() * h * to_target;
+  result.hessian = 0.5 * (turned + turned.transpose());  // symmetric to the last bit
   result.gradient = to_target.transpose() * g;
   result.cost = static_cast<double>(state.system[k++]);
   const double squared_distance = static_cast<double>(state.system[k++]);
