@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Voxel down-sampling, pass 3 of 3: writes one point a cell (its centroid; intensity of the cell's first
-// point), in the order of the raw points, and frees the cell for the next sweep. The same parts and threads
-// as in pass 2. Each new point is also added to the surface cell that surface_normals.comp will ask.
+// Voxel down-sampling, pass 3 of 3: writes one point a cell (its centroid; intensity of the cell's
+// first point), in the order of the raw points, and frees the cell for the next sweep. The same
+// parts and threads as in pass 2. Each new point is also added to the surface cell that
+// surface_normals.comp will ask.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -91,7 +92,8 @@ void main() {
     const vec4 raw = uintBitsToFloat(FETCH(points, first.y));
     const InputCell cell = cells[first.x];
     cells[first.x] = InputCell(kFree, 0, 0, 0, 0, 0);
-    const vec3 mean = (vec3(cell.sum_x, cell.sum_y, cell.sum_z) / float(cell.count) + 0.5) / 65536.0;
+    const vec3 mean =
+        (vec3(cell.sum_x, cell.sum_y, cell.sum_z) / float(cell.count) + 0.5) / 65536.0;
     const vec3 p = (floor(raw.xyz * push.inverse_cell) + mean) * push.cell;
     cloud[offset + k] = vec4(p, raw.w);
     add_to_surface(p);

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Voxel down-sampling, pass 1 of 3: gathers the raw points of a sweep into a hash grid of cells of edge
-// r_input. One thread looks at kRun consecutive points (a block); neighbours along a beam share cells, so it adds
-// up runs and leaves them in shared memory. Then the group takes the runs, densely packed, to the table.
-// Written: the cells' integer sums, and of each block its runs: how many, and each one's cell.
+// Voxel down-sampling, pass 1 of 3: gathers the raw points of a sweep into a hash grid of cells of
+// edge r_input. One thread looks at kRun consecutive points (a block); neighbours along a beam
+// share cells, so it adds up runs and leaves them in shared memory. Then the group takes the runs,
+// densely packed, to the table. Written: the cells' integer sums, and of each block its runs: how
+// many, and each one's cell.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -16,7 +17,9 @@ layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
 layout(constant_id = 1) const uint kRun = 8;  // at most 8: see RunHead
 
-layout(set = 0, binding = 0, scalar) readonly buffer Raw { uvec4 points[]; };  // bits of x, y, z, intensity
+layout(set = 0, binding = 0, scalar) readonly buffer Raw {
+  uvec4 points[];
+};  // bits of x, y, z, intensity
 layout(set = 0, binding = 1, scalar) buffer Table { InputCell cells[]; };
 layout(set = 0, binding = 2, scalar) writeonly buffer RunCounts { uint run_counts[]; };
 layout(set = 0, binding = 3, scalar) writeonly buffer RunHeads { uint run_heads[]; };

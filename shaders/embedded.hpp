@@ -17,8 +17,8 @@ std::span<const uint32_t> find(std::string_view name);
 /// Every shader, in alphabetical order.
 std::vector<std::string_view> names();
 
-/// The same, built with -g and without optimisation: the names and layouts of all structs are in it. Only
-/// programs that link adit_shaders_debug have these.
+/// The same, built with -g and without optimisation: the names and layouts of all structs are in
+/// it. Only programs that link adit_shaders_debug have these.
 std::span<const uint32_t> find_debug(std::string_view name);
 std::vector<std::string_view> names_debug();
 

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exercises uniform texel buffers between storage buffers, in both ways GLSL declares them: result i is texel
-// order[i] of the table, xor texel i of the mask, plus the offset in each component. sums[0] is the sum of all
-// components of all results, sums[1] the number of results (both modulo 2^32).
+// Exercises uniform texel buffers between storage buffers, in both ways GLSL declares them: result
+// i is texel order[i] of the table, xor texel i of the mask, plus the offset in each component.
+// sums[0] is the sum of all components of all results, sums[1] the number of results (both modulo
+// 2^32).
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_scalar_block_layout : require
@@ -16,7 +17,10 @@ layout(local_size_x_id = 0) in;
 layout(set = 0, binding = 0, scalar) readonly buffer Order { uint order[]; };
 layout(set = 0, binding = 1) uniform utextureBuffer table;
 layout(set = 0, binding = 2) uniform usamplerBuffer mask;
-layout(set = 0, binding = 3, scalar) buffer Output { ProbeSums sums; uvec4 results[]; };
+layout(set = 0, binding = 3, scalar) buffer Output {
+  ProbeSums sums;
+  uvec4 results[];
+};
 layout(push_constant, scalar) uniform Push { TexelProbePush push; };
 
 void main() {

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Estimates the surface at each point of the down-sampled cloud from the second moments of the surface cell
-// it lies in. One thread takes points strided over all threads. Written: the point with its packed surface
-// (normal towards the sensor, or direction, and class) in place of the intensity.
+// Estimates the surface at each point of the down-sampled cloud from the second moments of the
+// surface cell it lies in. One thread takes points strided over all threads. Written: the point
+// with its packed surface (normal towards the sensor, or direction, and class) in place of the
+// intensity.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -16,7 +17,9 @@ layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
 
 layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 cloud[]; };
-layout(set = 0, binding = 1, scalar) readonly buffer Surfaces { uvec4 surfaces[]; };  // GaussianCell: 3 each
+layout(set = 0, binding = 1, scalar) readonly buffer Surfaces {
+  uvec4 surfaces[];
+};  // GaussianCell: 3 each
 layout(set = 0, binding = 2, scalar) writeonly buffer Output { uvec4 surface_cloud[]; };
 layout(set = 0, binding = 3, scalar) buffer Counters { SweepCounters counters; };
 layout(set = 0, binding = 4) uniform utextureBuffer cloud_texels;
@@ -26,8 +29,8 @@ layout(push_constant, scalar) uniform Push { SurfacePush push; };
 const float kMinPoints = 5.0;
 // Neighbours whose second eigenvalue is this much smaller than the first lie on a line.
 const float kLineRatio = 0.02;
-// A line across the beams (steep in the sensor's frame) is a pole or an edge; one along them is what a
-// single beam leaves on a surface, and says nothing of its normal.
+// A line across the beams (steep in the sensor's frame) is a pole or an edge; one along them is
+// what a single beam leaves on a surface, and says nothing of its normal.
 const float kSteep = 0.7;
 
 uint classify(Sym3 covariance, vec3 p) {

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// One Gauss-Newton iteration of voxelised GICP (Koide et al., ICRA 2021; weight 1 a match), in one dispatch.
-// One thread adds up its strided points in registers, a group reduces them to one row of partial sums, and the
-// group that finishes last adds the rows in their order, solves for the step and says whether there is another
-// iteration: it writes the pose, the system, and the size of the next indirect dispatch (zero when done).
-// Nothing waits on another group, so no forward progress is assumed.
+// One Gauss-Newton iteration of voxelised GICP (Koide et al., ICRA 2021; weight 1 a match), in one
+// dispatch. One thread adds up its strided points in registers, a group reduces them to one row of
+// partial sums, and the group that finishes last adds the rows in their order, solves for the step
+// and says whether there is another iteration: it writes the pose, the system, and the size of the
+// next indirect dispatch (zero when done). Nothing waits on another group, so no forward progress
+// is assumed.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -22,7 +23,9 @@ layout(constant_id = 0) const uint kLocalSize = 64;
 
 layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 surface_cloud[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Counters { SweepCounters counters; };
-layout(set = 0, binding = 2, scalar) readonly buffer Voxels { uvec4 voxels[]; };  // GaussianCell: 3 each
+layout(set = 0, binding = 2, scalar) readonly buffer Voxels {
+  uvec4 voxels[];
+};  // GaussianCell: 3 each
 layout(set = 0, binding = 3, scalar) coherent buffer Partials { float partials[]; };
 layout(set = 0, binding = 4, scalar) coherent buffer State { RegistrationState state; };
 layout(set = 0, binding = 5) uniform utextureBuffer surface_cloud_texels;
@@ -60,8 +63,9 @@ Match match(vec3 q) {
   m.error = (corner + mean) * push.cell - q;
   m.found = m.found && dot(m.error, m.error) <= push.max_squared;
   const float scale = per_point / 32768.0;
-  m.constraint = Sym3(float(middle.y) * scale - 1.0, float(middle.z) * scale - 1.0, float(middle.w) * scale - 1.0,
-                      float(tail.x) * scale - 1.0, float(tail.y) * scale - 1.0, float(tail.z) * scale - 1.0);
+  m.constraint = Sym3(float(middle.y) * scale - 1.0, float(middle.z) * scale - 1.0,
+                      float(middle.w) * scale - 1.0, float(tail.x) * scale - 1.0,
+                      float(tail.y) * scale - 1.0, float(tail.z) * scale - 1.0);
   return m;
 }
 
@@ -75,7 +79,8 @@ Sym3 information(Sym3 target, vec3 v, vec2 w) {
 }
 
 // Adds a match: e = mean - (R a + t), de/drho = -I, de/dphi = [R a]x with ra = R a.
-void accumulate(inout float sums[kSystemSize], vec3 ra, vec3 e, Sym3 omega, Sym3 constraint, float weight) {
+void accumulate(inout float sums[kSystemSize], vec3 ra, vec3 e, Sym3 omega, Sym3 constraint,
+                float weight) {
   const vec3 ox = weight * vec3(omega.xx, omega.xy, omega.xz);
   const vec3 oy = weight * vec3(omega.xy, omega.yy, omega.yz);
   const vec3 oz = weight * vec3(omega.xz, omega.yz, omega.zz);
@@ -118,8 +123,9 @@ void accumulate(inout float sums[kSystemSize], vec3 ra, vec3 e, Sym3 omega, Sym3
   sums[29] += weight;
 }
 
-// Matches that change from step to step can make Gauss-Newton go to and fro between two poses for ever. A step
-// that goes back, and at least half as far as the last one went, is halved, and so are all that follow.
+// Matches that change from step to step can make Gauss-Newton go to and fro between two poses for
+// ever. A step that goes back, and at least half as far as the last one went, is halved, and so are
+// all that follow.
 void damp(inout float step[6]) {
   float back = 0.0;
   float before = 0.0;
@@ -138,7 +144,8 @@ void damp(inout float step[6]) {
   state.damping = damping;
 }
 
-// Cholesky of the system scaled to a unit diagonal, since metres and radians differ by the cloud's extent.
+// Cholesky of the system scaled to a unit diagonal, since metres and radians differ by the cloud's
+// extent.
 bool solve(out float step[6]) {
   float h[36];
   uint k = 0;
@@ -206,11 +213,13 @@ void take_step() {
     return;
   }
   const mat3x4 pose = state.pose;
-  const mat3 rotation = orthonormal_rows(mat3(pose[0].xyz, pose[1].xyz, pose[2].xyz) * so3_exp_rows(phi));
+  const mat3 rotation =
+      orthonormal_rows(mat3(pose[0].xyz, pose[1].xyz, pose[2].xyz) * so3_exp_rows(phi));
   const vec3 t = vec3(pose[0].w, pose[1].w, pose[2].w) + rho;
   state.pose = mat3x4(vec4(rotation[0], t.x), vec4(rotation[1], t.y), vec4(rotation[2], t.z));
   state.iterations += 1;
-  const bool converged = length(rho) < push.translation_epsilon && length(phi) < push.rotation_epsilon;
+  const bool converged =
+      length(rho) < push.translation_epsilon && length(phi) < push.rotation_epsilon;
   state.converged = converged ? 1 : 0;
   if (converged || state.iterations >= push.max_iterations) {
     state.phase = kPhaseEvaluate;

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Adds a cloud to a Gaussian voxel map, or takes it out again, exactly: all sums are integers. One thread
-// takes points strided over all threads. Written: count, mean and surface constraint sums of their voxels.
+// Adds a cloud to a Gaussian voxel map, or takes it out again, exactly: all sums are integers. One
+// thread takes points strided over all threads. Written: count, mean and surface constraint sums of
+// their voxels.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require

@@ -1,16 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Hashing and packing of cell coordinates. Everything is exact integer arithmetic but for one correctly
-// rounded multiplication, so every device and the host put a point into the same cell.
+// Hashing and packing of cell coordinates. Everything is exact integer arithmetic but for one
+// correctly rounded multiplication, so every device and the host put a point into the same cell.
 #ifndef ADIT_HASH_GLSL
 #define ADIT_HASH_GLSL
 
 #include "shaders/shared/gaussian_cell.h"
 
-// How a probe loop must be written: test at the top, results only in variables that the loop carries. After
-// `do { ... } while (...)`, lavapipe (Mesa 22.3) and SwiftShader give threads that left the loop early what a
-// load or an atomic returned to them while they were inactive in a later iteration of the others.
+// How a probe loop must be written: test at the top, results only in variables that the loop
+// carries. After `do { ... } while (...)`, lavapipe (Mesa 22.3) and SwiftShader give threads that
+// left the loop early what a load or an atomic returned to them while they were inactive in a later
+// iteration of the others.
 const uint kMaxProbes = 128u;  // at load 0.5 a chain reaches this once in 10^12 keys
 
 // MurmurHash3's finaliser: every input bit reaches every output bit.
@@ -23,9 +24,7 @@ uint mix32(uint h) {
   return h;
 }
 
-uint hash_cell(ivec3 c) {
-  return mix32(uint(c.z) ^ mix32(uint(c.y) ^ mix32(uint(c.x))));
-}
+uint hash_cell(ivec3 c) { return mix32(uint(c.z) ^ mix32(uint(c.y) ^ mix32(uint(c.x)))); }
 
 bool is_finite(vec3 p) {
   const uvec3 exponent = floatBitsToUint(p) & 0x7f800000u;
@@ -37,7 +36,8 @@ uvec3 fixed_offset(vec3 scaled, vec3 corner) {
   return min(uvec3((scaled - corner) * 65536.0), uvec3(65535u));
 }
 
-// The first point of a run of raw points: its cell's slot and its place in its block of at most 8 points.
+// The first point of a run of raw points: its cell's slot and its place in its block of at most 8
+// points.
 struct RunHead {
   uint slot;
   uint first;  // raw index

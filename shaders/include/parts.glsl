@@ -11,9 +11,9 @@ struct Part {
   uint index;       // which part, in order
 };
 
-// Consecutive threads of a group take consecutive parts. Groups are shuffled: software devices hand contiguous
-// ranges of groups to their workers, and a sweep is dense at its start (the low beams) and thin at its end. The
-// number of groups is a power of two.
+// Consecutive threads of a group take consecutive parts. Groups are shuffled: software devices hand
+// contiguous ranges of groups to their workers, and a sweep is dense at its start (the low beams)
+// and thin at its end. The number of groups is a power of two.
 Part part_of_thread(uint count, uint local_size) {
   const uint group = (gl_WorkGroupID.x * 5u) & (gl_NumWorkGroups.x - 1u);
   const uint index = group * local_size + gl_LocalInvocationIndex;

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The local surface at a point: a direction and its class, packed into 32 bits, and the constraint matrix
-// P = alpha I + beta v v^T it stands for. VGICP's regularised covariance is C = I - (1 - epsilon) P.
+// The local surface at a point: a direction and its class, packed into 32 bits, and the constraint
+// matrix P = alpha I + beta v v^T it stands for. VGICP's regularised covariance is C = I - (1 -
+// epsilon) P.
 #ifndef ADIT_SURFACE_GLSL
 #define ADIT_SURFACE_GLSL
 #include "shaders/include/hash.glsl"
@@ -14,7 +15,8 @@ const uint kLine = 2u;       // v the direction, P = I - v v^T
 // Octahedral map of a unit vector, 15 bits an axis (0.005 degrees); the class in the two top bits.
 uint pack_surface(vec3 v, uint kind) {
   vec2 o = v.xy / (abs(v.x) + abs(v.y) + abs(v.z));
-  const vec2 folded = (1.0 - abs(o.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(o, vec2(0.0)));
+  const vec2 folded =
+      (1.0 - abs(o.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(o, vec2(0.0)));
   o = v.z < 0.0 ? folded : o;
   const uvec2 q = uvec2(clamp(o * 16383.0 + 16383.5, 0.0, 32766.0));
   return (kind << 30) | (q.x << 15) | q.y;
@@ -23,7 +25,8 @@ uint pack_surface(vec3 v, uint kind) {
 vec3 unpack_direction(uint packed) {
   const vec2 o = (vec2((packed >> 15) & 0x7fffu, packed & 0x7fffu) - 16383.0) / 16383.0;
   vec3 v = vec3(o, 1.0 - abs(o.x) - abs(o.y));
-  const vec2 folded = (1.0 - abs(v.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(v.xy, vec2(0.0)));
+  const vec2 folded =
+      (1.0 - abs(v.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(v.xy, vec2(0.0)));
   v.xy = v.z < 0.0 ? folded : v.xy;
   return normalize(v);
 }
@@ -34,8 +37,9 @@ vec2 surface_weights(uint packed) {
   return vec2(kind == kLine ? 1.0 : 0.0, kind == kPlane ? 1.0 : (kind == kLine ? -1.0 : 0.0));
 }
 
-// Surface cells double in size until they span the gap between neighbouring beams at the point's range:
-// level = ceil(log2(range * beam_spacing / r_input)), at least 0; from the exponent of the square.
+// Surface cells double in size until they span the gap between neighbouring beams at the point's
+// range: level = ceil(log2(range * beam_spacing / r_input)), at least 0; from the exponent of the
+// square.
 uint surface_level(vec3 p, float level_factor) {
   precise float squared = p.x * p.x + p.y * p.y + p.z * p.z;
   precise float ratio = squared * level_factor;
@@ -49,8 +53,9 @@ struct SurfaceCellId {
   uvec3 offset;  // of the point, 1/65536 of the cell's edge
 };
 
-// 4 bits of level and 9 bits an axis: a cell is at least 2.5 beam spacings wide, so the point's coordinates
-// in cells stay below 1 / (2.5 * beam_spacing), which the configuration keeps below 256.
+// 4 bits of level and 9 bits an axis: a cell is at least 2.5 beam spacings wide, so the point's
+// coordinates in cells stay below 1 / (2.5 * beam_spacing), which the configuration keeps below
+// 256.
 SurfaceCellId surface_cell(vec3 p, float inverse_surface_cell, float level_factor) {
   const uint level = surface_level(p, level_factor);
   const vec3 scaled = p * (inverse_surface_cell * uintBitsToFloat((127u - level) << 23));

@@ -14,8 +14,8 @@ vec3 mul(Sym3 m, vec3 v) {
               m.xz * v.x + m.yz * v.y + m.zz * v.z);
 }
 
-// By cofactors. For the sums of regularised covariances (eigenvalues within [2 epsilon, 2]) the relative
-// error in float32 stays below 1e-4.
+// By cofactors. For the sums of regularised covariances (eigenvalues within [2 epsilon, 2]) the
+// relative error in float32 stays below 1e-4.
 Sym3 inverse(Sym3 m) {
   const float c00 = m.yy * m.zz - m.yz * m.yz;
   const float c01 = m.xz * m.yz - m.xy * m.zz;
@@ -25,10 +25,11 @@ Sym3 inverse(Sym3 m) {
               (m.xy * m.xz - m.xx * m.yz) * scale, (m.xx * m.yy - m.xy * m.xy) * scale);
 }
 
-// Eigenvalues of a positive semi-definite matrix, ascending. The smallest is the limit of Newton's method from 0 on
-// the characteristic polynomial, which rises and is concave left of its first root, so that no step overshoots;
-// the others follow from a quadratic. Only + - * / and sqrt, which every device rounds well (GLSL's acos and cos,
-// that the trigonometric form would need, are coarse). Absolute error about 1e-7 of the trace.
+// Eigenvalues of a positive semi-definite matrix, ascending. The smallest is the limit of Newton's
+// method from 0 on the characteristic polynomial, which rises and is concave left of its first
+// root, so that no step overshoots; the others follow from a quadratic. Only + - * / and sqrt,
+// which every device rounds well (GLSL's acos and cos, that the trigonometric form would need, are
+// coarse). Absolute error about 1e-7 of the trace.
 vec3 eigenvalues(Sym3 m) {
   const float trace = m.xx + m.yy + m.zz;
   const float c00 = m.yy * m.zz - m.yz * m.yz;
@@ -47,8 +48,8 @@ vec3 eigenvalues(Sym3 m) {
   return vec3(low, max(trace - low - high, low), high);
 }
 
-// The eigenvector of a simple eigenvalue: the longest cross product of two rows of m - value I. Zero if there is
-// none (the eigenvalue is not simple).
+// The eigenvector of a simple eigenvalue: the longest cross product of two rows of m - value I.
+// Zero if there is none (the eigenvalue is not simple).
 vec3 eigenvector(Sym3 m, float value) {
   const vec3 r0 = vec3(m.xx - value, m.xy, m.xz);
   const vec3 r1 = vec3(m.xy, m.yy - value, m.yz);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A cell of a hash grid that gathers ten integer sums: second moments of a surface cell, or the mean and the
-// surface constraint of a voxel of the submap (docs/theory/registration.md).
+// A cell of a hash grid that gathers ten integer sums: second moments of a surface cell, or the
+// mean and the surface constraint of a voxel of the submap (docs/theory/registration.md).
 #ifndef ADIT_SHADERS_SHARED_GAUSSIAN_CELL_H
 #define ADIT_SHADERS_SHARED_GAUSSIAN_CELL_H
 #include "shaders/shared/prelude.h"
@@ -13,8 +13,8 @@ namespace adit::gpu {
 // Keys, owners and slot numbers are stored plus one: a table is free when it is zero.
 const uint kFree = 0;
 
-// 48 bytes, read by kernels as three uvec4. Sums are fixed point: offsets from the cell's corner in 1/65536
-// of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets) or as
+// 48 bytes, read by kernels as three uvec4. Sums are fixed point: offsets from the cell's corner in
+// 1/65536 of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets) or as
 // (entry + 1) * 32768 (voxel maps). At most 65535 points a cell.
 struct GaussianCell {
   uint key;  // packed cell coordinates; kFree: free
@@ -36,7 +36,7 @@ struct VoxelMapAddPush {
   float inverse_cell;  // 1 / r_align, 1/m
   uint table_mask;     // slots - 1
   uint point_count;
-  uint sign;           // 1: add the cloud; 0xffffffff (-1): take it out again
+  uint sign;  // 1: add the cloud; 0xffffffff (-1): take it out again
 };
 
 #ifdef __cplusplus

@@ -9,11 +9,12 @@
 namespace adit::gpu {
 #endif
 
-// One cell of the down-sampling grid while it is being filled. Sums are offsets from the cell's corner in
-// 1/65536 of its edge: integers, so that any order of addition gives the same bits.
+// One cell of the down-sampling grid while it is being filled. Sums are offsets from the cell's
+// corner in 1/65536 of its edge: integers, so that any order of addition gives the same bits.
 struct InputCell {
-  uint owner;   // 1 + index of the raw point that claimed the slot; kFree: free
-  uint inverted_first;  // the largest ~index of its points: the smallest index, its place in the output
+  uint owner;           // 1 + index of the raw point that claimed the slot; kFree: free
+  uint inverted_first;  // the largest ~index of its points: the smallest index, its place in the
+                        // output
   uint count;
   uint sum_x, sum_y, sum_z;
 };

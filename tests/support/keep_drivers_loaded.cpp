@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Only in sanitizer builds: the Vulkan loader unloads drivers and layers, and after that the leak checker
-// cannot tell whose memory it found. Nothing is unloaded here, so that leaks.supp can name the libraries.
+// Only in sanitizer builds: the Vulkan loader unloads drivers and layers, and after that the leak
+// checker cannot tell whose memory it found. Nothing is unloaded here, so that leaks.supp can name
+// the libraries.
 
-extern "C" int dlclose(void* /*handle*/) { return 0; }
+extern "C" int dlclose(void* /*handle*/) {
+  return 0;
+}
