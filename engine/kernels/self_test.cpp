@@ -26,6 +26,7 @@ constexpr VgicpSettings kAlignment = {
 constexpr uint32_t kProbeItems = 1000;
 constexpr uint32_t kProbeScale = 3;
 constexpr uint32_t kProbeOffset = 11;
+constexpr uint32_t kTexels = 200;
 
 // Slices one after the other; made twice, first to learn the size.
 class Layout {
@@ -44,19 +45,22 @@ class Layout {
 };
 
 struct Inputs {
-  Slice raw, start, pose, probe;
+  Slice raw, start, pose, probe, texels, order, mask;
 
   Inputs(Layout& layout, const KnownScene& scene)
       : raw(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
         start(layout.take(sizeof(gpu::RegistrationStart))),
         pose(layout.take(sizeof(gpu::mat3x4))),
-        probe(layout.take(kProbeItems * sizeof(uint32_t))) {}
+        probe(layout.take(kProbeItems * sizeof(uint32_t))),
+        texels(layout.take(kTexels * sizeof(gpu::uvec4))),
+        order(layout.take(kTexels * sizeof(uint32_t))),
+        mask(layout.take(kTexels * sizeof(gpu::uvec4))) {}
 };
 
 // Zero before the run, so that what a kernel leaves out is not what happened to lie there. Buffers
 // of points have room for every raw point: a wrong count writes nowhere else.
 struct Outputs {
-  Slice counters, cloud, surface_cloud, map, map_counters, state, probe;
+  Slice counters, cloud, surface_cloud, map, map_counters, state, probe, texel_probe;
 
   Outputs(Layout& layout, const KnownScene& scene)
       : counters(layout.take(sizeof(gpu::SweepCounters))),
@@ -65,7 +69,8 @@ struct Outputs {
         map(layout.take(VoxelMapKernels::table_bytes(kSlots))),
         map_counters(layout.take(sizeof(gpu::VoxelMapCounters))),
         state(layout.take(sizeof(gpu::RegistrationState))),
-        probe(layout.take(sizeof(gpu::ProbeSums) + kProbeItems * sizeof(uint32_t))) {}
+        probe(layout.take(sizeof(gpu::ProbeSums) + kProbeItems * sizeof(uint32_t))),
+        texel_probe(layout.take(sizeof(gpu::ProbeSums) + kTexels * sizeof(gpu::uvec4))) {}
 };
 
 template <class Slices>
@@ -89,6 +94,40 @@ std::vector<uint32_t> probe_values() {
   std::vector<uint32_t> values(kProbeItems);
   std::iota(values.begin(), values.end(), 5U);
   return values;
+}
+
+std::vector<gpu::uvec4> texel_values(uint32_t factor) {
+  std::vector<gpu::uvec4> values;
+  for (uint32_t i = 0; i < kTexels; ++i) {
+    values.push_back({factor * i, factor * i + 1U, factor * i + 2U, factor * i + 3U});
+  }
+  return values;
+}
+
+std::vector<uint32_t> reversed_order() {
+  std::vector<uint32_t> order(kTexels);
+  std::iota(order.rbegin(), order.rend(), 0U);
+  return order;
+}
+
+SelfTestCase check_texel_probe(std::span<const uint32_t> output) {
+  const std::vector<gpu::uvec4> texels = texel_values(1001);
+  const std::vector<gpu::uvec4> mask = texel_values(77);
+  const std::vector<uint32_t> order = reversed_order();
+  uint32_t wrong = 0;
+  for (size_t i = 0; i < kTexels; ++i) {
+    const gpu::uvec4& a = texels[order[i]];
+    const gpu::uvec4& b = mask[i];
+    const std::array expected = {(a.x ^ b.x) + kProbeOffset, (a.y ^ b.y) + kProbeOffset,
+                                 (a.z ^ b.z) + kProbeOffset, (a.w ^ b.w) + kProbeOffset};
+    wrong += std::equal(expected.begin(), expected.end(),
+                        output.begin() + static_cast<std::ptrdiff_t>(2 + 4 * i))
+                 ? 0U
+                 : 1U;
+  }
+  return {"engine_texel_probe", wrong == 0 && output[1] == kTexels,
+          "expected " + std::to_string(kTexels) + " texels, found " + std::to_string(output[1]) +
+              ", of which " + std::to_string(wrong) + " wrong"};
 }
 
 SelfTestCase check_probe(std::span<const uint32_t> output) {
@@ -118,6 +157,7 @@ SelfTestReport run_self_test(Context& context) {
   const VoxelMapKernels voxel_maps(context);
   const Vgicp vgicp(context);
   const Kernel probe(context, "engine_probe", {{0, kDefaultLocalSize}, {1, kProbeScale}});
+  const Kernel texel_probe(context, "engine_texel_probe");
 
   const auto raw_points = static_cast<uint32_t>(scene.raw.size());
   const auto cloud_points = static_cast<uint32_t>(scene.cloud.size());
@@ -140,6 +180,9 @@ SelfTestReport run_self_test(Context& context) {
   write(staged.start, std::array{vgicp.start()});
   write(staged.pose, std::array{gpu::mat3x4{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}});
   write(staged.probe, probe_values());
+  write(staged.texels, texel_values(1001));
+  write(staged.order, reversed_order());
+  write(staged.mask, texel_values(77));
 
   Layout input_layout(&input);
   const Inputs in(input_layout, scene);
@@ -155,6 +198,8 @@ SelfTestReport run_self_test(Context& context) {
   recorder.copy(in.pose,
                 out.state.sub(offsetof(gpu::RegistrationState, pose), sizeof(gpu::mat3x4)));
   recorder.dispatch(probe, 4, gpu::ProbePush{kProbeItems, kProbeOffset}, {in.probe, out.probe});
+  recorder.dispatch(texel_probe, 4, gpu::TexelProbePush{kTexels, kProbeOffset},
+                    {in.order, in.texels, in.mask, out.texel_probe});
   preprocess.record_reset(recorder, preprocess_scratch);
   preprocess.record(recorder, scene.settings,
                     {.point_count = raw_points,
@@ -184,7 +229,8 @@ SelfTestReport run_self_test(Context& context) {
   Layout result_layout(&results);
   const Outputs found(result_layout, scene);
   const gpu::SweepCounters counters = read<gpu::SweepCounters>(found.counters)[0];
-  return {{check_probe(read<uint32_t>(found.probe)), check_insert(scene, counters),
+  return {{check_probe(read<uint32_t>(found.probe)),
+           check_texel_probe(read<uint32_t>(found.texel_probe)), check_insert(scene, counters),
            check_count(scene, counters), check_emit(scene, read<gpu::vec4>(found.cloud)),
            check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
            check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),

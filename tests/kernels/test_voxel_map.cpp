@@ -2,18 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <map>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/kernels/alignment_scene.hpp"
 #include "tests/kernels/cases.hpp"
 #include "tests/kernels/device_runs.hpp"
 #include "tests/kernels/verify.hpp"
 #include "tests/support/device_fixture.hpp"
-#include "tools/random.hpp"
 
 namespace adit {
 namespace {
@@ -21,6 +20,7 @@ namespace {
 using test::DeviceCloud;
 using test::Verdict;
 using test::VoxelMapRun;
+using test::with_random_surfaces;
 
 // Voxels: float32 moves a point by less, and the twin is not asked about points nearer to a border.
 constexpr double kMargin = 1e-4;
@@ -31,25 +31,6 @@ Eigen::Isometry3d tilted_pose() {
   pose.translate(Eigen::Vector3d(12.3, -45.6, 3.2));
   pose.rotate(Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.3, -0.2, 0.9).normalized()));
   return pose;
-}
-
-// A packed surface of a class and direction drawn at random: the 15-bit coordinates of the
-// octahedral map.
-uint32_t random_surface(Random& random) {
-  const auto bits = [&random](double end) {
-    return static_cast<uint32_t>(random.uniform(0.0, end));
-  };
-  return (bits(3.0) << 30U) | (bits(32767.0) << 15U) | bits(32767.0);
-}
-
-std::vector<gpu::uvec4> with_random_surfaces(const std::vector<Point>& points, uint64_t seed) {
-  Random random(seed);
-  std::vector<gpu::uvec4> cloud;
-  for (const Point& p : points) {
-    cloud.push_back({std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y),
-                     std::bit_cast<uint32_t>(p.z), random_surface(random)});
-  }
-  return cloud;
 }
 
 std::vector<gpu::uvec4> certain(const std::vector<gpu::uvec4>& cloud, const Eigen::Isometry3d& pose,

@@ -99,6 +99,24 @@ inline Vector6d step_of(const System& system) {
   return -damped.ldlt().solve(system.gradient);
 }
 
+/// Matches that change from step to step can make Gauss-Newton go to and fro between two poses. A
+/// step that goes back, and more than half as far as the last one went, is halved, and so are all
+/// that follow. Lengths and angles between steps are measured in units of 1 / sqrt(H_ii).
+struct Damping {
+  double factor = 1.0;
+  Vector6d last = Vector6d::Zero();
+
+  Vector6d damped(const Vector6d& step, const Matrix6d& hessian) {
+    const Vector6d unit = hessian.diagonal().cwiseSqrt();
+    const Vector6d scaled = step.cwiseProduct(unit);
+    if (scaled.dot(last) < 0.0 && scaled.norm() > 0.5 * last.norm()) {
+      factor *= 0.5;
+    }
+    last = factor * scaled;
+    return factor * step;
+  }
+};
+
 /// The pose after a step in map axes.
 inline Eigen::Isometry3d move(const Eigen::Isometry3d& pose, const Vector6d& step) {
   Eigen::Isometry3d moved = pose;
@@ -120,9 +138,10 @@ struct Alignment {
 inline Alignment align(std::span<const SurfacePoint> source, const VoxelMap& target,
                        const Eigen::Isometry3d& start, const engine::VgicpSettings& settings) {
   Alignment alignment{.pose = start};
+  Damping damping;
   while (!alignment.converged && alignment.iterations < settings.max_iterations) {
     alignment.system = linearize(find_matches(source, target, alignment.pose, settings.d_max));
-    const Vector6d step = step_of(alignment.system);
+    const Vector6d step = damping.damped(step_of(alignment.system), alignment.system.hessian);
     if (alignment.system.inliers < 6 || !step.allFinite()) {
       alignment.failed = true;
       return alignment;
