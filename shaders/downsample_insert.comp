@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Voxel down-sampling, pass 1 of 3: gathers the raw points of a sweep into a hash grid of cells of
-// edge r_input. One thread looks at kRun consecutive points (a block); neighbours along a beam
-// share cells, so it adds up runs and leaves them in shared memory. Then the group takes the runs,
-// densely packed, to the table. Written: the cells' integer sums, and of each block its runs: how
-// many, and each one's cell.
+// edge r_input. One thread takes kRun consecutive points (a block); neighbours along a beam share
+// cells, so it adds up runs in registers and touches the table once a run. Written: the cells'
+// integer sums, and of each block its runs: how many, and each one's cell.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/include/hash.glsl"
 #include "shaders/include/texels.glsl"
 #include "shaders/shared/preprocess.h"
@@ -29,26 +29,44 @@ layout(push_constant, scalar) uniform Push { DownsamplePush push; };
 
 struct Run {
   uint first;  // raw index
-  uint place;  // in run_heads
   uint count;
-  uint sum_x, sum_y, sum_z;
+  ivec3 cell;
+  uvec3 sum;
 };
-
-shared Run runs[kLocalSize * kRun];
-shared uint run_total;
-shared uint valid_total;
 
 vec3 position(uint i) { return uintBitsToFloat(FETCH(points, i).xyz); }
 
 ivec3 cell_of(uint i) { return ivec3(floor(position(i) * push.inverse_cell)); }
 
-void find_runs() {
+// What the block remembers of the run: its cell's slot, or kFree if the table is full.
+uint insert(Run run) {
+  uint slot = hash_cell(run.cell) & push.table_mask;
+  uint probes = 0;
+  bool found = false;
+  while (!found && probes < kMaxProbes) {
+    const uint owner = atomicCompSwap(cells[slot].owner, kFree, run.first + 1);
+    found = owner == kFree || cell_of(owner - 1) == run.cell;
+    slot = found ? slot : (slot + 1) & push.table_mask;
+    probes += 1;
+  }
+  if (!found) {
+    atomicAdd(counters.input_failures, run.count);
+    return kFree;
+  }
+  atomicMax(cells[slot].inverted_first, ~run.first);
+  atomicAdd(cells[slot].count, run.count);
+  atomicAdd(cells[slot].sum_x, run.sum.x);
+  atomicAdd(cells[slot].sum_y, run.sum.y);
+  atomicAdd(cells[slot].sum_z, run.sum.z);
+  return pack_run_head(slot, run.first);
+}
+
+void main() {
   const uint begin = gl_GlobalInvocationID.x * kRun;
   const uint end = min(begin + kRun, push.point_count);
   uint valid_points = 0;
   uint heads = 0;
-  Run run = Run(0, 0, 0, 0, 0, 0);
-  ivec3 cell = ivec3(0);
+  Run run = Run(0, 0, ivec3(0), uvec3(0));
   for (uint i = begin; i <= end && begin < end; ++i) {
     const vec3 p = position(min(i, end - 1));
     const float squared = dot(p, p);
@@ -56,68 +74,25 @@ void find_runs() {
         i < end && is_finite(p) && squared >= push.min_squared && squared <= push.max_squared;
     const vec3 scaled = p * push.inverse_cell;
     const vec3 corner = floor(scaled);
-    const bool continues = valid && run.count > 0 && ivec3(corner) == cell;
+    const ivec3 cell = ivec3(corner);
+    const bool continues = valid && run.count > 0 && cell == run.cell;
     if (!continues && run.count > 0) {
-      runs[atomicAdd(run_total, 1)] = run;
+      run_heads[begin + heads] = insert(run);
+      heads += 1;
       run.count = 0;
     }
     if (valid) {
       const uvec3 offset = fixed_offset(scaled, corner);
-      if (!continues) {
-        run = Run(i, begin + heads, 0, 0, 0, 0);
-        cell = ivec3(corner);
-        heads += 1;
-      }
-      run.count += 1;
-      run.sum_x += offset.x;
-      run.sum_y += offset.y;
-      run.sum_z += offset.z;
+      run = Run(continues ? run.first : i, run.count + 1, cell,
+                continues ? run.sum + offset : offset);
       valid_points += 1;
     }
   }
   if (begin < end) {
     run_counts[gl_GlobalInvocationID.x] = heads;
-    atomicAdd(valid_total, valid_points);
   }
-}
-
-void insert(Run run) {
-  const ivec3 cell = cell_of(run.first);
-  uint slot = hash_cell(cell) & push.table_mask;
-  uint probes = 0;
-  bool found = false;
-  while (!found && probes < kMaxProbes) {
-    const uint owner = atomicCompSwap(cells[slot].owner, kFree, run.first + 1);
-    found = owner == kFree || cell_of(owner == kFree ? run.first : owner - 1) == cell;
-    slot = found ? slot : (slot + 1) & push.table_mask;
-    probes += 1;
-  }
-  if (!found) {
-    atomicAdd(counters.input_failures, run.count);
-    run_heads[run.place] = kFree;
-    return;
-  }
-  atomicMax(cells[slot].inverted_first, ~run.first);
-  atomicAdd(cells[slot].count, run.count);
-  atomicAdd(cells[slot].sum_x, run.sum_x);
-  atomicAdd(cells[slot].sum_y, run.sum_y);
-  atomicAdd(cells[slot].sum_z, run.sum_z);
-  run_heads[run.place] = pack_run_head(slot, run.first);
-}
-
-void main() {
-  if (gl_LocalInvocationIndex == 0) {
-    run_total = 0;
-    valid_total = 0;
-  }
-  barrier();
-  find_runs();
-  barrier();
-  const uint total = run_total;
-  for (uint r = gl_LocalInvocationIndex; r < total; r += kLocalSize) {
-    insert(runs[r]);
-  }
-  if (gl_LocalInvocationIndex == 0) {
+  const uint valid_total = subgroupAdd(valid_points);
+  if (subgroupElect()) {
     atomicAdd(counters.valid_points, valid_total);
   }
 }
