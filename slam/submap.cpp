@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "engine/context.hpp"
@@ -20,6 +21,14 @@ constexpr double kFullestLoad = 0.5;
 constexpr double kLongestReach = 100.0;  // m
 // Voxel keys hold 511 voxels in z, the shortest axis (shaders/include/hash.glsl).
 constexpr double kKeyRange = 511.0;
+// More points than this may overflow a voxel's sums (shaders/shared/gaussian_cell.h).
+constexpr uint32_t kFullestVoxel = 65535;
+
+// The most points of one down-sampled cloud that a voxel can hold, however it lies to their grid.
+uint32_t densest(uint32_t points, double voxel_size, double r_input) {
+  const double edge = std::ceil(voxel_size / r_input) + 2.0;
+  return static_cast<uint32_t>(std::min<double>(points, edge * edge * edge));
+}
 
 }  // namespace
 
@@ -28,6 +37,7 @@ Submap::Submap(engine::Context& context, const Config& config)
       kernels_(context),
       length_(static_cast<size_t>(config.submap.l)),
       voxel_size_(config.registration.r_align),
+      r_input_(config.preprocess.r_input),
       largest_table_(static_cast<uint32_t>(
           std::bit_floor(context.device().max_storage_buffer_bytes / sizeof(gpu::GaussianCell)))),
       reach_(std::min(kLongestReach,
@@ -141,8 +151,15 @@ engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double fa
       .table = *coarse_table_, .counters = coarse_counters_, .voxel_size = voxel_size_ * factor};
   recorder.barrier();
   kernels_.record_clear(recorder, view);
-  for (const Cloud& cloud : clouds_) {
-    kernels_.record_add(recorder, view, cloud.surface_cloud, cloud.points, cloud.T_submap_lidar);
+  uint32_t room = kFullestVoxel;
+  for (auto cloud = clouds_.rbegin(); cloud != clouds_.rend(); ++cloud) {
+    const uint32_t points = std::min(cloud->points, kFullestVoxel);
+    const uint32_t fullest = densest(points, view.voxel_size, r_input_);
+    if (fullest > room) {
+      break;
+    }
+    room -= fullest;
+    kernels_.record_add(recorder, view, cloud->surface_cloud, points, cloud->T_submap_lidar);
   }
   return view;
 }

@@ -43,7 +43,8 @@ class Submap {
   /// is rebuilt.
   void record_update(engine::Recorder& recorder);
   /// Builds a second voxel map of the same clouds with voxels `factor` times as large; the next
-  /// call overwrites it. For coarse-to-fine alignment.
+  /// call overwrites it. For coarse-to-fine alignment. The oldest clouds are left out where a voxel
+  /// might not hold all of their points.
   engine::VoxelMapView record_coarse(engine::Recorder& recorder, double factor);
   /// After the submission: what the map's counters say now. Returns how many points they lost since
   /// last time.
@@ -71,6 +72,7 @@ class Submap {
   engine::VoxelMapKernels kernels_;
   size_t length_;  ///< l
   double voxel_size_;
+  double r_input_;          ///< m; a cloud has a point a voxel of this size
   uint32_t largest_table_;  ///< slots of the largest voxel map a kernel can bind
   double reach_;  ///< m; a sensor farther than this from the submap's frame is reason to rebuild
 

@@ -272,5 +272,33 @@ TEST_F(SubmapTest, ACoarseMapHoldsTheSameCloudsInLargerVoxels) {
   EXPECT_EQ(voxels_in(submap), fine) << "the fine map is left alone";
 }
 
+TEST_F(SubmapTest, NoVoxelOfACoarseMapOverflowsHoweverManyDensePointsTheCloudsHave) {
+  // A small room at a fine resolution: the whole of it lies in one coarse voxel, and ten clouds of
+  // it have more points than a voxel's sums can hold.
+  Config config = config_of(10, 0.25);
+  config.preprocess.r_input = 0.05;
+  Submap submap(context(), config);
+  std::vector<Cloud> clouds;
+  const Eigen::Isometry3d inside(Eigen::Translation3d(1.9, 1.9, 1.9));
+  add(submap, some_cloud(99, pose_after(0.0), 10));  // the frame's origin is a corner of the room
+  for (uint64_t i = 0; i < 10; ++i) {
+    clouds.push_back(some_cloud(i, inside, 15'000, 1.8));
+    add(submap, clouds.back());
+  }
+  for (const double factor : {16.0, 8.0, 2.0}) {
+    engine::VoxelMapView coarse;
+    run([&](engine::Recorder& recorder) { coarse = submap.record_coarse(recorder, factor); });
+    uint32_t points = 0;
+    for (const auto& [key, sums] : voxels_of(download<gpu::GaussianCell>(coarse.table))) {
+      EXPECT_LE(sums[0], 65535U) << "voxels of " << coarse.voxel_size << " m";
+      points += sums[0];
+    }
+    EXPECT_GE(points, 15'000U) << "the newest cloud is always there";
+    if (factor == 2.0) {
+      EXPECT_EQ(points, 150'000U) << "small voxels have room for all";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace adit
