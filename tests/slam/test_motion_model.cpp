@@ -151,7 +151,7 @@ TEST(MotionModel, ASecondSweepAtTheSameTimeKeepsTheVelocity) {
               pose_at(kTurning, milliseconds(300)).pose, 1e-9);
 }
 
-// A product of rotations such as R1 R2^T R1 multiplies its distance from SO(3) by about three each
+// A product of rotations such as R1 R2^T R1 multiplies its distance from SO(3) by 1 + sqrt(2) each
 // time: predictions made of predictions leave it within 40 sweeps unless they are brought back.
 TEST(MotionModel, PredictionsOfPredictionsStayRigidForTenThousandSweeps) {
   MotionModel model = model_of(kTurning, {0, 100, 200});
