@@ -22,6 +22,7 @@ template <class T>
 void add_choice(CLI::App& command, const std::string& name, const std::string& description,
                 T& target, const std::vector<std::pair<std::string, T>>& choices) {
   std::vector<std::string> words;
+  words.reserve(choices.size());
   for (const auto& [word, value] : choices) {
     words.push_back(word);
   }

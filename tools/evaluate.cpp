@@ -39,6 +39,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
   const Association association = associate(estimate, truth, options.tolerance);
   result.association = association.summary;
   std::vector<Eigen::Isometry3d> unaligned;
+  unaligned.reserve(association.pairs.size());
   for (const MatchedPair& pair : association.pairs) {
     unaligned.push_back(estimate.poses[pair.estimate].pose);
     result.truth.push_back(truth.poses[pair.truth].pose);
@@ -55,6 +56,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
                      "Use --align origin or --align none");
   }
   result.alignment = *alignment;
+  result.estimate.reserve(unaligned.size());
   for (const Eigen::Isometry3d& pose : unaligned) {
     result.estimate.push_back(*alignment * pose);
   }

@@ -118,6 +118,8 @@ RelativeErrors relative_errors(Poses estimate, Poses truth, const RpeOptions& op
           : pairs_by_distance(path, options.delta, options.from_first_pose);
   std::vector<double> translations;
   std::vector<double> rotations;
+  translations.reserve(pairs.size());
+  rotations.reserve(pairs.size());
   for (const auto& [i, j] : pairs) {
     const Eigen::Isometry3d error = relative_error(estimate, truth, i, j);
     translations.push_back(error.translation().norm());

@@ -195,6 +195,7 @@ void draw_errors(SvgDocument& svg, const Evaluation& evaluation, double top) {
   const std::vector<double> y_ticks = round_ticks(0.0, highest, 5);
   draw_axes(svg, panel, "distance along the truth (m)", "position error (m)", x_ticks, y_ticks);
   std::vector<Eigen::Vector2d> curve;
+  curve.reserve(path.size());
   for (std::size_t i = 0; i < path.size(); ++i) {
     curve.push_back(panel(path[i], evaluation.position_errors[i]));
   }

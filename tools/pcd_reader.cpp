@@ -26,6 +26,7 @@ struct FieldPlace {
 
 FieldRoles roles_of(const std::filesystem::path& file, const PcdHeader& header) {
   std::vector<std::string_view> names;
+  names.reserve(header.fields.size());
   for (const PcdField& field : header.fields) {
     names.push_back(field.name);
   }
@@ -66,6 +67,7 @@ CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header
   }
   const FieldRoles roles = roles_of(file, header);
   std::vector<std::size_t> first_word;  // of each field
+  first_word.reserve(header.fields.size());
   std::size_t words_per_point = 0;
   for (const PcdField& field : header.fields) {
     first_word.push_back(words_per_point);
@@ -142,6 +144,7 @@ CloudFile parse_binary(const std::filesystem::path& file, const PcdHeader& heade
                               : "Correct WIDTH, HEIGHT and POINTS, or write the file again");
   }
   std::vector<FieldPlace> places;
+  places.reserve(header.fields.size());
   for (const PcdField& field : header.fields) {
     places.push_back({field.offset, header.point_bytes});
   }
@@ -199,6 +202,7 @@ CloudFile parse_compressed(const std::filesystem::path& file, const PcdHeader& h
   }
   // Compressed clouds are stored field by field: all x, then all y, ...
   std::vector<FieldPlace> places;
+  places.reserve(header.fields.size());
   std::size_t offset = 0;
   for (const PcdField& field : header.fields) {
     places.push_back({offset, field.bytes()});

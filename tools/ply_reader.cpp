@@ -19,6 +19,7 @@ constexpr const char* kCutOff = "The file is cut off or its header is wrong: wri
 
 FieldRoles roles_of(const std::filesystem::path& file, const PlyElement& vertex) {
   std::vector<std::string_view> names;
+  names.reserve(vertex.properties.size());
   for (const PlyProperty& property : vertex.properties) {
     names.push_back(property.list_count ? std::string_view() : std::string_view(property.name));
   }

@@ -183,6 +183,7 @@ void stamp_from_file(SweepFiles& sweeps, const fs::path& times) {
 
 void assume_times(SweepFiles& sweeps, const std::string& reason) {
   sweeps.stamps.clear();
+  sweeps.stamps.reserve(sweeps.files.size());
   for (std::size_t i = 0; i < sweeps.files.size(); ++i) {
     sweeps.stamps.push_back(kAssumedPeriod * static_cast<int64_t>(i));
   }
