@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "engine/context.hpp"
 #include "engine/kernels/texels.hpp"
@@ -14,6 +15,11 @@ namespace {
 
 // Surface cells are at least 2.5 voxels wide (algorithm: the radius of 2.5 point spacings).
 constexpr double kSurfaceCellFactor = 2.5;
+
+// (0, 0, 0) is no return and never kept, whatever c_min is.
+float smallest_squared(double c_min) {
+  return std::max(static_cast<float>(c_min * c_min), std::numeric_limits<float>::min());
+}
 
 // Where the parts of the scratch are, for a capacity in points.
 struct Layout {
@@ -94,12 +100,12 @@ void Preprocess::record(Recorder& recorder, const PreprocessSettings& settings,
   }
   {
     const Scope scope = recorder.scope("downsample");
-    recorder.dispatch(insert_, insert_.groups_for((count + shape_.run - 1) / shape_.run),
-                      gpu::DownsamplePush{count, layout.cell_mask, inverse_cell,
-                                          static_cast<float>(settings.c_min * settings.c_min),
-                                          static_cast<float>(settings.c_max * settings.c_max)},
-                      {arguments.raw, layout.cells, layout.run_counts, layout.run_heads,
-                       arguments.counters, texel_slice(arguments.raw, texels_)});
+    recorder.dispatch(
+        insert_, insert_.groups_for((count + shape_.run - 1) / shape_.run),
+        gpu::DownsamplePush{count, layout.cell_mask, inverse_cell, smallest_squared(settings.c_min),
+                            static_cast<float>(settings.c_max * settings.c_max)},
+        {arguments.raw, layout.cells, layout.run_counts, layout.run_heads, arguments.counters,
+         texel_slice(arguments.raw, texels_)});
     recorder.barrier();
     recorder.dispatch(count_, shape_.groups, gpu::CountPush{count},
                       {layout.run_counts, layout.run_heads, layout.cells, layout.firsts,
