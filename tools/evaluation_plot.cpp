@@ -131,8 +131,7 @@ Panel map_panel(const Evaluation& evaluation, const View& view) {
 
 void draw_scale_bar(SvgDocument& svg, const Panel& panel) {
   const double metres_per_px = (panel.high.x() - panel.low.x()) / panel.size.x();
-  const std::vector<double> lengths = round_ticks(0.0, 150.0 * metres_per_px, 1);
-  const double length = lengths.size() > 1 ? lengths[1] : lengths[0];
+  const double length = round_length(150.0 * metres_per_px);
   const double right = panel.corner.x() + panel.size.x() - 18.0;
   const double left = right - length / metres_per_px;
   const double y = panel.corner.y() + panel.size.y() - 16.0;

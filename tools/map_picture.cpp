@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <limits>
@@ -123,7 +122,7 @@ std::string polyline(const Raster& raster, std::span<const StampedPose> path) {
 
 std::string scale_bar(const Raster& raster) {
   const double width = static_cast<double>(raster.columns) * raster.cell;
-  const double length = std::pow(10.0, std::floor(std::log10(std::max(width, 1.0) / 2.0)));
+  const double length = round_length(std::max(width, 1.0) / 2.0);
   const double cells_long = length / raster.cell;
   std::ostringstream text;
   text << R"(<path stroke="#ffffff" stroke-width="2" d="M4 )" << raster.rows + 12 << 'h'

@@ -155,10 +155,20 @@ std::string tick_label(double value, double step) {
   const int decimals =
       step > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9) : 3;
   std::array<char, 352> text{};
-  const double shown = std::abs(value) < 1e-9 * step ? 0.0 : value;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), shown,
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
                                  std::chars_format::fixed, decimals);
-  return {text.data(), end.ptr};
+  std::string label(text.data(), end.ptr);
+  const bool zero = label.find_first_not_of("-0.") == std::string::npos;
+  return zero && label.front() == '-' ? label.substr(1) : label;
+}
+
+double round_length(double most) {
+  if (!(most > 0.0) || !std::isfinite(most)) {
+    return 0.0;
+  }
+  const double power = std::pow(10.0, std::floor(std::log10(most) + 1e-9));
+  const double mantissa = most / power + 1e-9;
+  return power * (mantissa >= 5.0 ? 5.0 : mantissa >= 2.0 ? 2.0 : 1.0);
 }
 
 }  // namespace adit

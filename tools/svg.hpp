@@ -57,7 +57,11 @@ class SvgDocument {
 /// Round numbers (1, 2 or 5 times a power of ten) that divide [low, high] into about `count` parts.
 std::vector<double> round_ticks(double low, double high, int count);
 
-/// A tick as text, with the decimals its neighbours at distance `step` need.
+/// A tick as text, with the decimals its neighbours at distance `step` need. Zero has no sign.
 std::string tick_label(double value, double step);
+
+/// The longest of 1, 2 or 5 times a power of ten that is at most `most`: the length of a scale bar.
+/// 0 unless `most` is positive and finite.
+double round_length(double most);
 
 }  // namespace adit

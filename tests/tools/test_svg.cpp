@@ -3,6 +3,7 @@
 #include "tools/svg.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,24 @@ TEST(Svg, TickLabelsHaveTheDecimalsTheyNeed) {
   EXPECT_EQ(tick_label(0.30000000000000004, 0.1), "0.3");
   EXPECT_EQ(tick_label(-0.0, 0.05), "0.00");
   EXPECT_EQ(tick_label(1.30345, 1e-3), "1.303");
+  EXPECT_EQ(tick_label(-1.5, 0.1), "-1.5");
+}
+
+TEST(Svg, ZeroHasNoSign) {
+  EXPECT_EQ(tick_label(-0.0, -0.0), "0.000");
+  EXPECT_EQ(tick_label(-0.04, 0.1), "0.0");
+  EXPECT_EQ(tick_label(-0.06, 0.1), "-0.1");
+  EXPECT_EQ(tick_label(-0.4, 1.0), "0");
+}
+
+TEST(Svg, LengthsAreTheLongestRoundOnes) {
+  EXPECT_DOUBLE_EQ(round_length(19.99), 10.0);
+  EXPECT_DOUBLE_EQ(round_length(20.0), 20.0);
+  EXPECT_DOUBLE_EQ(round_length(0.0099), 0.005);
+  EXPECT_DOUBLE_EQ(round_length(1000.0), 1000.0);
+  EXPECT_DOUBLE_EQ(round_length(0.001), 0.001);
+  EXPECT_EQ(round_length(0.0), 0.0);
+  EXPECT_EQ(round_length(-3.0), 0.0);
 }
 
 /// An evaluation of `poses` against themselves.
@@ -78,6 +97,29 @@ TEST(EvaluationPlot, DegeneratePathsGiveFiniteNumbers) {
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf\""), std::string::npos);
     EXPECT_LT(svg.size(), 100000U);
+  }
+}
+
+/// The text of the scale bar: the only one that is a number and its unit.
+std::string scale_label(const std::string& svg) {
+  const std::string tail = " m</text>";
+  for (std::size_t end = svg.find(tail); end != std::string::npos; end = svg.find(tail, end + 1)) {
+    const std::size_t begin = svg.rfind('>', end) + 1;
+    const std::string label = svg.substr(begin, end - begin);
+    if (label.find_first_not_of("-.0123456789") == std::string::npos) {
+      return label;
+    }
+  }
+  return "none";
+}
+
+TEST(EvaluationPlot, TheScaleBarHasALengthWhateverTheExtent) {
+  for (int step = 0; step < 270; ++step) {
+    const double extent = 1e-3 * std::pow(1.07, step);  // to 80 km
+    const std::string label =
+        scale_label(plot_evaluation(perfect({{0, 0, 0}, {extent, extent, 0}}), "t"));
+    ASSERT_NE(label, "none");
+    EXPECT_GT(std::stod(label), 0.0) << label << " at an extent of " << extent << " m";
   }
 }
 
