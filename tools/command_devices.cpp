@@ -96,6 +96,7 @@ void print(const Finding& finding, std::ostream& out) {
 nlohmann::ordered_json describe(const Finding& finding) {
   nlohmann::ordered_json json = to_json(finding.device);
   json["max_storage_buffer_bytes"] = finding.device.max_storage_buffer_bytes;
+  json["max_texel_buffer_elements"] = finding.device.max_texel_buffer_elements;
   json["max_workgroup_invocations"] = finding.device.max_workgroup_invocations;
   json["max_shared_bytes"] = finding.device.max_shared_bytes;
   json["requirements"] = nlohmann::ordered_json::array();

@@ -106,6 +106,8 @@ TEST(Program, DevicesListsTheDeviceOfTheTestAndItsKernels) {
   EXPECT_EQ(devices[0]["index"], 0);
   EXPECT_EQ(devices[0]["usable"], true);
   EXPECT_GE(devices[0]["requirements"].size(), 10U);
+  EXPECT_GE(devices[0]["max_storage_buffer_bytes"], 1U << 27U);  // what Vulkan 1.3 asks for
+  EXPECT_GE(devices[0]["max_texel_buffer_elements"], 1U << 16U);
   EXPECT_GE(devices[0]["self_test"].size(), 1U);
   const std::string name = devices[0]["name"];
   const Answer text = call({"devices", "--no-self-test"});
