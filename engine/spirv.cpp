@@ -5,57 +5,10 @@
 #include <algorithm>
 #include <map>
 
-#include "engine/error.hpp"
+#include "engine/spirv_words.hpp"
 
-namespace adit::engine {
+namespace adit::engine::spirv {
 namespace {
-
-constexpr uint32_t kMagic = 0x07230203;
-constexpr uint32_t kMaxBound = 4'194'303;  // the specification's limit on ids
-
-// Instructions, decorations, modes and storage classes: only those that are read here.
-enum Op : uint32_t {
-  kOpName = 5,
-  kOpMemberName = 6,
-  kOpEntryPoint = 15,
-  kOpExecutionMode = 16,
-  kOpTypeInt = 21,
-  kOpTypeFloat = 22,
-  kOpTypeVector = 23,
-  kOpTypeMatrix = 24,
-  kOpTypeImage = 25,
-  kOpTypeSampledImage = 27,
-  kOpTypeArray = 28,
-  kOpTypeRuntimeArray = 29,
-  kOpTypeStruct = 30,
-  kOpTypePointer = 32,
-  kOpConstant = 43,
-  kOpSpecConstantTrue = 48,
-  kOpSpecConstantFalse = 49,
-  kOpSpecConstant = 50,
-  kOpVariable = 59,
-  kOpDecorate = 71,
-  kOpMemberDecorate = 72,
-  kOpExecutionModeId = 331,
-};
-enum Decoration : uint32_t {
-  kSpecId = 1,
-  kArrayStride = 6,
-  kMatrixStride = 7,
-  kNonWritable = 24,
-  kBinding = 33,
-  kDescriptorSet = 34,
-  kOffset = 35,
-};
-constexpr uint32_t kModeLocalSize = 17;
-constexpr uint32_t kModeLocalSizeId = 38;
-constexpr uint32_t kModelGLCompute = 5;
-constexpr uint32_t kClassUniformConstant = 0;
-constexpr uint32_t kClassUniform = 2;
-constexpr uint32_t kClassPushConstant = 9;
-constexpr uint32_t kClassStorageBuffer = 12;
-constexpr uint32_t kDimBuffer = 5;
-constexpr uint32_t kSampled = 1;
 
 struct Member {
   std::string name;
@@ -78,39 +31,6 @@ struct Id {
   uint32_t element = 0;         // id an array or a pointer refers to
   uint32_t value = 0;           // of a constant; of an integer type 1: signed
   std::vector<uint32_t> types;  // of a struct's members
-};
-
-[[noreturn]] void fail(const std::string& what) {
-  throw Error("SPIR-V module cannot be used: " + what);
-}
-
-// The operands of one instruction; reading past its end is an error, not a crash.
-class Operands {
- public:
-  explicit Operands(std::span<const uint32_t> words) : words_(words) {}
-  std::size_t size() const { return words_.size(); }
-  uint32_t operator[](std::size_t i) const {
-    if (i >= words_.size()) {
-      fail("an instruction is cut short");
-    }
-    return words_[i];
-  }
-  std::string text(std::size_t from) const {
-    std::string text;
-    for (std::size_t i = from; i < words_.size(); ++i) {
-      for (uint32_t shift = 0; shift < 32; shift += 8) {
-        const char c = static_cast<char>((words_[i] >> shift) & 0xFFU);
-        if (c == '\0') {
-          return text;
-        }
-        text.push_back(c);
-      }
-    }
-    fail("a name does not end");
-  }
-
- private:
-  std::span<const uint32_t> words_;
 };
 
 class Parser {
@@ -364,6 +284,9 @@ void Parser::finish() {
 }
 
 }  // namespace
+}  // namespace adit::engine::spirv
+
+namespace adit::engine {
 
 uint32_t StructLayout::end() const {
   uint32_t end = 0;
@@ -374,7 +297,7 @@ uint32_t StructLayout::end() const {
 }
 
 Reflection reflect(std::span<const uint32_t> words) {
-  return Parser().parse(words);
+  return spirv::Parser().parse(words);
 }
 
 }  // namespace adit::engine
