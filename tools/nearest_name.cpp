@@ -15,6 +15,11 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+/// Without the dashes of an option: they would make any two options alike.
+std::string_view bare(std::string_view name) {
+  return name.substr(std::min(name.find_first_not_of('-'), name.size()));
+}
+
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -42,11 +47,11 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string suggestion(std::string_view given, const std::vector<std::string>& valid) {
   if (valid.empty()) return {};
   const auto distance = [&](const std::string& name) {
-    return edit_distance(lower(given), lower(name));
+    return edit_distance(lower(bare(given)), lower(bare(name)));
   };
   const std::string& nearest = *std::ranges::min_element(valid, {}, distance);
   // A word of which less than half survives is no slip of the pen.
-  if (2 * distance(nearest) <= std::max(given.size(), nearest.size())) {
+  if (2 * distance(nearest) <= std::max(bare(given).size(), bare(nearest).size())) {
     return "The nearest valid name is '" + nearest + "'";
   }
   if (valid.size() == 1) {

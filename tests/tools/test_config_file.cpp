@@ -175,5 +175,11 @@ TEST(NearestName, FarWordsAreAnsweredWithTheList) {
   EXPECT_EQ(suggestion("C_MIN", {"c_max", "c_min"}), "The nearest valid name is 'c_min'");
 }
 
+TEST(NearestName, DashesDoNotMakeOptionsAlike) {
+  EXPECT_EQ(suggestion("--sweeps", {"--help", "--count"}), "Valid are --help, --count");
+  EXPECT_EQ(suggestion("--conut", {"--help", "--count"}), "The nearest valid name is '--count'");
+  EXPECT_EQ(suggestion("--", {"--help", "--count"}), "Valid are --help, --count");
+}
+
 }  // namespace
 }  // namespace adit
