@@ -111,15 +111,16 @@ RunOutcome map_and_close(const Mapping& mapping) {
   return outcome;
 }
 
-/// Says what went wrong and returns the exit code.
-int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::ostream& err) {
+/// Says what went wrong with a run of `sweeps` sweeps and returns the exit code.
+int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_t sweeps,
+          std::ostream& err) {
   for (const std::string& message : outcome.validation_messages) {
     err << "adit run: validation: " << message << "\n";
   }
   if (outcome.result.end != RunEnd::completed) {
     err << "adit run: " << outcome.result.reason << "\n"
-        << "adit run: ended early after " << statistics.sweeps()
-        << " sweeps; what was computed is kept" << std::endl;
+        << "adit run: ended early, " << statistics.sweeps() << " of " << sweeps
+        << " sweeps done; what was computed is kept" << std::endl;
     return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
   }
   if (statistics.sweeps() > 1 && statistics.count(OdometryState::tracking) == 0) {
@@ -165,12 +166,12 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   outcome.device_peak_bytes = context.memory_peak();
   outcome.validation_messages = context.validation_messages();
 
-  const int code = judge(outcome, statistics, err);
+  const int code = judge(outcome, statistics, range.count, err);
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   if (options.json) {
     out << summary << std::flush;
-  } else if (!options.quiet) {
+  } else if (!options.quiet && statistics.sweeps() > 0) {
     out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
   }
   replace_text_file(files.summary, summary);

@@ -36,8 +36,8 @@ void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
-    throw OutputError(folder,
-                      folder.string() + ": the folder cannot be made: " + error.message() + ".");
+    throw OutputError(folder, folder.string() + ": the folder cannot be made: " + error.message() +
+                                  ". Choose another one with -o.");
   }
 }
 

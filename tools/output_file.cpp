@@ -32,6 +32,8 @@ void OutputFile::fail(std::string_view attempted) const {
   message += ".";
   if (reason == ENOSPC) {
     message += " Free some space or write to another disk.";
+  } else if (reason == ENOENT || reason == EACCES || reason == EROFS) {
+    message += " Write to a folder that exists and is yours to write to.";
   }
   throw OutputError(path_, message);
 }

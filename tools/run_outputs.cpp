@@ -22,7 +22,8 @@ void check_file(const fs::path& file) {
   const bool existed = fs::exists(fs::symlink_status(file, ignored));
   std::FILE* stream = std::fopen(file.c_str(), "ab");
   if (stream == nullptr) {
-    throw OutputError(file, file.string() + ": cannot be written: " + std::strerror(errno) + ".");
+    throw OutputError(file, file.string() + ": cannot be written: " + std::strerror(errno) +
+                                ". Choose another folder with -o.");
   }
   std::fclose(stream);
   if (!existed) {
@@ -64,8 +65,8 @@ void check_writable(const fs::path& folder, const MapOptions& map) {
   if (!fs::is_directory(folder, unknown)) {
     const std::string reason =
         error ? error.message() : std::string("there is a file of that name");
-    throw OutputError(folder,
-                      folder.string() + ": the output folder cannot be made: " + reason + ".");
+    throw OutputError(folder, folder.string() + ": the output folder cannot be made: " + reason +
+                                  ". Choose another one with -o.");
   }
   const RunFiles files(folder);
   for (const fs::path& file : {files.tum, files.kitti, files.summary}) {

@@ -90,7 +90,7 @@ StampedPose kitti_pose(const std::filesystem::path& file, uint64_t line,
                                  ? "8 (TUM: t tx ty tz qx qy qz qw) or 12 (KITTI: the 3x4 pose)"
                                  : std::to_string(expected) + " as in the lines before";
   throw InputError(file, Place::line(line),
-                   "it has " + std::to_string(columns) + " columns, expected " + wanted,
+                   "columns found: " + std::to_string(columns) + ", expected " + wanted,
                    "Correct or delete the line");
 }
 

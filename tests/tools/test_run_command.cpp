@@ -158,6 +158,19 @@ TEST_F(RunCommand, DamagedSweepInTheMiddleKeepsTheTrajectoryAndSaysSo) {
   EXPECT_EQ(summary()["status"], "input_error");
   EXPECT_NE(summary()["reason"].get<std::string>().find("000005.bin"), std::string::npos);
   EXPECT_EQ(summary()["sweeps"]["processed"], 5);
+  EXPECT_NE(said_.str().find("5 of 8 sweeps done"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, DamagedFirstSweepIsReportedWithoutATableOfZeros) {
+  const test::TemporaryFolder damaged;
+  RunCommandOptions run_options = options();
+  run_options.recording = small_recording(damaged.path()).recording;
+  fs::resize_file(run_options.recording / "velodyne/000000.bin", 7);
+  EXPECT_EQ(run(run_options), 1);
+  EXPECT_NE(said_.str().find("000000.bin"), std::string::npos) << said_.str();
+  EXPECT_NE(said_.str().find("0 of 8 sweeps done"), std::string::npos) << said_.str();
+  EXPECT_EQ(printed_.str(), "");
+  EXPECT_EQ(summary()["status"], "input_error");
 }
 
 TEST_F(RunCommand, SweepWithoutPointsIsAFailureAndTheRunGoesOn) {
@@ -198,6 +211,7 @@ TEST_F(RunCommand, UnwritableOutputIsNamedBeforeAnyWork) {
   EXPECT_EQ(run(options()), 1);
   EXPECT_NE(said_.str().find("trajectory.kitti: cannot be written"), std::string::npos)
       << said_.str();
+  EXPECT_NE(said_.str().find("Choose another folder"), std::string::npos) << said_.str();
   EXPECT_FALSE(fs::exists(out_ / "out/trajectory.tum"));
   EXPECT_EQ(said_.str().find("mapping"), std::string::npos) << said_.str();
 }

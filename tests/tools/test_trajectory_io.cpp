@@ -135,7 +135,7 @@ TEST(TrajectoryIo, TruncatedLineNamesFileAndLine) {
   const test::TemporaryFolder folder;
   const InputError error = input_error(folder, std::string(kTumLine) + "2.5 1 2 3 0 0\n");
   EXPECT_EQ(error.place(), "line 2");
-  EXPECT_NE(error.found().find("6 columns, expected 8"), std::string::npos);
+  EXPECT_NE(error.found().find("columns found: 6, expected 8"), std::string::npos);
 }
 
 TEST(TrajectoryIo, MixedFormatsNameTheLine) {
