@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <string>
 
 #include "engine/context.hpp"
@@ -63,7 +62,7 @@ void FrontEnd::upload(const Sweep& sweep) {
     grow(count);
   }
   point_count_ = count;
-  std::memcpy(staging_->mapped(), sweep.points.data(), sweep.points.size() * sizeof(Point));
+  std::ranges::copy(sweep.points, staging_->as<Point>().begin());
 }
 
 void FrontEnd::record(engine::Recorder& recorder, engine::Slice surface_cloud) {
