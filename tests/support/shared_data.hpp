@@ -11,13 +11,7 @@
 namespace adit::test {
 
 /// ../shared/data/NAME beside the source tree, where it exists.
-inline std::optional<std::filesystem::path> shared_data(std::string_view name) {
-  // This file is tests/support/shared_data.hpp of the tree that is compiled.
-  const std::filesystem::path self = std::filesystem::absolute(__FILE__).lexically_normal();
-  const std::filesystem::path tree = self.parent_path().parent_path().parent_path();
-  const std::filesystem::path data = tree.parent_path() / "shared" / "data" / name;
-  return std::filesystem::exists(data) ? std::optional(data) : std::nullopt;
-}
+std::optional<std::filesystem::path> shared_data(std::string_view name);
 
 }  // namespace adit::test
 
