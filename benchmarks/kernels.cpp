@@ -115,7 +115,7 @@ std::string problem_of_system(engine::Context& context, const test::AlignmentSce
   const double d_max = scene.settings().d_max;
   const std::vector<gpu::uvec4> certain = scene.certain_source(pose, d_max);
   const test::DeviceCloud cloud(context, certain);
-  test::VgicpRun run(context, cloud, scene.map(), scene.settings());
+  test::AlignmentRun run(context, cloud, scene.map(), scene.settings());
   run.evaluate(pose);
   const std::vector<reference::Match> matches =
       reference::find_matches(reference::decode(certain), scene.target(), pose, d_max);
@@ -125,7 +125,7 @@ std::string problem_of_system(engine::Context& context, const test::AlignmentSce
 struct Alignment {
   test::AlignmentScene scene;
   test::DeviceCloud source;
-  test::VgicpRun vgicp;
+  test::AlignmentRun vgicp;
 
   Alignment(engine::Context& context, int points)
       : scene(context, test::street_alignment(points)),
@@ -138,7 +138,7 @@ uint64_t bytes_of(const Alignment& alignment) {
          alignment.scene.target().voxels.size() * sizeof(gpu::GaussianCell);
 }
 
-Work vgicp_linearize(engine::Context& context, int points) {
+Work registration_linearize(engine::Context& context, int points) {
   const auto alignment = std::make_shared<Alignment>(context, points);
   const Eigen::Isometry3d pose = alignment->scene.T_target_source();
   Work work{.scope = "align", .points = alignment->source.size(), .bytes = bytes_of(*alignment)};
@@ -152,7 +152,7 @@ Work vgicp_align(engine::Context& context, int points) {
   const test::AlignmentScene& scene = alignment->scene;
   const Eigen::Isometry3d start = retract(scene.T_target_source(), test::offsets().back().second);
   alignment->vgicp.align(start);
-  const gpu::RegistrationState state = alignment->vgicp.state();
+  const test::DeviceOutcome state = alignment->vgicp.state();
   const reference::Alignment expected =
       reference::align(reference::decode(scene.source()), scene.target(), start, scene.settings());
   const double error = (from_device(state.pose).translation() - expected.pose.translation()).norm();
@@ -185,7 +185,7 @@ void register_kernels(engine::Context& context, Failures& failures) {
       {"surfaces", [&](int n) { return preprocess(context, n, "surfaces"); }},
       {"preprocess", [&](int n) { return preprocess(context, n, "preprocess"); }},
       {"voxel_map_add", [&](int n) { return voxel_map_add(context, n); }},
-      {"vgicp_linearize", [&](int n) { return vgicp_linearize(context, n); }},
+      {"registration_linearize", [&](int n) { return registration_linearize(context, n); }},
       {"vgicp_align", [&](int n) { return vgicp_align(context, n); }}};
   for (const auto& [name, make] : kernels) {
     for (const int points : test::kTimedSizes) {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Adds a cloud to a Gaussian voxel map, or takes it out again, exactly: all sums are integers. One
-// thread takes points strided over all threads. Written: count, mean and surface constraint sums of
-// their voxels.
+// thread takes points strided over all threads. Written: count and mean of their voxels, and the
+// sums of their surface constraints or, with kMoments, of the second moments of their offsets.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -13,6 +13,7 @@
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
+layout(constant_id = 3) const bool kMoments = false;
 
 layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 surface_cloud[]; };
 layout(set = 0, binding = 1, scalar) buffer Voxels { GaussianCell voxels[]; };
@@ -48,22 +49,27 @@ void main() {
       atomicAdd(counters.failures, 1);
       continue;
     }
-    // P = w.x I + w.y v v^T, entries within [-1, 1], stored as (entry + 1) * 32768.
-    const uvec3 offset = fixed_offset(scaled, corner) * push.sign;
-    const vec3 vx = w.y * v.x * v;
-    const vec3 vy = w.y * v.y * v;
-    const uvec3 x = uvec3((vx + vec3(w.x, 0.0, 0.0) + 1.0) * 32768.0) * push.sign;
-    const uvec2 y = uvec2((vy.yz + vec2(w.x, 0.0) + 1.0) * 32768.0) * push.sign;
-    const uint z = uint((w.y * v.z * v.z + w.x + 1.0) * 32768.0) * push.sign;
+    const uvec3 offset = fixed_offset(scaled, corner);
+    uvec3 x;
+    uvec3 y;  // yy, yz, zz
+    if (kMoments) {
+      x = (offset.x * offset + 32768u) >> 16;
+      y = (offset.yyz * offset.yzz + 32768u) >> 16;
+    } else {
+      // P = w.x I + w.y v v^T, entries within [-1, 1], stored as (entry + 1) * 32768.
+      const vec3 vy = w.y * v.yyz * v.yzz;
+      x = uvec3((w.y * v.x * v + vec3(w.x, 0.0, 0.0) + 1.0) * 32768.0);
+      y = uvec3((vy + vec3(w.x, 0.0, w.x) + 1.0) * 32768.0);
+    }
     atomicAdd(voxels[slot].count, push.sign);
-    atomicAdd(voxels[slot].sum_x, offset.x);
-    atomicAdd(voxels[slot].sum_y, offset.y);
-    atomicAdd(voxels[slot].sum_z, offset.z);
-    atomicAdd(voxels[slot].xx, x.x);
-    atomicAdd(voxels[slot].xy, x.y);
-    atomicAdd(voxels[slot].xz, x.z);
-    atomicAdd(voxels[slot].yy, y.x);
-    atomicAdd(voxels[slot].yz, y.y);
-    atomicAdd(voxels[slot].zz, z);
+    atomicAdd(voxels[slot].sum_x, offset.x * push.sign);
+    atomicAdd(voxels[slot].sum_y, offset.y * push.sign);
+    atomicAdd(voxels[slot].sum_z, offset.z * push.sign);
+    atomicAdd(voxels[slot].xx, x.x * push.sign);
+    atomicAdd(voxels[slot].xy, x.y * push.sign);
+    atomicAdd(voxels[slot].xz, x.z * push.sign);
+    atomicAdd(voxels[slot].yy, y.x * push.sign);
+    atomicAdd(voxels[slot].yz, y.y * push.sign);
+    atomicAdd(voxels[slot].zz, y.z * push.sign);
   }
 }

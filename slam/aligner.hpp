@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/buffer.hpp"
-#include "engine/kernels/vgicp.hpp"
+#include "engine/kernels/registration.hpp"
 #include "slam/config.hpp"
 #include "slam/motion_model.hpp"
 #include "slam/registration.hpp"
@@ -26,15 +26,26 @@ class Aligner {
   gpu::VoxelMapCounters read_map_counters() const;
 
  private:
-  void record_search(engine::Recorder& recorder, engine::VgicpArguments arguments, Submap& submap);
-  void record_fine(engine::Recorder& recorder, const engine::VgicpArguments& arguments);
+  /// One alignment with several levels: what it starts from and its slices on the device.
+  engine::RegistrationArguments arguments(size_t alignment, size_t level,
+                                          engine::Slice surface_cloud,
+                                          const engine::VoxelMapView& target) const;
+  void record_search(engine::Recorder& recorder, engine::Slice surface_cloud,
+                     engine::Slice counters, Submap& submap);
+  /// A trusted prediction decides in directions that no match holds.
+  void record_fine(engine::Recorder& recorder, const engine::RegistrationArguments& arguments,
+                   bool trusted);
+  void record_job(engine::Recorder& recorder, size_t level, const engine::VoxelMapView& target,
+                  double d_max, engine::Slice counters);
 
   RegistrationConfig config_;
-  engine::Vgicp vgicp_;
-  engine::Buffer upload_;  ///< start block, then the initial pose
-  engine::Buffer states_;  ///< of the alignment from the prediction, then of the search
+  engine::RegistrationKernels kernels_;
+  engine::Buffer upload_;    ///< jobs of all levels, the start of an alignment, its initial state
+  engine::Buffer jobs_;      ///< of all levels, with the number of points that the device knows
+  engine::Buffer progress_;  ///< of the alignment from the prediction, then of the search
+  engine::Buffer states_;    ///< the same
   engine::Buffer scratch_;
-  engine::Buffer readback_;  ///< both states, then the voxel map's counters
+  engine::Buffer readback_;  ///< states, progress, then the voxel map's counters
   bool searched_ = false;    ///< the last alignment recorded has a second state
 };
 

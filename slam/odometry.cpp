@@ -135,7 +135,7 @@ void Odometry::Impl::run_on_device(const Prediction& prediction, SweepResult& re
 OdometryState Odometry::Impl::decide(const Prediction& prediction, SweepResult& result) {
   const auto points = static_cast<uint32_t>(result.cloud_points);
   const bool can_start = result.cloud_points >= config.registration.min_inliers;
-  const bool aligned = result.registration.status == RegistrationStatus::converged;
+  const bool aligned = is_usable(result.registration.status);
   result.T_map_lidar = aligned ? result.registration.T_target_source : prediction.T_map_lidar;
   const StampedPose pose{result.stamp, result.T_map_lidar};
 

@@ -33,6 +33,7 @@ std::string status_reason(const SweepResult& sweep, const Config& config) {
     case RegistrationStatus::diverged:
       return "the alignment diverged";
     case RegistrationStatus::converged:
+    case RegistrationStatus::degenerate:
       break;
   }
   return "the alignment converged, but was not accepted";

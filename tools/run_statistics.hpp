@@ -87,7 +87,7 @@ class RunStatistics {
   std::size_t keyframes_ = 0;
   std::size_t lost_points_ = 0;
   std::array<std::size_t, 4> states_{};
-  std::array<std::size_t, 5> statuses_{};
+  std::array<std::size_t, 6> statuses_{};
   std::vector<SweepFailure> failures_;
   double distance_ = 0.0;
   std::optional<StampedPose> first_;
@@ -102,8 +102,8 @@ class RunStatistics {
 inline constexpr std::array kOdometryStates{OdometryState::initializing, OdometryState::tracking,
                                             OdometryState::coasting, OdometryState::restarted};
 inline constexpr std::array kRegistrationStatuses{
-    RegistrationStatus::converged, RegistrationStatus::not_converged,
-    RegistrationStatus::too_little_overlap, RegistrationStatus::too_few_points,
-    RegistrationStatus::diverged};
+    RegistrationStatus::converged,      RegistrationStatus::degenerate,
+    RegistrationStatus::not_converged,  RegistrationStatus::too_little_overlap,
+    RegistrationStatus::too_few_points, RegistrationStatus::diverged};
 
 }  // namespace adit

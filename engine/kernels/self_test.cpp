@@ -12,17 +12,25 @@
 #include <utility>
 
 #include "engine/context.hpp"
+#include "engine/kernels/registration.hpp"
 #include "engine/kernels/self_test_checks.hpp"
-#include "engine/kernels/vgicp.hpp"
+#include "engine/kernels/voxel_map.hpp"
 #include "shaders/shared/engine_probe.h"
 
 namespace adit::engine {
 namespace {
 
-constexpr uint32_t kSlots = 4096;   // of the voxel map; about 150 voxels
-constexpr double kVoxelSize = 0.5;  // m
-constexpr VgicpSettings kAlignment = {
-    .d_max = 0.5, .translation_epsilon = 1e-4, .rotation_epsilon = 1e-4, .max_iterations = 30};
+constexpr uint32_t kSlots = 4096;     // of the voxel map; about 150 voxels
+constexpr double kVoxelSize = 0.5;    // m
+constexpr float kMaxSquared = 0.25F;  // d_max^2, m^2
+constexpr RegistrationSettings kAlignment = {
+    .translation_epsilon = 1e-4, .rotation_epsilon = 1e-4, .max_iterations = 30};
+// The score of NDT for voxels of this size and half outliers (Magnusson 2009): d1, d2.
+constexpr float kScoreD1 = -0.704447F;
+constexpr float kScoreD2 = 0.756363F;
+constexpr FinishSettings kGaussians = {.min_points = 3, .least_ratio = 0.01, .least_sigma = 0.02};
+constexpr uint64_t kProgressBytes =
+    sizeof(gpu::RegistrationHeader) + sizeof(gpu::RegistrationProgress);
 constexpr uint32_t kProbeItems = 1000;
 constexpr uint32_t kProbeScale = 3;
 constexpr uint32_t kProbeOffset = 11;
@@ -45,12 +53,13 @@ class Layout {
 };
 
 struct Inputs {
-  Slice raw, start, pose, probe, texels, order, mask;
+  Slice raw, start, job, state, probe, texels, order, mask;
 
   Inputs(Layout& layout, const KnownScene& scene)
       : raw(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
-        start(layout.take(sizeof(gpu::RegistrationStart))),
-        pose(layout.take(sizeof(gpu::mat3x4))),
+        start(layout.take(kProgressBytes)),
+        job(layout.take(sizeof(gpu::RegistrationJob))),
+        state(layout.take(sizeof(gpu::RegistrationState))),
         probe(layout.take(kProbeItems * sizeof(uint32_t))),
         texels(layout.take(kTexels * sizeof(gpu::uvec4))),
         order(layout.take(kTexels * sizeof(uint32_t))),
@@ -60,7 +69,8 @@ struct Inputs {
 // Zero before the run, so that what a kernel leaves out is not what happened to lie there. Buffers
 // of points have room for every raw point: a wrong count writes nowhere else.
 struct Outputs {
-  Slice counters, cloud, surface_cloud, map, map_counters, state, probe, texel_probe;
+  Slice counters, cloud, surface_cloud, map, map_counters, gaussians, gaussian_counters, finished;
+  Slice state, progress, ndt_state, ndt_progress, probe, texel_probe;
 
   Outputs(Layout& layout, const KnownScene& scene)
       : counters(layout.take(sizeof(gpu::SweepCounters))),
@@ -68,7 +78,13 @@ struct Outputs {
         surface_cloud(layout.take(scene.raw.size() * sizeof(gpu::uvec4))),
         map(layout.take(VoxelMapKernels::table_bytes(kSlots))),
         map_counters(layout.take(sizeof(gpu::VoxelMapCounters))),
+        gaussians(layout.take(VoxelMapKernels::table_bytes(kSlots))),
+        gaussian_counters(layout.take(sizeof(gpu::VoxelMapCounters))),
+        finished(layout.take(VoxelMapKernels::table_bytes(kSlots))),
         state(layout.take(sizeof(gpu::RegistrationState))),
+        progress(layout.take(kProgressBytes)),
+        ndt_state(layout.take(sizeof(gpu::RegistrationState))),
+        ndt_progress(layout.take(kProgressBytes)),
         probe(layout.take(sizeof(gpu::ProbeSums) + kProbeItems * sizeof(uint32_t))),
         texel_probe(layout.take(sizeof(gpu::ProbeSums) + kTexels * sizeof(gpu::uvec4))) {}
 };
@@ -130,6 +146,32 @@ SelfTestCase check_texel_probe(std::span<const uint32_t> output) {
               ", of which " + std::to_string(wrong) + " wrong"};
 }
 
+gpu::RegistrationState identity_state() {
+  gpu::RegistrationState state{};
+  state.pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+  state.guess = state.pose;
+  return state;
+}
+
+gpu::RegistrationJob job_of(uint32_t points, uint32_t groups) {
+  gpu::RegistrationJob job{};
+  job.source_count = points;
+  job.table_mask = kSlots - 1;
+  job.groups = groups;
+  job.cell = static_cast<float>(kVoxelSize);
+  job.inverse_cell = static_cast<float>(1.0 / kVoxelSize);
+  job.max_squared = kMaxSquared;
+  job.score_weight = -kScoreD1 * kScoreD2;
+  job.score_exponent = 0.5F * kScoreD2;
+  return job;
+}
+
+FoundAlignment found_alignment(Slice state, Slice progress) {
+  const auto* header = reinterpret_cast<const gpu::RegistrationHeader*>(progress.mapped());
+  return {*reinterpret_cast<const gpu::RegistrationState*>(state.mapped()), *header,
+          *reinterpret_cast<const gpu::RegistrationProgress*>(header + 1)};
+}
+
 SelfTestCase check_probe(std::span<const uint32_t> output) {
   uint32_t sum = 0;
   uint32_t wrong = 0;
@@ -155,7 +197,9 @@ SelfTestReport run_self_test(Context& context) {
   const KnownScene scene = make_known_scene();
   const Preprocess preprocess(context);
   const VoxelMapKernels voxel_maps(context);
-  const Vgicp vgicp(context);
+  const VoxelMapKernels moment_maps(context, VoxelContent::moments);
+  const RegistrationKernels vgicp(context, {});
+  const RegistrationKernels ndt(context, {.method = gpu::kNdt});
   const Kernel probe(context, "engine_probe", {{0, kDefaultLocalSize}, {1, kProbeScale}});
   const Kernel texel_probe(context, "engine_texel_probe");
 
@@ -171,14 +215,16 @@ SelfTestReport run_self_test(Context& context) {
                                              "self-test emptied map");
   const Buffer preprocess_scratch = context.make_buffer(
       preprocess.scratch_bytes(raw_points), Memory::device, "self-test preprocessing scratch");
-  const Buffer vgicp_scratch =
-      context.make_buffer(vgicp.scratch_bytes(), Memory::device, "self-test alignment scratch");
+  const uint32_t groups = vgicp.groups(cloud_points);
+  const Buffer alignment_scratch = context.make_buffer(
+      vgicp.scratch_bytes(1, groups), Memory::device, "self-test alignment scratch");
 
   Layout upload_layout(&upload);
   const Inputs staged(upload_layout, scene);
   write(staged.raw, scene.raw);
-  write(staged.start, std::array{vgicp.start()});
-  write(staged.pose, std::array{gpu::mat3x4{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}});
+  RegistrationKernels::write_start({staged.start.mapped(), kProgressBytes}, 1, groups);
+  write(staged.job, std::array{job_of(cloud_points, groups)});
+  write(staged.state, std::array{identity_state()});
   write(staged.probe, probe_values());
   write(staged.texels, texel_values(1001));
   write(staged.order, reversed_order());
@@ -189,14 +235,28 @@ SelfTestReport run_self_test(Context& context) {
   Layout work_layout(&work);
   const Outputs out(work_layout, scene);
   const VoxelMapView map{.table = out.map, .counters = out.map_counters, .voxel_size = kVoxelSize};
+  const VoxelMapView gaussians{
+      .table = out.gaussians, .counters = out.gaussian_counters, .voxel_size = kVoxelSize};
   const gpu::mat3x4 T_map_cloud = known_pose();
+  const RegistrationArguments alignment{.count = 1,
+                                        .group_stride = groups,
+                                        .source = out.surface_cloud,
+                                        .target = out.map,
+                                        .jobs = in.job,
+                                        .start = in.start,
+                                        .progress = out.progress,
+                                        .states = out.state};
+  RegistrationArguments ndt_alignment = alignment;
+  ndt_alignment.target = out.finished;
+  ndt_alignment.progress = out.ndt_progress;
+  ndt_alignment.states = out.ndt_state;
 
   Recorder recorder = context.make_recorder();
   recorder.copy(upload, input);
   recorder.fill(work, 0);
   recorder.barrier();
-  recorder.copy(in.pose,
-                out.state.sub(offsetof(gpu::RegistrationState, pose), sizeof(gpu::mat3x4)));
+  recorder.copy(in.state, out.state);
+  recorder.copy(in.state, out.ndt_state);
   recorder.dispatch(probe, 4, gpu::ProbePush{kProbeItems, kProbeOffset}, {in.probe, out.probe});
   recorder.dispatch(texel_probe, 4, gpu::TexelProbePush{kTexels, kProbeOffset},
                     {in.order, in.texels, in.mask, out.texel_probe});
@@ -212,13 +272,14 @@ SelfTestReport run_self_test(Context& context) {
   recorder.barrier();
   voxel_maps.record_clear(recorder, map);
   voxel_maps.record_add(recorder, map, out.surface_cloud, cloud_points, T_map_cloud);
-  vgicp.record(recorder, kAlignment,
-               {.surface_cloud = out.surface_cloud,
-                .counters = out.counters,
-                .target = map,
-                .start = in.start,
-                .state = out.state},
-               vgicp_scratch);
+  moment_maps.record_clear(recorder, gaussians);
+  moment_maps.record_add(recorder, gaussians, out.surface_cloud, cloud_points, T_map_cloud);
+  recorder.barrier();
+  moment_maps.record_finish(recorder, gaussians, kGaussians, out.finished);
+  vgicp.record_steps(recorder, kAlignment, alignment, alignment_scratch);
+  vgicp.record_assessment(recorder, kAlignment, alignment, alignment_scratch);
+  ndt.record_steps(recorder, kAlignment, ndt_alignment, alignment_scratch);
+  ndt.record_assessment(recorder, kAlignment, ndt_alignment, alignment_scratch);
   recorder.copy(work, results);
   recorder.barrier();
   voxel_maps.record_remove(recorder, map, out.surface_cloud, cloud_points, T_map_cloud);
@@ -237,7 +298,10 @@ SelfTestReport run_self_test(Context& context) {
                                    .emptied = read<gpu::GaussianCell>(emptied),
                                    .counters = read<gpu::VoxelMapCounters>(found.map_counters)[0],
                                    .voxel_size = kVoxelSize}),
-           check_alignment(scene, read<gpu::RegistrationState>(found.state)[0])}};
+           check_finished_map(scene, read<gpu::GaussianCell>(found.finished)),
+           check_alignment(scene, "vgicp", found_alignment(found.state, found.progress)),
+           check_alignment(scene, "ndt", found_alignment(found.ndt_state, found.ndt_progress)),
+           check_directions(found_alignment(found.state, found.progress))}};
 }
 
 }  // namespace adit::engine

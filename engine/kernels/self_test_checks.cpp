@@ -3,6 +3,7 @@
 #include "engine/kernels/self_test_checks.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 
@@ -18,6 +19,9 @@ constexpr double kMassTolerance = 1e-4;   // m; 1/65536 of a voxel and float32: 
 constexpr double kTraceTolerance = 1e-4;  // per point; entries are rounded down to 1/32768
 constexpr double kPositionTolerance = 5e-4;  // m; see check_alignment
 constexpr double kRotationTolerance = 2e-4;  // rad
+constexpr double kPositionToleranceNdt = 5e-3;
+constexpr double kRotationToleranceNdt = 2e-3;
+constexpr double kMatchedFractionNdt = 0.5;
 constexpr double kMatchedFraction =
     0.95;  // points at the border of a voxel may fall beside the map
 
@@ -188,9 +192,51 @@ SelfTestCase check_voxel_map(const KnownScene& scene, const FoundVoxelMap& map) 
               number(trace_error) + ", " + count(remains) + " voxels left"};
 }
 
+// Three planes at right angles: each Gaussian of enough points is flat, its widened covariance
+// symmetric and positive, and its mean one of the map's.
+SelfTestCase check_finished_map(const KnownScene& scene,
+                                std::span<const gpu::GaussianCell> finished) {
+  uint64_t gaussians = 0;
+  uint64_t points = 0;
+  uint64_t flat = 0;
+  for (const gpu::GaussianCell& cell : finished) {
+    if (cell.key == gpu::kFree || cell.count == 0) {
+      continue;
+    }
+    gaussians += 1;
+    points += cell.count;
+    const auto number_of = [](uint32_t bits) {
+      return static_cast<double>(std::bit_cast<float>(bits));
+    };
+    const double xx = number_of(cell.xx);
+    const double xy = number_of(cell.xy);
+    const double xz = number_of(cell.xz);
+    const double yy = number_of(cell.yy);
+    const double yz = number_of(cell.yz);
+    const double zz = number_of(cell.zz);
+    const double trace = xx + yy + zz;
+    const double determinant =
+        xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+    // A plane's: (1, a, least) of the largest with the least at 0.01.
+    flat += determinant > 0.0 && determinant < 0.02 * trace * trace * trace && trace > 0.0 &&
+                    trace < 1.0
+                ? 1U
+                : 0U;
+  }
+  const bool passed = gaussians > 20 && points <= scene.cloud.size() && flat == gaussians;
+  return {"voxel_map_finish", passed,
+          "expected more than 20 flat Gaussians of at most " + count(scene.cloud.size()) +
+              " points, found " + count(gaussians) + " of " + count(points) + " points, " +
+              count(flat) + " of them flat"};
+}
+
 // At the known pose every point is matched with its own voxel. The gradient vanishes there but for
-// voxels that hold points of more than one class, which move the optimum by less than 0.1 mm.
-SelfTestCase check_alignment(const KnownScene& scene, const gpu::RegistrationState& state) {
+// voxels that hold points of more than one class, which move the optimum by less than 0.1 mm; NDT
+// leaves out voxels of few points.
+SelfTestCase check_alignment(const KnownScene& scene, std::string_view method,
+                             const FoundAlignment& found) {
+  const gpu::RegistrationState& state = found.state;
+  const gpu::RegistrationProgress& progress = found.progress;
   const gpu::mat3x4 expected = known_pose();
   double rotation = 0.0;
   for (size_t i = 0; i < 3; ++i) {
@@ -201,22 +247,38 @@ SelfTestCase check_alignment(const KnownScene& scene, const gpu::RegistrationSta
     }
   }
   rotation = std::sqrt(0.5 * rotation);  // |A - B| = sqrt(2) * the angle between, to first order
-  const Vector found = apply(state.pose, {});
-  const double position = distance(found, apply(expected, {}));
-  const auto matched = static_cast<double>(state.system[29]);
+  const double position = distance(apply(state.pose, {}), apply(expected, {}));
+  const auto matched = static_cast<double>(state.system[gpu::kInliersAt]);
   const auto n = static_cast<double>(scene.cloud.size());
-  const bool passed = state.phase == gpu::kPhaseDone && state.converged == 1 && state.failed == 0 &&
-                      state.groups_x == 0 && within(position, kPositionTolerance) &&
-                      within(rotation, kRotationTolerance) &&
-                      within(kMatchedFraction * n, matched) && matched <= n;
-  return {
-      "vgicp_linearize", passed,
-      "expected a known pose within " + number(1e3 * kPositionTolerance) + " mm and " +
-          number(1e3 * kRotationTolerance) + " mrad with at least " + number(kMatchedFraction * n) +
-          " matches, found it within " + number(1e3 * position) + " mm and " +
-          number(1e3 * rotation) + " mrad with " + number(matched) + " matches after " +
-          count(state.iterations) + " iterations, " +
-          (state.failed != 0 ? "failed" : (state.converged != 0 ? "converged" : "not converged"))};
+  const bool ndt = method == "ndt";
+  const double least = (ndt ? kMatchedFractionNdt : kMatchedFraction) * n;
+  const double position_tolerance = ndt ? kPositionToleranceNdt : kPositionTolerance;
+  const double rotation_tolerance = ndt ? kRotationToleranceNdt : kRotationTolerance;
+  const bool passed =
+      progress.phase == gpu::kPhaseDone && progress.converged == 1 && progress.failed == 0 &&
+      found.header.iterate.groups_x == 0 && within(position, position_tolerance) &&
+      within(rotation, rotation_tolerance) && within(least, matched) && matched <= n;
+  return {ndt ? "registration_linearize (NDT)" : "registration_linearize", passed,
+          "expected a known pose within " + number(1e3 * position_tolerance) + " mm and " +
+              number(1e3 * rotation_tolerance) + " mrad with at least " + number(least) +
+              " matches, found it within " + number(1e3 * position) + " mm and " +
+              number(1e3 * rotation) + " mrad with " + number(matched) + " matches after " +
+              count(progress.iterations) + " iterations, " +
+              (progress.failed != 0 ? "failed"
+                                    : (progress.converged != 0 ? "converged" : "not converged"))};
+}
+
+// Three planes at right angles hold every direction.
+SelfTestCase check_directions(const FoundAlignment& found) {
+  uint64_t held = 0;
+  double least = found.state.support[0].x;
+  for (size_t k = 0; k < 6; ++k) {
+    held += found.state.share[k] == 1.0F ? 1U : 0U;
+    least = std::min(least, static_cast<double>(found.state.support[k].x));
+  }
+  return {"registration_localize", held == 6 && found.state.constrained == 0,
+          "expected 6 directions held, found " + count(held) + ", the weakest by a support of " +
+              number(least)};
 }
 
 }  // namespace adit::engine

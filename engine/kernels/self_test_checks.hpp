@@ -6,6 +6,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include "engine/kernels/self_test.hpp"
 #include "engine/kernels/self_test_scene.hpp"
@@ -24,6 +25,12 @@ struct FoundVoxelMap {
 };
 
 /// Valid points exactly; no point lost.
+struct FoundAlignment {
+  const gpu::RegistrationState& state;
+  const gpu::RegistrationHeader& header;
+  const gpu::RegistrationProgress& progress;
+};
+
 SelfTestCase check_insert(const KnownScene& scene, const gpu::SweepCounters& counters);
 /// Points of the down-sampled cloud exactly.
 SelfTestCase check_count(const KnownScene& scene, const gpu::SweepCounters& counters);
@@ -36,6 +43,10 @@ SelfTestCase check_normals(const KnownScene& scene, std::span<const gpu::uvec4> 
 /// after removal.
 SelfTestCase check_voxel_map(const KnownScene& scene, const FoundVoxelMap& map);
 /// Converged to known_pose() within 0.5 mm and 0.2 mrad, with at least 95 % of the points matched.
-SelfTestCase check_alignment(const KnownScene& scene, const gpu::RegistrationState& state);
+SelfTestCase check_finished_map(const KnownScene& scene,
+                                std::span<const gpu::GaussianCell> finished);
+SelfTestCase check_alignment(const KnownScene& scene, std::string_view method,
+                             const FoundAlignment& found);
+SelfTestCase check_directions(const FoundAlignment& found);
 
 }  // namespace adit::engine

@@ -7,10 +7,17 @@
 
 namespace adit::engine {
 
-VoxelMapKernels::VoxelMapKernels(Context& context)
+VoxelMapKernels::VoxelMapKernels(Context& context, VoxelContent content)
     : shape_(launch_shape(context.device())),
       texels_(reads_texels(context.device())),
-      add_(context, "voxel_map_add", {{0, shape_.local_size}, {2, texels_ ? 1U : 0U}}) {}
+      add_(context, "voxel_map_add",
+           {{0, shape_.local_size},
+            {2, texels_ ? 1U : 0U},
+            {3, content == VoxelContent::moments ? 1U : 0U}}),
+      finish_(context, "voxel_map_finish",
+              {{0, shape_.local_size},
+               {2, texels_ ? 1U : 0U},
+               {3, content == VoxelContent::moments ? gpu::kGaussians : gpu::kPlanes}}) {}
 
 void VoxelMapKernels::record_clear(Recorder& recorder, const VoxelMapView& map) const {
   recorder.fill(map.table, gpu::kFree);
@@ -38,6 +45,18 @@ void VoxelMapKernels::record(Recorder& recorder, const VoxelMapView& map, Slice 
                     gpu::VoxelMapAddPush{T_map_cloud, static_cast<float>(1.0 / map.voxel_size),
                                          map.slots() - 1, count, sign},
                     {surface_cloud, map.table, map.counters, texel_slice(surface_cloud, texels_)});
+}
+
+void VoxelMapKernels::record_finish(Recorder& recorder, const VoxelMapView& map,
+                                    const FinishSettings& settings, Slice finished) const {
+  recorder.dispatch(finish_, shape_.groups,
+                    gpu::VoxelMapFinishPush{.cell = static_cast<float>(map.voxel_size),
+                                            .slots = map.slots(),
+                                            .min_points = settings.min_points,
+                                            .least_ratio = static_cast<float>(settings.least_ratio),
+                                            .least_squared = static_cast<float>(
+                                                settings.least_sigma * settings.least_sigma)},
+                    {map.table, finished, texel_slice(map.table, texels_)});
 }
 
 }  // namespace adit::engine

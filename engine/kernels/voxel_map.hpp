@@ -23,11 +23,24 @@ struct VoxelMapView {
   uint32_t slots() const { return static_cast<uint32_t>(table.bytes / sizeof(gpu::GaussianCell)); }
 };
 
+/// What the voxels of a map gather of their points, beside count and mean.
+enum class VoxelContent {
+  surfaces,  ///< the surface constraints: for VGICP and, finished, point to plane
+  moments,   ///< the second moments of positions: finished, for NDT
+};
+
+/// What record_finish() makes of a map.
+struct FinishSettings {
+  uint32_t min_points = 1;   ///< voxels with fewer points are left out
+  double least_ratio = 0.0;  ///< of moments: eigenvalues are raised to this part of the largest
+  double least_sigma = 0.0;  ///< and to the square of this, m
+};
+
 /// Fills Gaussian voxel maps. Counts, means and constraints are exact integer sums, so that the map
 /// does not depend on the order of points or clouds, and a cloud can be taken out without a trace.
 class VoxelMapKernels {
  public:
-  explicit VoxelMapKernels(Context& context);
+  explicit VoxelMapKernels(Context& context, VoxelContent content = VoxelContent::surfaces);
 
   static uint64_t table_bytes(uint32_t slots) {
     return uint64_t{slots} * sizeof(gpu::GaussianCell);
@@ -42,6 +55,11 @@ class VoxelMapKernels {
   /// Takes out what record_add() put in with the same arguments.
   void record_remove(Recorder& recorder, const VoxelMapView& map, Slice surface_cloud,
                      uint32_t count, const gpu::mat3x4& T_map_cloud) const;
+  /// Writes to `finished`, as long as the map's table, what NDT (of moments: Gaussians, their flat
+  /// directions widened) and point to plane (of surfaces: planes) read: gpu::kGaussians,
+  /// gpu::kPlanes. Needs a barrier before and after.
+  void record_finish(Recorder& recorder, const VoxelMapView& map, const FinishSettings& settings,
+                     Slice finished) const;
 
  private:
   void record(Recorder& recorder, const VoxelMapView& map, Slice surface_cloud, uint32_t count,
@@ -50,6 +68,7 @@ class VoxelMapKernels {
   LaunchShape shape_;
   bool texels_;
   Kernel add_;
+  Kernel finish_;
 };
 
 }  // namespace adit::engine

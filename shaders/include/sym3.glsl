@@ -14,6 +14,14 @@ vec3 mul(Sym3 m, vec3 v) {
               m.xz * v.x + m.yz * v.y + m.zz * v.z);
 }
 
+Sym3 add(Sym3 a, Sym3 b) {
+  return Sym3(a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz);
+}
+
+Sym3 scaled(Sym3 a, float s) {
+  return Sym3(a.xx * s, a.xy * s, a.xz * s, a.yy * s, a.yz * s, a.zz * s);
+}
+
 // By cofactors. For the sums of regularised covariances (eigenvalues within [2 epsilon, 2]) the
 // relative error in float32 stays below 1e-4.
 Sym3 inverse(Sym3 m) {

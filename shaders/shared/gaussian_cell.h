@@ -39,6 +39,19 @@ struct VoxelMapAddPush {
   uint sign;  // 1: add the cloud; 0xffffffff (-1): take it out again
 };
 
+struct VoxelMapFinishPush {
+  float cell;  // edge of a voxel, m
+  uint slots;
+  uint min_points;      // voxels with fewer points are left out
+  float least_ratio;    // kGaussians: eigenvalues are raised to this part of the largest
+  float least_squared;  // and to this, m^2
+};
+
+// What voxel_map_finish.comp makes of a cell, in the same three uvec4: key, count (0: left out),
+// then the bits of nine floats: the mean (map frame, m) and a symmetric matrix (xx xy xz yy yz zz).
+const uint kGaussians = 0;  // covariance, m^2, of cells with second moments
+const uint kPlanes = 1;     // n n^T, of cells with surface constraints
+
 #ifdef __cplusplus
 }  // namespace adit::gpu
 #endif

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// State of one alignment on the device. Tangent vectors are [rho, phi] in map axes, the rotation
-// about the source's own origin: R <- Exp(phi) R, t <- t + rho. The host turns H into the body
-// frame (slam/lie.hpp).
+// A batch of alignments on the device. Tangent vectors are [rho, phi] in the target's axes, the
+// rotation about the source's own origin: R <- Exp(phi) R, t <- t + rho. The host turns results
+// into the body frame (slam/registration.hpp).
 #ifndef ADIT_SHADERS_SHARED_REGISTRATION_H
 #define ADIT_SHADERS_SHARED_REGISTRATION_H
 #include "shaders/shared/prelude.h"
@@ -11,53 +11,106 @@
 namespace adit::gpu {
 #endif
 
+// Specialization constant kMethod.
+const uint kVgicp = 0;         // voxelised GICP: point and voxel with regularised covariances
+const uint kNdt = 1;           // point to Gaussian with Magnusson's score
+const uint kPointToPlane = 2;  // point to the plane of its voxel
+const uint kNdtToNdt = 3;      // Gaussian to Gaussian (D2D)
+
+// Specialization constant kRobust: weight of a match of Mahalanobis distance d, u = d / width.
+const uint kNoRobust = 0;
+const uint kHuber = 1;         // min(1, 1 / u)
+const uint kCauchy = 2;        // 1 / (1 + u^2)
+const uint kGemanMcClure = 3;  // 1 / (1 + u^2)^2
+
+// What an alignment waits for; each kernel passes over those that wait for another.
+const uint kPhaseIterate = 0;      // a linearisation and its step
+const uint kPhaseAssess = 1;       // the sums at the final pose
+const uint kPhaseLocalize = 2;     // which directions the normals of its matches hold
+const uint kPhaseConstrained = 3;  // steps with the prior, weak directions taken out
+const uint kPhaseReassess = 4;     // as kPhaseAssess, after constrained steps
+const uint kPhaseRelocalize = 5;
+const uint kPhaseDone = 6;
+
 // Sums of one linearisation: 21 of H (upper triangle, row by row), 6 of the gradient, the cost, the
-// squared distance along the target's normals (m^2), the number of matches.
-const uint kSystemSize = 30;
-const uint kSystemStride = 32;
+// squared distance along the target's normals (m^2), the points matched, the matches.
+const uint kSystemSize = 31;
+const uint kCostAt = 27;
+const uint kSquaredAt = 28;
+const uint kInliersAt = 29;
+const uint kMatchesAt = 30;
+// And where the geometry is assessed: the weights w, w ra (3), w ra ra^T (6), w e (3), w ra x e
+// (3).
+const uint kGeometryAt = 31;
+const uint kGeometrySize = 47;
+const uint kSystemStride = 48;
 
-// RegistrationState::phase
-const uint kPhaseIterate = 0;   // the next linearisation ends in a step
-const uint kPhaseEvaluate = 1;  // the next linearisation is the one to report
-const uint kPhaseDone = 2;
+// One alignment: what does not change while it runs. Offsets are in uvec4 of the bound slices.
+struct RegistrationJob {
+  uint source_begin;
+  uint source_count;  // points; for kNdtToNdt slots of the source's voxel table
+  uint target_begin;
+  uint table_mask;     // slots of the target's table - 1
+  uint groups;         // that share the source
+  float cell;          // edge of the target's voxels, m
+  float inverse_cell;  // 1/m
+  float max_squared;   // d_max^2, m^2
+  float wide_squared;  // the same for the first wide_iterations, m^2
+  uint wide_iterations;
+  float score_weight;    // d1 d2 of the NDT score; 1 for other methods
+  float score_exponent;  // d2 / 2 of the NDT score, else 0
+  vec3 viewpoint;        // of the target's sensor, target frame, m
+  uint unused0;
+};
 
-struct RegistrationState {
-  uint groups_x, groups_y,
-      groups_z;  // indirect arguments of the next linearisation; zero once done
+// How far an alignment is. The host's copy starts it.
+struct RegistrationProgress {
   uint phase;
   uint iterations;
   uint converged;      // 1: the last step was short enough
   uint failed;         // 1: no finite step, or fewer than 6 matches
-  uint ticket;         // groups that have finished the current linearisation
+  uint ticket;         // groups that have finished the current pass
   float damping;       // factor of the steps; halved where they go to and fro
   float last_step[6];  // in units of 1 / sqrt(H_ii)
-  uint unused0;
-  mat3x4 pose;  // T_target_source, rows
-  float system[32];
 };
 
-// The part of the state that starts a level: everything before the pose.
-struct RegistrationStart {
+// Indirect arguments of one kind of pass, and how many alignments still need it.
+struct RegistrationPass {
   uint groups_x, groups_y, groups_z;
-  uint phase;
-  uint iterations;
-  uint converged;
-  uint failed;
-  uint ticket;
-  float damping;
-  float last_step[6];
+  uint remaining;
+};
+
+// Before the progress of all alignments of the batch.
+struct RegistrationHeader {
+  RegistrationPass iterate;
+  RegistrationPass assess;
+  RegistrationPass constrained;
+  RegistrationPass reassess;
+};
+
+struct RegistrationState {
+  mat3x4 pose;         // T_target_source, rows: the initial guess, then the result
+  mat3x4 guess;        // the initial guess, and the mean of the prior
+  float prior[24];     // its information, 21 numbers as H; zero: none
+  float system[48];    // sums at the pose
+  vec4 directions[6];  // eigenvectors of the information on translation, then on rotation,
+                       // ascending, with their eigenvalues (1/m^2, 1/rad^2)
+  vec2 support[6];     // matches whose agreeing normals hold the direction: all, the strong ones
+  float share[6];      // of its information that a direction keeps: 0 none, 1 full
+  uint constrained;    // 1: the result was found with weak directions taken out
   uint unused0;
 };
 
-struct LinearizePush {
-  float cell;          // r_align, m
-  float inverse_cell;  // 1/m
-  uint table_mask;
-  float max_squared;          // d_max^2, m^2
+struct RegistrationPush {
   float epsilon;              // the plane regularisation's small eigenvalue
+  float fictitious;           // information that a match claims in every direction: 1/2 for kVgicp
+  float robust_width;         // of the robust kernel
   float translation_epsilon;  // m
   float rotation_epsilon;     // rad
   uint max_iterations;
+  uint group_stride;  // groups of the largest job
+  float weak_share;   // a direction with less of its information is taken out
+  uint serves;        // the phase of the alignments that this pass is for
 };
 
 #ifdef __cplusplus

@@ -31,7 +31,7 @@ AlignmentScene::AlignmentScene(engine::Context& context, const AlignmentCase& al
 AlignmentScene::AlignmentScene(engine::Context& context, const std::vector<gpu::uvec4>& target,
                                std::vector<gpu::uvec4> source,
                                const Eigen::Isometry3d& T_target_source, double voxel_size,
-                               const engine::VgicpSettings& settings)
+                               const reference::AlignmentSettings& settings)
     : source_(std::move(source)),
       T_target_source_(T_target_source),
       settings_(settings),

@@ -21,7 +21,7 @@ class AlignmentScene {
   /// The same from clouds that have surfaces already.
   AlignmentScene(engine::Context& context, const std::vector<gpu::uvec4>& target,
                  std::vector<gpu::uvec4> source, const Eigen::Isometry3d& T_target_source,
-                 double voxel_size, const engine::VgicpSettings& settings);
+                 double voxel_size, const reference::AlignmentSettings& settings);
 
   const std::vector<gpu::uvec4>& source() const { return source_; }
   /// Source points that fall into the same voxel, and on the same side of d_max, in float32 as in
@@ -33,12 +33,12 @@ class AlignmentScene {
   const reference::VoxelMap& target() const { return target_; }
 
   const Eigen::Isometry3d& T_target_source() const { return T_target_source_; }
-  const engine::VgicpSettings& settings() const { return settings_; }
+  const reference::AlignmentSettings& settings() const { return settings_; }
 
  private:
   std::vector<gpu::uvec4> source_;
   Eigen::Isometry3d T_target_source_;
-  engine::VgicpSettings settings_;
+  reference::AlignmentSettings settings_;
   VoxelMapRun map_;
   reference::VoxelMap target_;
 };

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "engine/kernels/preprocess.hpp"
-#include "engine/kernels/vgicp.hpp"
 #include "slam/lie.hpp"
 #include "slam/types.hpp"
+#include "tests/reference/vgicp.hpp"
 
 namespace adit::test {
 
@@ -42,7 +42,7 @@ struct AlignmentCase {
   std::vector<Point> source;
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
   double voxel_size = 0.0;  ///< m
-  engine::VgicpSettings settings;
+  reference::AlignmentSettings settings;
 };
 
 /// The sweeps are about `points` long; the second was taken 0.6 m farther on and turned by 1.5

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <utility>
 
 #include "slam/registration.hpp"
@@ -15,7 +16,11 @@ namespace {
 using engine::Memory;
 using engine::Recorder;
 
-constexpr uint64_t kPoseAt = engine::align_slice(sizeof(gpu::RegistrationStart));
+// In the upload of an alignment: its job, its start, its initial state.
+constexpr uint64_t kStartAt = engine::align_slice(sizeof(gpu::RegistrationJob));
+constexpr uint64_t kProgressBytes =
+    sizeof(gpu::RegistrationHeader) + sizeof(gpu::RegistrationProgress);
+constexpr uint64_t kStateAt = kStartAt + engine::align_slice(kProgressBytes);
 
 template <class Record>
 Times submit(engine::Context& context, Record&& record) {
@@ -122,48 +127,77 @@ gpu::VoxelMapCounters VoxelMapRun::counters() const {
   return download<gpu::VoxelMapCounters>(*context_, counters_).front();
 }
 
-VgicpRun::VgicpRun(engine::Context& context, const DeviceCloud& source, const VoxelMapRun& target,
-                   const engine::VgicpSettings& settings)
+AlignmentRun::AlignmentRun(engine::Context& context, const DeviceCloud& source,
+                           const VoxelMapRun& target, const reference::AlignmentSettings& settings,
+                           const AlignmentOptions& options)
     : context_(&context),
-      vgicp_(context),
+      kernels_(context, options.kernels),
       source_(&source),
       target_(&target),
       settings_(settings),
-      upload_(context.make_buffer(kPoseAt + sizeof(gpu::mat3x4), Memory::upload, "start")),
+      options_(options),
+      upload_(
+          context.make_buffer(kStateAt + sizeof(gpu::RegistrationState), Memory::upload, "start")),
+      progress_(context.make_buffer(kProgressBytes, Memory::device, "progress")),
       state_(context.make_buffer(sizeof(gpu::RegistrationState), Memory::device, "state")),
-      scratch_(context.make_buffer(vgicp_.scratch_bytes(), Memory::device, "scratch")) {}
+      scratch_(context.make_buffer(kernels_.scratch_bytes(1, kernels_.most_groups()),
+                                   Memory::device, "scratch")) {}
 
-Times VgicpRun::align(const Eigen::Isometry3d& start) {
+Times AlignmentRun::align(const Eigen::Isometry3d& start) {
   return run(start, gpu::kPhaseIterate, settings_.max_iterations);
 }
 
-Times VgicpRun::evaluate(const Eigen::Isometry3d& pose) {
-  return run(pose, gpu::kPhaseEvaluate, 0);
+Times AlignmentRun::evaluate(const Eigen::Isometry3d& pose) {
+  return run(pose, gpu::kPhaseAssess, 0);
 }
 
-Times VgicpRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations) {
-  gpu::RegistrationStart& start = upload_.as<gpu::RegistrationStart>()[0];
-  start = vgicp_.start();
-  start.phase = phase;
-  *reinterpret_cast<gpu::mat3x4*>(upload_.mapped() + kPoseAt) = to_device(pose);
-  engine::VgicpSettings settings = settings_;
-  settings.max_iterations = max_iterations;
+Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations) {
+  const engine::VoxelMapView target = target_->view();
+  const uint32_t groups = kernels_.groups(source_->size());
+  gpu::RegistrationJob& job = upload_.as<gpu::RegistrationJob>()[0];
+  job = {};
+  job.source_count = source_->size();
+  job.table_mask = target.slots() - 1;
+  job.groups = groups;
+  job.cell = static_cast<float>(target.voxel_size);
+  job.inverse_cell = static_cast<float>(1.0 / target.voxel_size);
+  job.max_squared = static_cast<float>(settings_.d_max * settings_.d_max);
+  job.score_weight = 1.0F;
+  engine::RegistrationKernels::write_start({upload_.mapped() + kStartAt, kProgressBytes}, 1, groups,
+                                           phase);
+  *reinterpret_cast<gpu::RegistrationState*>(upload_.mapped() + kStateAt) =
+      initial_state(pose, options_.prior_information);
+  const engine::RegistrationSettings settings{.translation_epsilon = settings_.translation_epsilon,
+                                              .rotation_epsilon = settings_.rotation_epsilon,
+                                              .max_iterations = max_iterations,
+                                              .max_constrained = options_.max_constrained,
+                                              .robust_width = options_.robust_width};
+  const engine::RegistrationArguments arguments{
+      .count = 1,
+      .group_stride = groups,
+      .source = source_->points(),
+      .target = target.table,
+      .jobs = upload_.slice(0, sizeof(gpu::RegistrationJob)),
+      .start = upload_.slice(kStartAt, kProgressBytes),
+      .progress = progress_,
+      .states = state_};
   return submit(*context_, [&](Recorder& recorder) {
-    recorder.copy(upload_.slice(kPoseAt, sizeof(gpu::mat3x4)),
-                  state_.slice(offsetof(gpu::RegistrationState, pose), sizeof(gpu::mat3x4)));
+    recorder.copy(upload_.slice(kStateAt, sizeof(gpu::RegistrationState)), state_);
     const engine::Scope scope = recorder.scope("align");
-    vgicp_.record(recorder, settings,
-                  {.surface_cloud = source_->points(),
-                   .counters = source_->counters(),
-                   .target = target_->view(),
-                   .start = upload_,
-                   .state = state_},
-                  scratch_);
+    kernels_.record_steps(recorder, settings, arguments, scratch_);
+    kernels_.record_assessment(recorder, settings, arguments, scratch_);
   });
 }
 
-gpu::RegistrationState VgicpRun::state() const {
-  return download<gpu::RegistrationState>(*context_, state_).front();
+DeviceOutcome AlignmentRun::state() const {
+  const std::vector<std::byte> progress = download<std::byte>(*context_, progress_);
+  DeviceOutcome outcome{};
+  static_cast<gpu::RegistrationState&>(outcome) =
+      download<gpu::RegistrationState>(*context_, state_).front();
+  std::memcpy(&outcome.header, progress.data(), sizeof(outcome.header));
+  std::memcpy(static_cast<gpu::RegistrationProgress*>(&outcome),
+              progress.data() + sizeof(outcome.header), sizeof(gpu::RegistrationProgress));
+  return outcome;
 }
 
 double device_ms(const Times& times, std::string_view scope) {

@@ -14,9 +14,10 @@
 
 #include "engine/context.hpp"
 #include "engine/kernels/preprocess.hpp"
-#include "engine/kernels/vgicp.hpp"
+#include "engine/kernels/registration.hpp"
 #include "engine/kernels/voxel_map.hpp"
 #include "slam/types.hpp"
+#include "tests/reference/vgicp.hpp"
 
 namespace adit::test {
 
@@ -84,28 +85,44 @@ class VoxelMapRun {
   engine::Buffer counters_;
 };
 
+/// All that the device leaves of an alignment.
+struct DeviceOutcome : gpu::RegistrationState, gpu::RegistrationProgress {
+  gpu::RegistrationHeader header;
+};
+
+/// What a run is specialised for and given, beyond reference::AlignmentSettings.
+struct AlignmentOptions {
+  engine::RegistrationOptions kernels{};
+  double robust_width = 1.0;
+  uint32_t max_constrained = 0;
+  Matrix6d prior_information = Matrix6d::Zero();        ///< of the start pose; right perturbation
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< of the target's sensor, target frame
+};
+
 /// Alignments of one cloud with one map, which must outlive this.
-class VgicpRun {
+class AlignmentRun {
  public:
-  VgicpRun(engine::Context& context, const DeviceCloud& source, const VoxelMapRun& target,
-           const engine::VgicpSettings& settings);
+  AlignmentRun(engine::Context& context, const DeviceCloud& source, const VoxelMapRun& target,
+               const reference::AlignmentSettings& settings, const AlignmentOptions& options = {});
 
   /// The whole loop from `start`.
   Times align(const Eigen::Isometry3d& start);
   /// One linearisation at `pose`, no step.
   Times evaluate(const Eigen::Isometry3d& pose);
 
-  gpu::RegistrationState state() const;
+  DeviceOutcome state() const;
 
  private:
   Times run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations);
 
   engine::Context* context_;
-  engine::Vgicp vgicp_;
+  engine::RegistrationKernels kernels_;
   const DeviceCloud* source_;
   const VoxelMapRun* target_;
-  engine::VgicpSettings settings_;
+  reference::AlignmentSettings settings_;
+  AlignmentOptions options_;
   engine::Buffer upload_;
+  engine::Buffer progress_;
   engine::Buffer state_;
   engine::Buffer scratch_;
 };

@@ -86,48 +86,72 @@ TEST(KernelLayouts, VoxelMapStructsAreTheSameInCppAndGlsl) {
 }
 
 TEST(KernelLayouts, RegistrationStructsAreTheSameInCppAndGlsl) {
+  using gpu::RegistrationJob;
+  expect_layout<RegistrationJob>("RegistrationJob",
+                                 {{"source_begin", offsetof(RegistrationJob, source_begin)},
+                                  {"source_count", offsetof(RegistrationJob, source_count)},
+                                  {"target_begin", offsetof(RegistrationJob, target_begin)},
+                                  {"table_mask", offsetof(RegistrationJob, table_mask)},
+                                  {"groups", offsetof(RegistrationJob, groups)},
+                                  {"cell", offsetof(RegistrationJob, cell)},
+                                  {"inverse_cell", offsetof(RegistrationJob, inverse_cell)},
+                                  {"max_squared", offsetof(RegistrationJob, max_squared)},
+                                  {"wide_squared", offsetof(RegistrationJob, wide_squared)},
+                                  {"wide_iterations", offsetof(RegistrationJob, wide_iterations)},
+                                  {"score_weight", offsetof(RegistrationJob, score_weight)},
+                                  {"score_exponent", offsetof(RegistrationJob, score_exponent)},
+                                  {"viewpoint", offsetof(RegistrationJob, viewpoint)},
+                                  {"unused0", offsetof(RegistrationJob, unused0)}});
+  using gpu::RegistrationProgress;
+  expect_layout<RegistrationProgress>("RegistrationProgress",
+                                      {{"phase", offsetof(RegistrationProgress, phase)},
+                                       {"iterations", offsetof(RegistrationProgress, iterations)},
+                                       {"converged", offsetof(RegistrationProgress, converged)},
+                                       {"failed", offsetof(RegistrationProgress, failed)},
+                                       {"ticket", offsetof(RegistrationProgress, ticket)},
+                                       {"damping", offsetof(RegistrationProgress, damping)},
+                                       {"last_step", offsetof(RegistrationProgress, last_step)}});
+  using gpu::RegistrationPass;
+  expect_layout<RegistrationPass>("RegistrationPass",
+                                  {{"groups_x", offsetof(RegistrationPass, groups_x)},
+                                   {"groups_y", offsetof(RegistrationPass, groups_y)},
+                                   {"groups_z", offsetof(RegistrationPass, groups_z)},
+                                   {"remaining", offsetof(RegistrationPass, remaining)}});
+  using gpu::RegistrationHeader;
+  expect_layout<RegistrationHeader>("RegistrationHeader",
+                                    {{"iterate", offsetof(RegistrationHeader, iterate)},
+                                     {"assess", offsetof(RegistrationHeader, assess)},
+                                     {"constrained", offsetof(RegistrationHeader, constrained)},
+                                     {"reassess", offsetof(RegistrationHeader, reassess)}});
   using gpu::RegistrationState;
   expect_layout<RegistrationState>("RegistrationState",
-                                   {{"groups_x", offsetof(RegistrationState, groups_x)},
-                                    {"groups_y", offsetof(RegistrationState, groups_y)},
-                                    {"groups_z", offsetof(RegistrationState, groups_z)},
-                                    {"phase", offsetof(RegistrationState, phase)},
-                                    {"iterations", offsetof(RegistrationState, iterations)},
-                                    {"converged", offsetof(RegistrationState, converged)},
-                                    {"failed", offsetof(RegistrationState, failed)},
-                                    {"ticket", offsetof(RegistrationState, ticket)},
-                                    {"damping", offsetof(RegistrationState, damping)},
-                                    {"last_step", offsetof(RegistrationState, last_step)},
-                                    {"unused0", offsetof(RegistrationState, unused0)},
-                                    {"pose", offsetof(RegistrationState, pose)},
-                                    {"system", offsetof(RegistrationState, system)}});
-  using gpu::LinearizePush;
-  expect_layout<LinearizePush>(
-      "LinearizePush", {{"cell", offsetof(LinearizePush, cell)},
-                        {"inverse_cell", offsetof(LinearizePush, inverse_cell)},
-                        {"table_mask", offsetof(LinearizePush, table_mask)},
-                        {"max_squared", offsetof(LinearizePush, max_squared)},
-                        {"epsilon", offsetof(LinearizePush, epsilon)},
-                        {"translation_epsilon", offsetof(LinearizePush, translation_epsilon)},
-                        {"rotation_epsilon", offsetof(LinearizePush, rotation_epsilon)},
-                        {"max_iterations", offsetof(LinearizePush, max_iterations)}});
-}
-
-TEST(KernelLayouts, StartOfAnAlignmentIsTheBeginningOfItsState) {
-  using gpu::RegistrationStart;
-  using gpu::RegistrationState;
-  EXPECT_EQ(sizeof(RegistrationStart), offsetof(RegistrationState, pose));
-  EXPECT_EQ(offsetof(RegistrationStart, groups_x), offsetof(RegistrationState, groups_x));
-  EXPECT_EQ(offsetof(RegistrationStart, groups_y), offsetof(RegistrationState, groups_y));
-  EXPECT_EQ(offsetof(RegistrationStart, groups_z), offsetof(RegistrationState, groups_z));
-  EXPECT_EQ(offsetof(RegistrationStart, phase), offsetof(RegistrationState, phase));
-  EXPECT_EQ(offsetof(RegistrationStart, iterations), offsetof(RegistrationState, iterations));
-  EXPECT_EQ(offsetof(RegistrationStart, converged), offsetof(RegistrationState, converged));
-  EXPECT_EQ(offsetof(RegistrationStart, failed), offsetof(RegistrationState, failed));
-  EXPECT_EQ(offsetof(RegistrationStart, ticket), offsetof(RegistrationState, ticket));
-  EXPECT_EQ(offsetof(RegistrationStart, damping), offsetof(RegistrationState, damping));
-  EXPECT_EQ(offsetof(RegistrationStart, last_step), offsetof(RegistrationState, last_step));
-  EXPECT_EQ(offsetof(RegistrationStart, unused0), offsetof(RegistrationState, unused0));
+                                   {{"pose", offsetof(RegistrationState, pose)},
+                                    {"guess", offsetof(RegistrationState, guess)},
+                                    {"prior", offsetof(RegistrationState, prior)},
+                                    {"system", offsetof(RegistrationState, system)},
+                                    {"directions", offsetof(RegistrationState, directions)},
+                                    {"support", offsetof(RegistrationState, support)},
+                                    {"share", offsetof(RegistrationState, share)},
+                                    {"constrained", offsetof(RegistrationState, constrained)},
+                                    {"unused0", offsetof(RegistrationState, unused0)}});
+  using gpu::RegistrationPush;
+  expect_layout<RegistrationPush>(
+      "RegistrationPush", {{"epsilon", offsetof(RegistrationPush, epsilon)},
+                           {"fictitious", offsetof(RegistrationPush, fictitious)},
+                           {"robust_width", offsetof(RegistrationPush, robust_width)},
+                           {"translation_epsilon", offsetof(RegistrationPush, translation_epsilon)},
+                           {"rotation_epsilon", offsetof(RegistrationPush, rotation_epsilon)},
+                           {"max_iterations", offsetof(RegistrationPush, max_iterations)},
+                           {"group_stride", offsetof(RegistrationPush, group_stride)},
+                           {"weak_share", offsetof(RegistrationPush, weak_share)},
+                           {"serves", offsetof(RegistrationPush, serves)}});
+  using gpu::VoxelMapFinishPush;
+  expect_layout<VoxelMapFinishPush>(
+      "VoxelMapFinishPush", {{"cell", offsetof(VoxelMapFinishPush, cell)},
+                             {"slots", offsetof(VoxelMapFinishPush, slots)},
+                             {"min_points", offsetof(VoxelMapFinishPush, min_points)},
+                             {"least_ratio", offsetof(VoxelMapFinishPush, least_ratio)},
+                             {"least_squared", offsetof(VoxelMapFinishPush, least_squared)}});
 }
 
 }  // namespace

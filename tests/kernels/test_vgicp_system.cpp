@@ -17,10 +17,10 @@ namespace {
 
 using reference::Match;
 using reference::System;
+using test::AlignmentRun;
 using test::AlignmentScene;
 using test::DeviceCloud;
 using test::Verdict;
-using test::VgicpRun;
 
 // Fraction of the natural scale of each sum. float32 places a point 60 m away within 4e-6 m and
 // more, of errors e of centimetres: 1e-4; the inverse of a sum of covariances loses another 1e-4 of
@@ -32,19 +32,19 @@ class VgicpSystem : public test::DeviceTest {
   // The device's system at the pose, of the source points that float32 cannot place otherwise than
   // double.
   struct Evaluation {
-    gpu::RegistrationState state{};
+    test::DeviceOutcome state{};
     std::vector<reference::SurfacePoint> source{};
     std::vector<Match> matches{};
   };
   static Evaluation evaluate(const AlignmentScene& scene, const Eigen::Isometry3d& pose,
                              double d_max) {
-    engine::VgicpSettings settings = scene.settings();
+    reference::AlignmentSettings settings = scene.settings();
     settings.d_max = d_max;
     const std::vector<gpu::uvec4> certain = scene.certain_source(pose, d_max);
     EXPECT_GE(static_cast<double>(certain.size()),
               0.95 * static_cast<double>(scene.source().size()));
     const DeviceCloud source(context(), certain);
-    VgicpRun vgicp(context(), source, scene.map(), settings);
+    AlignmentRun vgicp(context(), source, scene.map(), settings);
     vgicp.evaluate(pose);
     Evaluation result{.state = vgicp.state(), .source = reference::decode(certain)};
     result.matches = reference::find_matches(result.source, scene.target(), pose, d_max);
@@ -149,8 +149,8 @@ TEST_F(VgicpSystem, HostTurnsItIntoTheBodysAxes) {
       0.6;  // far from the identity: a transposed rotation shows
   const Eigen::Isometry3d pose = retract(scene.T_target_source(), offset);
   const Evaluation found = evaluate(scene, pose, 1.0);
-  const RegistrationResult result =
-      read_registration(found.state, static_cast<int>(found.source.size()), RegistrationConfig{});
+  const RegistrationResult result = read_registration(
+      {found.state, found.state}, static_cast<int>(found.source.size()), 0.5, RegistrationConfig{});
   // xi on the right, as slam/lie.hpp retracts.
   const System expected = numerical_system(found.matches, found.source, pose, retract);
   const Vector6d scale = expected.hessian.diagonal().cwiseSqrt();
@@ -175,12 +175,12 @@ TEST_F(VgicpSystem, OrderOfThePointsIsRoundingOnly) {
   const AlignmentScene scene(context(), test::street_alignment(30'000));
   std::vector<gpu::uvec4> points = scene.source();
   const DeviceCloud source(context(), points);
-  VgicpRun vgicp(context(), source, scene.map(), scene.settings());
+  AlignmentRun vgicp(context(), source, scene.map(), scene.settings());
   vgicp.evaluate(scene.T_target_source());
   const System expected = test::system_of(vgicp.state());
   std::reverse(points.begin(), points.end());
   const DeviceCloud reversed(context(), points);
-  VgicpRun other(context(), reversed, scene.map(), scene.settings());
+  AlignmentRun other(context(), reversed, scene.map(), scene.settings());
   other.evaluate(scene.T_target_source());
   const Verdict verdict = test::verify_system(expected, other.state(), 1e-5);
   EXPECT_TRUE(verdict.passed()) << verdict.text();

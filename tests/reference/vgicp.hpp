@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Twin of vgicp_linearize.comp: voxelised GICP (Koide et al., ICRA 2021) with weight 1 a match.
-// Tangent vectors are [rho, phi] in the map's axes about the source's origin: R <- Exp(phi) R, t <-
-// t + rho.
+// Twin of registration_linearize.comp for voxelised GICP (Koide et al., ICRA 2021) with weight 1 a
+// match. Tangent vectors are [rho, phi] in the map's axes about the source's origin: R <- Exp(phi)
+// R, t <- t + rho.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "engine/kernels/vgicp.hpp"
 #include "slam/lie.hpp"
 #include "tests/reference/voxel_map.hpp"
 
@@ -23,6 +22,14 @@ namespace adit::reference {
 
 /// Eigenvalues of the regularised covariances are (epsilon, 1, 1).
 inline constexpr double kPlaneEpsilon = 1e-3;
+
+/// What an alignment is run with; lengths in m, the angle in rad.
+struct AlignmentSettings {
+  double d_max = 0.0;
+  double translation_epsilon = 0.0;
+  double rotation_epsilon = 0.0;
+  uint32_t max_iterations = 0;
+};
 
 /// A source point with the voxel it falls into.
 struct Match {
@@ -136,7 +143,7 @@ struct Alignment {
 /// The whole loop: steps until one is short enough or max_iterations were taken, then an
 /// evaluation.
 inline Alignment align(std::span<const SurfacePoint> source, const VoxelMap& target,
-                       const Eigen::Isometry3d& start, const engine::VgicpSettings& settings) {
+                       const Eigen::Isometry3d& start, const AlignmentSettings& settings) {
   Alignment alignment{.pose = start};
   Damping damping;
   while (!alignment.converged && alignment.iterations < settings.max_iterations) {

@@ -17,9 +17,11 @@ Eigen::Isometry3d some_pose() {
   return se3_exp(xi);
 }
 
+struct Outcome : gpu::RegistrationState, gpu::RegistrationProgress {};
+
 /// What the device leaves of an alignment that went well, with a made-up system.
-gpu::RegistrationState good_state(const Matrix6d& h, const Vector6d& g, int inliers) {
-  gpu::RegistrationState state{};
+Outcome good_state(const Matrix6d& h, const Vector6d& g, int inliers) {
+  Outcome state{};
   state.pose = to_device(some_pose());
   state.converged = 1;
   state.iterations = 4;
@@ -35,6 +37,12 @@ gpu::RegistrationState good_state(const Matrix6d& h, const Vector6d& g, int inli
   state.system[k++] = 40.0F;  // cost
   state.system[k++] = 4.0F;   // squared distances, m^2
   state.system[k++] = static_cast<float>(inliers);
+  state.system[k++] = static_cast<float>(inliers);  // matches
+  for (size_t i = 0; i < 6; ++i) {
+    const float axis = i % 3 == 0 ? 1.0F : 0.0F;
+    state.directions[i] = {axis, i % 3 == 1 ? 1.0F : 0.0F, i % 3 == 2 ? 1.0F : 0.0F, 5.0F};
+    state.share[i] = 1.0F;
+  }
   return state;
 }
 
@@ -53,9 +61,9 @@ Quadratic some_quadratic() {
   return q;
 }
 
-RegistrationResult read(const gpu::RegistrationState& state, int source_points,
+RegistrationResult read(const Outcome& state, int source_points,
                         const RegistrationConfig& config = {}) {
-  return read_registration(state, source_points, config);
+  return read_registration({state, state}, source_points, 0.0, config);
 }
 
 TEST(Registration, APoseGoesToTheDeviceAndBackWithinFloatRounding) {
@@ -104,11 +112,11 @@ TEST(Registration, EachWayToFailHasItsStatus) {
   const Quadratic q = some_quadratic();
   const RegistrationConfig config{.min_inliers = 100, .min_overlap = 0.3};
   const auto status = [&](auto&& change, int inliers = 900) {
-    gpu::RegistrationState state = good_state(q.h, q.g, inliers);
+    Outcome state = good_state(q.h, q.g, inliers);
     change(state);
     return read(state, 1000, config).status;
   };
-  const auto nothing = [](gpu::RegistrationState&) {};
+  const auto nothing = [](Outcome&) {};
   EXPECT_EQ(status(nothing), RegistrationStatus::converged);
   EXPECT_EQ(status(nothing, 99), RegistrationStatus::too_few_points);
   EXPECT_EQ(status(nothing, 0), RegistrationStatus::too_few_points);
@@ -123,7 +131,7 @@ TEST(Registration, EachWayToFailHasItsStatus) {
 }
 
 TEST(Registration, ASourceWithoutPointsIsTooFewWhateverTheDeviceLeft) {
-  gpu::RegistrationState state = good_state(Matrix6d::Identity(), Vector6d::Zero(), 0);
+  Outcome state = good_state(Matrix6d::Identity(), Vector6d::Zero(), 0);
   state.pose.rows[0].x = std::numeric_limits<float>::quiet_NaN();
   const RegistrationResult result = read(state, 0);
   EXPECT_EQ(result.status, RegistrationStatus::too_few_points);
@@ -134,8 +142,9 @@ TEST(Registration, ASourceWithoutPointsIsTooFewWhateverTheDeviceLeft) {
 
 TEST(Registration, EveryStatusHasAName) {
   using Status = RegistrationStatus;
-  for (const Status status : {Status::converged, Status::not_converged, Status::too_little_overlap,
-                              Status::too_few_points, Status::diverged}) {
+  for (const Status status :
+       {Status::converged, Status::degenerate, Status::not_converged, Status::too_little_overlap,
+        Status::too_few_points, Status::diverged}) {
     EXPECT_NE(to_string(status), "unknown");
   }
 }

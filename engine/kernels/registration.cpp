@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/kernels/registration.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <vector>
+
+#include "engine/context.hpp"
+#include "engine/kernels/texels.hpp"
+
+namespace adit::engine {
+namespace {
+
+// Eigenvalues of the regularised covariances are (epsilon, 1, 1): Koide et al. and all its
+// descendants.
+constexpr float kPlaneEpsilon = 1e-3F;
+// Points one invocation takes at least before another group is worth its price.
+constexpr uint32_t kPointsEach = 8;
+
+std::vector<Specialization> constants(const RegistrationOptions& options, const LaunchShape& shape,
+                                      bool texels) {
+  return {{0, shape.local_size}, {2, texels ? 1U : 0U}, {3, options.method}};
+}
+
+std::vector<Specialization> constants(const RegistrationOptions& options, const LaunchShape& shape,
+                                      bool texels, uint32_t sums) {
+  std::vector<Specialization> all = constants(options, shape, texels);
+  all.insert(all.end(), {{4, options.neighbours},
+                         {5, options.robust},
+                         {6, options.drop_back_faces ? 1U : 0U},
+                         {7, sums}});
+  return all;
+}
+
+// Both covariances of a match are at most the identity, so that the inverse of their sum is at
+// least half of it, whatever the surfaces are.
+float fictitious_information(uint32_t method) {
+  return method == gpu::kVgicp ? 0.5F : 0.0F;
+}
+
+}  // namespace
+
+RegistrationKernels::RegistrationKernels(Context& context, const RegistrationOptions& options)
+    : options_(options),
+      shape_(launch_shape(context.device())),
+      texels_(reads_texels(context.device())),
+      linearize_(context, "registration_linearize",
+                 constants(options, shape_, texels_, gpu::kSystemSize)),
+      assess_(context, "registration_linearize",
+              constants(options, shape_, texels_, gpu::kGeometrySize)),
+      localize_(context, "registration_localize", constants(options, shape_, texels_)) {}
+
+uint32_t RegistrationKernels::groups(uint32_t points) const {
+  const uint32_t wanted = points / (shape_.local_size * kPointsEach);
+  return std::clamp(std::bit_ceil(std::max(wanted, 1U)), 2U, shape_.groups);
+}
+
+uint64_t RegistrationKernels::progress_bytes(uint32_t count) {
+  return sizeof(gpu::RegistrationHeader) + uint64_t{count} * sizeof(gpu::RegistrationProgress);
+}
+
+uint64_t RegistrationKernels::scratch_bytes(uint32_t count, uint32_t group_stride) const {
+  return align_slice(uint64_t{count} * group_stride * gpu::kSystemStride * sizeof(float));
+}
+
+void RegistrationKernels::write_start(std::span<std::byte> bytes, uint32_t count,
+                                      uint32_t group_stride, uint32_t phase) {
+  const uint32_t steps = phase == gpu::kPhaseIterate ? group_stride : 0;
+  const gpu::RegistrationHeader header{.iterate = {steps, count, 1, count},
+                                       .assess = {group_stride, count, 1, count},
+                                       .constrained = {0, count, 1, 0},
+                                       .reassess = {0, count, 1, 0}};
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  const gpu::RegistrationProgress progress{.phase = phase,
+                                           .iterations = 0,
+                                           .converged = phase == gpu::kPhaseAssess ? 1U : 0U,
+                                           .failed = 0,
+                                           .ticket = 0,
+                                           .damping = 1.0F,
+                                           .last_step = {}};
+  for (uint32_t i = 0; i < count; ++i) {
+    std::memcpy(bytes.data() + sizeof(header) + i * sizeof(progress), &progress, sizeof(progress));
+  }
+}
+
+void RegistrationKernels::record_steps(Recorder& recorder, const RegistrationSettings& settings,
+                                       const RegistrationArguments& arguments,
+                                       Slice scratch) const {
+  recorder.barrier();
+  recorder.copy(arguments.start, arguments.progress);
+  recorder.barrier();
+  for (uint32_t i = 0; i < settings.max_iterations; ++i) {
+    record_pass(recorder, linearize_, gpu::kPhaseIterate,
+                offsetof(gpu::RegistrationHeader, iterate), settings, arguments, scratch);
+  }
+}
+
+void RegistrationKernels::record_assessment(Recorder& recorder,
+                                            const RegistrationSettings& settings,
+                                            const RegistrationArguments& arguments,
+                                            Slice scratch) const {
+  RegistrationSettings constrained = settings;
+  constrained.max_iterations = settings.max_constrained;
+  const auto pass = [&](const Kernel& kernel, uint32_t phase, uint64_t pass_at) {
+    record_pass(recorder, kernel, phase, pass_at, constrained, arguments, scratch);
+  };
+  pass(assess_, gpu::kPhaseAssess, offsetof(gpu::RegistrationHeader, assess));
+  if (options_.method == gpu::kNdtToNdt) {
+    return;  // Gaussians have no normals to agree
+  }
+  pass(localize_, gpu::kPhaseLocalize, offsetof(gpu::RegistrationHeader, assess));
+  if (settings.max_constrained == 0) {
+    return;
+  }
+  for (uint32_t i = 0; i < settings.max_constrained; ++i) {
+    pass(assess_, gpu::kPhaseConstrained, offsetof(gpu::RegistrationHeader, constrained));
+  }
+  pass(assess_, gpu::kPhaseReassess, offsetof(gpu::RegistrationHeader, reassess));
+  pass(localize_, gpu::kPhaseRelocalize, offsetof(gpu::RegistrationHeader, reassess));
+}
+
+void RegistrationKernels::record_pass(Recorder& recorder, const Kernel& kernel, uint32_t phase,
+                                      uint64_t pass_at, const RegistrationSettings& settings,
+                                      const RegistrationArguments& arguments, Slice scratch) const {
+  const gpu::RegistrationPush push{
+      .epsilon = kPlaneEpsilon,
+      .fictitious = fictitious_information(options_.method),
+      .robust_width = static_cast<float>(settings.robust_width),
+      .translation_epsilon = static_cast<float>(settings.translation_epsilon),
+      .rotation_epsilon = static_cast<float>(settings.rotation_epsilon),
+      .max_iterations = settings.max_iterations,
+      .group_stride = arguments.group_stride,
+      .weak_share = static_cast<float>(settings.weak_share),
+      .serves = phase};
+  recorder.dispatch_indirect(
+      kernel, arguments.progress.sub(pass_at, sizeof(gpu::RegistrationPass)), push,
+      {arguments.source, arguments.target, arguments.jobs, arguments.progress, arguments.states,
+       scratch, texel_slice(arguments.source, texels_), texel_slice(arguments.target, texels_)});
+  recorder.barrier();
+}
+
+}  // namespace adit::engine

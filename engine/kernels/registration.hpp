@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine/buffer.hpp"
+#include "engine/kernel.hpp"
+#include "engine/kernels/launch.hpp"
+#include "engine/recorder.hpp"
+#include "shaders/shared/registration.h"
+
+namespace adit::engine {
+
+/// Which alignment the kernels are specialised for.
+struct RegistrationOptions {
+  uint32_t method = gpu::kVgicp;     ///< gpu::kVgicp, kNdt, kPointToPlane or kNdtToNdt
+  uint32_t neighbours = 1;           ///< voxels looked at for a point: 1, 7 or 27
+  uint32_t robust = gpu::kNoRobust;  ///< gpu::kNoRobust, kHuber, kCauchy or kGemanMcClure
+  bool drop_back_faces = false;      ///< leave out surfaces that the target's sensor could only
+                                     ///< have seen from behind
+};
+
+/// Settings of one level of a batch; length in m, angle in rad.
+struct RegistrationSettings {
+  double translation_epsilon = 0.0;
+  double rotation_epsilon = 0.0;
+  uint32_t max_iterations = 0;
+  uint32_t max_constrained = 0;  ///< steps without weak directions; 0: these are only reported
+  double weak_share = 1.0;       ///< directions that keep less of their information call for these
+                                 ///< steps, and those that keep none
+  double robust_width = 1.0;     ///< Mahalanobis distance at which the robust kernel begins to act
+};
+
+/// Slices of a batch of `count` alignments.
+struct RegistrationArguments {
+  uint32_t count = 0;
+  uint32_t group_stride = 0;  ///< the largest RegistrationJob::groups
+  Slice source;    ///< in: surface clouds (Preprocess), or voxel tables for gpu::kNdtToNdt
+  Slice target;    ///< in: voxel tables (VoxelMapKernels)
+  Slice jobs;      ///< in: gpu::RegistrationJob each
+  Slice start;     ///< in: what RegistrationKernels::write_start() wrote
+  Slice progress;  ///< in and out: progress_bytes()
+  Slice states;    ///< in and out: gpu::RegistrationState each; pose and guess hold the initial
+                   ///< guess, then pose holds the result
+};
+
+/// Alignments of clouds with voxel maps by Gauss-Newton: voxelised GICP (Koide et al., ICRA 2021),
+/// P2D and D2D NDT (Magnusson 2009; Stoyanov et al., IJRR 2012) and point to plane. The iterations,
+/// the 6x6 solves, the test of convergence and the treatment of directions that the matches do not
+/// hold are on the device: nothing is waited for, and what is recorded beyond convergence costs
+/// nothing. All alignments of a batch share every dispatch.
+class RegistrationKernels {
+ public:
+  RegistrationKernels(Context& context, const RegistrationOptions& options);
+
+  const RegistrationOptions& options() const { return options_; }
+  /// Groups for a source of so many points: its sums do not depend on the rest of the batch.
+  uint32_t groups(uint32_t points) const;
+  /// Groups of sources whose size only the device knows.
+  uint32_t most_groups() const { return shape_.groups; }
+
+  static uint64_t progress_bytes(uint32_t count);
+  uint64_t scratch_bytes(uint32_t count, uint32_t group_stride) const;
+  /// Fills what RegistrationArguments::start refers to, progress_bytes() long. `phase` is
+  /// gpu::kPhaseIterate, or gpu::kPhaseAssess to have the given poses assessed as they are.
+  static void write_start(std::span<std::byte> bytes, uint32_t count, uint32_t group_stride,
+                          uint32_t phase = gpu::kPhaseIterate);
+
+  /// Starts every alignment of the batch and takes up to max_iterations steps. Levels of a
+  /// coarse-to-fine alignment are recorded one after the other on the same states. Begins and ends
+  /// with a barrier.
+  void record_steps(Recorder& recorder, const RegistrationSettings& settings,
+                    const RegistrationArguments& arguments, Slice scratch) const;
+  /// After the last level: the sums at each pose and, for sources with surfaces, which directions
+  /// its matches hold; where some are weak, the alignment is done again from its guess with these
+  /// taken out and the prior added. Ends with a barrier.
+  void record_assessment(Recorder& recorder, const RegistrationSettings& settings,
+                         const RegistrationArguments& arguments, Slice scratch) const;
+
+ private:
+  void record_pass(Recorder& recorder, const Kernel& kernel, uint32_t phase, uint64_t pass_at,
+                   const RegistrationSettings& settings, const RegistrationArguments& arguments,
+                   Slice scratch) const;
+
+  RegistrationOptions options_;
+  LaunchShape shape_;
+  bool texels_;
+  Kernel linearize_;
+  Kernel assess_;
+  Kernel localize_;
+};
+
+}  // namespace adit::engine

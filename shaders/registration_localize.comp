@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which directions of each aligned pose its matches really hold: for the eigenvectors of the
+// information, the matches whose two normals agree and both have a share in the direction (after
+// X-ICP, Tuna et al., T-RO 2023, with the target's normal beside the source's:
+// docs/theory/registration.md). Noise of normals holds nothing, however many they are. Decides the
+// class of each direction, and sends alignments with weak ones into constrained steps.
+#version 460
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#include "shaders/include/registration_match.glsl"
+
+const uint kSums = 13;  // (all, strong) of the six directions, and the matches
+const uint kMaxSubgroups = kLocalSize / 4;
+shared float subgroup_sums[kMaxSubgroups * kSums];
+shared bool is_last;
+
+const float kAgree = 0.94;    // cos 20 degrees, between the two normals
+const float kShare = 0.174;   // cos 80 degrees: a normal has a share in a direction
+const float kStrong = 0.707;  // cos 45 degrees: a large one
+const float kPlanar = 0.9;    // of the voxel's mean normal outer product, its largest eigenvalue
+// A direction is not held at all by less than this, or this part of the matches: what wrong normals
+// can make up in a smooth tunnel.
+const float kNone = 5.0;
+const float kNoneOf = 5e-4;
+// And it is held in full by this, but small clouds need no more than a part of their matches, and
+// large ones no less than another.
+const float kFull = 100.0;
+const float kFullOfSmall = 0.02;
+const float kFullOfLarge = 0.005;
+
+// The normal of a planar voxel; zero for any other.
+vec3 normal_of(Voxel voxel) {
+  if (kMethod == kVgicp || kMethod == kPointToPlane) {
+    const float trace = voxel.form.xx + voxel.form.yy + voxel.form.zz;
+    const float value = eigenvalues(voxel.form).z;
+    return value > kPlanar * max(trace, 1.0) ? eigenvector(voxel.form, value) : vec3(0.0);
+  }
+  const Sym3 unit = scaled(voxel.form, 1.0 / (voxel.form.xx + voxel.form.yy + voxel.form.zz));
+  const vec3 values = eigenvalues(unit);
+  return values.x < 0.1 * values.y ? eigenvector(unit, values.x) : vec3(0.0);
+}
+
+vec3 at_most_unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1.0)); }
+
+void decide(uint at, float sums[kSums]) {
+  const float none = max(kNone, kNoneOf * sums[12]);
+  const float full = max(min(kFull, kFullOfSmall * sums[12]), kFullOfLarge * sums[12]);
+  bool weak = false;
+  for (uint k = 0; k < 6; ++k) {
+    const float all = sums[2 * k];
+    const float share = all <= none ? 0.0 : min(all / full, 1.0);
+    states[at].support[k] = vec2(all, sums[2 * k + 1]);
+    states[at].share[k] = share;
+    weak = weak || share < push.weak_share || share == 0.0;
+  }
+  progress[at].phase = kPhaseDone;
+  if (weak && push.serves == kPhaseLocalize && push.max_iterations > 0) {
+    states[at].pose = states[at].guess;
+    states[at].constrained = 1;
+    progress[at].phase = kPhaseConstrained;
+    progress[at].iterations = 0;
+    progress[at].converged = 0;
+    progress[at].damping = 1.0;
+    for (uint i = 0; i < 6; ++i) {
+      progress[at].last_step[i] = 0.0;
+    }
+    atomicAdd(header.constrained.remaining, 1);
+    header.constrained.groups_x = push.group_stride;
+    header.reassess.groups_x = push.group_stride;
+  }
+}
+
+void main() {
+  const uint local = gl_LocalInvocationIndex;
+  const uint at = gl_WorkGroupID.y;
+  const RegistrationJob job = jobs[at];
+  if (progress[at].phase != push.serves || gl_WorkGroupID.x >= job.groups) {
+    return;
+  }
+  const mat3x4 pose = states[at].pose;
+  const vec3 t = vec3(pose[0].w, pose[1].w, pose[2].w);
+
+  float sums[kSums];
+  for (uint k = 0; k < kSums; ++k) {
+    sums[k] = 0.0;
+  }
+  const uint threads = job.groups * kLocalSize;
+  for (uint i = gl_WorkGroupID.x * kLocalSize + local; i < job.source_count; i += threads) {
+    const SourcePoint s = source_point(job.source_begin + i, pose);
+    const vec3 q = s.ra + t;
+    const Voxel voxel =
+        find_voxel(floor(q * job.inverse_cell), job.target_begin, job.table_mask, job.cell);
+    const vec3 e = voxel.mean - q;
+    const bool matched = voxel.found && dot(e, e) <= job.max_squared;
+    const vec3 target_normal = normal_of(voxel);
+    if (matched) {
+      sums[12] += 1.0;
+    }
+    if (matched && s.plane && abs(dot(s.direction, target_normal)) > kAgree) {
+      const vec3 ms = at_most_unit(cross(s.ra, s.direction));
+      const vec3 mt = at_most_unit(cross(s.ra, target_normal));
+      for (uint k = 0; k < 6; ++k) {
+        const vec3 v = states[at].directions[k].xyz;
+        const float share = k < 3 ? min(abs(dot(s.direction, v)), abs(dot(target_normal, v)))
+                                  : min(abs(dot(ms, v)), abs(dot(mt, v)));
+        sums[2 * k] += share > kShare ? share : 0.0;
+        sums[2 * k + 1] += share > kStrong ? share : 0.0;
+      }
+    }
+  }
+
+  for (uint k = 0; k < kSums; ++k) {
+    const float sum = subgroupAdd(sums[k]);
+    if (subgroupElect()) {
+      subgroup_sums[gl_SubgroupID * kSums + k] = sum;
+    }
+  }
+  barrier();
+  if (local < kSums) {
+    float sum = 0.0;
+    for (uint s = 0; s < gl_NumSubgroups; ++s) {
+      sum += subgroup_sums[s * kSums + local];
+    }
+    partials[(at * push.group_stride + gl_WorkGroupID.x) * kSystemStride + local] = sum;
+    memoryBarrierBuffer();
+  }
+  barrier();
+  if (local == 0) {
+    is_last = atomicAdd(progress[at].ticket, 1) == job.groups - 1;
+  }
+  barrier();
+  if (!is_last || local != 0) {
+    return;
+  }
+  memoryBarrierBuffer();
+  for (uint k = 0; k < kSums; ++k) {
+    float sum = 0.0;
+    for (uint g = 0; g < job.groups; ++g) {
+      sum += partials[(at * push.group_stride + g) * kSystemStride + k];
+    }
+    sums[k] = sum;
+  }
+  progress[at].ticket = 0;
+  decide(at, sums);
+}
