@@ -21,4 +21,4 @@ std::optional<std::filesystem::path> shared_data(std::string_view name);
   if (!variable##_found) {                                                                       \
     GTEST_SKIP() << "needs ../shared/data/" << (name) << " beside the checkout";                 \
   }                                                                                              \
-  const std::filesystem::path& variable = *variable##_found
+  const std::filesystem::path variable = *variable##_found
