@@ -86,7 +86,7 @@ void SvgDocument::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
 }
 
 void SvgDocument::polyline(std::span<const Eigen::Vector2d> points, const SvgStroke& stroke) {
-  body_ += "<polyline fill=\"none\" stroke-linejoin=\"round\"" + stroke_attributes(stroke) +
+  body_ += R"(<polyline fill="none" stroke-linejoin="round")" + stroke_attributes(stroke) +
            attribute("points", point_list(points)) + "/>\n";
 }
 
@@ -118,8 +118,7 @@ void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const S
     body_ += attribute("font-weight", "bold");
   }
   if (font.halo) {
-    body_ +=
-        " stroke=\"#ffffff\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+    body_ += R"( stroke="#ffffff" stroke-width="4" stroke-linejoin="round" paint-order="stroke")";
   }
   if (font.upwards) {
     body_ += attribute("transform", "rotate(-90 " + number(at.x()) + " " + number(at.y()) + ")");

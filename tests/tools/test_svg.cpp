@@ -105,7 +105,7 @@ std::string scale_label(const std::string& svg) {
   const std::string tail = " m</text>";
   for (std::size_t end = svg.find(tail); end != std::string::npos; end = svg.find(tail, end + 1)) {
     const std::size_t begin = svg.rfind('>', end) + 1;
-    const std::string label = svg.substr(begin, end - begin);
+    std::string label = svg.substr(begin, end - begin);
     if (label.find_first_not_of("-.0123456789") == std::string::npos) {
       return label;
     }

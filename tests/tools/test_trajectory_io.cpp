@@ -39,7 +39,7 @@ InputError input_error(const test::TemporaryFolder& folder, const std::string& t
     return error;
   }
   ADD_FAILURE() << "accepted: " << text;
-  return InputError("", {}, "", "");
+  return {"", {}, "", ""};
 }
 
 constexpr const char* kTumLine = "1.5 1 2 3 0 0 0 1\n";
