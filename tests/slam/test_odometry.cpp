@@ -182,8 +182,9 @@ TEST_F(OdometryTest, StagesAreTimedOnADeviceThatProfiles) {
   }
   EXPECT_TRUE(aligned);
   EXPECT_GT(sum, 0.0);
-  EXPECT_LE(sum, 1.05 * results[3].wait_ms + 1.0)
-      << "the device worked longer than the host waited";
+  // Not the wait alone: on a busy machine the device may be done before the host begins to wait.
+  EXPECT_LE(sum, 1.05 * (results[3].host_ms + results[3].wait_ms) + 1.0)
+      << "the device worked longer than the step took";
 }
 
 }  // namespace
