@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,42 @@ struct Sweep {
   std::vector<float> times;     ///< s after `stamp`, one a point, or empty
   std::vector<uint16_t> rings;  ///< beam index, one a point, or empty
   std::string source;           ///< file or message it came from, for messages to people
+};
+
+/// One reading of an inertial sensor, in the sensor's own axes. A sensor at rest with z up reads
+/// +9.8 along z.
+struct ImuSample {
+  Nanoseconds stamp{0};
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();     ///< rad/s
+  Eigen::Vector3d linear_acceleration = Eigen::Vector3d::Zero();  ///< m/s², gravity included
+};
+
+/// What a GNSS receiver says its fix rests on.
+enum class GnssFixKind { none, single, satellite_augmented, ground_augmented };
+
+/// One position of a GNSS antenna on WGS 84.
+struct GnssFix {
+  Nanoseconds stamp{0};
+  GnssFixKind kind = GnssFixKind::none;
+  double latitude = 0.0;                      ///< degrees, north positive
+  double longitude = 0.0;                     ///< degrees, east positive
+  double altitude = 0.0;                      ///< m above the ellipsoid
+  std::optional<Eigen::Matrix3d> covariance;  ///< m², east north up; none: the receiver gives none
+};
+
+/// A pose that somebody else determined: T_parent_child maps child coordinates to the parent frame.
+struct ReferencePose {
+  Nanoseconds stamp{0};
+  std::string parent;  ///< frame; empty where the source names none
+  std::string child;
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
+};
+
+/// How two frames are mounted to each other.
+struct StaticTransform {
+  std::string parent;
+  std::string child;
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
 };
 
 /// A pose at a time: T_map_lidar maps lidar coordinates to the map frame.

@@ -18,8 +18,8 @@
 #include "tools/evaluation_plot.hpp"
 #include "tools/map_picture.hpp"
 #include "tools/output_file.hpp"
-#include "tools/ply_reader.hpp"
 #include "tools/progress.hpp"
+#include "tools/recordings/ply_reader.hpp"
 #include "tools/usage_error.hpp"
 
 namespace adit {

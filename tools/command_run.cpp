@@ -47,8 +47,16 @@ void check_options(const RunCommandOptions& options) {
   }
 }
 
-SweepRange choose_range(const Recording& recording, const RunCommandOptions& options) {
-  const std::size_t size = recording.size();
+/// The sweeps to map, and where they come from.
+struct SweepChoice {
+  std::size_t topic = 0;
+  std::size_t size = 0;  ///< sweeps in the recording
+  SweepRange range;
+};
+
+SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& options) {
+  const std::size_t topic = sweep_topic(recording, options.recording, options.topic);
+  const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
   const auto start = static_cast<std::size_t>(options.start);
   if (start >= size) {
     throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
@@ -56,16 +64,17 @@ SweepRange choose_range(const Recording& recording, const RunCommandOptions& opt
   }
   const std::size_t rest = size - start;
   const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
-  return {.first = start, .count = std::min(count, rest)};
+  return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
 }
 
 RunDescription describe_run(const RunCommandOptions& options, const Config& config,
-                            const Recording& recording, const engine::Context& context) {
+                            const Recording& recording, const SweepChoice& sweeps,
+                            const engine::Context& context) {
   return {.recording = options.recording,
           .recording_description = recording.description(),
-          .recording_sweeps = recording.size(),
+          .recording_sweeps = sweeps.size,
           .times_are_assumed = recording.times_are_assumed(),
-          .range = choose_range(recording, options),
+          .range = sweeps.range,
           .output = options.output,
           .map = options.map,
           .config = config,
@@ -136,13 +145,13 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   check_options(options);
   const Config config = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording);
-  const SweepRange range = choose_range(*recording, options);
+  const SweepChoice sweeps = choose_sweeps(*recording, options);
   check_writable(options.output, options.map);
   engine::Context context = open_device(options.device);
   if (context.software_fallback() && !options.quiet) {
     err << software_note(context.device()) << std::endl;
   }
-  const RunDescription description = describe_run(options, config, *recording, context);
+  const RunDescription description = describe_run(options, config, *recording, sweeps, context);
   Odometry odometry(context, config);
 
   RunOutputs outputs(options.output, options.map);
@@ -152,10 +161,11 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const StopSignal stop;
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
-                    "mapping", range.count);
+                    "mapping", sweeps.range.count);
   RunOutcome outcome =
       map_and_close({.recording = *recording,
-                     .range = range,
+                     .topic = sweeps.topic,
+                     .range = sweeps.range,
                      .place = [&](const Sweep& sweep) { return odometry.step(sweep); },
                      .stop = [] { return StopSignal::received() != 0; },
                      .outputs = outputs,
@@ -166,7 +176,7 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   outcome.device_peak_bytes = context.memory_peak();
   outcome.validation_messages = context.validation_messages();
 
-  const int code = judge(outcome, statistics, range.count, err);
+  const int code = judge(outcome, statistics, sweeps.range.count, err);
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   if (options.json) {
@@ -199,16 +209,17 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
   auto options = std::make_shared<RunCommandOptions>();
   CLI::App* command = app.add_subcommand("run", "Map a recording: trajectory, map and summary");
   command->footer(
-      "RECORDING is a folder of sweeps: KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or "
-      "one such file.\n"
+      "RECORDING is an MCAP file with ROS 1 or ROS 2 messages; or a folder of sweeps: KITTI\n"
+      "(velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
       "OUT gets trajectory.tum, trajectory.kitti, map.ply and summary.json.\n\n"
       "Examples:\n"
       "  adit run drive/ -o out\n"
+      "  adit run drive.mcap --topic /points -o out\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n\n"
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 130 stopped by Ctrl-C.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
-  command->add_option("recording", options->recording, "Folder or file of sweeps")
+  command->add_option("recording", options->recording, "File or folder to map")
       ->required()
       ->type_name("RECORDING");
   command->add_option("-o,--output", options->output, "Folder for the results; made if need be")
@@ -223,6 +234,10 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("M");
   command->add_flag_callback(
       "--no-map", [options] { options->map.enabled = false; }, "Write no map.ply");
+  command
+      ->add_option("--topic", options->topic,
+                   "The topic of the sweeps, where the recording has several")
+      ->type_name("NAME");
   command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
   command->add_option("--count", options->count, "Sweeps at most")->type_name("N");
   command->add_flag("--json", options->json, "Print summary.json instead of the table");

@@ -9,6 +9,7 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
+#include <string>
 
 #include "tools/config_file.hpp"
 #include "tools/device_session.hpp"
@@ -26,6 +27,7 @@ struct RunCommandOptions {
   ConfigSource config{};
   DeviceOptions device{};
   MapOptions map{};
+  std::string topic{};             ///< of the sweeps; empty: the only one
   int64_t start = 0;               ///< the first sweep, counted from 0
   std::optional<int64_t> count{};  ///< none: to the end
   bool json = false;               ///< summary.json on `out` instead of the table

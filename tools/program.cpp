@@ -80,7 +80,7 @@ int parse_and_run(int argc, const char* const* argv) {
   app.footer(
       "Examples:\n"
       "  adit demo                        see it work, without data\n"
-      "  adit run drive/ -o out           map a folder of sweeps\n"
+      "  adit run drive/ -o out           map a recording\n"
       "  adit evaluate out/trajectory.tum truth.txt\n\n"
       "`adit COMMAND --help` tells more. Exit codes: 0 done, 1 failed on the data or the device, 2 "
       "usage.");

@@ -4,6 +4,9 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <variant>
 
 #include "engine/error.hpp"
 #include "tools/input_error.hpp"
@@ -31,10 +34,14 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
   }
 }
 
-/// One turn of the loop.
-void map_sweep(const Mapping& mapping, std::size_t index) {
+/// One turn of the loop. Returns false where there is no further sweep.
+bool map_sweep(const Mapping& mapping, EventStream& events, std::size_t index) {
   const auto start = Clock::now();
-  const Sweep sweep = mapping.recording.read(index);
+  const std::optional<Event> event = events.next();
+  if (!event) {
+    return false;
+  }
+  const Sweep& sweep = std::get<Sweep>(event->value);
   HostTimes times{.read = ms_since(start)};
   const SweepResult result = mapping.place(sweep);
   times.host = result.host_ms;
@@ -46,6 +53,7 @@ void map_sweep(const Mapping& mapping, std::size_t index) {
   if (failure && !mapping.quiet) {
     note_failure(mapping.progress, *failure, mapping.statistics.failures().size());
   }
+  return true;
 }
 
 }  // namespace
@@ -68,13 +76,22 @@ std::string_view to_string(RunEnd end) {
 
 MappingResult map_recording(const Mapping& mapping) {
   try {
+    const std::unique_ptr<EventStream> events =
+        mapping.recording.events({.topics = {mapping.topic}, .skip = mapping.range.first});
     for (std::size_t done = 0; done < mapping.range.count; ++done) {
       if (mapping.stop()) {
         return {RunEnd::interrupted,
                 "stopped by a signal after " + std::to_string(done) + " sweeps"};
       }
-      map_sweep(mapping, mapping.range.first + done);
+      if (!map_sweep(mapping, *events, mapping.range.first + done)) {
+        break;
+      }
       mapping.progress.update(done + 1, mapping.statistics.failures().size());
+    }
+    // Behind the last sweep that could be counted, a recording that was cut off says so.
+    const std::size_t behind = mapping.range.first + mapping.range.count;
+    if (behind == mapping.recording.topics()[mapping.topic].messages) {
+      events->next();
     }
   } catch (const InputError& error) {
     return {RunEnd::input_error, error.what()};

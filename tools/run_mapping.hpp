@@ -12,7 +12,7 @@
 
 #include "slam/odometry.hpp"
 #include "tools/progress.hpp"
-#include "tools/recording.hpp"
+#include "tools/recordings/recording.hpp"
 #include "tools/run_outputs.hpp"
 #include "tools/run_statistics.hpp"
 
@@ -41,7 +41,8 @@ struct MappingResult {
 
 /// What map_recording() works with.
 struct Mapping {
-  Recording& recording;
+  const Recording& recording;
+  std::size_t topic;  ///< of the sweeps
   SweepRange range;
   std::function<SweepResult(const Sweep&)> place;  ///< Odometry::step
   std::function<bool()> stop;                      ///< asked before each sweep

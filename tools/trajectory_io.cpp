@@ -10,7 +10,7 @@
 
 #include "slam/lie.hpp"
 #include "tools/input_file.hpp"
-#include "tools/recording_times.hpp"
+#include "tools/recordings/sweep_times.hpp"
 
 namespace adit {
 namespace {

@@ -9,14 +9,18 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "slam/odometry.hpp"
 #include "tools/demo_recording.hpp"
-#include "tools/recording.hpp"
+#include "tools/recordings/recording.hpp"
 
 namespace adit::test {
 
@@ -40,12 +44,20 @@ inline std::size_t lines(const std::filesystem::path& file) {
 class MemoryRecording : public Recording {
  public:
   explicit MemoryRecording(std::size_t size, std::function<void(std::size_t)> before_read = {})
-      : size_(size), before_read_(std::move(before_read)) {}
+      : topics_({{.name = "/points",
+                  .type = "made for a test",
+                  .kind = TopicKind::sweeps,
+                  .messages = size}}),
+        before_read_(std::move(before_read)) {}
 
-  std::size_t size() const override { return size_; }
+  const std::vector<Topic>& topics() const override { return topics_; }
   std::string description() const override { return "made for a test"; }
   bool times_are_assumed() const override { return false; }
-  Sweep read(std::size_t index) override {
+  std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
+    return std::make_unique<Stream>(*this, selection.skip);
+  }
+
+  Sweep read(std::size_t index) const {
     if (before_read_) {
       before_read_(index);
     }
@@ -57,7 +69,24 @@ class MemoryRecording : public Recording {
   }
 
  private:
-  std::size_t size_;
+  class Stream : public EventStream {
+   public:
+    Stream(const MemoryRecording& recording, std::size_t first)
+        : recording_(&recording), index_(first) {}
+    std::optional<Event> next() override {
+      if (index_ >= recording_->topics_.front().messages) {
+        return std::nullopt;
+      }
+      Sweep sweep = recording_->read(index_++);
+      return Event{.topic = 0, .received = sweep.stamp, .value = std::move(sweep)};
+    }
+
+   private:
+    const MemoryRecording* recording_;
+    std::size_t index_;
+  };
+
+  std::vector<Topic> topics_;
   std::function<void(std::size_t)> before_read_;
 };
 

@@ -9,8 +9,8 @@
 
 #include "tests/support/temporary_folder.hpp"
 #include "tools/input_file.hpp"
-#include "tools/ply_reader.hpp"
 #include "tools/ply_writer.hpp"
+#include "tools/recordings/ply_reader.hpp"
 
 namespace adit {
 namespace {

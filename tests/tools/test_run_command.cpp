@@ -16,7 +16,9 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/run_support.hpp"
 #include "tools/evaluate.hpp"
-#include "tools/ply_reader.hpp"
+#include "tools/recordings/mcap_writer.hpp"
+#include "tools/recordings/ply_reader.hpp"
+#include "tools/recordings/ros_events.hpp"
 #include "tools/trajectory_io.hpp"
 #include "tools/version.hpp"
 
@@ -64,6 +66,49 @@ class RunCommand : public testing::Test {
   std::ostringstream printed_;
   std::ostringstream said_;
 };
+
+/// The recording as an MCAP file.
+fs::path write_mcap(const fs::path& folder, const fs::path& file) {
+  McapWriter writer(file, {});
+  const std::size_t channel = writer.add_channel({.topic = "/points",
+                                                  .type = "sensor_msgs/PointCloud2",
+                                                  .encoding = Encoding::cdr,
+                                                  .definition = {},
+                                                  .messages = std::nullopt});
+  const auto recording = open_recording(folder);
+  const auto events = recording->events({});
+  while (const std::optional<Event> event = events->next()) {
+    const ros::EncodedEvent message = ros::from_event(event->value, Encoding::cdr, "lidar");
+    writer.write(channel, event->received, message.bytes);
+  }
+  writer.close();
+  return file;
+}
+
+TEST_F(RunCommand, McapGivesTheSameBytesAsTheFolder) {
+  RunCommandOptions from = options();
+  EXPECT_EQ(run(from), 0) << said_.str();
+  const std::string trajectory = test::content(from.output / "trajectory.tum");
+  const std::string map = test::content(from.output / "map.ply");
+  from.recording = write_mcap(from.recording, out_ / "drive.mcap");
+  from.output = out_ / "from_mcap";
+  EXPECT_EQ(run(from), 0) << said_.str();
+  EXPECT_EQ(test::content(from.output / "trajectory.tum"), trajectory);
+  EXPECT_EQ(test::content(from.output / "map.ply"), map);
+}
+
+TEST_F(RunCommand, McapThatWasCutOffIsMappedUpToThereAndSaysSo) {
+  RunCommandOptions from = options();
+  const fs::path file = write_mcap(from.recording, out_ / "drive.mcap");
+  fs::resize_file(file, fs::file_size(file) / 2);
+  from.recording = file;
+  EXPECT_EQ(run(from), 1);
+  EXPECT_NE(said_.str().find("its recorder was killed"), std::string::npos) << said_.str();
+  EXPECT_EQ(summary()["status"], "input_error");
+  const std::size_t placed = test::lines(out_ / "out/trajectory.tum");
+  EXPECT_GT(placed, 0U);
+  EXPECT_LT(placed, kSweeps);
+}
 
 TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
   ASSERT_EQ(run(options()), 0) << said_.str();

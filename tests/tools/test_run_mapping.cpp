@@ -21,11 +21,12 @@ namespace {
 /// map_recording() with what it needs; the odometry is test::placed().
 class MapRecording : public testing::Test {
  protected:
-  MappingResult map(Recording& recording, SweepRange range,
+  MappingResult map(const Recording& recording, SweepRange range,
                     const std::function<SweepResult(const Sweep&)>& place = test::placed) {
     RunOutputs outputs(folder_.path(), {});
     Progress progress(notes_, ProgressStyle::none, "mapping", range.count);
     MappingResult result = map_recording({.recording = recording,
+                                          .topic = 0,
                                           .range = range,
                                           .place = place,
                                           .stop = [] { return StopSignal::received() != 0; },

@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/run_support.hpp"
 #include "tools/input_error.hpp"
-#include "tools/ply_reader.hpp"
+#include "tools/recordings/ply_reader.hpp"
 #include "tools/trajectory_io.hpp"
 
 namespace adit {

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The entry that a fuzzer calls with bytes that might be a ROS message: the first byte chooses type
+// and encoding. What is read must be written as bytes that are read to the same. For libFuzzer, as
+// fuzz_containers.cpp, with this file in its place.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "tools/recordings/ros_events.hpp"
+#include "tools/recordings/ros_visit.hpp"
+
+namespace {
+
+using adit::Encoding;
+
+template <class Message>
+void feed(Encoding encoding, std::span<const std::byte> bytes) {
+  Message message;
+  try {
+    message = adit::ros::decode<Message>(encoding, bytes);
+  } catch (const adit::ros::CodecError&) {
+    return;
+  }
+  const adit::Channel channel{.topic = "/t",
+                              .type = std::string(Message::kType),
+                              .encoding = encoding,
+                              .definition = {},
+                              .messages = {}};
+  try {
+    adit::ros::to_events(channel, {0, adit::Nanoseconds(1), bytes, 0}, "input");
+  } catch (const adit::ros::CodecError&) {
+    // a message that makes no sense
+  } catch (const adit::InputError&) {
+    // points that make no sense
+  }
+  std::vector<std::byte> written;
+  try {
+    written = adit::ros::encode(encoding, message);
+  } catch (const adit::ros::CodecError&) {
+    return;  // nanoseconds beyond a second push the time out of range
+  }
+  if (adit::ros::encode(encoding, adit::ros::decode<Message>(encoding, written)) != written) {
+    std::abort();
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
+  if (size == 0) {
+    return 0;
+  }
+  using namespace adit::ros;
+  constexpr void (*kFeeds[])(Encoding, std::span<const std::byte>) = {
+      feed<PointCloud2>, feed<Imu>,       feed<NavSatFix>,     feed<Odometry>,
+      feed<PoseStamped>, feed<TFMessage>, feed<LivoxCustomMsg>};
+  const std::size_t type = (data[0] / 2U) % std::size(kFeeds);
+  kFeeds[type](data[0] % 2 == 0 ? Encoding::ros1 : Encoding::cdr,
+               std::as_bytes(std::span(data + 1, size - 1)));
+  return 0;
+}

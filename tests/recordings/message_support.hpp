@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Messages of every type that is understood, and small recordings of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/recordings/message_writer.hpp"
+#include "tools/recordings/ros_definitions.hpp"
+#include "tools/recordings/ros_visit.hpp"
+
+namespace adit::test {
+
+inline constexpr Nanoseconds kStart{1623370000000000000};
+
+inline ros::Header header(uint32_t i, const std::string& frame) {
+  return {.sequence = i, .stamp = kStart + Nanoseconds(100000000 * i + 7), .frame = frame};
+}
+
+inline ros::Imu imu_message(uint32_t i) {
+  ros::Imu imu;
+  imu.header = header(i, "imu");
+  imu.orientation_covariance[0] = -1.0;
+  imu.angular_velocity = {0.01 * i, -0.02, 0.03};
+  imu.linear_acceleration = {0.1, 0.2 * i, 9.81};
+  imu.linear_acceleration_covariance[8] = 1e-3;
+  return imu;
+}
+
+/// Two points with intensity, ring and time; `data` is what the message views.
+struct CloudExample {
+  std::vector<std::byte> data;
+  ros::PointCloud2 message;
+};
+inline CloudExample cloud_message(uint32_t i) {
+  struct Packed {
+    float x, y, z, intensity, time;
+    uint16_t ring, unused;
+  };
+  static_assert(sizeof(Packed) == 24);
+  const std::array<Packed, 2> points = {
+      {{1.0F + static_cast<float>(i), 2.0F, 3.0F, 0.5F, 0.0F, 4, 0},
+       {-1.0F, -2.0F, -3.0F, 0.25F, 0.05F, 5, 0}}};
+  CloudExample cloud;
+  cloud.data.resize(sizeof points);
+  std::memcpy(cloud.data.data(), points.data(), sizeof points);
+  cloud.message.header = header(i, "os_sensor");
+  cloud.message.width = 2;
+  cloud.message.fields = {{"x", 0, 7, 1},          {"y", 4, 7, 1},     {"z", 8, 7, 1},
+                          {"intensity", 12, 7, 1}, {"time", 16, 7, 1}, {"ring", 20, 4, 1}};
+  cloud.message.point_step = 24;
+  cloud.message.row_step = 48;
+  cloud.message.data = cloud.data;
+  return cloud;
+}
+
+inline ros::NavSatFix fix_message(uint32_t i) {
+  ros::NavSatFix fix;
+  fix.header = header(i, "gnss");
+  fix.status = 2;
+  fix.service = 1;
+  fix.latitude = 41.65;
+  fix.longitude = -0.88 + 1e-6 * i;
+  fix.altitude = 220.5;
+  fix.position_covariance = {0.04, 0.001, 0, 0.001, 0.05, 0, 0, 0, 0.2};
+  fix.position_covariance_type = 3;
+  return fix;
+}
+
+inline ros::Odometry odometry_message(uint32_t i) {
+  ros::Odometry odometry;
+  odometry.header = header(i, "odom");
+  odometry.child_frame = "base_link";
+  odometry.pose = {{0.5 * i, 1.0, -2.0}, {0.0, 0.0, 0.6, 0.8}};
+  odometry.pose_covariance[35] = 0.01;
+  odometry.linear = {5.0, 0.0, 0.0};
+  odometry.angular = {0.0, 0.0, 0.1};
+  return odometry;
+}
+
+inline ros::PoseStamped pose_message(uint32_t i) {
+  return {.header = header(i, "map"), .pose = {{1.0, 2.0, 0.25 * i}, {0.5, 0.5, 0.5, 0.5}}};
+}
+
+inline ros::TransformStamped transform_message(uint32_t i, const std::string& child) {
+  return {.header = header(i, "base_link"),
+          .child_frame = child,
+          .translation = {0.1, -0.2, 0.3},
+          .rotation = {0.0, 0.0, 1.0, 0.0}};
+}
+
+inline ros::LivoxCustomMsg livox_message(uint32_t i) {
+  ros::LivoxCustomMsg message;
+  message.header = header(i, "livox_frame");
+  message.timebase = static_cast<uint64_t>(message.header.stamp.count());
+  message.point_num = 3;
+  message.lidar_id = 1;
+  message.points = {{1000, 1.0F, 2.0F, 3.0F, 40, 0x10, 1},
+                    {2000, 4.0F, 5.0F, 6.0F, 50, 0x20, 2},  // noise
+                    {50000, 7.0F, 8.0F, 9.0F, 60, 0x00, 3}};
+  return message;
+}
+
+/// A message on a topic, to be written.
+struct SampleMessage {
+  std::size_t channel = 0;  ///< index into sample_channels()
+  Nanoseconds received{0};
+  std::vector<std::byte> bytes;
+};
+
+inline std::vector<Channel> sample_channels(Encoding encoding) {
+  std::vector<Channel> channels;
+  const auto add = [&](const char* topic, std::string_view type) {
+    channels.push_back({.topic = topic,
+                        .type = std::string(type),
+                        .encoding = encoding,
+                        .definition = ros::definition_of(type, encoding).value().text,
+                        .messages = std::nullopt});
+  };
+  add("/points", ros::PointCloud2::kType);
+  add("/imu", ros::Imu::kType);
+  add("/fix", ros::NavSatFix::kType);
+  add("/odom", ros::Odometry::kType);
+  add("/pose", ros::PoseStamped::kType);
+  add("/vicon", ros::TransformStamped::kType);
+  add("/tf_static", ros::TFMessage::kType);
+  add("/livox", ros::LivoxCustomMsg::kType);
+  return channels;
+}
+
+/// `rounds` messages of every type but /tf_static, which has one.
+inline std::vector<SampleMessage> sample_messages(Encoding encoding, uint32_t rounds) {
+  std::vector<SampleMessage> messages;
+  for (uint32_t i = 0; i < rounds; ++i) {
+    const auto add = [&](std::size_t channel, const auto& message) {
+      const Nanoseconds received =
+          header(i, "").stamp + Nanoseconds(1000000 * static_cast<int64_t>(channel + 1));
+      messages.push_back({channel, received, ros::encode(encoding, message)});
+    };
+    add(0, cloud_message(i).message);
+    add(1, imu_message(i));
+    add(2, fix_message(i));
+    add(3, odometry_message(i));
+    add(4, pose_message(i));
+    add(5, transform_message(i, "vicon"));
+    if (i == 0) {
+      add(6, ros::TFMessage{{transform_message(i, "lidar"), transform_message(i, "imu")}});
+    }
+    add(7, livox_message(i));
+  }
+  return messages;
+}
+
+/// Without definitions the file is small.
+inline void write_sample(MessageWriter& writer, Encoding encoding, uint32_t rounds,
+                         bool definitions = true) {
+  std::vector<std::size_t> ids;
+  for (Channel channel : sample_channels(encoding)) {
+    if (!definitions) {
+      channel.definition.clear();
+    }
+    ids.push_back(writer.add_channel(channel));
+  }
+  for (const SampleMessage& message : sample_messages(encoding, rounds)) {
+    writer.write(ids[message.channel], message.received, message.bytes);
+  }
+}
+
+}  // namespace adit::test

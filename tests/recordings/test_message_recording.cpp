@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recordings/message_recording.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/recordings/event_support.hpp"
+#include "tests/recordings/message_support.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tools/recordings/mcap_writer.hpp"
+#include "tools/recordings/ros_events.hpp"
+
+namespace adit {
+namespace {
+
+/// A recording of one topic.
+template <class Message>
+std::unique_ptr<Recording> record(const test::TemporaryFolder& folder,
+                                  const std::vector<Message>& messages,
+                                  const std::string& topic = "/topic") {
+  const std::filesystem::path file = folder / "one.mcap";
+  McapWriter writer(file, {});
+  const std::size_t id = writer.add_channel({.topic = topic,
+                                             .type = std::string(Message::kType),
+                                             .encoding = Encoding::cdr,
+                                             .definition = {},
+                                             .messages = std::nullopt});
+  for (const Message& message : messages) {
+    writer.write(id, test::kStart, ros::encode(Encoding::cdr, message));
+  }
+  writer.close();
+  return open_recording(file);
+}
+
+class MessageRecordingOf : public testing::TestWithParam<Encoding> {};
+
+TEST_P(MessageRecordingOf, EveryTypeBecomesItsEvent) {
+  const test::TemporaryFolder folder;
+  McapWriter writer(folder / "all.mcap", {});
+  test::write_sample(writer, GetParam(), 2);
+  writer.close();
+  const auto recording = open_recording(folder / "all.mcap");
+  const test::ReadEvents read = test::read_all(*recording);
+  EXPECT_TRUE(read.errors.empty());
+  ASSERT_EQ(read.events.size(), 2U * 7U + 2U);
+  const Sweep& sweep = std::get<Sweep>(read.events[0].value);
+  EXPECT_EQ(sweep.stamp, test::kStart + Nanoseconds(7));
+  EXPECT_EQ(sweep.points.at(1).z, -3.0F);
+  EXPECT_EQ(sweep.rings, (std::vector<uint16_t>{4, 5}));
+  EXPECT_EQ(sweep.times, (std::vector<float>{0.0F, 0.05F}));
+  EXPECT_EQ(sweep.source, "/points#0");
+  const auto& imu = std::get<ImuSample>(read.events[1].value);
+  EXPECT_EQ(imu.angular_velocity, Eigen::Vector3d(0.0, -0.02, 0.03));
+  EXPECT_EQ(imu.linear_acceleration.z(), 9.81);
+  EXPECT_EQ(imu.stamp, test::kStart + Nanoseconds(7));
+  EXPECT_EQ(read.events[1].received, test::kStart + Nanoseconds(2000007));
+  const auto& fix = std::get<GnssFix>(read.events[2].value);
+  EXPECT_EQ(fix.kind, GnssFixKind::ground_augmented);
+  EXPECT_EQ(fix.latitude, 41.65);
+  EXPECT_EQ(fix.covariance.value()(0, 1), 0.001);
+  const auto& odometry = std::get<ReferencePose>(read.events[3].value);
+  EXPECT_EQ(odometry.parent, "odom");
+  EXPECT_EQ(odometry.child, "base_link");
+  EXPECT_NEAR(odometry.T_parent_child.linear()(0, 0), 1.0 - 2.0 * 0.36, 1e-15);
+  EXPECT_EQ(std::get<ReferencePose>(read.events[4].value).T_parent_child.translation().y(), 2.0);
+  EXPECT_EQ(std::get<ReferencePose>(read.events[5].value).child, "vicon");
+  EXPECT_EQ(std::get<StaticTransform>(read.events[6].value).child, "lidar");
+  EXPECT_EQ(std::get<StaticTransform>(read.events[7].value).child, "imu");
+  EXPECT_EQ(stamp_of(read.events[7]), read.events[7].received);
+  const auto& livox = std::get<Sweep>(read.events[8].value);
+  ASSERT_EQ(livox.points.size(), 2U) << "the point marked as noise is left out";
+  EXPECT_EQ(livox.stamp, test::kStart + Nanoseconds(7 + 1000));
+  EXPECT_EQ(livox.times, (std::vector<float>{0.0F, 49e-6F}));
+  EXPECT_EQ(livox.rings, (std::vector<uint16_t>{1, 3}));
+}
+
+TEST_P(MessageRecordingOf, EventsBecomeMessagesThatTellTheSame) {
+  const test::TemporaryFolder folder;
+  McapWriter writer(folder / "all.mcap", {});
+  test::write_sample(writer, GetParam(), 1);
+  writer.close();
+  for (const Event& event : test::read_all(*open_recording(folder / "all.mcap")).events) {
+    const ros::EncodedEvent encoded = ros::from_event(event.value, GetParam(), "frame");
+    const Channel channel{.topic = event.topic == 6 ? "/tf_static" : "/t",
+                          .type = encoded.type,
+                          .encoding = GetParam(),
+                          .definition = {},
+                          .messages = std::nullopt};
+    const std::vector<EventValue> again =
+        ros::to_events(channel, {0, event.received, encoded.bytes, 0}, "again");
+    ASSERT_EQ(again.size(), 1U);
+    EXPECT_EQ(again[0].index(), event.value.index());
+    EXPECT_EQ(stamp_of({0, event.received, again[0]}), stamp_of(event));
+    EXPECT_EQ(ros::from_event(again[0], GetParam(), "frame").bytes, encoded.bytes);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Encodings, MessageRecordingOf,
+                         testing::Values(Encoding::ros1, Encoding::cdr),
+                         [](const auto& tested) { return std::string(to_string(tested.param)); });
+
+TEST(MessageRecording, HeaderWithoutTimeCountsAsTakenWhenReceived) {
+  const test::TemporaryFolder folder;
+  ros::Imu imu = test::imu_message(0);
+  imu.header.stamp = Nanoseconds(0);
+  const auto read = test::read_all(*record<ros::Imu>(folder, {imu}));
+  EXPECT_EQ(stamp_of(read.events.at(0)), test::kStart);
+}
+
+TEST(MessageRecording, DamagedMessageIsNamedAndTheOthersAreRead) {
+  const test::TemporaryFolder folder;
+  std::vector<ros::PointCloud2> clouds(3, test::cloud_message(0).message);
+  const test::CloudExample example = test::cloud_message(0);
+  for (ros::PointCloud2& cloud : clouds) {
+    cloud.data = example.data;
+  }
+  clouds[1].width = 1000000;
+  const auto read = test::read_all(*record(folder, clouds));
+  EXPECT_EQ(read.events.size(), 2U);
+  ASSERT_EQ(read.errors.size(), 1U);
+  const std::string what = read.errors[0].what();
+  EXPECT_NE(what.find("one.mcap, message 1 of /topic (at byte "), std::string::npos) << what;
+  EXPECT_NE(what.find("1000000 x 1 points, 24000000 bytes, and has 48"), std::string::npos) << what;
+}
+
+TEST(MessageRecording, CloudsThatMakeNoSenseSayWhy) {
+  const auto error_of = [](const auto& change) {
+    const test::TemporaryFolder folder;
+    const test::CloudExample example = test::cloud_message(0);
+    ros::PointCloud2 cloud = example.message;
+    change(cloud);
+    const auto read = test::read_all(*record<ros::PointCloud2>(folder, {cloud}));
+    return read.errors.size() == 1 ? read.errors[0].found() : "read without an error";
+  };
+  using ros::PointCloud2;
+  EXPECT_NE(
+      error_of([](PointCloud2& c) { c.fields[0].offset = 21; }).find("field 'x' lies at byte 21"),
+      std::string::npos);
+  EXPECT_NE(error_of([](PointCloud2& c) { c.fields[2].name = "height"; }).find("lacks one of"),
+            std::string::npos);
+  EXPECT_NE(error_of([](PointCloud2& c) { c.fields[4].datatype = 9; }).find("datatype 9"),
+            std::string::npos);
+  EXPECT_NE(error_of([](PointCloud2& c) { c.point_step = 0; }).find("points of 0 bytes"),
+            std::string::npos);
+  EXPECT_NE(error_of([](PointCloud2& c) {
+              c.height = 2;
+              c.width = 1;
+              c.row_step = 3;
+            }).find("row_step of 3"),
+            std::string::npos);
+}
+
+TEST(MessageRecording, RowsMayBePadded) {
+  const test::TemporaryFolder folder;
+  const test::CloudExample example = test::cloud_message(0);
+  std::vector<std::byte> padded(example.data.begin(), example.data.begin() + 24);
+  padded.resize(30);
+  padded.insert(padded.end(), example.data.begin() + 24, example.data.end());
+  ros::PointCloud2 cloud = example.message;
+  cloud.height = 2;
+  cloud.width = 1;
+  cloud.row_step = 30;
+  cloud.data = padded;
+  const auto read = test::read_all(*record<ros::PointCloud2>(folder, {cloud}));
+  ASSERT_TRUE(read.errors.empty());
+  EXPECT_EQ(std::get<Sweep>(read.events.at(0).value).points.at(1).x, -1.0F);
+}
+
+TEST(MessageRecording, PoseWithoutRotationIsAnError) {
+  const test::TemporaryFolder folder;
+  ros::PoseStamped pose = test::pose_message(0);
+  pose.pose.orientation = {0.0, 0.0, 0.0, 0.0};
+  const auto read = test::read_all(*record<ros::PoseStamped>(folder, {pose}));
+  ASSERT_EQ(read.errors.size(), 1U);
+  EXPECT_NE(read.errors[0].found().find("quaternion of length 0"), std::string::npos);
+}
+
+TEST(MessageRecording, SeveralTopicsOfSweepsAskForAChoice) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "all.mcap";
+  McapWriter writer(file, {});
+  test::write_sample(writer, Encoding::cdr, 1);
+  writer.close();
+  const auto recording = open_recording(file);
+  EXPECT_EQ(sweep_topic(*recording, file, "/livox"), 7U);
+  try {
+    sweep_topic(*recording, file, "");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(error.found().find("2 topics of sweeps: /points, /livox"), std::string::npos);
+    EXPECT_NE(error.remedy().find("--topic"), std::string::npos);
+  }
+  EXPECT_THROW(sweep_topic(*recording, file, "/none"), InputError);
+  const auto imu = record<ros::Imu>(folder, {test::imu_message(0)});
+  EXPECT_THROW(sweep_topic(*imu, file, ""), InputError);
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recordings/pcd_reader.hpp"
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/point_files.hpp"
+#include "tools/recordings/pcd_lzf.hpp"
+
+namespace adit {
+namespace {
+
+using test::bytes_of;
+using test::bytes_of_all;
+
+/// x y z intensity of points 0..n-1, row by row, and field by field.
+std::string rows(std::size_t n) {
+  std::string data;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto v = static_cast<float>(i);
+    data += bytes_of_all(v, -v, 0.25F * v, 100.0F + v);
+  }
+  return data;
+}
+std::string columns(std::size_t n) {
+  std::string data;
+  for (int field = 0; field < 4; ++field) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto v = static_cast<float>(i);
+      const float values[] = {v, -v, 0.25F * v, 100.0F + v};
+      data += bytes_of(values[field]);
+    }
+  }
+  return data;
+}
+
+void expect_rows(const CloudFile& cloud, std::size_t n) {
+  ASSERT_EQ(cloud.sweep.points.size(), n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto v = static_cast<float>(i);
+    EXPECT_EQ(cloud.sweep.points[i].x, v);
+    EXPECT_EQ(cloud.sweep.points[i].y, -v);
+    EXPECT_EQ(cloud.sweep.points[i].z, 0.25F * v);
+    EXPECT_EQ(cloud.sweep.points[i].intensity, 100.0F + v);
+  }
+}
+
+InputError pcd_error(const std::string& content) {
+  try {
+    parse_pcd("bad.pcd", content);
+  } catch (const InputError& error) {
+    return error;
+  }
+  ADD_FAILURE() << "accepted: " << content.substr(0, 300);
+  return InputError("", {}, "", "");
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), with);
+}
+
+TEST(PcdReader, BinaryPoints) {
+  expect_rows(parse_pcd("a.pcd", test::pcd_header(100, "binary") + rows(100)), 100);
+}
+
+TEST(PcdReader, CompressedPoints) {
+  expect_rows(parse_pcd("a.pcd", test::pcd_header(100, "binary_compressed") +
+                                     test::pcd_compressed_body(columns(100))),
+              100);
+}
+
+TEST(PcdReader, AsciiPointsAndNan) {
+  const CloudFile cloud =
+      parse_pcd("a.pcd", test::pcd_header(2, "ascii") + "1 -2 0.5 7\r\n\nnan nan nan 0");
+  ASSERT_EQ(cloud.sweep.points.size(), 2U);
+  EXPECT_EQ(cloud.sweep.points[0].z, 0.5F);
+  EXPECT_TRUE(std::isnan(cloud.sweep.points[1].x));
+  EXPECT_EQ(cloud.sweep.source, "a.pcd");
+}
+
+TEST(PcdReader, HeaderWithWindowsLineEnds) {
+  std::string text = test::pcd_header(3, "binary");
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) {
+    text.replace(at, 1, "\r\n");
+  }
+  expect_rows(parse_pcd("a.pcd", text + rows(3)), 3);
+}
+
+TEST(PcdReader, FieldsOfAnOusterDriver) {
+  const std::string header =
+      "VERSION 0.7\nFIELDS x y z _ intensity t reflectivity ring _ ambient\nSIZE 4 4 4 1 4 4 2 1 1 "
+      "2\n"
+      "TYPE F F F U F U U U U U\nCOUNT 1 1 1 4 1 1 1 1 3 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA "
+      "binary\n";
+  const auto point = [](float x, uint32_t t, uint8_t ring) {
+    return bytes_of_all(x, 2.0F, 3.0F, uint32_t{0}, 50.0F, t, uint16_t{9}, ring, uint8_t{0},
+                        uint8_t{0}, uint8_t{0}, uint16_t{1});
+  };
+  const CloudFile cloud =
+      parse_pcd("a.pcd", header + point(1.0F, 100000000, 5) + point(4.0F, 2000000, 127));
+  ASSERT_EQ(cloud.sweep.points.size(), 2U);
+  EXPECT_EQ(cloud.sweep.points[1].x, 4.0F);
+  EXPECT_EQ(cloud.sweep.points[1].intensity, 50.0F);
+  EXPECT_EQ(cloud.sweep.rings, (std::vector<uint16_t>{5, 127}));
+  EXPECT_EQ(cloud.sweep.stamp, Nanoseconds(2000000));
+  EXPECT_FALSE(cloud.absolute_stamp);
+  EXPECT_NEAR(cloud.sweep.times.at(0), 0.098F, 1e-7F);
+}
+
+TEST(PcdReader, CompressedDataMayLeavePaddingOut) {
+  const std::string header =
+      "FIELDS x _ y z\nSIZE 4 1 4 4\nTYPE F U F F\nCOUNT 1 4 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS "
+      "2\nDATA binary_compressed\n";
+  const std::string packed = bytes_of_all(1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F);
+  const std::string padded = bytes_of_all(1.0F, 2.0F, uint64_t{0}, 3.0F, 4.0F, 5.0F, 6.0F);
+  for (const std::string& data : {packed, padded}) {
+    const CloudFile cloud = parse_pcd("a.pcd", header + test::pcd_compressed_body(data));
+    EXPECT_EQ(cloud.sweep.points.at(1).x, 2.0F);
+    EXPECT_EQ(cloud.sweep.points.at(1).y, 4.0F);
+    EXPECT_EQ(cloud.sweep.points.at(0).z, 5.0F);
+  }
+}
+
+TEST(PcdReader, DoublePrecisionAndAbsoluteTimes) {
+  const std::string header =
+      "FIELDS x y z timestamp\nSIZE 8 8 8 8\nTYPE F F F F\nWIDTH 1\nHEIGHT 1\nDATA binary\n";
+  const CloudFile cloud = parse_pcd("a.pcd", header + bytes_of_all(1.0, 2.0, 3.0, 1623370000.25));
+  EXPECT_EQ(cloud.sweep.points.at(0).y, 2.0F);
+  EXPECT_TRUE(cloud.absolute_stamp);
+  EXPECT_EQ(cloud.sweep.stamp, Nanoseconds(1623370000250000000));
+}
+
+TEST(PcdReader, NoPointsAreAnEmptySweep) {
+  EXPECT_TRUE(parse_pcd("a.pcd", test::pcd_header(0, "binary")).sweep.points.empty());
+  EXPECT_TRUE(parse_pcd("a.pcd", test::pcd_header(0, "ascii")).sweep.points.empty());
+}
+
+TEST(PcdReader, MorePointsPromisedThanHeldGivesBothNumbers) {
+  const InputError error = pcd_error(test::pcd_header(100, "binary") + rows(99));
+  EXPECT_NE(error.found().find("promises 100 points of 16 bytes, 1600 in all"), std::string::npos);
+  EXPECT_NE(error.found().find("1584 bytes after its header, 99 points"), std::string::npos);
+}
+
+TEST(PcdReader, FewerPointsPromisedThanHeldIsAnError) {
+  EXPECT_NE(pcd_error(test::pcd_header(98, "binary") + rows(99)).found().find("99 points"),
+            std::string::npos);
+  EXPECT_EQ(pcd_error(test::pcd_header(1, "ascii") + "1 2 3 4\n5 6 7 8\n").place(), "line 13");
+}
+
+TEST(PcdReader, AbsurdSizesTakeNoMemory) {
+  const std::string header = test::pcd_header(2000000000, "binary");
+  EXPECT_NE(pcd_error(header + rows(2)).found().find("promises 2000000000 points"),
+            std::string::npos);
+  EXPECT_NE(
+      pcd_error(test::pcd_header(2000000000, "ascii") + "1 2 3 4\n").found().find("cannot hold"),
+      std::string::npos);
+  // The packed data promise 32 GB with sizes that agree with the header.
+  const std::string body = bytes_of_all(uint32_t{4}, uint32_t{16 * 200000000U}) + "abcd";
+  EXPECT_NE(pcd_error(test::pcd_header(200000000, "binary_compressed") + body)
+                .found()
+                .find("cannot stand for"),
+            std::string::npos);
+  pcd_error(replaced(header, "WIDTH 2000000000", "WIDTH 99999999999999999999"));
+  pcd_error(replaced(replaced(header, "COUNT 1 1 1 1", "COUNT 1 1 1 99999999"), "WIDTH 2000000000",
+                     "WIDTH 1"));
+}
+
+TEST(PcdReader, WidthTimesHeightMustBePoints) {
+  const InputError error =
+      pcd_error(replaced(test::pcd_header(6, "binary"), "HEIGHT 1", "HEIGHT 2") + rows(6));
+  EXPECT_EQ(error.place(), "line 10");
+  EXPECT_NE(error.found().find("POINTS is 6, but WIDTH x HEIGHT is 6 x 2 = 12"), std::string::npos);
+}
+
+TEST(PcdReader, EntriesThatContradictTheFieldsNameTheLine) {
+  const std::string header = test::pcd_header(1, "binary");
+  EXPECT_EQ(pcd_error(replaced(header, "SIZE 4 4 4 4", "SIZE 4 4 4") + rows(1)).place(), "line 4");
+  EXPECT_EQ(pcd_error(replaced(header, "TYPE F F F F", "TYPE F F F F F") + rows(1)).place(),
+            "line 5");
+  EXPECT_EQ(pcd_error(replaced(header, "COUNT 1 1 1 1", "COUNT 1 1") + rows(1)).place(), "line 6");
+  EXPECT_EQ(pcd_error(replaced(header, "COUNT 1 1 1 1", "COUNT 1 1 1 0") + rows(1)).place(),
+            "line 6");
+  EXPECT_EQ(pcd_error(replaced(header, "SIZE 4 4 4 4", "SIZE 4 4 4 3") + rows(1)).place(),
+            "line 5");
+  EXPECT_EQ(pcd_error(replaced(header, "TYPE F F F F", "TYPE F F F Q") + rows(1)).place(),
+            "line 5");
+  EXPECT_EQ(pcd_error(replaced(header, "DATA binary", "DATA zip") + rows(1)).place(), "line 11");
+  EXPECT_EQ(pcd_error(replaced(header, "HEIGHT 1", "HEIGHT -1") + rows(1)).place(), "line 8");
+  EXPECT_EQ(pcd_error(replaced(header, "HEIGHT 1", "HIGHT 1") + rows(1)).place(), "line 8");
+  EXPECT_EQ(pcd_error(replaced(header, "HEIGHT 1", "WIDTH 1") + rows(1)).place(), "line 8");
+}
+
+TEST(PcdReader, MissingEntriesAreNamed) {
+  const std::string header = test::pcd_header(1, "binary");
+  EXPECT_NE(pcd_error(replaced(header, "WIDTH 1\n", "") + rows(1)).found().find("WIDTH"),
+            std::string::npos);
+  EXPECT_NE(pcd_error(replaced(header, "SIZE 4 4 4 4\n", "") + rows(1)).found().find("SIZE"),
+            std::string::npos);
+  EXPECT_NE(pcd_error("").found().find("DATA"), std::string::npos);
+  EXPECT_NE(pcd_error(replaced(header, "FIELDS x y z", "FIELDS x y w") + rows(1))
+                .found()
+                .find("x, y or z"),
+            std::string::npos);
+  EXPECT_NE(
+      pcd_error("FIELDS\nSIZE\nTYPE\nWIDTH 1\nHEIGHT 1\nDATA binary\n").found().find("x, y or z"),
+      std::string::npos);
+}
+
+TEST(PcdReader, AsciiErrorsNameTheLine) {
+  const std::string header = test::pcd_header(2, "ascii");
+  EXPECT_EQ(pcd_error(header + "1 2 3 4\n1 2 3\n").place(), "line 13");
+  EXPECT_EQ(pcd_error(header + "1 2 3 4\n1 2 x 4\n").place(), "line 13");
+  EXPECT_EQ(pcd_error(header + "1 2 3 444444444\n").place(), "line 13");
+}
+
+TEST(PcdReader, DamagedCompressionNamesTheByte) {
+  const std::string header = test::pcd_header(100, "binary_compressed");
+  const std::string body = test::pcd_compressed_body(columns(100));
+  EXPECT_NE(pcd_error(header + body.substr(0, body.size() / 2)).found().find("the file holds"),
+            std::string::npos);
+  std::string damaged = body;
+  damaged[8] = static_cast<char>(0xff);  // a reference to before the start
+  EXPECT_EQ(pcd_error(header + damaged).place(), "byte " + std::to_string(header.size() + 8));
+  EXPECT_NE(pcd_error(header + body.substr(0, 7)).found().find("sizes"), std::string::npos);
+}
+
+TEST(Lzf, RandomAndRepetitiveDataSurviveTheRoundTrip) {
+  std::mt19937 random(1);
+  for (std::size_t size = 0; size < 3000; size += 1 + size / 7) {
+    for (const unsigned letters : {1U, 2U, 8U, 256U}) {
+      std::string data(size, '\0');
+      for (char& c : data) {
+        c = static_cast<char>(random() % letters);
+      }
+      const std::string packed = test::lzf_compress(data);
+      std::string out(size, '?');
+      EXPECT_FALSE(
+          lzf_expand(std::as_bytes(std::span(packed)), std::as_writable_bytes(std::span(out))));
+      EXPECT_EQ(out, data);
+    }
+  }
+}
+
+TEST(Lzf, LongestReferenceExpandsAsMuchAsIsClaimed) {
+  std::string packed = {0, 'x'};
+  packed += std::string({static_cast<char>(7U << 5U), static_cast<char>(255), 0});
+  std::string out(1 + 3 * kLzfLargestExpansion, '?');
+  EXPECT_FALSE(
+      lzf_expand(std::as_bytes(std::span(packed)), std::as_writable_bytes(std::span(out))));
+  EXPECT_EQ(out, std::string(265, 'x'));
+}
+
+TEST(Lzf, BrokenDataGiveTheOffset) {
+  const auto expand = [](const std::string& packed, std::size_t size) {
+    std::string out(size, '?');
+    return lzf_expand(std::as_bytes(std::span(packed)), std::as_writable_bytes(std::span(out)));
+  };
+  EXPECT_EQ(expand({0, 'x', 0}, 2), 2U);          // a literal run without its byte
+  EXPECT_EQ(expand({1, 'x', 'y'}, 1), 0U);        // longer than promised
+  EXPECT_EQ(expand({0, 'x'}, 2), 2U);             // shorter than promised
+  EXPECT_EQ(expand({0, 'x', 1 << 5, 1}, 4), 2U);  // refers to before the start
+  EXPECT_EQ(expand({0, 'x', static_cast<char>(7U << 5U), 9}, 20), 2U);  // a reference breaks off
+}
+
+}  // namespace
+}  // namespace adit

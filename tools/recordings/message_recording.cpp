@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recordings/message_recording.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <string>
+#include <utility>
+
+#include "tools/recordings/ros_codec.hpp"
+#include "tools/recordings/ros_events.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file and the topic of each of its channels.
+struct Part {
+  std::unique_ptr<MessageFile> file;
+  std::vector<std::size_t> topics;
+};
+
+class MessageEventStream final : public EventStream {
+ public:
+  MessageEventStream(const std::vector<Part>& parts, const std::vector<Topic>& topics,
+                     EventSelection selection)
+      : parts_(&parts), selection_(std::move(selection)), taken_(topics.size()) {
+    for (std::size_t i = 0; i < topics.size(); ++i) {
+      const bool chosen = selection_.topics.empty() || std::ranges::count(selection_.topics, i) > 0;
+      wanted_.push_back(chosen && topics[i].kind != TopicKind::other);
+    }
+  }
+
+  std::optional<Event> next() override {
+    while (true) {
+      if (!ready_.empty()) {
+        Event event = std::move(ready_.front());
+        ready_.pop_front();
+        return event;
+      }
+      if (!stream_ && !open_next()) {
+        return std::nullopt;
+      }
+      const std::optional<RawMessage> message = stream_->next();
+      if (!message) {
+        stream_.reset();
+        continue;
+      }
+      take(*message);
+    }
+  }
+
+ private:
+  /// The next file that has a topic of interest.
+  bool open_next() {
+    while (part_ < parts_->size()) {
+      const Part& part = (*parts_)[part_++];
+      MessageSelection selection{.channels = {}, .begin = selection_.begin, .end = selection_.end};
+      for (std::size_t i = 0; i < part.topics.size(); ++i) {
+        if (wanted_[part.topics[i]]) {
+          selection.channels.push_back(i);
+        }
+      }
+      if (!selection.channels.empty() || part.file->damage()) {
+        current_ = &part;
+        stream_ = part.file->messages(selection);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void take(const RawMessage& message) {
+    const Channel& channel = current_->file->channels()[message.channel];
+    const std::size_t topic = current_->topics[message.channel];
+    if (!wanted_[topic]) {
+      return;
+    }
+    const uint64_t number = taken_[topic]++;
+    if (skipped_ < selection_.skip) {
+      ++skipped_;
+      return;
+    }
+    const fs::path& file = current_->file->path();
+    const std::string place = "message " + std::to_string(number) + " of " + channel.topic +
+                              " (at byte " + std::to_string(message.offset) + ")";
+    const auto fail = [&](const std::string& at, const std::string& found,
+                          const std::string& remedy) {
+      throw InputError(file, Place::named(place + at), found, remedy);
+    };
+    try {
+      for (EventValue& value : ros::to_events(channel, message, file)) {
+        if (auto* sweep = std::get_if<Sweep>(&value)) {
+          sweep->source = channel.topic + "#" + std::to_string(number);
+        }
+        ready_.push_back({topic, message.received, std::move(value)});
+      }
+    } catch (const ros::CodecError& error) {
+      fail(
+          "", "it is no whole " + channel.type + ": " + error.what(),
+          "The message is damaged, or not of the type that the file tells; the others can be read");
+    } catch (const InputError& error) {
+      fail(", " + error.place(), error.found(), error.remedy());
+    }
+  }
+
+  const std::vector<Part>* parts_;
+  EventSelection selection_;
+  std::vector<bool> wanted_;     // by topic
+  std::vector<uint64_t> taken_;  // messages so far, by topic
+  uint64_t skipped_ = 0;
+  std::size_t part_ = 0;
+  const Part* current_ = nullptr;
+  std::unique_ptr<MessageStream> stream_;
+  std::deque<Event> ready_;
+};
+
+class MessageRecording final : public Recording {
+ public:
+  MessageRecording(fs::path path, std::vector<std::unique_ptr<MessageFile>> files)
+      : path_(std::move(path)) {
+    for (std::unique_ptr<MessageFile>& file : files) {
+      Part part{std::move(file), {}};
+      for (const Channel& channel : part.file->channels()) {
+        part.topics.push_back(topic_of(channel));
+      }
+      parts_.push_back(std::move(part));
+    }
+  }
+
+  const std::vector<Topic>& topics() const override { return topics_; }
+  bool times_are_assumed() const override { return false; }
+
+  std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
+    return std::make_unique<MessageEventStream>(parts_, topics_, selection);
+  }
+
+  std::string description() const override {
+    std::string text = path_.string() + ": " + parts_.front().file->format();
+    if (parts_.size() > 1) {
+      text += " in " + std::to_string(parts_.size()) + " files";
+    }
+    std::optional<TimeSpan> span;
+    for (const Part& part : parts_) {
+      if (const std::optional<TimeSpan> one = part.file->span()) {
+        span = span ? TimeSpan{std::min(span->begin, one->begin), std::max(span->end, one->end)}
+                    : *one;
+      }
+    }
+    if (span) {
+      const std::chrono::duration<double> duration = span->end - span->begin;
+      const std::string seconds = std::to_string(duration.count());
+      text += ", " + seconds.substr(0, seconds.find('.') + 2) + " s";
+    }
+    for (const Topic& topic : topics_) {
+      if (topic.kind == TopicKind::sweeps) {
+        text += ", " + std::to_string(topic.messages.value_or(0)) + " sweeps on " + topic.name;
+      }
+    }
+    return text;
+  }
+
+ private:
+  std::size_t topic_of(const Channel& channel) {
+    const TopicKind kind = ros::kind_of(channel);
+    const auto found = std::ranges::find_if(topics_, [&](const Topic& topic) {
+      return topic.name == channel.topic && topic.type == channel.type && topic.kind == kind;
+    });
+    if (found != topics_.end()) {
+      if (channel.messages) {
+        found->messages = found->messages.value_or(0) + *channel.messages;
+      }
+      return static_cast<std::size_t>(found - topics_.begin());
+    }
+    topics_.push_back({channel.topic, channel.type, kind, channel.messages});
+    return topics_.size() - 1;
+  }
+
+  fs::path path_;
+  std::vector<Part> parts_;
+  std::vector<Topic> topics_;
+};
+
+}  // namespace
+
+std::unique_ptr<Recording> make_message_recording(const fs::path& path,
+                                                  std::vector<std::unique_ptr<MessageFile>> files) {
+  return std::make_unique<MessageRecording>(path, std::move(files));
+}
+
+}  // namespace adit

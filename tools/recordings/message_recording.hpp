@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "tools/recordings/message_file.hpp"
+#include "tools/recordings/recording.hpp"
+
+namespace adit {
+
+/// A recording of messages, in one file or split over several that follow each other in time.
+/// Channels of the same topic, type and encoding are one topic. `path` is for descriptions.
+std::unique_ptr<Recording> make_message_recording(const std::filesystem::path& path,
+                                                  std::vector<std::unique_ptr<MessageFile>> files);
+
+}  // namespace adit

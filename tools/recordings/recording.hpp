@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A recording is a stream of typed events in the order in which they were recorded, whatever files
+// it lies in. See open_recording() for the formats.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "slam/types.hpp"
+#include "tools/input_error.hpp"
+
+namespace adit {
+
+/// What a topic tells.
+enum class TopicKind {
+  sweeps,
+  imu,
+  gnss,
+  poses,       ///< of somebody else's estimate or of the truth
+  transforms,  ///< static
+  other,       ///< nothing that is understood; never part of the stream
+};
+std::string_view to_string(TopicKind kind);
+
+/// A named series of events of one kind.
+struct Topic {
+  std::string name;  ///< "/points"; for folders, what the folder holds
+  std::string type;  ///< "sensor_msgs/PointCloud2", "KITTI .bin"
+  TopicKind kind = TopicKind::other;
+  std::optional<uint64_t> messages;  ///< how many the recording says there are
+};
+
+using EventValue = std::variant<Sweep, ImuSample, GnssFix, ReferencePose, StaticTransform>;
+
+struct Event {
+  std::size_t topic = 0;    ///< index into Recording::topics()
+  Nanoseconds received{0};  ///< the recorder's clock; for files of sweeps, the sweep's stamp
+  EventValue value;
+};
+
+/// The event's own time; that of a static transform is when it was received.
+Nanoseconds stamp_of(const Event& event);
+
+/// Which events to read.
+struct EventSelection {
+  std::vector<std::size_t> topics{};       ///< indices; empty: all but TopicKind::other
+  Nanoseconds begin = Nanoseconds::min();  ///< of `received`, inclusive
+  Nanoseconds end = Nanoseconds::max();    ///< of `received`, inclusive
+  uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
+};
+
+class EventStream {
+ public:
+  EventStream() = default;
+  virtual ~EventStream() = default;
+  EventStream(const EventStream&) = delete;
+  EventStream& operator=(const EventStream&) = delete;
+
+  /// The next event, nothing at the end. Throws InputError at a damaged place; the call after that
+  /// goes on behind it if there is a way to, else finds the end.
+  virtual std::optional<Event> next() = 0;
+};
+
+class Recording {
+ public:
+  Recording() = default;
+  virtual ~Recording() = default;
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  virtual const std::vector<Topic>& topics() const = 0;
+
+  /// Reads the events from the first on; memory does not grow with the recording. It must outlive
+  /// the stream, and may have several.
+  virtual std::unique_ptr<EventStream> events(const EventSelection& selection) const = 0;
+
+  /// For people, one line: what was recognised, how much it is, where the times come from.
+  virtual std::string description() const = 0;
+
+  /// True where nothing in the recording tells the times and 10 Hz was assumed (description() says
+  /// so too).
+  virtual bool times_are_assumed() const = 0;
+};
+
+/// The one topic of sweeps, or the one that is named. Throws InputError where there is none, or
+/// where there are several and none is named.
+std::size_t sweep_topic(const Recording& recording, const std::filesystem::path& path,
+                        const std::string& name);
+
+/// Opens a recording. Where there is an index, that alone is read.
+///
+/// - MCAP files (none, LZ4, Zstandard), with ROS 1 or ROS 2 messages.
+/// - Folders and files of sweeps: see open_sweep_files().
+///
+/// Throws InputError: nothing there or nothing readable in it.
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& path);
+
+}  // namespace adit

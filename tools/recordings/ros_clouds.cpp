@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recordings/ros_clouds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "tools/recordings/cloud_columns.hpp"
+#include "tools/recordings/ros_codec.hpp"
+
+namespace adit::ros {
+namespace {
+
+std::optional<ScalarType> scalar_type(uint8_t datatype) {
+  constexpr std::array kTypes = {ScalarType::i8,  ScalarType::u8,  ScalarType::i16,
+                                 ScalarType::u16, ScalarType::i32, ScalarType::u32,
+                                 ScalarType::f32, ScalarType::f64};
+  if (datatype < 1 || datatype > kTypes.size()) {
+    return std::nullopt;
+  }
+  return kTypes[datatype - 1U];
+}
+
+/// Throws CodecError unless the points lie within the data.
+void check_layout(const PointCloud2& cloud) {
+  const uint64_t row = uint64_t{cloud.width} * cloud.point_step;
+  if (row > cloud.row_step && cloud.height > 1) {
+    throw CodecError("its rows of " + std::to_string(cloud.width) + " points of " +
+                     std::to_string(cloud.point_step) + " bytes do not fit into its row_step of " +
+                     std::to_string(cloud.row_step) + " bytes");
+  }
+  const uint64_t step = cloud.height > 1 ? cloud.row_step : row;
+  // The last row need not be padded.
+  const uint64_t needed = cloud.height == 0 ? 0 : step * (cloud.height - 1) + row;
+  if (needed > cloud.data.size()) {
+    throw CodecError("it should have " + std::to_string(cloud.width) + " x " +
+                     std::to_string(cloud.height) + " points, " + std::to_string(needed) +
+                     " bytes, and has " + std::to_string(cloud.data.size()));
+  }
+}
+
+/// The rows one behind the other, where there is room between them.
+std::vector<std::byte> without_row_padding(const PointCloud2& cloud) {
+  const std::size_t row = std::size_t{cloud.width} * cloud.point_step;
+  std::vector<std::byte> packed;
+  packed.reserve(row * cloud.height);
+  for (std::size_t i = 0; i < cloud.height; ++i) {
+    const std::span<const std::byte> one = cloud.data.subspan(i * cloud.row_step, row);
+    packed.insert(packed.end(), one.begin(), one.end());
+  }
+  return packed;
+}
+
+CloudColumns find_columns(const PointCloud2& cloud, const std::byte* data) {
+  std::vector<std::string_view> names;
+  for (const PointField& field : cloud.fields) {
+    names.emplace_back(field.name);
+  }
+  const FieldRoles roles = find_roles(names);
+  CloudColumns columns;
+  columns.points = std::size_t{cloud.width} * cloud.height;
+  for (std::size_t role = 0; role < kFieldRoles; ++role) {
+    if (roles.index[role] < 0) {
+      continue;
+    }
+    const PointField& field = cloud.fields[static_cast<std::size_t>(roles.index[role])];
+    const std::optional<ScalarType> type = scalar_type(field.datatype);
+    if (!type) {
+      throw CodecError("its field '" + field.name + "' has the datatype " +
+                       std::to_string(field.datatype) + "; 1 to 8 are known");
+    }
+    if (uint64_t{field.offset} + size_of(*type) > cloud.point_step) {
+      throw CodecError("its field '" + field.name + "' lies at byte " +
+                       std::to_string(field.offset) + " of points of " +
+                       std::to_string(cloud.point_step) + " bytes");
+    }
+    columns.columns[role] = Column{.data = data,
+                                   .offset = field.offset,
+                                   .stride = cloud.point_step,
+                                   .type = *type,
+                                   .swap_bytes = cloud.is_bigendian};
+  }
+  for (const FieldRole role : {FieldRole::x, FieldRole::y, FieldRole::z}) {
+    if (!columns[role]) {
+      throw CodecError("it lacks one of the fields x, y and z");
+    }
+  }
+  return columns;
+}
+
+}  // namespace
+
+Sweep to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file) {
+  check_layout(cloud);
+  const bool padded =
+      cloud.height > 1 && cloud.row_step != uint64_t{cloud.width} * cloud.point_step;
+  const std::vector<std::byte> packed =
+      padded ? without_row_padding(cloud) : std::vector<std::byte>{};
+  CloudFile decoded =
+      decode_cloud(file, find_columns(cloud, padded ? packed.data() : cloud.data.data()));
+  if (!decoded.absolute_stamp) {
+    decoded.sweep.stamp += stamp;
+  }
+  return std::move(decoded.sweep);
+}
+
+Sweep to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
+  constexpr uint8_t kConfidence = 0x30;
+  constexpr uint8_t kGood = 0x00;
+  constexpr uint8_t kFair = 0x10;
+  Sweep sweep;
+  uint32_t first = std::numeric_limits<uint32_t>::max();
+  std::vector<uint32_t> offsets;
+  for (const LivoxPoint& point : message.points) {
+    const uint8_t confidence = point.tag & kConfidence;
+    if (confidence == kGood || confidence == kFair) {
+      sweep.points.push_back({point.x, point.y, point.z, static_cast<float>(point.reflectivity)});
+      sweep.rings.push_back(point.line);
+      offsets.push_back(point.offset_time);
+      first = std::min(first, point.offset_time);
+    }
+  }
+  for (const uint32_t offset : offsets) {
+    sweep.times.push_back(static_cast<float>(1e-9 * (offset - first)));
+  }
+  const bool has_base =
+      message.timebase != 0 &&
+      message.timebase <= static_cast<uint64_t>(std::numeric_limits<int64_t>::max() / 2);
+  sweep.stamp = has_base ? Nanoseconds(static_cast<int64_t>(message.timebase)) : stamp;
+  if (!offsets.empty()) {
+    sweep.stamp += Nanoseconds(first);
+  }
+  return sweep;
+}
+
+CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
+  constexpr uint8_t kUint16 = 4;
+  constexpr uint8_t kFloat32 = 7;
+  CloudMessage cloud;
+  PointCloud2& message = cloud.message;
+  message.header = {.sequence = 0, .stamp = sweep.stamp, .frame = frame};
+  message.width = static_cast<uint32_t>(sweep.points.size());
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    message.fields.push_back({name, message.point_step, kFloat32, 1});
+    message.point_step += 4;
+  }
+  const uint32_t ring_at = message.point_step;
+  if (!sweep.rings.empty()) {
+    message.fields.push_back({"ring", ring_at, kUint16, 1});
+    message.point_step += 2;
+  }
+  const uint32_t time_at = message.point_step;
+  if (!sweep.times.empty()) {
+    message.fields.push_back({"time", time_at, kFloat32, 1});
+    message.point_step += 4;
+  }
+  message.row_step = message.width * message.point_step;
+  cloud.data.resize(message.row_step);
+  for (std::size_t i = 0; i < sweep.points.size(); ++i) {
+    std::byte* at = cloud.data.data() + i * message.point_step;
+    std::memcpy(at, &sweep.points[i], sizeof(Point));
+    if (!sweep.rings.empty()) {
+      std::memcpy(at + ring_at, &sweep.rings[i], sizeof(uint16_t));
+    }
+    if (!sweep.times.empty()) {
+      std::memcpy(at + time_at, &sweep.times[i], sizeof(float));
+    }
+  }
+  message.data = cloud.data;
+  return cloud;
+}
+
+}  // namespace adit::ros

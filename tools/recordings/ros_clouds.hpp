@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "slam/types.hpp"
+#include "tools/recordings/ros_messages.hpp"
+
+namespace adit::ros {
+
+/// The sweep in a point cloud, `stamp` being its header's time. Fields are told by their names, as
+/// in cloud_columns.hpp; per-point times as in point_times.hpp. Throws CodecError where the layout
+/// makes no sense, InputError (naming `file`) where a point does.
+Sweep to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file);
+
+/// The sweep in Livox's own message. Its timebase is the time of the first point; where it is 0 the
+/// header's time is taken.
+Sweep to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp);
+
+/// A cloud with the bytes that its `data` views.
+struct CloudMessage {
+  std::vector<std::byte> data;
+  PointCloud2 message;
+};
+
+/// Fields: x y z intensity as float32, and where the sweep has them ring as uint16 and time as
+/// float32, seconds after the header's stamp.
+CloudMessage to_cloud(const Sweep& sweep, const std::string& frame);
+
+}  // namespace adit::ros

@@ -1,0 +1,234 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recordings/ros_events.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "tools/recordings/ros_clouds.hpp"
+#include "tools/recordings/ros_visit.hpp"
+
+namespace adit::ros {
+namespace {
+
+Nanoseconds time_of(const Header& header, const RawMessage& message) {
+  return header.stamp == Nanoseconds(0) ? message.received : header.stamp;
+}
+
+Eigen::Vector3d vector(const Vector3& v) {
+  return {v.x, v.y, v.z};
+}
+Vector3 vector(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Throws CodecError where the numbers are no pose.
+Eigen::Isometry3d isometry(const Vector3& position, const Quaternion& rotation) {
+  const Eigen::Quaterniond q(rotation.w, rotation.x, rotation.y, rotation.z);
+  const double norm = q.norm();
+  if (!(norm > 0.5 && norm < 2.0) || !vector(position).allFinite()) {
+    throw CodecError("its pose has a quaternion of length " + std::to_string(norm) +
+                     " (expected: 1), or a position that is not finite");
+  }
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  pose.translation() = vector(position);
+  return pose;
+}
+
+Quaternion quaternion(const Eigen::Isometry3d& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+
+ImuSample to_event(const Imu& imu, const RawMessage& message) {
+  return {.stamp = time_of(imu.header, message),
+          .angular_velocity = vector(imu.angular_velocity),
+          .linear_acceleration = vector(imu.linear_acceleration)};
+}
+
+GnssFix to_event(const NavSatFix& fix, const RawMessage& message) {
+  GnssFix event;
+  event.stamp = time_of(fix.header, message);
+  event.kind = fix.status < 0    ? GnssFixKind::none
+               : fix.status == 0 ? GnssFixKind::single
+               : fix.status == 1 ? GnssFixKind::satellite_augmented
+                                 : GnssFixKind::ground_augmented;
+  event.latitude = fix.latitude;
+  event.longitude = fix.longitude;
+  event.altitude = fix.altitude;
+  if (fix.position_covariance_type != 0) {
+    event.covariance = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+        fix.position_covariance.data());
+  }
+  return event;
+}
+
+ReferencePose to_event(const Odometry& odometry, const RawMessage& message) {
+  return {.stamp = time_of(odometry.header, message),
+          .parent = odometry.header.frame,
+          .child = odometry.child_frame,
+          .T_parent_child = isometry(odometry.pose.position, odometry.pose.orientation)};
+}
+
+ReferencePose to_event(const PoseStamped& pose, const RawMessage& message) {
+  return {.stamp = time_of(pose.header, message),
+          .parent = pose.header.frame,
+          .child = {},
+          .T_parent_child = isometry(pose.pose.position, pose.pose.orientation)};
+}
+
+EventValue to_event(const TransformStamped& transform, const RawMessage& message, bool is_static) {
+  const Eigen::Isometry3d pose = isometry(transform.translation, transform.rotation);
+  if (is_static) {
+    return StaticTransform{transform.header.frame, transform.child_frame, pose};
+  }
+  return ReferencePose{time_of(transform.header, message), transform.header.frame,
+                       transform.child_frame, pose};
+}
+
+bool is_livox(std::string_view type) {
+  return type.starts_with("livox") && type.ends_with("/CustomMsg");
+}
+bool is_transforms(std::string_view type) {
+  return type == TFMessage::kType || type == "tf/tfMessage";
+}
+bool is_static(const Channel& channel) {
+  return channel.topic.ends_with("tf_static");
+}
+
+/// The one event of a message that holds one.
+template <class Message>
+std::vector<EventValue> single(const Channel& channel, const RawMessage& message) {
+  std::vector<EventValue> events;
+  events.emplace_back(to_event(decode<Message>(channel.encoding, message.bytes), message));
+  return events;
+}
+
+std::vector<EventValue> transforms(const Channel& channel, const RawMessage& message) {
+  std::vector<EventValue> events;
+  for (const TransformStamped& one :
+       decode<TFMessage>(channel.encoding, message.bytes).transforms) {
+    events.push_back(to_event(one, message, is_static(channel)));
+  }
+  return events;
+}
+
+std::vector<EventValue> sweep(Sweep sweep) {
+  std::vector<EventValue> events;
+  events.emplace_back(std::move(sweep));
+  return events;
+}
+
+EncodedEvent encoded(const auto& message, Encoding encoding) {
+  return {std::string(message.kType), encode(encoding, message)};
+}
+
+EncodedEvent message_of(const Sweep& sweep, Encoding encoding, const std::string& frame) {
+  const CloudMessage cloud = to_cloud(sweep, frame);
+  return encoded(cloud.message, encoding);
+}
+
+EncodedEvent message_of(const ImuSample& sample, Encoding encoding, const std::string& frame) {
+  Imu imu;
+  imu.header = {.sequence = 0, .stamp = sample.stamp, .frame = frame};
+  imu.orientation_covariance[0] = -1.0;  // by the message's definition: no orientation
+  imu.angular_velocity = vector(sample.angular_velocity);
+  imu.linear_acceleration = vector(sample.linear_acceleration);
+  return encoded(imu, encoding);
+}
+
+EncodedEvent message_of(const GnssFix& fix, Encoding encoding, const std::string& frame) {
+  NavSatFix message;
+  message.header = {.sequence = 0, .stamp = fix.stamp, .frame = frame};
+  message.status = static_cast<int8_t>(static_cast<int>(fix.kind) - 1);
+  message.latitude = fix.latitude;
+  message.longitude = fix.longitude;
+  message.altitude = fix.altitude;
+  if (fix.covariance) {
+    constexpr uint8_t kKnown = 3;
+    message.position_covariance_type = kKnown;
+    for (std::size_t i = 0; i < 9; ++i) {
+      message.position_covariance[i] =
+          (*fix.covariance)(static_cast<int>(i / 3), static_cast<int>(i % 3));
+    }
+  }
+  return encoded(message, encoding);
+}
+
+EncodedEvent message_of(const ReferencePose& pose, Encoding encoding, const std::string&) {
+  Odometry message;
+  message.header = {.sequence = 0, .stamp = pose.stamp, .frame = pose.parent};
+  message.child_frame = pose.child;
+  message.pose = {vector(pose.T_parent_child.translation()), quaternion(pose.T_parent_child)};
+  return encoded(message, encoding);
+}
+
+EncodedEvent message_of(const StaticTransform& transform, Encoding encoding, const std::string&) {
+  TransformStamped stamped;
+  stamped.header.frame = transform.parent;
+  stamped.child_frame = transform.child;
+  stamped.translation = vector(transform.T_parent_child.translation());
+  stamped.rotation = quaternion(transform.T_parent_child);
+  return encoded(TFMessage{{stamped}}, encoding);
+}
+
+}  // namespace
+
+TopicKind kind_of(const Channel& channel) {
+  const std::string& type = channel.type;
+  if (channel.encoding == Encoding::other) {
+    return TopicKind::other;
+  }
+  if (type == PointCloud2::kType || is_livox(type)) {
+    return TopicKind::sweeps;
+  }
+  if (type == Imu::kType) {
+    return TopicKind::imu;
+  }
+  if (type == NavSatFix::kType) {
+    return TopicKind::gnss;
+  }
+  if (type == TransformStamped::kType || is_transforms(type)) {
+    return is_static(channel) ? TopicKind::transforms : TopicKind::poses;
+  }
+  return type == Odometry::kType || type == PoseStamped::kType ? TopicKind::poses
+                                                               : TopicKind::other;
+}
+
+std::vector<EventValue> to_events(const Channel& channel, const RawMessage& message,
+                                  const std::filesystem::path& file) {
+  const std::string& type = channel.type;
+  if (type == PointCloud2::kType) {
+    const auto cloud = decode<PointCloud2>(channel.encoding, message.bytes);
+    return sweep(to_sweep(cloud, time_of(cloud.header, message), file));
+  }
+  if (is_livox(type)) {
+    const auto cloud = decode<LivoxCustomMsg>(channel.encoding, message.bytes);
+    return sweep(to_sweep(cloud, time_of(cloud.header, message)));
+  }
+  if (type == Imu::kType) {
+    return single<Imu>(channel, message);
+  }
+  if (type == NavSatFix::kType) {
+    return single<NavSatFix>(channel, message);
+  }
+  if (type == Odometry::kType) {
+    return single<Odometry>(channel, message);
+  }
+  if (type == PoseStamped::kType) {
+    return single<PoseStamped>(channel, message);
+  }
+  if (type == TransformStamped::kType) {
+    return {to_event(decode<TransformStamped>(channel.encoding, message.bytes), message,
+                     is_static(channel))};
+  }
+  return is_transforms(type) ? transforms(channel, message) : std::vector<EventValue>{};
+}
+
+EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame) {
+  return std::visit([&](const auto& value) { return message_of(value, encoding, frame); }, event);
+}
+
+}  // namespace adit::ros

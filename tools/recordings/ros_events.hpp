@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the messages of a topic tell, as events, and events as messages.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/recordings/message_file.hpp"
+#include "tools/recordings/recording.hpp"
+
+namespace adit::ros {
+
+/// What a topic of such messages tells. TFMessage tells of static transforms on a topic named
+/// "tf_static" and of poses on others.
+TopicKind kind_of(const Channel& channel);
+
+/// The events in a message, in its order; none for kinds that are not understood. A message whose
+/// header has no time counts as taken when it was received.
+///
+/// Sweeps from Livox's CustomMsg are without the returns that the sensor marks as noise (bits 4 and
+/// 5 of the tag). Throws CodecError or InputError (naming `file` and the point) where the message
+/// is damaged.
+std::vector<EventValue> to_events(const Channel& channel, const RawMessage& message,
+                                  const std::filesystem::path& file);
+
+/// A message and its type.
+struct EncodedEvent {
+  std::string type;
+  std::vector<std::byte> bytes;
+};
+
+/// The event as a message with the frame `frame` (poses and transforms name their own). Throws
+/// CodecError where the encoding cannot hold its time.
+EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame);
+
+}  // namespace adit::ros

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// visit() names a message's fields in their order; Decoder and Encoder do the same with them.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "tools/recordings/ros_codec.hpp"
+#include "tools/recordings/ros_messages.hpp"
+
+namespace adit::ros {
+
+/// T to read, T or const T to write.
+template <class M, class T>
+concept IsA = std::same_as<std::remove_const_t<M>, T>;
+
+template <class Archive>
+void visit(Archive& archive, IsA<Header> auto& header) {
+  if (archive.encoding() == Encoding::ros1) {
+    archive(header.sequence);
+  }
+  archive.time(header.stamp);
+  archive(header.frame);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<Vector3> auto& v) {
+  archive(v.x, v.y, v.z);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<Quaternion> auto& q) {
+  archive(q.x, q.y, q.z, q.w);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<Pose> auto& pose) {
+  visit(archive, pose.position);
+  visit(archive, pose.orientation);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<PointField> auto& field) {
+  archive(field.name, field.offset, field.datatype, field.count);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<PointCloud2> auto& cloud) {
+  visit(archive, cloud.header);
+  archive(cloud.height, cloud.width);
+  archive.sequence(cloud.fields, 13, [](auto& a, auto& field) { visit(a, field); });
+  archive(cloud.is_bigendian, cloud.point_step, cloud.row_step);
+  archive.blob(cloud.data);
+  archive(cloud.is_dense);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<Imu> auto& imu) {
+  visit(archive, imu.header);
+  visit(archive, imu.orientation);
+  archive(imu.orientation_covariance);
+  visit(archive, imu.angular_velocity);
+  archive(imu.angular_velocity_covariance);
+  visit(archive, imu.linear_acceleration);
+  archive(imu.linear_acceleration_covariance);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<NavSatFix> auto& fix) {
+  visit(archive, fix.header);
+  archive(fix.status, fix.service, fix.latitude, fix.longitude, fix.altitude,
+          fix.position_covariance, fix.position_covariance_type);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<Odometry> auto& odometry) {
+  visit(archive, odometry.header);
+  archive(odometry.child_frame);
+  visit(archive, odometry.pose);
+  archive(odometry.pose_covariance);
+  visit(archive, odometry.linear);
+  visit(archive, odometry.angular);
+  archive(odometry.twist_covariance);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<PoseStamped> auto& pose) {
+  visit(archive, pose.header);
+  visit(archive, pose.pose);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<TransformStamped> auto& transform) {
+  visit(archive, transform.header);
+  archive(transform.child_frame);
+  visit(archive, transform.translation);
+  visit(archive, transform.rotation);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<TFMessage> auto& message) {
+  archive.sequence(message.transforms, 72, [](auto& a, auto& transform) { visit(a, transform); });
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<LivoxPoint> auto& point) {
+  archive(point.offset_time, point.x, point.y, point.z, point.reflectivity, point.tag, point.line);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<LivoxCustomMsg> auto& message) {
+  visit(archive, message.header);
+  archive(message.timebase, message.point_num, message.lidar_id, message.reserved);
+  archive.sequence(message.points, 19, [](auto& a, auto& point) { visit(a, point); });
+}
+
+/// Throws CodecError where the bytes are no such message.
+template <class Message>
+Message decode(Encoding encoding, std::span<const std::byte> bytes) {
+  Decoder decoder(encoding, bytes);
+  Message message;
+  visit(decoder, message);
+  return message;
+}
+
+/// Throws CodecError where the encoding cannot hold the message.
+template <class Message>
+std::vector<std::byte> encode(Encoding encoding, const Message& message) {
+  Encoder encoder(encoding);
+  visit(encoder, message);
+  return std::move(encoder).take();
+}
+
+}  // namespace adit::ros
