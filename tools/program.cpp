@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/command_config.hpp"
+#include "tools/command_convert.hpp"
 #include "tools/command_demo.hpp"
 #include "tools/command_devices.hpp"
 #include "tools/command_evaluate.hpp"
@@ -89,6 +90,7 @@ int parse_and_run(int argc, const char* const* argv) {
   const auto done = [&code](int command_code) { code = command_code; };
   add_demo_command(app, done);
   add_run_command(app, done);
+  add_convert_command(app, done);
   add_evaluate_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);

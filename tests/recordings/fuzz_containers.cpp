@@ -6,7 +6,7 @@
 // libFuzzer, with clang from the root of the tree, after `./dev build asan`:
 //   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -I. -I/usr/include/eigen3
 //     -DADIT_VERSION='""' tests/recordings/fuzz_containers.cpp tools/recordings/*.cpp
-//     tools/input_*.cpp tools/output_file.cpp tools/version.cpp -llz4 -lzstd -lbz2
+//     tools/input_*.cpp tools/output_file.cpp tools/version.cpp -llz4 -lzstd -lbz2 -lsqlite3
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/recordings/container_support.hpp"
 #include "tests/recordings/message_support.hpp"
 #include "tests/support/point_files.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -20,12 +19,11 @@
 namespace adit {
 namespace {
 
+using test::content_of;
+using test::is_prefix;
+using test::read;
+using test::Reading;
 using test::TemporaryFolder;
-
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::filesystem::path write_mcap(const TemporaryFolder& folder, const McapOptions& options,
                                  Encoding encoding = Encoding::cdr, uint32_t rounds = 3,
@@ -35,39 +33,6 @@ std::filesystem::path write_mcap(const TemporaryFolder& folder, const McapOption
   test::write_sample(writer, encoding, rounds, definitions);
   writer.close();
   return file;
-}
-
-/// The messages that can be read, and what was wrong.
-struct Reading {
-  std::vector<test::SampleMessage> messages;
-  std::vector<InputError> errors;
-};
-Reading read(const MessageFile& file, const MessageSelection& selection = {}) {
-  Reading reading;
-  const auto stream = file.messages(selection);
-  for (bool more = true; more;) {
-    try {
-      const auto message = stream->next();
-      more = message.has_value();
-      if (message) {
-        reading.messages.push_back(
-            {message->channel, message->received, {message->bytes.begin(), message->bytes.end()}});
-      }
-    } catch (const InputError& error) {
-      reading.errors.push_back(error);
-    }
-  }
-  return reading;
-}
-
-/// True where the messages are the first of those written.
-bool is_prefix(const std::vector<test::SampleMessage>& messages,
-               const std::vector<test::SampleMessage>& written) {
-  return messages.size() <= written.size() &&
-         std::equal(
-             messages.begin(), messages.end(), written.begin(), [](const auto& a, const auto& b) {
-               return a.channel == b.channel && a.received == b.received && a.bytes == b.bytes;
-             });
 }
 
 std::vector<McapOptions> variants() {

@@ -169,6 +169,12 @@ Unpacked Decompressor::unpack(Compression compression, std::span<const std::byte
   return {};
 }
 
+std::optional<uint64_t> zstd_content_size(std::span<const std::byte> frame) {
+  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  const bool known = size != ZSTD_CONTENTSIZE_UNKNOWN && size != ZSTD_CONTENTSIZE_ERROR;
+  return known ? std::optional<uint64_t>(size) : std::nullopt;
+}
+
 std::vector<std::byte> compress(Compression compression, std::span<const std::byte> bytes) {
   std::vector<std::byte> packed;
   switch (compression) {

@@ -38,6 +38,9 @@ class Decompressor {
   std::vector<std::byte> buffer_;
 };
 
+/// What a Zstandard frame says it unpacks to (bytes); nothing where it does not say or is none.
+std::optional<uint64_t> zstd_content_size(std::span<const std::byte> frame);
+
 /// Packs with the library's default level. Throws std::runtime_error where the library fails.
 std::vector<std::byte> compress(Compression compression, std::span<const std::byte> bytes);
 

@@ -26,12 +26,6 @@ std::string text_of(const ByteWriter& bytes) {
   return {reinterpret_cast<const char*>(bytes.content().data()), bytes.size()};
 }
 
-/// "sensor_msgs/Imu" as ROS 2 writes it.
-std::string ros2_type_name(const std::string& type) {
-  const std::size_t slash = type.find('/');
-  return slash == std::string::npos ? type : type.substr(0, slash) + "/msg" + type.substr(slash);
-}
-
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path, const McapOptions& options)
@@ -39,7 +33,7 @@ McapWriter::McapWriter(const std::filesystem::path& path, const McapOptions& opt
   file_.write(mcap::kMagic.data(), mcap::kMagic.size());
   offset_ = mcap::kMagic.size();
   ByteWriter header;
-  header.text("");  // no profile: the channels tell their encoding
+  header.text(options.profile);
   header.text("adit " + std::string(version()));
   put(record(Opcode::header, header));
 }

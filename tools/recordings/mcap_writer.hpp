@@ -24,6 +24,8 @@ struct McapOptions {
   bool chunks = true;                           ///< false: messages one by one, uncompressed
   uint64_t chunk_bytes = uint64_t{1} << 20U;    ///< a chunk is closed once it has this many
   bool summary = true;                          ///< with statistics and the index of the chunks
+  std::string
+      profile{};  ///< "ros1" or "ros2" where all channels are of one; some readers ask for it
 };
 
 /// Writes an MCAP file after its specification, version 0.

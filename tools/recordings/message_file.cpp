@@ -26,4 +26,10 @@ std::string plain_type_name(std::string_view name) {
   return plain;
 }
 
+std::string ros2_type_name(std::string_view type) {
+  std::string name(type);
+  const std::size_t slash = name.find('/');
+  return slash == std::string::npos ? name : name.insert(slash, "/msg");
+}
+
 }  // namespace adit

@@ -18,6 +18,7 @@
 
 #include "slam/types.hpp"
 #include "tools/input_error.hpp"
+#include "tools/recordings/time_span.hpp"
 
 namespace adit {
 
@@ -42,11 +43,8 @@ struct Channel {
 /// "sensor_msgs/msg/Imu" and "sensor_msgs/Imu" to the latter.
 std::string plain_type_name(std::string_view name);
 
-/// From the first to the last.
-struct TimeSpan {
-  Nanoseconds begin{0};
-  Nanoseconds end{0};
-};
+/// "sensor_msgs/Imu" as ROS 2 writes it: "sensor_msgs/msg/Imu".
+std::string ros2_type_name(std::string_view type);
 
 struct RawMessage {
   std::size_t channel = 0;           ///< index into MessageFile::channels()

@@ -94,7 +94,8 @@ class MessageEventStream final : public EventStream {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);
         }
-        ready_.push_back({topic, message.received, std::move(value)});
+        ready_.push_back(
+            {topic, message.received, std::move(value), ready_.empty() ? message.bytes.size() : 0});
       }
     } catch (const ros::CodecError& error) {
       fail(

@@ -16,4 +16,8 @@ namespace adit {
 std::unique_ptr<Recording> make_message_recording(const std::filesystem::path& path,
                                                   std::vector<std::unique_ptr<MessageFile>> files);
 
+/// The containers in a recording, recognised by content; none where `path` is a recording of
+/// another kind or nothing at all. Throws InputError where one cannot be opened.
+std::vector<std::unique_ptr<MessageFile>> open_message_files(const std::filesystem::path& path);
+
 }  // namespace adit

@@ -4,8 +4,10 @@
 
 #include <type_traits>
 
+#include "tools/recordings/bag_reader.hpp"
 #include "tools/recordings/mcap_reader.hpp"
 #include "tools/recordings/message_recording.hpp"
+#include "tools/recordings/rosbag2_reader.hpp"
 #include "tools/recordings/sweep_files.hpp"
 
 namespace adit {
@@ -72,14 +74,44 @@ std::size_t sweep_topic(const Recording& recording, const fs::path& path, const 
   return *found;
 }
 
-std::unique_ptr<Recording> open_recording(const fs::path& path) {
-  std::error_code ignored;
-  if (fs::is_regular_file(path, ignored) && is_mcap(path)) {
-    std::vector<std::unique_ptr<MessageFile>> files;
-    files.push_back(open_mcap(path));
-    return make_message_recording(path, std::move(files));
+namespace {
+
+/// Recognised by content; null where it is no container.
+std::unique_ptr<MessageFile> open_message_file(const fs::path& path) {
+  if (is_mcap(path)) {
+    return open_mcap(path);
   }
-  return open_sweep_files(path);
+  if (is_bag(path)) {
+    return open_bag(path);
+  }
+  return is_rosbag2_database(path) ? open_rosbag2_database(path) : nullptr;
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<MessageFile>> open_message_files(const fs::path& path) {
+  std::error_code ignored;
+  std::vector<std::unique_ptr<MessageFile>> files;
+  if (fs::is_regular_file(path, ignored)) {
+    if (std::unique_ptr<MessageFile> file = open_message_file(path)) {
+      files.push_back(std::move(file));
+    }
+  } else if (fs::is_directory(path, ignored)) {
+    for (const fs::path& part : rosbag2_files(path)) {
+      std::unique_ptr<MessageFile> file = open_message_file(part);
+      if (!file) {
+        throw InputError(part, Place::byte(0), "it is neither an MCAP file nor an SQLite database",
+                         "The file is damaged: copy it again, or move it out of the folder");
+      }
+      files.push_back(std::move(file));
+    }
+  }
+  return files;
+}
+
+std::unique_ptr<Recording> open_recording(const fs::path& path) {
+  std::vector<std::unique_ptr<MessageFile>> files = open_message_files(path);
+  return files.empty() ? open_sweep_files(path) : make_message_recording(path, std::move(files));
 }
 
 }  // namespace adit

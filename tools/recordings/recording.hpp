@@ -17,6 +17,7 @@
 
 #include "slam/types.hpp"
 #include "tools/input_error.hpp"
+#include "tools/recordings/time_span.hpp"
 
 namespace adit {
 
@@ -45,6 +46,7 @@ struct Event {
   std::size_t topic = 0;    ///< index into Recording::topics()
   Nanoseconds received{0};  ///< the recorder's clock; for files of sweeps, the sweep's stamp
   EventValue value;
+  uint64_t bytes = 0;  ///< of the message or file; further events of the same message have 0
 };
 
 /// The event's own time; that of a static transform is when it was received.
@@ -99,6 +101,10 @@ std::size_t sweep_topic(const Recording& recording, const std::filesystem::path&
 /// Opens a recording. Where there is an index, that alone is read.
 ///
 /// - MCAP files (none, LZ4, Zstandard), with ROS 1 or ROS 2 messages.
+/// - ROS 1 bags of version 2.0 (none, LZ4, bzip2).
+/// - rosbag2 folders and their SQLite files (.db3; packed as a whole or message by message), split
+/// or
+///   not, with or without metadata.yaml.
 /// - Folders and files of sweeps: see open_sweep_files().
 ///
 /// Throws InputError: nothing there or nothing readable in it.

@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 constexpr Nanoseconds kAssumedPeriod = std::chrono::milliseconds(100);
 
 constexpr const char* kWhatIsRead =
-    "A recording is an MCAP file, a folder with velodyne/*.bin (KITTI), with "
+    "A recording is an MCAP file, a ROS bag, a rosbag2 folder, a folder with velodyne/*.bin "
+    "(KITTI), with "
     "velodyne_points/data/*.bin (KITTI raw), with .bin, .pcd or .ply files, or one such file";
 
 CloudFile read_bin_cloud(const fs::path& file) {
@@ -78,9 +79,14 @@ class SweepFileStream final : public EventStream {
     if (index_ == sweeps_->files.size() || sweeps_->stamps[index_] > end_) {
       return std::nullopt;
     }
+    const fs::path& file = sweeps_->files[index_];
     Sweep sweep = read(index_++);
     const Nanoseconds stamp = sweep.stamp;
-    return Event{.topic = 0, .received = stamp, .value = std::move(sweep)};
+    std::error_code ignored;
+    return Event{.topic = 0,
+                 .received = stamp,
+                 .value = std::move(sweep),
+                 .bytes = fs::file_size(file, ignored)};
   }
 
  private:

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/recordings/compression.hpp"
+#include "tools/recordings/message_file.hpp"
+
+namespace adit {
+
+struct ConvertOptions {
+  std::filesystem::path input{};
+  std::filesystem::path output{};            ///< NAME.mcap, NAME.bag (ROS 1), or a folder (rosbag2)
+  std::vector<std::string> topics{};         ///< those to keep; empty: all
+  std::optional<double> begin_s{};           ///< s after the first message
+  std::optional<double> end_s{};             ///< s after the first message
+  std::optional<Encoding> encoding{};        ///< for MCAP; none: as it is
+  std::optional<Compression> compression{};  ///< none: the format's usual one
+};
+
+/// What became of a topic.
+struct ConvertedTopic {
+  std::string topic;
+  std::string type;
+  uint64_t messages = 0;   ///< written
+  std::string left_out{};  ///< why, where it was
+};
+
+struct ConvertReport {
+  std::vector<ConvertedTopic> topics;
+  std::vector<std::string> errors;  ///< of the input, the first ones
+  uint64_t error_count = 0;
+};
+
+/// Writes a recording anew: in another format, between ROS 1 and ROS 2, with fewer topics, cut in
+/// time. Messages whose encoding stays are copied byte for byte, of whatever type. Damage is
+/// reported and passed over. Throws UsageError where the options contradict each other, InputError
+/// where the input cannot be opened, OutputError where the result cannot be written.
+ConvertReport convert_recording(const ConvertOptions& options);
+
+}  // namespace adit

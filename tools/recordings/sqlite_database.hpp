@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace adit {
+
+/// A prepared SQL statement. Columns and parameters are counted as SQLite does: columns from 0,
+/// parameters from 1.
+class SqliteStatement {
+ public:
+  /// The next row; false at the end. Throws InputError where the database is damaged, OutputError
+  /// where it cannot be written.
+  bool step();
+  void reset();
+
+  int64_t integer(int column) const;
+  std::string text(int column) const;
+  std::span<const std::byte> blob(int column) const;  ///< valid until the next step()
+
+  SqliteStatement& bind(int parameter, int64_t value);
+  SqliteStatement& bind(int parameter, std::string_view text);
+  SqliteStatement& bind(int parameter, std::span<const std::byte> blob);
+
+ private:
+  friend class SqliteDatabase;
+  struct Closer {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  SqliteStatement(const class SqliteDatabase& database, sqlite3_stmt* statement)
+      : database_(&database), statement_(statement) {}
+
+  const class SqliteDatabase* database_;
+  std::unique_ptr<sqlite3_stmt, Closer> statement_;
+};
+
+/// An SQLite database in a file, open for as long as the object lives.
+class SqliteDatabase {
+ public:
+  enum class Mode {
+    read,    ///< the file must exist and stays as it is
+    create,  ///< the file must not exist
+  };
+  /// Throws InputError (read) or OutputError (create).
+  SqliteDatabase(std::filesystem::path path, Mode mode);
+
+  const std::filesystem::path& path() const { return path_; }
+
+  SqliteStatement prepare(const std::string& sql) const;
+  void execute(const std::string& sql) const;
+
+  /// Throws InputError or OutputError with SQLite's own words.
+  [[noreturn]] void fail() const;
+
+ private:
+  struct Closer {
+    void operator()(sqlite3* database) const;
+  };
+
+  std::filesystem::path path_;
+  Mode mode_;
+  std::unique_ptr<sqlite3, Closer> database_;
+};
+
+}  // namespace adit
