@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_inspect.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tools/command_guard.hpp"
+#include "tools/recording_findings.hpp"
+#include "tools/recordings/recording.hpp"
+#include "tools/topic_statistics.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kListedErrors = 10;
+
+/// A recording after it was read.
+struct Inspection {
+  std::string description;
+  std::vector<Topic> topics;
+  std::vector<TopicStatistics> statistics;  ///< one a topic
+  std::vector<Finding> findings;
+};
+
+Inspection inspect(const std::filesystem::path& path) {
+  const std::unique_ptr<Recording> recording = open_recording(path);
+  Inspection result;
+  result.description = recording->description();
+  result.topics = recording->topics();
+  result.statistics.resize(result.topics.size());
+  uint64_t errors = 0;
+  const auto events = recording->events({});
+  for (bool more = true; more;) {
+    try {
+      const std::optional<Event> event = events->next();
+      more = event.has_value();
+      if (event) {
+        result.statistics[event->topic].add(*event);
+      }
+    } catch (const InputError& error) {
+      if (++errors <= kListedErrors) {
+        result.findings.push_back(damage_finding(error));
+      }
+    }
+  }
+  if (errors > kListedErrors) {
+    result.findings.push_back({Severity::problem, "damage", "",
+                               std::to_string(errors - kListedErrors) + " more damaged places", "",
+                               ""});
+  }
+  if (recording->times_are_assumed()) {
+    result.findings.push_back(
+        {Severity::notice, "assumed_times", "", "nothing in it tells the times of the sweeps",
+         "10 Hz is assumed, and speeds are as wrong as that", "Add a times.txt"});
+  }
+  const auto add = [&](std::vector<Finding> found) {
+    std::ranges::move(found, std::back_inserter(result.findings));
+  };
+  add(find_in_recording(result.topics));
+  for (std::size_t i = 0; i < result.topics.size(); ++i) {
+    add(find_in_topic(result.topics[i], result.statistics[i]));
+  }
+  return result;
+}
+
+bool has_problem(const Inspection& inspection) {
+  return std::ranges::any_of(inspection.findings,
+                             [](const Finding& f) { return f.severity == Severity::problem; });
+}
+
+double span_s(const TopicStatistics& topic) {
+  return topic.stamps
+             ? std::chrono::duration<double>(topic.stamps->end - topic.stamps->begin).count()
+             : 0.0;
+}
+
+/// Events a second on average, 0 where there are not two.
+double rate(const TopicStatistics& topic) {
+  const double span = span_s(topic);
+  return span > 0.0 ? static_cast<double>(topic.events - 1) / span : 0.0;
+}
+
+void print_table(const Inspection& inspection, std::ostream& out) {
+  int name = 5;
+  int type = 4;
+  for (const Topic& topic : inspection.topics) {
+    name = std::max(name, static_cast<int>(topic.name.size()));
+    type = std::max(type, static_cast<int>(topic.type.size()));
+  }
+  std::string line(static_cast<std::size_t>(name + type) + 160, '\0');
+  const auto print = [&](const char* format, auto... values) {
+    const int size = std::snprintf(line.data(), line.size(), format, values...);
+    out << line.substr(0, static_cast<std::size_t>(std::max(size, 0))) << "\n";
+  };
+  print("%-*s  %-*s  %-10s %9s %9s %9s %9s %9s", name, "topic", type, "type", "kind", "events",
+        "rate Hz", "span s", "gap s", "MiB");
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    const TopicStatistics& s = inspection.statistics[i];
+    const std::string kind(to_string(topic.kind));
+    if (topic.kind == TopicKind::other) {
+      const std::string messages = topic.messages ? std::to_string(*topic.messages) : "?";
+      print("%-*s  %-*s  %-10s %9s", name, topic.name.c_str(), type, topic.type.c_str(),
+            kind.c_str(), messages.c_str());
+      continue;
+    }
+    print("%-*s  %-*s  %-10s %9llu %9.2f %9.2f %9.3f %9.2f", name, topic.name.c_str(), type,
+          topic.type.c_str(), kind.c_str(), static_cast<unsigned long long>(s.events), rate(s),
+          span_s(s), s.largest_interval, static_cast<double>(s.bytes) / 1048576.0);
+  }
+}
+
+/// What the sweeps and the IMU are like, one line a topic.
+void print_nature(const Topic& topic, const TopicStatistics& s, std::ostream& out) {
+  char text[200];
+  if (topic.kind == TopicKind::sweeps && s.events > 0) {
+    const double share = s.sweeps.points.sum > 0 ? s.sweeps.returns.sum / s.sweeps.points.sum : 0;
+    std::snprintf(text, sizeof text, "%.0f points a sweep, %.1f %% of them returns; %s; ",
+                  s.sweeps.points.mean(), 100.0 * share,
+                  s.sweeps.with_rings == s.events ? "rings" : "no rings");
+    out << topic.name << ": " << text;
+    if (s.sweeps.duration.count > 0) {
+      std::snprintf(text, sizeof text, "times over %.1f ms", 1e3 * s.sweeps.duration.mean());
+      out << text << "\n";
+    } else {
+      out << "no times\n";
+    }
+  } else if (topic.kind == TopicKind::imu && s.imu.acceleration.count > 0) {
+    std::snprintf(text, sizeof text,
+                  "acceleration %.3f on average (%.2f to %.2f), rotation %.3f rad/s (at most %.2f)",
+                  s.imu.acceleration.mean(), s.imu.acceleration.least, s.imu.acceleration.greatest,
+                  s.imu.rotation.mean(), s.imu.rotation.greatest);
+    out << topic.name << ": " << text << "\n";
+  }
+}
+
+void print(const Inspection& inspection, std::ostream& out) {
+  out << inspection.description << "\n\n";
+  print_table(inspection, out);
+  out << "\n";
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    print_nature(inspection.topics[i], inspection.statistics[i], out);
+  }
+  for (const Finding& finding : inspection.findings) {
+    out << "\n"
+        << to_string(finding.severity) << ": "
+        << (finding.topic.empty() ? "" : finding.topic + ": ") << finding.found << ".\n";
+    if (!finding.effect.empty()) {
+      out << "  effect: " << finding.effect << "\n";
+    }
+    if (!finding.remedy.empty()) {
+      out << "  what to do: " << finding.remedy << "\n";
+    }
+  }
+  if (!has_problem(inspection)) {
+    out << "\nnothing is wrong with it\n";
+  }
+  out << std::flush;
+}
+
+ordered_json to_json(const Extent& extent) {
+  return {{"min", extent.least}, {"mean", extent.mean()}, {"max", extent.greatest}};
+}
+
+ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
+  ordered_json json = {{"name", topic.name}, {"type", topic.type}, {"kind", to_string(topic.kind)}};
+  json["messages_declared"] = topic.messages ? ordered_json(*topic.messages) : ordered_json();
+  if (topic.kind == TopicKind::other) {
+    return json;
+  }
+  json["events"] = s.events;
+  json["bytes"] = s.bytes;
+  json["first_ns"] = s.stamps ? ordered_json(s.stamps->begin.count()) : ordered_json();
+  json["last_ns"] = s.stamps ? ordered_json(s.stamps->end.count()) : ordered_json();
+  json["period_s"] = s.period();
+  json["largest_interval_s"] = s.largest_interval;
+  json["gaps"] = s.gaps();
+  json["repeated"] = s.repeated;
+  json["backwards"] = s.backwards;
+  json["delay_s"] = to_json(s.delay);
+  if (topic.kind == TopicKind::sweeps) {
+    json["points"] = to_json(s.sweeps.points);
+    json["returns"] = to_json(s.sweeps.returns);
+    json["with_times"] = s.sweeps.with_times;
+    json["duration_s"] = to_json(s.sweeps.duration);
+    json["with_rings"] = s.sweeps.with_rings;
+  } else if (topic.kind == TopicKind::imu) {
+    json["acceleration"] = to_json(s.imu.acceleration);
+    json["rotation_rad_s"] = to_json(s.imu.rotation);
+  }
+  return json;
+}
+
+ordered_json to_json(const Inspection& inspection) {
+  ordered_json json = {{"description", inspection.description}};
+  json["topics"] = ordered_json::array();
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    json["topics"].push_back(to_json(inspection.topics[i], inspection.statistics[i]));
+  }
+  json["findings"] = ordered_json::array();
+  for (const Finding& f : inspection.findings) {
+    json["findings"].push_back({{"severity", to_string(f.severity)},
+                                {"kind", f.kind},
+                                {"topic", f.topic},
+                                {"found", f.found},
+                                {"effect", f.effect},
+                                {"remedy", f.remedy}});
+  }
+  return json;
+}
+
+}  // namespace
+
+int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit inspect", err, [&] {
+    const Inspection inspection = inspect(options.recording);
+    if (options.json) {
+      out << to_json(inspection).dump(2, ' ', false, ordered_json::error_handler_t::replace)
+          << std::endl;
+    } else {
+      print(inspection, out);
+    }
+    return has_problem(inspection) ? 1 : 0;
+  });
+}
+
+CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<InspectCommandOptions>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "What is in a recording, and what is wrong with it");
+  command->footer(
+      "Reads all of it. A problem says what it does to mapping, and what to do about it.\n\n"
+      "Examples:\n"
+      "  adit inspect drive.mcap\n"
+      "  adit inspect drive.bag --json\n\n"
+      "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage.");
+  command->add_option("recording", options->recording, "Any recording that `adit run` reads")
+      ->required()
+      ->type_name("RECORDING");
+  command->add_flag("--json", options->json, "Print JSON instead of text");
+  command->callback(
+      [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit inspect RECORDING`.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+struct InspectCommandOptions {
+  std::filesystem::path recording;
+  bool json = false;  ///< JSON on `out` instead of the table
+};
+
+/// Reads all of a recording and tells on `out` what is in it and what is wrong with it. Returns the
+/// exit code: 0 nothing is wrong, 1 something is, or it cannot be opened.
+int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

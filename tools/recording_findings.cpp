@@ -1,0 +1,228 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recording_findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace adit {
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s²
+
+/// A number with so many digits after the point.
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string of(uint64_t part, uint64_t whole) {
+  return std::to_string(part) + " of " + std::to_string(whole);
+}
+
+/// Collects what is found in one topic.
+class Findings {
+ public:
+  Findings(const Topic& topic, std::vector<Finding>& findings)
+      : topic_(&topic), findings_(&findings) {}
+
+  void problem(std::string kind, std::string found, std::string effect, std::string remedy) {
+    add(Severity::problem, std::move(kind), std::move(found), std::move(effect), std::move(remedy));
+  }
+  void notice(std::string kind, std::string found, std::string effect, std::string remedy) {
+    add(Severity::notice, std::move(kind), std::move(found), std::move(effect), std::move(remedy));
+  }
+
+ private:
+  void add(Severity severity, std::string kind, std::string found, std::string effect,
+           std::string remedy) {
+    findings_->push_back({severity, std::move(kind), topic_->name, std::move(found),
+                          std::move(effect), std::move(remedy)});
+  }
+
+  const Topic* topic_;
+  std::vector<Finding>* findings_;
+};
+
+void check_stamps(const TopicStatistics& s, Findings& findings) {
+  if (s.repeated > 0) {
+    findings.problem("repeated_stamps",
+                     of(s.repeated, s.events) + " messages have the time of the one before",
+                     "measurements counted twice, or a clock that stands still",
+                     "Record without the second publisher, or leave the repeats out");
+  }
+  if (s.backwards > 0) {
+    findings.problem("stamps_go_back",
+                     of(s.backwards, s.events) + " messages have a time before the one before",
+                     "their order cannot be told", "Check the sensor's clock and its publishers");
+  }
+  // An interval of a few hundred events may be one; among more, gaps are what stands out.
+  const uint64_t gaps = s.gaps();
+  if (gaps > 0 && s.intervals.count() >= 10) {
+    findings.problem(
+        "gaps",
+        std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + ", the longest of " +
+            fixed(s.largest_interval, 3) + " s, where " + fixed(s.period(), 4) +
+            " s is usual; it starts " +
+            fixed(std::chrono::duration<double>(s.largest_interval_at - s.stamps->begin).count(),
+                  3) +
+            " s after the first",
+        "the motion within is guessed", "Check the connection and the recorder's load");
+  }
+}
+
+/// What an offset between two clocks looks like, where it is one that is known; empty otherwise.
+std::string known_offset(double seconds) {
+  struct Known {
+    double seconds;
+    const char* name;
+  };
+  constexpr Known kKnown[] = {{37.0, "the difference of TAI and UTC"},
+                              {18.0, "the difference of GPS time and UTC"},
+                              {19.0, "the difference of TAI and GPS time"}};
+  for (const Known& known : kKnown) {
+    if (std::abs(std::abs(seconds) - known.seconds) < 0.5) {
+      return known.name;
+    }
+  }
+  return {};
+}
+
+void check_clock(const TopicStatistics& s, Findings& findings) {
+  const double delay = s.delay.mean();
+  if (std::abs(delay) < 1.0) {
+    return;
+  }
+  const std::string known = known_offset(delay);
+  const bool since_boot = delay > 1e8;
+  findings.problem("clock_offset",
+                   "its clock is " + fixed(std::abs(delay), 3) + " s " +
+                       (delay > 0 ? "behind" : "ahead of") + " the recorder's" +
+                       (!known.empty() ? ": " + known
+                        : since_boot   ? ": it counts from when the sensor was started"
+                                       : ""),
+                   "it does not fit to topics whose clock is right",
+                   known.empty() && !since_boot
+                       ? "Synchronise the clocks (PTP, GPS, NTP)"
+                       : "Set the sensor's clock to UTC, or shift its times");
+}
+
+void check_imu(const ImuStatistics& s, Findings& findings) {
+  if (s.not_finite > 0) {
+    findings.problem("not_finite", std::to_string(s.not_finite) + " samples have no finite numbers",
+                     "they are left out", "Check the driver");
+  }
+  if (s.acceleration.count == 0) {
+    return;
+  }
+  const double norm = s.acceleration.mean();
+  const std::string mean = "the acceleration is " + fixed(norm, 3) + " on average";
+  if (norm > 0.8 && norm < 1.3) {
+    findings.problem("accelerometer_unit", mean + ": it is in g, not in m/s²",
+                     "gravity would be a tenth of what it is",
+                     "Multiply the accelerations by 9.80665");
+  } else if (norm < 0.8 * kGravity || norm > 1.3 * kGravity) {
+    findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
+                     "gravity cannot be told", "Check the accelerometer's unit and range");
+  }
+  const Eigen::Vector3d& a = s.mean_acceleration;
+  if (a.norm() > 0.5 * norm && a.z() < -0.7 * a.norm()) {
+    findings.notice("gravity_direction",
+                    "at rest it reads gravity along -z: it is mounted upside down, or its driver "
+                    "flips the sign (the usual reading is +9.8 along z)",
+                    "with the wrong sign the map would be upside down",
+                    "Compare with how it is mounted");
+  }
+  // 35 rad/s are 2000 degrees/s, the range of most sensors; a tenth of that on average is no
+  // motion.
+  if (s.rotation.mean() > 3.5) {
+    findings.problem(
+        "gyroscope_unit", "it turns at " + fixed(s.rotation.mean(), 1) + " rad/s on average",
+        "rotations would be far too large", "Check whether the rates are in degrees per second");
+  }
+}
+
+void check_sweeps(const TopicStatistics& topic, Findings& findings) {
+  const SweepStatistics& s = topic.sweeps;
+  if (s.empty > 0) {
+    findings.problem("empty_sweeps", of(s.empty, topic.events) + " sweeps have no return",
+                     "they cannot be placed", "Check the sensor and its filters");
+  }
+  if (s.with_times < topic.events) {
+    findings.notice(
+        "no_point_times",
+        of(topic.events - s.with_times, topic.events) + " sweeps have no time per point",
+        "motion within a sweep cannot be corrected",
+        "Record with a driver that writes them (a field time, t or timestamp)");
+  }
+  const double ratio = topic.period() > 0.0 ? s.duration.mean() / topic.period() : 1.0;
+  if (s.duration.count > 1 && topic.period() > 0.0 && (ratio < 0.02 || ratio > 1.5)) {
+    findings.problem(
+        "point_time_unit",
+        "by its points' times a sweep lasts " + fixed(s.duration.mean(), 6) +
+            " s, but the sweeps follow each other every " + fixed(topic.period(), 4) + " s",
+        "motion within a sweep would be corrected wrongly", "Check the unit of the time field");
+  }
+}
+
+void check_gnss(const TopicStatistics& topic, Findings& findings) {
+  const GnssStatistics& s = topic.gnss;
+  if (s.without_fix > 0) {
+    findings.notice("no_fix", of(s.without_fix, topic.events) + " messages are without a fix",
+                    "they are not used", "Expected where the sky is not seen");
+  }
+  if (s.without_covariance > 0) {
+    findings.notice("no_covariance",
+                    of(s.without_covariance, topic.events) + " messages have no covariance",
+                    "how far they can be trusted is guessed", "Configure the receiver's driver");
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Severity severity) {
+  return severity == Severity::problem ? "problem" : "notice";
+}
+
+std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics) {
+  std::vector<Finding> all;
+  Findings findings(topic, all);
+  if (statistics.events == 0 || topic.kind == TopicKind::transforms) {
+    return all;
+  }
+  check_clock(statistics, findings);
+  check_stamps(statistics, findings);
+  if (topic.kind == TopicKind::imu) {
+    check_imu(statistics.imu, findings);
+  } else if (topic.kind == TopicKind::sweeps) {
+    check_sweeps(statistics, findings);
+  } else if (topic.kind == TopicKind::gnss) {
+    check_gnss(statistics, findings);
+  }
+  return all;
+}
+
+std::vector<Finding> find_in_recording(const std::vector<Topic>& topics) {
+  const auto has = [&](TopicKind kind) {
+    return std::ranges::any_of(topics, [&](const Topic& t) { return t.kind == kind; });
+  };
+  if (has(TopicKind::sweeps)) {
+    return {};
+  }
+  return {{Severity::problem, "no_sweeps", "", "there are no sweeps of a range sensor in it",
+           "there is nothing to map with", "Record a topic of sensor_msgs/PointCloud2"}};
+}
+
+Finding damage_finding(const InputError& error) {
+  const std::string place = error.place().empty() ? "" : " (" + error.place() + ")";
+  return {Severity::problem,
+          "damage",
+          "",
+          error.file().filename().string() + place + ": " + error.found(),
+          "what lies there is missing",
+          error.remedy()};
+}
+
+}  // namespace adit

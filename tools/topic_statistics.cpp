@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/topic_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+namespace adit {
+namespace {
+
+double seconds(Nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+bool is_return(const Point& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
+         (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
+}
+
+void take(TopicStatistics& topic, const Sweep& sweep) {
+  SweepStatistics& s = topic.sweeps;
+  const auto returns = std::ranges::count_if(sweep.points, is_return);
+  s.points.add(static_cast<double>(sweep.points.size()));
+  s.returns.add(static_cast<double>(returns));
+  s.empty += returns == 0 ? 1U : 0U;
+  s.with_rings += sweep.rings.empty() ? 0U : 1U;
+  s.with_times += sweep.times.empty() ? 0U : 1U;
+  if (!sweep.times.empty() && returns > 0) {
+    s.duration.add(static_cast<double>(*std::ranges::max_element(sweep.times)));
+  }
+}
+
+void take(TopicStatistics& topic, const ImuSample& sample) {
+  ImuStatistics& s = topic.imu;
+  if (!sample.linear_acceleration.allFinite() || !sample.angular_velocity.allFinite()) {
+    ++s.not_finite;
+    return;
+  }
+  s.acceleration.add(sample.linear_acceleration.norm());
+  s.rotation.add(sample.angular_velocity.norm());
+  s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
+                         static_cast<double>(s.acceleration.count);
+}
+
+void take(TopicStatistics& topic, const GnssFix& fix) {
+  topic.gnss.without_fix += fix.kind == GnssFixKind::none ? 1U : 0U;
+  topic.gnss.without_covariance += fix.covariance ? 0U : 1U;
+}
+
+void take(TopicStatistics&, const ReferencePose&) {}
+void take(TopicStatistics&, const StaticTransform&) {}
+
+}  // namespace
+
+void Extent::add(double value) {
+  least = count == 0 ? value : std::min(least, value);
+  greatest = count == 0 ? value : std::max(greatest, value);
+  sum += value;
+  ++count;
+}
+
+void TopicStatistics::add(const Event& event) {
+  const Nanoseconds stamp = stamp_of(event);
+  ++events;
+  bytes += event.bytes;
+  stamps = stamps ? TimeSpan{std::min(stamps->begin, stamp), std::max(stamps->end, stamp)}
+                  : TimeSpan{stamp, stamp};
+  delay.add(seconds(event.received - stamp));
+  if (last_ && stamp == *last_) {
+    ++repeated;
+  } else if (last_ && stamp < *last_) {
+    ++backwards;
+  } else if (last_) {
+    const double interval = seconds(stamp - *last_);
+    intervals.add(interval);
+    if (interval > largest_interval) {
+      largest_interval = interval;
+      largest_interval_at = *last_;
+    }
+  }
+  last_ = stamp;
+  std::visit([this](const auto& value) { take(*this, value); }, event.value);
+}
+
+}  // namespace adit

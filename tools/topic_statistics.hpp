@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the events of a topic are like, counted while they pass; memory does not grow with them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "slam/types.hpp"
+#include "tools/interval_histogram.hpp"
+#include "tools/recordings/recording.hpp"
+
+namespace adit {
+
+/// Least, mean and greatest of numbers that pass.
+struct Extent {
+  uint64_t count = 0;
+  double least = 0.0;
+  double greatest = 0.0;
+  double sum = 0.0;
+
+  void add(double value);
+  double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+};
+
+struct ImuStatistics {
+  Extent acceleration;  ///< norm, m/s² if the sensor's unit is that
+  Extent rotation;      ///< norm, rad/s
+  Eigen::Vector3d mean_acceleration = Eigen::Vector3d::Zero();
+  uint64_t not_finite = 0;  ///< samples with a number that is none
+};
+
+struct SweepStatistics {
+  Extent points;    ///< a sweep
+  Extent returns;   ///< a sweep: points that are finite and not (0, 0, 0)
+  Extent duration;  ///< s, from the first to the last point; only sweeps with times and returns
+  uint64_t with_times = 0;  ///< sweeps
+  uint64_t empty = 0;       ///< sweeps without a return
+  uint64_t with_rings = 0;  ///< sweeps
+};
+
+struct GnssStatistics {
+  uint64_t without_fix = 0;
+  uint64_t without_covariance = 0;
+};
+
+/// A topic as it was read.
+struct TopicStatistics {
+  uint64_t events = 0;
+  uint64_t bytes = 0;
+  std::optional<TimeSpan> stamps;      ///< of the first and the last in time
+  Extent delay;                        ///< s from the stamp to the receipt
+  uint64_t repeated = 0;               ///< stamps equal to the one before
+  uint64_t backwards = 0;              ///< stamps before the one before
+  IntervalHistogram intervals;         ///< s between stamps, where they increase
+  double largest_interval = 0.0;       ///< s
+  Nanoseconds largest_interval_at{0};  ///< its start
+  ImuStatistics imu;
+  SweepStatistics sweeps;
+  GnssStatistics gnss;
+
+  void add(const Event& event);
+
+  /// Typical time between events (s), 0 where there are not two.
+  double period() const { return intervals.quantile(0.5); }
+  /// Intervals of more than two and a half periods.
+  uint64_t gaps() const { return intervals.longer_than(2.5 * period()); }
+
+ private:
+  std::optional<Nanoseconds> last_;
+};
+
+}  // namespace adit
