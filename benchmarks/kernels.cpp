@@ -115,7 +115,7 @@ std::string problem_of_system(engine::Context& context, const test::AlignmentSce
   const double d_max = scene.settings().d_max;
   const std::vector<gpu::uvec4> certain = scene.certain_source(pose, d_max);
   const test::DeviceCloud cloud(context, certain);
-  test::AlignmentRun run(context, cloud, scene.map(), scene.settings());
+  test::AlignmentRun run(context, scene.kernels(), cloud, scene.map(), scene.settings());
   run.evaluate(pose);
   const std::vector<reference::Match> matches =
       reference::find_matches(reference::decode(certain), scene.target(), pose, d_max);
@@ -130,7 +130,7 @@ struct Alignment {
   Alignment(engine::Context& context, int points)
       : scene(context, test::street_alignment(points)),
         source(context, scene.source()),
-        vgicp(context, source, scene.map(), scene.settings()) {}
+        vgicp(context, scene.kernels(), source, scene.map(), scene.settings()) {}
 };
 
 uint64_t bytes_of(const Alignment& alignment) {

@@ -12,15 +12,14 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/include/registration_match.glsl"
 
-const uint kSums = 13;  // (all, strong) of the six directions, and the matches
+const uint kSums = 7;  // of the six directions, and the matches
 const uint kMaxSubgroups = kLocalSize / 4;
 shared float subgroup_sums[kMaxSubgroups * kSums];
 shared bool is_last;
 
-const float kAgree = 0.94;    // cos 20 degrees, between the two normals
-const float kShare = 0.174;   // cos 80 degrees: a normal has a share in a direction
-const float kStrong = 0.707;  // cos 45 degrees: a large one
-const float kPlanar = 0.9;    // of the voxel's mean normal outer product, its largest eigenvalue
+const float kAgree = 0.94;   // cos 20 degrees, between the two normals
+const float kShare = 0.174;  // cos 80 degrees: a normal has a share in a direction
+const float kPlanar = 0.9;   // of the voxel's mean normal outer product, its largest eigenvalue
 // A direction is not held at all by less than this, or this part of the matches: what wrong normals
 // can make up in a smooth tunnel.
 const float kNone = 5.0;
@@ -30,6 +29,9 @@ const float kNoneOf = 5e-4;
 const float kFull = 100.0;
 const float kFullOfSmall = 0.02;
 const float kFullOfLarge = 0.005;
+// Also where the information of the direction is well beyond what noise of normals makes up of it,
+// 1/m^2 a match (0.1 to 0.6 in a smooth tunnel).
+const float kNoiseEach = 2.0;
 
 // The normal of a planar voxel; zero for any other.
 vec3 normal_of(Voxel voxel) {
@@ -46,13 +48,13 @@ vec3 normal_of(Voxel voxel) {
 vec3 at_most_unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1.0)); }
 
 void decide(uint at, float sums[kSums]) {
-  const float none = max(kNone, kNoneOf * sums[12]);
-  const float full = max(min(kFull, kFullOfSmall * sums[12]), kFullOfLarge * sums[12]);
+  const float none = max(kNone, kNoneOf * sums[6]);
+  const float full = max(min(kFull, kFullOfSmall * sums[6]), kFullOfLarge * sums[6]);
   bool weak = false;
   for (uint k = 0; k < 6; ++k) {
-    const float all = sums[2 * k];
-    const float share = all <= none ? 0.0 : min(all / full, 1.0);
-    states[at].support[k] = vec2(all, sums[2 * k + 1]);
+    const float held = clamp((states[at].support[k].y - kNoiseEach) / kNoiseEach, 0.0, 1.0);
+    const float share = max(sums[k] <= none ? 0.0 : min(sums[k] / full, 1.0), held);
+    states[at].support[k].x = sums[k];
     states[at].share[k] = share;
     weak = weak || share < push.weak_share || share == 0.0;
   }
@@ -97,7 +99,7 @@ void main() {
     const bool matched = voxel.found && dot(e, e) <= job.max_squared;
     const vec3 target_normal = normal_of(voxel);
     if (matched) {
-      sums[12] += 1.0;
+      sums[6] += 1.0;
     }
     if (matched && s.plane && abs(dot(s.direction, target_normal)) > kAgree) {
       const vec3 ms = at_most_unit(cross(s.ra, s.direction));
@@ -106,8 +108,7 @@ void main() {
         const vec3 v = states[at].directions[k].xyz;
         const float share = k < 3 ? min(abs(dot(s.direction, v)), abs(dot(target_normal, v)))
                                   : min(abs(dot(ms, v)), abs(dot(mt, v)));
-        sums[2 * k] += share > kShare ? share : 0.0;
-        sums[2 * k + 1] += share > kStrong ? share : 0.0;
+        sums[k] += share > kShare ? share : 0.0;
       }
     }
   }

@@ -82,6 +82,7 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
                  than("less than", "preprocess.c_max", p.c_max));
   // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
   checks.between("preprocess.beam_spacing", p.beam_spacing, 0.002, 0.2, "rad");
+  checks.between("preprocess.surface_size", p.surface_size, 0.0, 20.0, "m");
 }
 
 void check_registration(Checks& checks, const Config& config) {

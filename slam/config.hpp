@@ -17,6 +17,7 @@ struct PreprocessConfig {
   double c_max = 100.0;         ///< m
   double r_input = 0.25;        ///< m
   double beam_spacing = 0.007;  ///< rad
+  double surface_size = 0.625;  ///< m
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -25,8 +26,11 @@ struct PreprocessConfig {
     field("r_input", self.r_input, "m",
           "voxel size of the sweep's down-sampling (one centroid a voxel)");
     field("beam_spacing", self.beam_spacing, "rad",
-          "angle between neighbouring beams, the wider of the two directions; the radius of normal "
-          "estimation grows with range times this");
+          "angle between neighbouring beams, the wider of the two directions; the neighbourhood of "
+          "normal estimation grows with range times this");
+    field("surface_size", self.surface_size, "m",
+          "edge of the neighbourhood that a normal is estimated from near the sensor; at least "
+          "2.5 r_input");
   }
 };
 

@@ -121,7 +121,7 @@ void read_directions(const gpu::RegistrationState& state, const Matrix6d& geomet
     direction.localizability = class_of(share);
     direction.information = static_cast<double>(raw.w);
     direction.support = static_cast<double>(state.support[k].x);
-    direction.strong_support = static_cast<double>(state.support[k].y);
+    direction.information_each = static_cast<double>(state.support[k].y);
     if (share < 1.0) {
       information = weakened(information, giving_way(information, axis, k < 3 ? 0 : 3), share);
     }

@@ -46,9 +46,9 @@ std::string_view to_string(Localizability localizability);
 struct ObservedDirection {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< unit, source frame
   Localizability localizability = Localizability::none;
-  double information = 0.0;     ///< 1/m^2 or 1/rad^2, the other directions free
-  double support = 0.0;         ///< sum of the shares that agreeing matches have in it
-  double strong_support = 0.0;  ///< of the matches with a large share
+  double information = 0.0;       ///< 1/m^2 or 1/rad^2, the other directions free
+  double support = 0.0;           ///< sum of the shares that agreeing matches have in it
+  double information_each = 0.0;  ///< of a match, on average; 1/m^2
 };
 
 /// Result of aligning a source cloud with a target, at the final pose. Tangent vectors are [rho,

@@ -13,9 +13,6 @@
 namespace adit::engine {
 namespace {
 
-// Surface cells are at least 2.5 voxels wide (algorithm: the radius of 2.5 point spacings).
-constexpr double kSurfaceCellFactor = 2.5;
-
 // (0, 0, 0) is no return and never kept, whatever c_min is.
 float smallest_squared(double c_min) {
   return std::max(static_cast<float>(c_min * c_min), std::numeric_limits<float>::min());
@@ -87,9 +84,8 @@ void Preprocess::record(Recorder& recorder, const PreprocessSettings& settings,
   const uint32_t count = arguments.point_count;
   const auto cell = static_cast<float>(settings.r_input);
   const float inverse_cell = 1.0F / cell;
-  const float inverse_surface_cell =
-      static_cast<float>(1.0 / (kSurfaceCellFactor * settings.r_input));
-  const double level_root = settings.beam_spacing / settings.r_input;
+  const auto inverse_surface_cell = static_cast<float>(1.0 / settings.surface_cell());
+  const double level_root = settings.surface_growth();
   const auto level_factor = static_cast<float>(level_root * level_root);
 
   recorder.fill(arguments.counters, 0);

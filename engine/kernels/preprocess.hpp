@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "engine/buffer.hpp"
@@ -18,6 +19,14 @@ struct PreprocessSettings {
   double c_max = 0.0;
   double r_input = 0.0;
   double beam_spacing = 0.0;
+  double surface_size = 0.0;
+
+  /// Edge of the cells whose points give a surface near the sensor, m: wide enough for several
+  /// neighbours.
+  double surface_cell() const { return std::max(surface_size, 2.5 * r_input); }
+  /// How much wider they must be, by range (1/m), to span the gap between beams: a factor of at
+  /// least 1.
+  double surface_growth() const { return 2.5 * beam_spacing / surface_cell(); }
 };
 
 /// Slices of one sweep. `capacity` is the number of points that scratch and outputs were sized for;

@@ -75,7 +75,8 @@ void add_invalid_points(std::vector<gpu::vec4>& raw) {
 
 KnownScene make_known_scene() {
   KnownScene scene;
-  scene.settings = {.c_min = 0.5, .c_max = 10.0, .r_input = kCell, .beam_spacing = 0.007};
+  scene.settings = {
+      .c_min = 0.5, .c_max = 10.0, .r_input = kCell, .beam_spacing = 0.007, .surface_size = 0.0};
   const auto add_raw = [&scene](const std::array<double, 3>& p, double intensity) {
     scene.raw.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]),
                          static_cast<float>(p[2]), static_cast<float>(intensity)});

@@ -8,43 +8,45 @@
 #include "shaders/include/jacobi.glsl"
 #include "shaders/include/registration_step.glsl"
 
-// The system without the information that regularised covariances claim in every direction: H -
-// fictitious * sum w J^T J, and likewise the gradient.
-void take_out_fictitious(inout float h[36], inout float gradient[6]) {
-  const float f = push.fictitious;
+// The information that every match would have by itself if it held its point in all directions
+// alike: sum of w J^T J.
+void isotropic_information(out float g[36]) {
   const uint at = kGeometryAt;
-  const float w = f * system[at];
-  const vec3 s = f * vec3(system[at + 1], system[at + 2], system[at + 3]);
-  const Sym3 m = Sym3(f * system[at + 4], f * system[at + 5], f * system[at + 6],
-                      f * system[at + 7], f * system[at + 8], f * system[at + 9]);
-  for (uint i = 0; i < 3; ++i) {
-    h[7 * i] -= w;
-    gradient[i] += f * system[at + 10 + i];
-    gradient[3 + i] += f * system[at + 13 + i];
+  const vec3 s = vec3(system[at + 1], system[at + 2], system[at + 3]);
+  const Sym3 m = Sym3(system[at + 4], system[at + 5], system[at + 6], system[at + 7],
+                      system[at + 8], system[at + 9]);
+  for (uint i = 0; i < 36; ++i) {
+    g[i] = 0.0;
   }
-  // -[s]x in the upper right, its transpose in the lower left.
-  h[6 * 0 + 4] -= s.z;
-  h[6 * 0 + 5] += s.y;
-  h[6 * 1 + 3] += s.z;
-  h[6 * 1 + 5] -= s.x;
-  h[6 * 2 + 3] -= s.y;
-  h[6 * 2 + 4] += s.x;
-  h[6 * 4 + 0] -= s.z;
-  h[6 * 5 + 0] += s.y;
-  h[6 * 3 + 1] += s.z;
-  h[6 * 5 + 1] -= s.x;
-  h[6 * 3 + 2] -= s.y;
-  h[6 * 4 + 2] += s.x;
-  // trace(m) I - m.
-  h[6 * 3 + 3] -= m.yy + m.zz;
-  h[6 * 4 + 4] -= m.xx + m.zz;
-  h[6 * 5 + 5] -= m.xx + m.yy;
-  h[6 * 3 + 4] += m.xy;
-  h[6 * 4 + 3] += m.xy;
-  h[6 * 3 + 5] += m.xz;
-  h[6 * 5 + 3] += m.xz;
-  h[6 * 4 + 5] += m.yz;
-  h[6 * 5 + 4] += m.yz;
+  for (uint i = 0; i < 3; ++i) {
+    g[7 * i] = system[at];
+  }
+  // -[s]x in the upper right, its transpose in the lower left; trace(m) I - m.
+  g[6 * 0 + 4] = g[6 * 4 + 0] = s.z;
+  g[6 * 0 + 5] = g[6 * 5 + 0] = -s.y;
+  g[6 * 1 + 3] = g[6 * 3 + 1] = -s.z;
+  g[6 * 1 + 5] = g[6 * 5 + 1] = s.x;
+  g[6 * 2 + 3] = g[6 * 3 + 2] = s.y;
+  g[6 * 2 + 4] = g[6 * 4 + 2] = -s.x;
+  g[6 * 3 + 3] = m.yy + m.zz;
+  g[6 * 4 + 4] = m.xx + m.zz;
+  g[6 * 5 + 5] = m.xx + m.yy;
+  g[6 * 3 + 4] = g[6 * 4 + 3] = -m.xy;
+  g[6 * 3 + 5] = g[6 * 5 + 3] = -m.xz;
+  g[6 * 4 + 5] = g[6 * 5 + 4] = -m.yz;
+}
+
+// The system without the information that regularised covariances claim in every direction, and
+// likewise the gradient.
+void take_out_fictitious(inout float h[36], inout float gradient[6]) {
+  float g[36];
+  isotropic_information(g);
+  for (uint i = 0; i < 36; ++i) {
+    h[i] -= push.fictitious * g[i];
+  }
+  for (uint i = 0; i < 6; ++i) {
+    gradient[i] += push.fictitious * system[kGeometryAt + 10 + i];
+  }
 }
 
 Sym3 block(float h[36], uint at) {
@@ -85,20 +87,28 @@ Sym3 marginal(float h[36], uint at) {
               b.yz - dot(c[1], z), b.zz - dot(c[2], z));
 }
 
+// The eigenvectors of what is known of translation (at = 0) or rotation (at = 3) when the other is
+// free, and how much each match knows of them, on average: 1/m^2.
+void write_directions(uint job, float h[36], float isotropic[36], uint at) {
+  vec4 pairs[3];
+  eigen(marginal(h, at), pairs);
+  const Sym3 most = marginal(isotropic, at);
+  for (uint k = 0; k < 3; ++k) {
+    states[job].directions[at + k] = pairs[k];
+    const vec3 v = pairs[k].xyz;
+    states[job].support[at + k] = vec2(0.0, pairs[k].w / max(dot(v, mul(most, v)), 1e-30));
+  }
+}
+
 void write_directions(uint job) {
   float h[36];
   float gradient[6];
+  float isotropic[36];
   unpack_system(h, gradient);
   take_out_fictitious(h, gradient);
-  vec4 pairs[3];
-  eigen(marginal(h, 0), pairs);
-  for (uint k = 0; k < 3; ++k) {
-    states[job].directions[k] = pairs[k];
-  }
-  eigen(marginal(h, 3), pairs);
-  for (uint k = 0; k < 3; ++k) {
-    states[job].directions[3 + k] = pairs[k];
-  }
+  isotropic_information(isotropic);
+  write_directions(job, h, isotropic, 0);
+  write_directions(job, h, isotropic, 3);
 }
 
 // Leaves the system `share` of its information on direction v of translation (at = 0) or rotation

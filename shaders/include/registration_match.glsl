@@ -70,9 +70,9 @@ Sym3 turned(Sym3 c, mat3x4 pose) {  // R C R^T
 SourcePoint source_point(uint at, mat3x4 pose) {
   SourcePoint s;
   if (kMethod == kNdtToNdt) {
-    const uvec4 head = FETCH(source, 3 * at);
-    const uvec4 middle = FETCH(source, 3 * at + 1);
-    const uvec4 tail = FETCH(source, 3 * at + 2);
+    const uvec4 head = FETCH(source, at);
+    const uvec4 middle = FETCH(source, at + 1);
+    const uvec4 tail = FETCH(source, at + 2);
     s.valid = head.y > 0;
     s.ra = vec4(uintBitsToFloat(head.zw), uintBitsToFloat(middle.x), 0.0) * pose;
     s.covariance =

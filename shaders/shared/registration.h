@@ -95,9 +95,9 @@ struct RegistrationState {
   float system[48];    // sums at the pose
   vec4 directions[6];  // eigenvectors of the information on translation, then on rotation,
                        // ascending, with their eigenvalues (1/m^2, 1/rad^2)
-  vec2 support[6];     // matches whose agreeing normals hold the direction: all, the strong ones
-  float share[6];      // of its information that a direction keeps: 0 none, 1 full
-  uint constrained;    // 1: the result was found with weak directions taken out
+  vec2 support[6];   // of a direction: by matches with agreeing normals; information a match, 1/m^2
+  float share[6];    // of its information that a direction keeps: 0 none, 1 full
+  uint constrained;  // 1: the result was found with weak directions taken out
   uint unused0;
 };
 

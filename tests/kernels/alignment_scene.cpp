@@ -35,6 +35,7 @@ AlignmentScene::AlignmentScene(engine::Context& context, const std::vector<gpu::
     : source_(std::move(source)),
       T_target_source_(T_target_source),
       settings_(settings),
+      kernels_(context, {}),
       map_(context, voxel_size, kSlots) {
   map_.add(DeviceCloud(context, target), Eigen::Isometry3d::Identity());
   target_ = reference::decode(map_.cells(), voxel_size);

@@ -28,6 +28,8 @@ class AlignmentScene {
   /// double: those farther than 2e-4 voxels from every border. The others are a few in a thousand.
   std::vector<gpu::uvec4> certain_source(const Eigen::Isometry3d& pose, double d_max) const;
 
+  /// VGICP's, compiled once a scene.
+  const engine::RegistrationKernels& kernels() const { return kernels_; }
   const VoxelMapRun& map() const { return map_; }
   /// What the device's map holds, decoded.
   const reference::VoxelMap& target() const { return target_; }
@@ -39,6 +41,7 @@ class AlignmentScene {
   std::vector<gpu::uvec4> source_;
   Eigen::Isometry3d T_target_source_;
   reference::AlignmentSettings settings_;
+  engine::RegistrationKernels kernels_;
   VoxelMapRun map_;
   reference::VoxelMap target_;
 };

@@ -127,11 +127,12 @@ gpu::VoxelMapCounters VoxelMapRun::counters() const {
   return download<gpu::VoxelMapCounters>(*context_, counters_).front();
 }
 
-AlignmentRun::AlignmentRun(engine::Context& context, const DeviceCloud& source,
-                           const VoxelMapRun& target, const reference::AlignmentSettings& settings,
+AlignmentRun::AlignmentRun(engine::Context& context, const engine::RegistrationKernels& kernels,
+                           const DeviceCloud& source, const VoxelMapRun& target,
+                           const reference::AlignmentSettings& settings,
                            const AlignmentOptions& options)
     : context_(&context),
-      kernels_(context, options.kernels),
+      kernels_(&kernels),
       source_(&source),
       target_(&target),
       settings_(settings),
@@ -140,7 +141,7 @@ AlignmentRun::AlignmentRun(engine::Context& context, const DeviceCloud& source,
           context.make_buffer(kStateAt + sizeof(gpu::RegistrationState), Memory::upload, "start")),
       progress_(context.make_buffer(kProgressBytes, Memory::device, "progress")),
       state_(context.make_buffer(sizeof(gpu::RegistrationState), Memory::device, "state")),
-      scratch_(context.make_buffer(kernels_.scratch_bytes(1, kernels_.most_groups()),
+      scratch_(context.make_buffer(kernels_->scratch_bytes(1, kernels_->most_groups()),
                                    Memory::device, "scratch")) {}
 
 Times AlignmentRun::align(const Eigen::Isometry3d& start) {
@@ -153,7 +154,7 @@ Times AlignmentRun::evaluate(const Eigen::Isometry3d& pose) {
 
 Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations) {
   const engine::VoxelMapView target = target_->view();
-  const uint32_t groups = kernels_.groups(source_->size());
+  const uint32_t groups = kernels_->groups(source_->size());
   gpu::RegistrationJob& job = upload_.as<gpu::RegistrationJob>()[0];
   job = {};
   job.source_count = source_->size();
@@ -184,8 +185,8 @@ Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t 
   return submit(*context_, [&](Recorder& recorder) {
     recorder.copy(upload_.slice(kStateAt, sizeof(gpu::RegistrationState)), state_);
     const engine::Scope scope = recorder.scope("align");
-    kernels_.record_steps(recorder, settings, arguments, scratch_);
-    kernels_.record_assessment(recorder, settings, arguments, scratch_);
+    kernels_->record_steps(recorder, settings, arguments, scratch_);
+    kernels_->record_assessment(recorder, settings, arguments, scratch_);
   });
 }
 

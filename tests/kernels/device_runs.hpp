@@ -90,19 +90,19 @@ struct DeviceOutcome : gpu::RegistrationState, gpu::RegistrationProgress {
   gpu::RegistrationHeader header;
 };
 
-/// What a run is specialised for and given, beyond reference::AlignmentSettings.
+/// What a run is given beyond reference::AlignmentSettings.
 struct AlignmentOptions {
-  engine::RegistrationOptions kernels{};
   double robust_width = 1.0;
   uint32_t max_constrained = 0;
   Matrix6d prior_information = Matrix6d::Zero();        ///< of the start pose; right perturbation
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< of the target's sensor, target frame
 };
 
-/// Alignments of one cloud with one map, which must outlive this.
+/// Alignments of one cloud with one map. These and the kernels must outlive this.
 class AlignmentRun {
  public:
-  AlignmentRun(engine::Context& context, const DeviceCloud& source, const VoxelMapRun& target,
+  AlignmentRun(engine::Context& context, const engine::RegistrationKernels& kernels,
+               const DeviceCloud& source, const VoxelMapRun& target,
                const reference::AlignmentSettings& settings, const AlignmentOptions& options = {});
 
   /// The whole loop from `start`.
@@ -116,7 +116,7 @@ class AlignmentRun {
   Times run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations);
 
   engine::Context* context_;
-  engine::RegistrationKernels kernels_;
+  const engine::RegistrationKernels* kernels_;
   const DeviceCloud* source_;
   const VoxelMapRun* target_;
   reference::AlignmentSettings settings_;

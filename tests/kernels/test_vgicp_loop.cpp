@@ -63,7 +63,7 @@ class VgicpLoop : public test::DeviceTest {
                                    const Eigen::Isometry3d& start,
                                    const reference::AlignmentSettings& settings) {
     const DeviceCloud cloud(context(), source);
-    AlignmentRun vgicp(context(), cloud, scene.map(), settings);
+    AlignmentRun vgicp(context(), scene.kernels(), cloud, scene.map(), settings);
     vgicp.align(start);
     return vgicp.state();
   }
@@ -116,7 +116,7 @@ TEST_F(VgicpLoop, ReportsTheSystemAtTheFinalPose) {
   const AlignmentScene scene(context(), test::street_alignment(5'000));
   const Eigen::Isometry3d start = retract(scene.T_target_source(), test::offsets().back().second);
   const DeviceCloud source(context(), scene.source());
-  AlignmentRun vgicp(context(), source, scene.map(), scene.settings());
+  AlignmentRun vgicp(context(), scene.kernels(), source, scene.map(), scene.settings());
   vgicp.align(start);
   const test::DeviceOutcome aligned = vgicp.state();
   // Again from the final pose: from_device() rounds it onto SE(3), so not the same bits.
@@ -143,7 +143,7 @@ TEST_F(VgicpLoop, StepsAreTheHostsRetraction) {
       offset << 0.01, 0.02, 0.0, 0.3 * yaw, -0.2 * yaw, yaw;
       const Eigen::Isometry3d start = retract(scene->T_target_source(), offset);
       const DeviceCloud source(context(), scene->source());
-      AlignmentRun vgicp(context(), source, scene->map(), settings);
+      AlignmentRun vgicp(context(), scene->kernels(), source, scene->map(), settings);
       vgicp.evaluate(start);
       const Vector6d step = reference::step_of(test::system_of(vgicp.state()));
       vgicp.align(start);

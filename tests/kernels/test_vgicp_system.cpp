@@ -44,7 +44,7 @@ class VgicpSystem : public test::DeviceTest {
     EXPECT_GE(static_cast<double>(certain.size()),
               0.95 * static_cast<double>(scene.source().size()));
     const DeviceCloud source(context(), certain);
-    AlignmentRun vgicp(context(), source, scene.map(), settings);
+    AlignmentRun vgicp(context(), scene.kernels(), source, scene.map(), settings);
     vgicp.evaluate(pose);
     Evaluation result{.state = vgicp.state(), .source = reference::decode(certain)};
     result.matches = reference::find_matches(result.source, scene.target(), pose, d_max);
@@ -175,12 +175,12 @@ TEST_F(VgicpSystem, OrderOfThePointsIsRoundingOnly) {
   const AlignmentScene scene(context(), test::street_alignment(30'000));
   std::vector<gpu::uvec4> points = scene.source();
   const DeviceCloud source(context(), points);
-  AlignmentRun vgicp(context(), source, scene.map(), scene.settings());
+  AlignmentRun vgicp(context(), scene.kernels(), source, scene.map(), scene.settings());
   vgicp.evaluate(scene.T_target_source());
   const System expected = test::system_of(vgicp.state());
   std::reverse(points.begin(), points.end());
   const DeviceCloud reversed(context(), points);
-  AlignmentRun other(context(), reversed, scene.map(), scene.settings());
+  AlignmentRun other(context(), scene.kernels(), reversed, scene.map(), scene.settings());
   other.evaluate(scene.T_target_source());
   const Verdict verdict = test::verify_system(expected, other.state(), 1e-5);
   EXPECT_TRUE(verdict.passed()) << verdict.text();

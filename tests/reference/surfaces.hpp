@@ -43,10 +43,11 @@ inline constexpr double kLineRatio = 0.02;
 inline constexpr double kSteep = 0.7;
 
 /// The smallest level, 0 to 15, whose cells' size relative to level 0 is at least range *
-/// beam_spacing / r_input. Decided on squares in float32, in this order of operations, as the
-/// device does.
+/// 2.5 beam_spacing / edge of level 0. Decided on squares in float32, in this order of operations,
+/// as the device does.
 inline int surface_level(const Eigen::Vector3f& p, const engine::PreprocessSettings& settings) {
-  const double root = settings.beam_spacing / settings.r_input;
+  const double edge = std::max(settings.surface_size, 2.5 * settings.r_input);
+  const double root = 2.5 * settings.beam_spacing / edge;
   const auto factor = static_cast<float>(root * root);
   const float squared = p.x() * p.x() + p.y() * p.y() + p.z() * p.z();
   const float ratio = squared * factor;
@@ -57,9 +58,10 @@ inline int surface_level(const Eigen::Vector3f& p, const engine::PreprocessSetti
   return level;
 }
 
-/// Inverse edge of a surface cell (2.5 r_input at level 0, twice as large with each level), 1/m.
+/// Inverse edge of a surface cell (surface_size or 2.5 r_input at level 0, twice as large with each
+/// level), 1/m.
 inline float inverse_surface_cell(const engine::PreprocessSettings& settings, int level) {
-  return static_cast<float>(1.0 / (2.5 * settings.r_input)) /
+  return static_cast<float>(1.0 / std::max(settings.surface_size, 2.5 * settings.r_input)) /
          static_cast<float>(1U << static_cast<unsigned>(level));
 }
 

@@ -32,6 +32,7 @@ std::vector<BadSetting> bad_settings() {
        [](Config& c) { c.preprocess.c_max = 0.6, c.preprocess.r_input = 0.7; },
        "less than preprocess.c_max (0.6)"},
       {"preprocess.beam_spacing", [](Config& c) { c.preprocess.beam_spacing = 0; }, "rad"},
+      {"preprocess.surface_size", [](Config& c) { c.preprocess.surface_size = -1; }, "m"},
       {"registration.r_align", [](Config& c) { c.registration.r_align = 0.1; },
        "at least preprocess.r_input ("},
       {"registration.r_align",
