@@ -78,7 +78,9 @@ TEST(Bag, CutOffAtEveryByteGivesWhatCameBeforeAndSaysWhere) {
         content_of(write_bag(folder, {.compression = compression, .chunk_bytes = 700}, 1, false));
     std::size_t most = 0;
     const std::size_t head = bag::kMagic.size() + bag::kFileHeader;
-    for (std::size_t size = 0; size < whole.size(); size += size < head - 8 ? 97 : 1) {
+    // bzip2 takes megabytes for every start: fewer of them.
+    const std::size_t step = compression == Compression::bz2 ? 7 : 1;
+    for (std::size_t size = 0; size < whole.size(); size += size < head - 8 ? 97 : step) {
       const std::filesystem::path cut = folder.write("cut.bag", whole.substr(0, size));
       if (size < bag::kMagic.size()) {
         EXPECT_THROW(open_bag(cut), InputError);
