@@ -44,7 +44,10 @@ add_license() { # PACKAGE
 }
 
 owner_of() { # FILE: the Debian package it comes from
-  dpkg-query -S "$(realpath "$1")" 2>/dev/null | sed 's/:.*//' | head -n 1
+  local file
+  file=$(realpath "$1")
+  # Files that were packaged before /lib became /usr/lib are known by their old place.
+  { dpkg-query -S "$file" || dpkg-query -S "${file#/usr}" || true; } 2>/dev/null | sed 's/:.*//' | head -n 1
 }
 
 bundle() { # NAME PATH

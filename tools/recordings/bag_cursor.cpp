@@ -31,8 +31,7 @@ std::optional<Record> Cursor::next() {
       return record;
     }
     if (chunk_damage_) {
-      const InputError damage = *std::exchange(chunk_damage_, std::nullopt);
-      throw damage;
+      throw InputError(*std::exchange(chunk_damage_, std::nullopt));
     }
     if (at_ >= file_->size()) {
       if (!end_is_known_) {

@@ -43,8 +43,7 @@ std::optional<Record> Cursor::next() {
       return record;
     }
     if (chunk_damage_) {
-      const InputError damage = *std::exchange(chunk_damage_, std::nullopt);
-      throw damage;
+      throw InputError(*std::exchange(chunk_damage_, std::nullopt));
     }
     if (complete_) {
       return std::nullopt;
