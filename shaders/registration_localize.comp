@@ -22,16 +22,13 @@ const float kShare = 0.174;  // cos 80 degrees: a normal has a share in a direct
 const float kPlanar = 0.9;   // of the voxel's mean normal outer product, its largest eigenvalue
 // A direction is not held at all by less than this, or this part of the matches: what wrong normals
 // can make up in a smooth tunnel.
-const float kNone = 5.0;
-const float kNoneOf = 5e-4;
+const float kNone = 8.0;
+const float kNoneOf = 1e-3;
 // And it is held in full by this, but small clouds need no more than a part of their matches, and
 // large ones no less than another.
 const float kFull = 100.0;
 const float kFullOfSmall = 0.02;
 const float kFullOfLarge = 0.005;
-// Also where the information of the direction is well beyond what noise of normals makes up of it,
-// 1/m^2 a match (0.1 to 0.6 in a smooth tunnel).
-const float kNoiseEach = 2.0;
 
 // The normal of a planar voxel; zero for any other.
 vec3 normal_of(Voxel voxel) {
@@ -52,8 +49,7 @@ void decide(uint at, float sums[kSums]) {
   const float full = max(min(kFull, kFullOfSmall * sums[6]), kFullOfLarge * sums[6]);
   bool weak = false;
   for (uint k = 0; k < 6; ++k) {
-    const float held = clamp((states[at].support[k].y - kNoiseEach) / kNoiseEach, 0.0, 1.0);
-    const float share = max(sums[k] <= none ? 0.0 : min(sums[k] / full, 1.0), held);
+    const float share = sums[k] <= none ? 0.0 : min(sums[k] / full, 1.0);
     states[at].support[k].x = sums[k];
     states[at].share[k] = share;
     weak = weak || share < push.weak_share || share == 0.0;

@@ -19,7 +19,7 @@ enum class RobustKernel { none, huber, cauchy, geman_mcclure };
 /// How the pairs of a batch are aligned; lengths in m, angles in rad.
 struct AlignmentSettings {
   RegistrationMethod method = RegistrationMethod::vgicp;
-  int neighbours = 1;  ///< voxels looked at for a point: 1, 7 (and its faces) or 27
+  int neighbours = 7;  ///< voxels looked at for a point: 1, 7 (those that share a face) or 27
   RobustKernel robust = RobustKernel::none;
   double robust_width = 1.0;     ///< Mahalanobis distance at which it begins to act
   bool drop_back_faces = false;  ///< leave out surfaces that the target's sensor could only have

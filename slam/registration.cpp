@@ -201,6 +201,7 @@ RegistrationResult read_registration(const DeviceAlignment& device, int source_p
   result.cost = static_cast<double>(state.system[gpu::kCostAt]);
   result.inliers = static_cast<int>(state.system[gpu::kInliersAt]);
   const double matches = static_cast<double>(state.system[gpu::kMatchesAt]);
+  result.matches = static_cast<int>(matches);
   const double squared = static_cast<double>(state.system[gpu::kSquaredAt]);
   result.residual_rms = matches > 0.0 ? std::sqrt(std::max(squared, 0.0) / matches) : 0.0;
   result.overlap = static_cast<double>(result.inliers) / source_points;
@@ -225,7 +226,8 @@ RegistrationResult read_registration(const DeviceAlignment& device, int source_p
 Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model) {
   const double worse = std::max(0.0, result.residual_rms / model.rms_expected - 1.0);
   const double overlap = std::max(result.overlap, 0.3);
-  const double inflation = model.kappa * (1.0 + worse) / (overlap * overlap);
+  const double each = static_cast<double>(result.matches) / std::max(result.inliers, 1);
+  const double inflation = model.kappa * each * (1.0 + worse) / (overlap * overlap);
   // In units in which all directions without information are equally unknown.
   Vector6d unit;
   unit << Eigen::Vector3d::Constant(model.sigma_unknown_translation),

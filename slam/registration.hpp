@@ -71,13 +71,15 @@ struct RegistrationResult {
       0.0;  ///< m, root mean square distance along the target's normals over the matches
   double overlap = 0.0;  ///< inliers / source points
   int inliers = 0;       ///< source points with a match
+  int matches = 0;       ///< of all points; more than inliers where neighbours are looked at
   int source_points = 0;
   int iterations = 0;
 };
 
 /// From information to a covariance that holds what the matches do not know of their own errors
-/// (docs/theory/registration.md): kappa (1 + max(0, rms / rms_expected - 1)) / max(overlap, 0.3)^2
-/// times the inverse of the information, plus floors.
+/// (docs/theory/registration.md): kappa (matches / inliers) (1 + max(0, rms / rms_expected - 1)) /
+/// max(overlap, 0.3)^2 times the inverse of the information, plus floors. Matches of one point are
+/// one measurement.
 struct CovarianceModel {
   double kappa = 1.0;
   double rms_expected = 0.03;               ///< m
