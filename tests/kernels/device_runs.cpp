@@ -86,9 +86,10 @@ DeviceCloud::DeviceCloud(engine::Context& context, const std::vector<gpu::uvec4>
       points_(upload(context, points, "surface cloud")),
       counters_(upload(context, std::vector{gpu::SweepCounters{size_, size_, 0, 0}}, "counters")) {}
 
-VoxelMapRun::VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots)
+VoxelMapRun::VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots,
+                         engine::VoxelContent content)
     : context_(&context),
-      kernels_(context),
+      kernels_(context, content),
       voxel_size_(voxel_size),
       table_(context.make_buffer(engine::VoxelMapKernels::table_bytes(slots), Memory::device,
                                  "voxel map")),
@@ -113,6 +114,18 @@ Times VoxelMapRun::remove(const DeviceCloud& cloud, const Eigen::Isometry3d& T_m
     const engine::Scope scope = recorder.scope("remove");
     kernels_.record_remove(recorder, view(), cloud.points(), cloud.size(), to_device(T_map_cloud));
   });
+}
+
+Times VoxelMapRun::finish(const engine::FinishSettings& settings) {
+  finished_ = context_->make_buffer(table_.size(), Memory::device, "finished map");
+  return submit(*context_, [&](Recorder& recorder) {
+    const engine::Scope scope = recorder.scope("finish");
+    kernels_.record_finish(recorder, view(), settings, *finished_);
+  });
+}
+
+std::vector<gpu::GaussianCell> VoxelMapRun::target_cells() const {
+  return download<gpu::GaussianCell>(*context_, target());
 }
 
 engine::VoxelMapView VoxelMapRun::view() const {
@@ -154,16 +167,22 @@ Times AlignmentRun::evaluate(const Eigen::Isometry3d& pose) {
 
 Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations) {
   const engine::VoxelMapView target = target_->view();
-  const uint32_t groups = kernels_->groups(source_->size());
+  // Gaussians are three uvec4 each.
+  const uint32_t items =
+      kernels_->options().method == gpu::kNdtToNdt ? source_->size() / 3 : source_->size();
+  const uint32_t groups = kernels_->groups(items);
   gpu::RegistrationJob& job = upload_.as<gpu::RegistrationJob>()[0];
   job = {};
-  job.source_count = source_->size();
+  job.source_count = items;
   job.table_mask = target.slots() - 1;
   job.groups = groups;
   job.cell = static_cast<float>(target.voxel_size);
   job.inverse_cell = static_cast<float>(1.0 / target.voxel_size);
   job.max_squared = static_cast<float>(settings_.d_max * settings_.d_max);
-  job.score_weight = 1.0F;
+  job.score_weight = static_cast<float>(options_.score_weight);
+  job.score_exponent = static_cast<float>(options_.score_exponent);
+  const Eigen::Vector3f viewpoint = options_.viewpoint.cast<float>();
+  job.viewpoint = {viewpoint.x(), viewpoint.y(), viewpoint.z()};
   engine::RegistrationKernels::write_start({upload_.mapped() + kStartAt, kProgressBytes}, 1, groups,
                                            phase);
   *reinterpret_cast<gpu::RegistrationState*>(upload_.mapped() + kStateAt) =
@@ -177,7 +196,7 @@ Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t 
       .count = 1,
       .group_stride = groups,
       .source = source_->points(),
-      .target = target.table,
+      .target = target_->target(),
       .jobs = upload_.slice(0, sizeof(gpu::RegistrationJob)),
       .start = upload_.slice(kStartAt, kProgressBytes),
       .progress = progress_,

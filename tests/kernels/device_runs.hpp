@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -67,13 +68,20 @@ class DeviceCloud {
 class VoxelMapRun {
  public:
   /// Voxel size in m; `slots` is a power of two.
-  VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots);
+  VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots,
+              engine::VoxelContent content = engine::VoxelContent::surfaces);
 
   void clear();
   Times add(const DeviceCloud& cloud, const Eigen::Isometry3d& T_map_cloud);
   Times remove(const DeviceCloud& cloud, const Eigen::Isometry3d& T_map_cloud);
 
+  /// From now on target() is what VoxelMapKernels::record_finish() makes of the map.
+  Times finish(const engine::FinishSettings& settings);
+
   engine::VoxelMapView view() const;
+  /// What alignments read.
+  engine::Slice target() const { return finished_ ? *finished_ : table_; }
+  std::vector<gpu::GaussianCell> target_cells() const;
   std::vector<gpu::GaussianCell> cells() const;
   gpu::VoxelMapCounters counters() const;
 
@@ -83,6 +91,7 @@ class VoxelMapRun {
   double voxel_size_;
   engine::Buffer table_;
   engine::Buffer counters_;
+  std::optional<engine::Buffer> finished_;
 };
 
 /// All that the device leaves of an alignment.
@@ -96,6 +105,8 @@ struct AlignmentOptions {
   uint32_t max_constrained = 0;
   Matrix6d prior_information = Matrix6d::Zero();        ///< of the start pose; right perturbation
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< of the target's sensor, target frame
+  double score_weight = 1.0;                            ///< of NDT: -d1 d2
+  double score_exponent = 0.0;                          ///< d2 / 2
 };
 
 /// Alignments of one cloud with one map. These and the kernels must outlive this.

@@ -1,0 +1,465 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Finished voxel maps, and one linearisation of every method, number of neighbours and robust
+// kernel, against their double-precision twins.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/kernels/alignment_scene.hpp"
+#include "tests/reference/registration.hpp"
+#include "tests/support/device_fixture.hpp"
+
+namespace adit {
+namespace {
+
+using reference::FinishedMap;
+using reference::FullSystem;
+using reference::Objective;
+using reference::SourceItem;
+using test::AlignmentScene;
+using test::DeviceCloud;
+using test::VoxelMapRun;
+
+constexpr uint32_t kSlots = 1U << 15U;
+constexpr double kMargin = 2e-4;  // voxels, as in AlignmentScene
+constexpr engine::FinishSettings kGaussians = {
+    .min_points = 6, .least_ratio = 0.01, .least_sigma = 0.01};
+// NDT's score for voxels of 1 m and 55 % outliers (Magnusson 2009; shared by all tests here).
+constexpr double kD1 = -2.217225;
+constexpr double kD2 = 0.433123;
+
+struct Case {
+  std::string name;
+  Objective objective;
+};
+
+Case make_case(std::string name, uint32_t method, uint32_t neighbours,
+               uint32_t robust = gpu::kNoRobust, bool drop_back_faces = false) {
+  Case test{.name = std::move(name), .objective = {}};
+  test.objective.options = {.method = method,
+                            .neighbours = neighbours,
+                            .robust = robust,
+                            .drop_back_faces = drop_back_faces};
+  test.objective.d_max = 1.3;
+  test.objective.robust_width = 0.4;
+  if (method == gpu::kNdt || method == gpu::kNdtToNdt) {
+    test.objective.score_weight = -kD1 * kD2;
+    test.objective.score_exponent = 0.5 * kD2;
+  }
+  return test;
+}
+
+std::vector<Case> cases() {
+  return {make_case("VGICP, 7 neighbours", gpu::kVgicp, 7),
+          make_case("VGICP, 27 neighbours, no back faces", gpu::kVgicp, 27, gpu::kNoRobust, true),
+          make_case("VGICP, Huber", gpu::kVgicp, 1, gpu::kHuber),
+          make_case("VGICP, Cauchy", gpu::kVgicp, 1, gpu::kCauchy),
+          make_case("VGICP, Geman-McClure", gpu::kVgicp, 1, gpu::kGemanMcClure),
+          make_case("NDT", gpu::kNdt, 1),
+          make_case("NDT, 7 neighbours", gpu::kNdt, 7),
+          make_case("point to plane", gpu::kPointToPlane, 1),
+          make_case("NDT to NDT, 7 neighbours", gpu::kNdtToNdt, 7)};
+}
+
+bool has_moments(uint32_t method) {
+  return method == gpu::kNdt || method == gpu::kNdtToNdt;
+}
+
+// The map of a cloud as a method reads it.
+VoxelMapRun make_target(engine::Context& context, uint32_t method,
+                        const std::vector<gpu::uvec4>& cloud) {
+  VoxelMapRun map(
+      context, 1.0, kSlots,
+      has_moments(method) ? engine::VoxelContent::moments : engine::VoxelContent::surfaces);
+  map.add(DeviceCloud(context, cloud), Eigen::Isometry3d::Identity());
+  if (has_moments(method)) {
+    map.finish(kGaussians);
+  } else if (method == gpu::kPointToPlane) {
+    map.finish({.min_points = 1});
+  }
+  return map;
+}
+
+FinishedMap decode_target(uint32_t method, const VoxelMapRun& map) {
+  return method == gpu::kVgicp ? reference::finished(reference::decode(map.cells(), 1.0))
+                               : reference::decode_finished(map.target_cells());
+}
+
+// Points that float32 and double put into the same voxel and on the same side of d_max of all
+// their neighbours, and that neither takes for a back face alone.
+bool is_certain(const SourceItem& item, const FinishedMap& target, const Eigen::Isometry3d& pose,
+                const Objective& objective) {
+  const Eigen::Vector3d q = pose * item.p;
+  const reference::Place place = reference::place_of(q, 1.0);
+  const Eigen::Vector3d ray = (q - objective.viewpoint).normalized();
+  if (!place.certain(kMargin) || std::abs(ray.dot(pose.linear() * item.normal) - 0.174) < kMargin) {
+    return false;
+  }
+  const auto cells = reference::neighbours_of(place.cell, objective.options.neighbours);
+  return std::ranges::none_of(cells, [&](const reference::Cell& cell) {
+    const auto found = target.find(cell);
+    return found != target.end() &&
+           std::abs((found->second.mean - q).norm() - objective.d_max) < kMargin;
+  });
+}
+
+class RegistrationMethods : public test::DeviceTest {
+ protected:
+  struct Evaluation {
+    gpu::RegistrationState state{};
+    FullSystem device{};
+    std::vector<SourceItem> items{};
+    FinishedMap target{};
+    FullSystem twin{};
+  };
+
+  static FullSystem sums_of(const gpu::RegistrationState& state) {
+    FullSystem sums;
+    size_t k = 0;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) {
+        sums.system.hessian(i, j) = sums.system.hessian(j, i) =
+            static_cast<double>(state.system[k++]);
+      }
+    }
+    for (int i = 0; i < 6; ++i) {
+      sums.system.gradient(i) = static_cast<double>(state.system[k++]);
+    }
+    sums.system.cost = static_cast<double>(state.system[gpu::kCostAt]);
+    sums.system.squared_distance = static_cast<double>(state.system[gpu::kSquaredAt]);
+    sums.system.inliers = static_cast<int64_t>(state.system[gpu::kInliersAt]);
+    sums.matches = static_cast<int64_t>(state.system[gpu::kMatchesAt]);
+    const float* g = state.system + gpu::kGeometryAt;
+    const Eigen::Vector3d ra(g[1], g[2], g[3]);
+    Eigen::Matrix3d outer;
+    outer << g[4], g[5], g[6], g[5], g[7], g[8], g[6], g[8], g[9];
+    sums.isotropic.topLeftCorner<3, 3>() = static_cast<double>(g[0]) * Eigen::Matrix3d::Identity();
+    sums.isotropic.topRightCorner<3, 3>() = -skew(ra);
+    sums.isotropic.bottomLeftCorner<3, 3>() = skew(ra);
+    sums.isotropic.bottomRightCorner<3, 3>() = outer.trace() * Eigen::Matrix3d::Identity() - outer;
+    for (int i = 0; i < 6; ++i) {
+      sums.isotropic_gradient(i) = -static_cast<double>(g[10 + i]);
+    }
+    return sums;
+  }
+
+  // The source's points, or its Gaussians, packed for the device and as the twin reads them; those
+  // that are not certain at the pose are left out.
+  static std::vector<gpu::uvec4> certain_source(const std::vector<gpu::uvec4>& cloud,
+                                                const Eigen::Isometry3d& pose,
+                                                const Objective& objective,
+                                                Evaluation& evaluation) {
+    std::vector<gpu::uvec4> packed;
+    const auto keep = [&](const SourceItem& item) {
+      const bool certain = is_certain(item, evaluation.target, pose, objective);
+      if (certain) {
+        evaluation.items.push_back(item);
+      }
+      return certain;
+    };
+    if (objective.options.method == gpu::kNdtToNdt) {
+      for (const gpu::GaussianCell& cell :
+           make_target(context(), gpu::kNdtToNdt, cloud).target_cells()) {
+        for (const auto& [at, voxel] : reference::decode_finished(std::span(&cell, 1))) {
+          if (keep({.p = voxel.mean, .form = voxel.form})) {
+            const auto* words = reinterpret_cast<const gpu::uvec4*>(&cell);
+            packed.insert(packed.end(), words, words + 3);
+          }
+        }
+      }
+      return packed;
+    }
+    for (const gpu::uvec4& point : cloud) {
+      const reference::SurfacePoint surface = reference::decode(point);
+      const bool plane = surface.kind == reference::SurfaceKind::plane;
+      if (keep({.p = surface.p,
+                .form = surface.constraint(),
+                .normal = plane ? surface.direction : Eigen::Vector3d::Zero()})) {
+        packed.push_back(point);
+      }
+    }
+    return packed;
+  }
+
+  static Evaluation evaluate(const AlignmentScene& scene,
+                             const engine::RegistrationKernels& kernels, const VoxelMapRun& target,
+                             const Objective& objective, const Eigen::Isometry3d& pose) {
+    Evaluation evaluation;
+    evaluation.target = decode_target(objective.options.method, target);
+    const std::vector<gpu::uvec4> packed =
+        certain_source(scene.source(), pose, objective, evaluation);
+    const DeviceCloud source(context(), packed);
+    test::AlignmentRun run(context(), kernels, source, target, {.d_max = objective.d_max},
+                           {.robust_width = objective.robust_width,
+                            .viewpoint = objective.viewpoint,
+                            .score_weight = objective.score_weight,
+                            .score_exponent = objective.score_exponent});
+    run.evaluate(pose);
+    evaluation.state = run.state();
+    evaluation.device = sums_of(evaluation.state);
+    evaluation.twin =
+        reference::linearize(evaluation.items, evaluation.target, 1.0, pose, objective);
+    return evaluation;
+  }
+};
+
+// Fractions of the natural scale of each sum: float32 places a point 60 m away within 4e-6 m, and
+// the inverse of a covariance of condition 100 loses 1e-5 of itself; VGICP's, of condition 1000,
+// 1e-4.
+constexpr double kBound = 3e-4;
+
+void expect_equal(const FullSystem& device, const FullSystem& twin) {
+  EXPECT_EQ(device.system.inliers, twin.system.inliers);
+  EXPECT_EQ(device.matches, twin.matches);
+  const Vector6d unit = twin.system.hessian.diagonal().cwiseSqrt();
+  const Matrix6d h =
+      (device.system.hessian - twin.system.hessian).cwiseQuotient((unit * unit.transpose()).eval());
+  EXPECT_LT(h.cwiseAbs().maxCoeff(), kBound);
+  const Vector6d g = (device.system.gradient - twin.system.gradient)
+                         .cwiseQuotient((std::sqrt(twin.weighted_cost) * unit).eval());
+  EXPECT_LT(g.cwiseAbs().maxCoeff(), kBound);
+  EXPECT_NEAR(device.system.cost, twin.system.cost, kBound * std::abs(twin.system.cost));
+  EXPECT_NEAR(device.system.squared_distance, twin.system.squared_distance,
+              kBound * twin.system.squared_distance);
+  const Vector6d isotropic = twin.isotropic.diagonal().cwiseSqrt();
+  const Matrix6d i =
+      (device.isotropic - twin.isotropic).cwiseQuotient((isotropic * isotropic.transpose()).eval());
+  EXPECT_LT(i.cwiseAbs().maxCoeff(), kBound);
+  // d_max bounds each match's share of the gradient's scale.
+  const Vector6d d = (device.isotropic_gradient - twin.isotropic_gradient)
+                         .cwiseQuotient((std::sqrt(twin.isotropic(0, 0)) * isotropic).eval());
+  EXPECT_LT(d.cwiseAbs().maxCoeff(), kBound);
+}
+
+TEST_F(RegistrationMethods, SumsAreTheTwins) {
+  const AlignmentScene scene(context(), test::street_alignment(30'000));
+  for (Case& test : cases()) {
+    SCOPED_TRACE(test.name);
+    test.objective.viewpoint = Eigen::Vector3d(3.0, 1.0, 0.5);
+    const engine::RegistrationKernels kernels(context(), test.objective.options);
+    // From the raw source's neighbour: enough points a voxel for Gaussians.
+    const VoxelMapRun target =
+        make_target(context(), test.objective.options.method, scene.source());
+    for (const size_t i : {size_t{0}, size_t{3}, size_t{6}}) {
+      const auto [name, offset] = test::offsets()[i];
+      SCOPED_TRACE(name);
+      const Evaluation found = evaluate(scene, kernels, target, test.objective,
+                                        retract(Eigen::Isometry3d::Identity(), offset));
+      EXPECT_GT(found.twin.matches, 50);
+      EXPECT_GT(found.items.size(), 100U);
+      expect_equal(found.device, found.twin);
+    }
+  }
+}
+
+TEST_F(RegistrationMethods, BackFacesAreSomeOfTheMatches) {
+  const AlignmentScene scene(context(), test::street_alignment(30'000));
+  const Case test = make_case("", gpu::kVgicp, 1, gpu::kNoRobust, true);
+  const engine::RegistrationKernels kernels(context(), test.objective.options);
+  const VoxelMapRun target = make_target(context(), gpu::kVgicp, scene.source());
+  Objective objective = test.objective;
+  const auto inliers = [&](const Eigen::Vector3d& viewpoint) {
+    objective.viewpoint = viewpoint;
+    return evaluate(scene, kernels, target, objective, Eigen::Isometry3d::Identity())
+        .device.system.inliers;
+  };
+  const int64_t from_the_sensor = inliers(Eigen::Vector3d::Zero());
+  const int64_t from_behind_the_houses = inliers(Eigen::Vector3d(0.0, 60.0, 0.0));
+  EXPECT_LT(from_behind_the_houses, from_the_sensor);
+  EXPECT_GT(from_behind_the_houses, 0);
+}
+
+// With the weights that the kernels state, the gradient is that of the cost: of NDT's score itself,
+// and of half the sum of rho(d^2).
+TEST_F(RegistrationMethods, GradientsAreThoseOfTheCosts) {
+  const AlignmentScene scene(context(), test::street_alignment(5'000));
+  const Eigen::Isometry3d pose = retract(Eigen::Isometry3d::Identity(), test::offsets()[5].second);
+  for (const Case& test : cases()) {
+    if (test.objective.options.method == gpu::kNdtToNdt) {
+      continue;  // its information turns with the pose; it is held fixed in each step
+    }
+    SCOPED_TRACE(test.name);
+    Objective objective = test.objective;
+    objective.d_max = 1e3;  // no match comes or goes
+    objective.options.drop_back_faces = false;
+    const VoxelMapRun map = make_target(context(), objective.options.method, scene.source());
+    const FinishedMap target = decode_target(objective.options.method, map);
+    std::vector<SourceItem> items;
+    for (const gpu::uvec4& packed : scene.source()) {
+      // Isotropic: information that does not turn with the pose.
+      const SourceItem item{.p = reference::decode(packed).p};
+      if (reference::place_of(pose * item.p, 1.0).certain(1e-3)) {
+        items.push_back(item);
+      }
+    }
+    const FullSystem here = reference::linearize(items, target, 1.0, pose, objective);
+    const bool score = objective.options.method == gpu::kNdt;
+    for (int k = 0; k < 6; ++k) {
+      constexpr double kStep = 1e-6;
+      const auto cost = [&](double sign) {
+        const Eigen::Isometry3d moved = reference::move(pose, sign * kStep * Vector6d::Unit(k));
+        return reference::linearize(items, target, 1.0, moved, objective).system.cost;
+      };
+      const double slope = (cost(1.0) - cost(-1.0)) / (2.0 * kStep);
+      EXPECT_NEAR(here.system.gradient(k), score ? slope : 0.5 * slope,
+                  1e-5 * std::sqrt(here.system.hessian(k, k) * here.weighted_cost));
+    }
+  }
+}
+
+// Information on translation (at = 0) or rotation (at = 3) when the other is free.
+Eigen::Matrix3d marginal(const Matrix6d& h, int at) {
+  const Eigen::Matrix3d coupling = h.block<3, 3>(at, 3 - at);
+  return h.block<3, 3>(at, at) -
+         coupling * h.block<3, 3>(3 - at, 3 - at).inverse() * coupling.transpose();
+}
+
+Eigen::Vector3d at_most_unit(const Eigen::Vector3d& v) {
+  return v / std::max(v.norm(), 1.0);
+}
+
+// Sums of the shares that matches with agreeing normals have in the six directions.
+std::array<double, 6> supports(const std::vector<SourceItem>& items, const FinishedMap& target,
+                               const Eigen::Isometry3d& pose, double d_max,
+                               const gpu::RegistrationState& state) {
+  std::array<double, 6> sums{};
+  for (const SourceItem& item : items) {
+    const Eigen::Vector3d q = pose * item.p;
+    const auto found = target.find(reference::place_of(q, 1.0).cell);
+    if (found == target.end() || (found->second.mean - q).norm() > d_max) {
+      continue;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(found->second.form);
+    const Eigen::Vector3d target_normal = eigen.eigenvectors().col(2);
+    const Eigen::Vector3d normal = pose.linear() * item.normal;
+    if (eigen.eigenvalues()[2] <= 0.9 * std::max(eigen.eigenvalues().sum(), 1.0) ||
+        std::abs(normal.dot(target_normal)) <= 0.94) {
+      continue;
+    }
+    const Eigen::Vector3d ra = pose.linear() * item.p;
+    for (size_t k = 0; k < 6; ++k) {
+      const Eigen::Vector3d v(state.directions[k].x, state.directions[k].y, state.directions[k].z);
+      const Eigen::Vector3d a = k < 3 ? normal : at_most_unit(ra.cross(normal));
+      const Eigen::Vector3d b = k < 3 ? target_normal : at_most_unit(ra.cross(target_normal));
+      const double share = std::min(std::abs(a.dot(v)), std::abs(b.dot(v)));
+      sums[k] += share > 0.174 ? share : 0.0;
+    }
+  }
+  return sums;
+}
+
+TEST_F(RegistrationMethods, DirectionsAndTheirSupportAreTheTwins) {
+  for (const int points : {5'000, 30'000}) {
+    SCOPED_TRACE(points);
+    const AlignmentScene scene(context(), test::street_alignment(points));
+    const Case test = make_case("", gpu::kVgicp, 1);
+    const VoxelMapRun target = make_target(context(), gpu::kVgicp, scene.source());
+    const Eigen::Isometry3d pose =
+        retract(Eigen::Isometry3d::Identity(), test::offsets()[3].second);
+    const Evaluation found = evaluate(scene, scene.kernels(), target, test.objective, pose);
+    const Matrix6d geometric = found.twin.system.hessian - 0.5 * found.twin.isotropic;
+    const std::array<double, 6> expected =
+        supports(found.items, found.target, pose, test.objective.d_max, found.state);
+    for (const int at : {0, 3}) {
+      const Eigen::Matrix3d information = marginal(geometric, at);
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
+      const Eigen::Matrix3d most = marginal(found.twin.isotropic, at);
+      for (int k = 0; k < 3; ++k) {
+        const gpu::vec4& direction = found.state.directions[at + k];
+        const Eigen::Vector3d v(direction.x, direction.y, direction.z);
+        EXPECT_NEAR(v.norm(), 1.0, 1e-5);
+        // Schur complements in float32 of a system of condition 1e4.
+        EXPECT_NEAR(static_cast<double>(direction.w), eigen.eigenvalues()[k],
+                    1e-2 * eigen.eigenvalues()[k]);
+        EXPECT_NEAR(v.dot(information * v), eigen.eigenvalues()[k], 1e-2 * eigen.eigenvalues()[k]);
+        const double each = eigen.eigenvalues()[k] / v.dot(most * v);
+        EXPECT_NEAR(static_cast<double>(found.state.support[at + k].y), each, 2e-2 * each);
+        // A match at one of the thresholds may count here and not there.
+        const double support = expected[static_cast<size_t>(at + k)];
+        EXPECT_NEAR(static_cast<double>(found.state.support[at + k].x), support,
+                    2.0 + 5e-3 * support);
+        const auto matches = static_cast<double>(found.twin.matches);
+        const double full = std::max(std::min(100.0, 0.02 * matches), 0.005 * matches);
+        const double none = std::max(8.0, 1e-3 * matches);
+        if (std::abs(support - none) > 2.5) {
+          EXPECT_NEAR(static_cast<double>(found.state.share[at + k]),
+                      support <= none ? 0.0 : std::min(1.0, support / full), 0.05);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(RegistrationMethods, GaussiansAreTheTwins) {
+  // Rooms with enough points a voxel; identical, collinear and lonely points.
+  std::vector<Point> points = test::room(20'000, 5);
+  points.insert(points.end(), 50, {20.3F, 0.4F, 0.6F, 0.0F});
+  for (int i = 0; i < 40; ++i) {
+    points.push_back({30.1F + 0.02F * static_cast<float>(i), 0.5F, 0.5F, 0.0F});
+  }
+  points.insert(points.end(), 5, {40.5F, 0.5F, 0.5F, 0.0F});  // one fewer than needed
+  std::vector<gpu::uvec4> cloud;
+  std::map<reference::Cell, std::vector<Eigen::Vector3d>> expected;
+  for (const gpu::uvec4& packed : test::with_random_surfaces(points, 6)) {
+    const Eigen::Vector3d p = reference::decode(packed).p;
+    const reference::Place place = reference::place_of(p, 1.0);
+    if (place.certain(kMargin)) {
+      cloud.push_back(packed);
+      expected[place.cell].push_back(p);
+    }
+  }
+  const VoxelMapRun map = make_target(context(), gpu::kNdt, cloud);
+  const FinishedMap found = reference::decode_finished(map.target_cells());
+  size_t compared = 0;
+  for (const auto& [at, members] : expected) {
+    const auto voxel = found.find(at);
+    if (members.size() < kGaussians.min_points) {
+      EXPECT_EQ(voxel, found.end());
+      continue;
+    }
+    ASSERT_NE(voxel, found.end());
+    const reference::FinishedVoxel twin = reference::gaussian_of(members, kGaussians);
+    EXPECT_EQ(voxel->second.count, twin.count);
+    // Offsets are rounded down to 1/65536 voxel, and the mean to float32.
+    EXPECT_LT((voxel->second.mean - twin.mean).norm(), 4e-5);
+    // So are their products: 3/65536 of a square metre, and n / (n - 1) of it.
+    EXPECT_LT((voxel->second.form - twin.form).cwiseAbs().maxCoeff(), 6e-5);
+    ++compared;
+  }
+  EXPECT_EQ(found.size(), compared);
+  EXPECT_GT(compared, 100U);
+}
+
+TEST_F(RegistrationMethods, PlanesAreWhatTheSurfacesOfAVoxelAgreeOn) {
+  const AlignmentScene scene(context(), test::street_alignment(30'000));
+  const VoxelMapRun map = make_target(context(), gpu::kPointToPlane, scene.source());
+  const FinishedMap planes = reference::decode_finished(map.target_cells());
+  size_t compared = 0;
+  for (const auto& [at, voxel] : reference::decode(map.cells(), 1.0).voxels) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(voxel.constraint());
+    const double largest = eigen.eigenvalues()[2];
+    const double trace = eigen.eigenvalues().sum();
+    const double margin = largest - 0.9 * std::max(trace, 0.5);
+    if (std::abs(margin) < 1e-3) {
+      continue;
+    }
+    const auto found = planes.find(at);
+    ASSERT_EQ(found != planes.end(), margin > 0.0);
+    if (margin > 0.0) {
+      const Eigen::Vector3d n = eigen.eigenvectors().col(2);
+      EXPECT_LT((found->second.form - n * n.transpose()).cwiseAbs().maxCoeff(), 1e-4);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 100U);
+}
+
+}  // namespace
+}  // namespace adit
