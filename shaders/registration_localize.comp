@@ -56,7 +56,6 @@ void decide(uint at, float sums[kSums]) {
   }
   progress[at].phase = kPhaseDone;
   if (weak && push.serves == kPhaseLocalize && push.max_iterations > 0) {
-    states[at].pose = states[at].guess;
     states[at].constrained = 1;
     progress[at].phase = kPhaseConstrained;
     progress[at].iterations = 0;

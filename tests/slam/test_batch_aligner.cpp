@@ -124,28 +124,26 @@ TEST_F(BatchAlignerTest, EveryMethodFindsTheMotion) {
   }
 }
 
-TEST_F(BatchAlignerTest, LevelsWidenTheBasin) {
-  const Street fine = street(RegistrationMethod::vgicp, 2, {0.5});
-  const Street levels = street(RegistrationMethod::vgicp, 2, {4.0, 2.0, 1.0, 0.5});
+// Small voxels alone find the motion from as far, with many more steps.
+TEST_F(BatchAlignerTest, LevelsLeaveLittleToDoForTheFinest) {
+  const Street fine = street(RegistrationMethod::vgicp, 2, {0.25});
+  const Street levels = street(RegistrationMethod::vgicp, 2, {2.0, 1.0, 0.5, 0.25});
   AlignmentSettings settings = settings_for(RegistrationMethod::vgicp);
   settings.neighbours = 1;
-  settings.d_max = 0.5;
+  settings.d_max = 0.25;
   BatchAligner aligner(context(), settings);
-  size_t fine_found = 0;
-  size_t levels_found = 0;
-  for (const double metres : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0}) {
+  for (const double metres : {0.5, 1.0, 1.5, 2.0}) {
+    SCOPED_TRACE(metres);
     const Vector6d far = offset(metres, 0.08 * metres);
-    const auto found = [&](const Street& scene) {
-      const RegistrationResult result = aligner.align(std::vector{scene.pair(0, 1, far)}).at(0);
-      return metres_off(result, scene.truth(0, 1)) < 0.05 ? 1U : 0U;
-    };
-    fine_found += found(fine);
-    levels_found += found(levels);
+    const RegistrationResult alone = aligner.align(std::vector{fine.pair(0, 1, far)}).at(0);
+    const RegistrationResult last = aligner.align(std::vector{levels.pair(0, 1, far)}).at(0);
+    EXPECT_LT(metres_off(alone, fine.truth(0, 1)), 0.05);
+    EXPECT_LT(metres_off(last, levels.truth(0, 1)), 0.05);
+    EXPECT_LT(2 * last.iterations, alone.iterations);
+    RecordProperty(std::to_string(metres) + " m", std::to_string(alone.iterations) + " and " +
+                                                      std::to_string(last.iterations) +
+                                                      " iterations");
   }
-  RecordProperty("found of 6 offsets, one level", std::to_string(fine_found));
-  RecordProperty("found of 6 offsets, four levels", std::to_string(levels_found));
-  EXPECT_GT(levels_found, fine_found);
-  EXPECT_GE(levels_found, 4U);
 }
 
 TEST_F(BatchAlignerTest, APairsResultDoesNotDependOnItsBatch) {
