@@ -74,8 +74,8 @@ class RegistrationKernels {
   void record_steps(Recorder& recorder, const RegistrationSettings& settings,
                     const RegistrationArguments& arguments, Slice scratch) const;
   /// After the last level: the sums at each pose and, for sources with surfaces, which directions
-  /// its matches hold; where some are weak, the alignment goes on with these taken out and the prior
-  /// added. Ends with a barrier.
+  /// its matches hold; where some are weak, the alignment goes on with these taken out and the
+  /// prior added. Ends with a barrier.
   void record_assessment(Recorder& recorder, const RegistrationSettings& settings,
                          const RegistrationArguments& arguments, Slice scratch) const;
 
