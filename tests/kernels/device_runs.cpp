@@ -3,6 +3,7 @@
 #include "tests/kernels/device_runs.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <utility>
@@ -24,11 +25,18 @@ constexpr uint64_t kStateAt = kStartAt + engine::align_slice(kProgressBytes);
 
 template <class Record>
 Times submit(engine::Context& context, Record&& record) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
   Recorder recorder = context.make_recorder();
   record(recorder);
+  const Clock::time_point recorded = Clock::now();
   engine::Submission submission = context.submit(std::move(recorder));
   submission.wait();
-  return submission.scope_times();
+  const Clock::time_point end = Clock::now();
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  return {.scopes = submission.scope_times(),
+          .wait_ms = Milliseconds(end - recorded).count(),
+          .host_ms = Milliseconds(end - begin).count()};
 }
 
 template <class T>
@@ -158,14 +166,18 @@ AlignmentRun::AlignmentRun(engine::Context& context, const engine::RegistrationK
                                    Memory::device, "scratch")) {}
 
 Times AlignmentRun::align(const Eigen::Isometry3d& start) {
-  return run(start, gpu::kPhaseIterate, settings_.max_iterations);
+  return run(start, settings_.max_iterations, true);
 }
 
 Times AlignmentRun::evaluate(const Eigen::Isometry3d& pose) {
-  return run(pose, gpu::kPhaseAssess, 0);
+  return run(pose, 0, true);
 }
 
-Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations) {
+Times AlignmentRun::step(const Eigen::Isometry3d& pose) {
+  return run(pose, 1, false);
+}
+
+Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t max_iterations, bool assess) {
   const engine::VoxelMapView target = target_->view();
   // Gaussians are three uvec4 each.
   const uint32_t items =
@@ -183,8 +195,9 @@ Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t 
   job.score_exponent = static_cast<float>(options_.score_exponent);
   const Eigen::Vector3f viewpoint = options_.viewpoint.cast<float>();
   job.viewpoint = {viewpoint.x(), viewpoint.y(), viewpoint.z()};
-  engine::RegistrationKernels::write_start({upload_.mapped() + kStartAt, kProgressBytes}, 1, groups,
-                                           phase);
+  engine::RegistrationKernels::write_start(
+      {upload_.mapped() + kStartAt, kProgressBytes}, 1, groups,
+      max_iterations > 0 ? gpu::kPhaseIterate : gpu::kPhaseAssess);
   *reinterpret_cast<gpu::RegistrationState*>(upload_.mapped() + kStateAt) =
       initial_state(pose, options_.prior_information);
   const engine::RegistrationSettings settings{.translation_epsilon = settings_.translation_epsilon,
@@ -205,7 +218,9 @@ Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t 
     recorder.copy(upload_.slice(kStateAt, sizeof(gpu::RegistrationState)), state_);
     const engine::Scope scope = recorder.scope("align");
     kernels_->record_steps(recorder, settings, arguments, scratch_);
-    kernels_->record_assessment(recorder, settings, arguments, scratch_);
+    if (assess) {
+      kernels_->record_assessment(recorder, settings, arguments, scratch_);
+    }
   });
 }
 
@@ -221,9 +236,9 @@ DeviceOutcome AlignmentRun::state() const {
 }
 
 double device_ms(const Times& times, std::string_view scope) {
-  const auto found = std::find_if(times.begin(), times.end(),
-                                  [&](const engine::ScopeTime& t) { return t.name == scope; });
-  return found == times.end() ? 0.0 : found->device_ms;
+  const auto found =
+      std::ranges::find(times.scopes, scope, [](const engine::ScopeTime& t) { return t.name; });
+  return found == times.scopes.end() ? 0.0 : found->device_ms;
 }
 
 }  // namespace adit::test

@@ -22,7 +22,12 @@
 
 namespace adit::test {
 
-using Times = std::vector<engine::ScopeTime>;
+/// What the clocks say of one submission, ms.
+struct Times {
+  std::vector<engine::ScopeTime> scopes;  ///< the device's clock
+  double wait_ms = 0.0;                   ///< from submitting to the end of the wait
+  double host_ms = 0.0;                   ///< from recording to the end of the wait
+};
 
 /// A sweep on the device, and what Preprocess makes of it.
 class PreprocessRun {
@@ -118,13 +123,15 @@ class AlignmentRun {
 
   /// The whole loop from `start`.
   Times align(const Eigen::Isometry3d& start);
-  /// One linearisation at `pose`, no step.
+  /// One linearisation at `pose`, no step, and what its matches hold.
   Times evaluate(const Eigen::Isometry3d& pose);
+  /// One linearisation at `pose` and the step.
+  Times step(const Eigen::Isometry3d& pose);
 
   DeviceOutcome state() const;
 
  private:
-  Times run(const Eigen::Isometry3d& pose, uint32_t phase, uint32_t max_iterations);
+  Times run(const Eigen::Isometry3d& pose, uint32_t max_iterations, bool assess);
 
   engine::Context* context_;
   const engine::RegistrationKernels* kernels_;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shaders/shared/gaussian_cell.h"
+#include "shaders/shared/limit_probes.h"
 #include "shaders/shared/preprocess.h"
 #include "shaders/shared/registration.h"
 #include "tests/support/layout.hpp"
@@ -152,6 +153,22 @@ TEST(KernelLayouts, RegistrationStructsAreTheSameInCppAndGlsl) {
                              {"min_points", offsetof(VoxelMapFinishPush, min_points)},
                              {"least_ratio", offsetof(VoxelMapFinishPush, least_ratio)},
                              {"least_squared", offsetof(VoxelMapFinishPush, least_squared)}});
+}
+
+TEST(KernelLayouts, LimitProbeStructsAreTheSameInCppAndGlsl) {
+  expect_layout<gpu::LimitCopyPush>("LimitCopyPush",
+                                    {{"count", offsetof(gpu::LimitCopyPush, count)}});
+  using gpu::LimitMultiplyAddPush;
+  expect_layout<LimitMultiplyAddPush>("LimitMultiplyAddPush",
+                                      {{"rounds", offsetof(LimitMultiplyAddPush, rounds)},
+                                       {"factor", offsetof(LimitMultiplyAddPush, factor)},
+                                       {"addend", offsetof(LimitMultiplyAddPush, addend)}});
+  using gpu::LimitGatherPush;
+  expect_layout<LimitGatherPush>("LimitGatherPush", {{"count", offsetof(LimitGatherPush, count)},
+                                                     {"mask", offsetof(LimitGatherPush, mask)}});
+  using gpu::LimitScatterPush;
+  expect_layout<LimitScatterPush>("LimitScatterPush", {{"count", offsetof(LimitScatterPush, count)},
+                                                       {"mask", offsetof(LimitScatterPush, mask)}});
 }
 
 }  // namespace

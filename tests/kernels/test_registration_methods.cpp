@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/kernels/alignment_scene.hpp"
-#include "tests/reference/registration.hpp"
+#include "tests/kernels/registration_methods.hpp"
 #include "tests/support/device_fixture.hpp"
 
 namespace adit {
@@ -24,250 +24,51 @@ using reference::FullSystem;
 using reference::Objective;
 using reference::SourceItem;
 using test::AlignmentScene;
-using test::DeviceCloud;
+using test::decode_target;
+using test::kMethodGaussians;
+using test::method_case;
+using test::method_target;
+using test::MethodCase;
+using test::MethodEvaluation;
 using test::VoxelMapRun;
 
-constexpr uint32_t kSlots = 1U << 15U;
 constexpr double kMargin = 2e-4;  // voxels, as in AlignmentScene
-constexpr engine::FinishSettings kGaussians = {
-    .min_points = 6, .least_ratio = 0.01, .least_sigma = 0.01};
-// NDT's score for voxels of 1 m and 55 % outliers (Magnusson 2009; shared by all tests here).
-constexpr double kD1 = -2.217225;
-constexpr double kD2 = 0.433123;
 
-struct Case {
-  std::string name;
-  Objective objective;
-};
-
-Case make_case(std::string name, uint32_t method, uint32_t neighbours,
-               uint32_t robust = gpu::kNoRobust, bool drop_back_faces = false) {
-  Case test{.name = std::move(name), .objective = {}};
-  test.objective.options = {.method = method,
-                            .neighbours = neighbours,
-                            .robust = robust,
-                            .drop_back_faces = drop_back_faces};
-  test.objective.d_max = 1.3;
-  test.objective.robust_width = 0.4;
-  if (method == gpu::kNdt || method == gpu::kNdtToNdt) {
-    test.objective.score_weight = -kD1 * kD2;
-    test.objective.score_exponent = 0.5 * kD2;
-  }
-  return test;
-}
-
-std::vector<Case> cases() {
-  return {make_case("VGICP, 7 neighbours", gpu::kVgicp, 7),
-          make_case("VGICP, 27 neighbours, no back faces", gpu::kVgicp, 27, gpu::kNoRobust, true),
-          make_case("VGICP, Huber", gpu::kVgicp, 1, gpu::kHuber),
-          make_case("VGICP, Cauchy", gpu::kVgicp, 1, gpu::kCauchy),
-          make_case("VGICP, Geman-McClure", gpu::kVgicp, 1, gpu::kGemanMcClure),
-          make_case("NDT", gpu::kNdt, 1),
-          make_case("NDT, 7 neighbours", gpu::kNdt, 7),
-          make_case("point to plane", gpu::kPointToPlane, 1),
-          make_case("NDT to NDT, 7 neighbours", gpu::kNdtToNdt, 7)};
-}
-
-bool has_moments(uint32_t method) {
-  return method == gpu::kNdt || method == gpu::kNdtToNdt;
-}
-
-// The map of a cloud as a method reads it.
-VoxelMapRun make_target(engine::Context& context, uint32_t method,
-                        const std::vector<gpu::uvec4>& cloud) {
-  VoxelMapRun map(
-      context, 1.0, kSlots,
-      has_moments(method) ? engine::VoxelContent::moments : engine::VoxelContent::surfaces);
-  map.add(DeviceCloud(context, cloud), Eigen::Isometry3d::Identity());
-  if (has_moments(method)) {
-    map.finish(kGaussians);
-  } else if (method == gpu::kPointToPlane) {
-    map.finish({.min_points = 1});
-  }
-  return map;
-}
-
-FinishedMap decode_target(uint32_t method, const VoxelMapRun& map) {
-  return method == gpu::kVgicp ? reference::finished(reference::decode(map.cells(), 1.0))
-                               : reference::decode_finished(map.target_cells());
-}
-
-// Points that float32 and double put into the same voxel and on the same side of d_max of all
-// their neighbours, and that neither takes for a back face alone.
-bool is_certain(const SourceItem& item, const FinishedMap& target, const Eigen::Isometry3d& pose,
-                const Objective& objective) {
-  const Eigen::Vector3d q = pose * item.p;
-  const reference::Place place = reference::place_of(q, 1.0);
-  const Eigen::Vector3d ray = (q - objective.viewpoint).normalized();
-  if (!place.certain(kMargin) || std::abs(ray.dot(pose.linear() * item.normal) - 0.174) < kMargin) {
-    return false;
-  }
-  const auto cells = reference::neighbours_of(place.cell, objective.options.neighbours);
-  return std::ranges::none_of(cells, [&](const reference::Cell& cell) {
-    const auto found = target.find(cell);
-    return found != target.end() &&
-           std::abs((found->second.mean - q).norm() - objective.d_max) < kMargin;
-  });
-}
-
-class RegistrationMethods : public test::DeviceTest {
- protected:
-  struct Evaluation {
-    gpu::RegistrationState state{};
-    FullSystem device{};
-    std::vector<SourceItem> items{};
-    FinishedMap target{};
-    FullSystem twin{};
-  };
-
-  static FullSystem sums_of(const gpu::RegistrationState& state) {
-    FullSystem sums;
-    size_t k = 0;
-    for (int i = 0; i < 6; ++i) {
-      for (int j = i; j < 6; ++j) {
-        sums.system.hessian(i, j) = sums.system.hessian(j, i) =
-            static_cast<double>(state.system[k++]);
-      }
-    }
-    for (int i = 0; i < 6; ++i) {
-      sums.system.gradient(i) = static_cast<double>(state.system[k++]);
-    }
-    sums.system.cost = static_cast<double>(state.system[gpu::kCostAt]);
-    sums.system.squared_distance = static_cast<double>(state.system[gpu::kSquaredAt]);
-    sums.system.inliers = static_cast<int64_t>(state.system[gpu::kInliersAt]);
-    sums.matches = static_cast<int64_t>(state.system[gpu::kMatchesAt]);
-    const float* g = state.system + gpu::kGeometryAt;
-    const Eigen::Vector3d ra(g[1], g[2], g[3]);
-    Eigen::Matrix3d outer;
-    outer << g[4], g[5], g[6], g[5], g[7], g[8], g[6], g[8], g[9];
-    sums.isotropic.topLeftCorner<3, 3>() = static_cast<double>(g[0]) * Eigen::Matrix3d::Identity();
-    sums.isotropic.topRightCorner<3, 3>() = -skew(ra);
-    sums.isotropic.bottomLeftCorner<3, 3>() = skew(ra);
-    sums.isotropic.bottomRightCorner<3, 3>() = outer.trace() * Eigen::Matrix3d::Identity() - outer;
-    for (int i = 0; i < 6; ++i) {
-      sums.isotropic_gradient(i) = -static_cast<double>(g[10 + i]);
-    }
-    return sums;
-  }
-
-  // The source's points, or its Gaussians, packed for the device and as the twin reads them; those
-  // that are not certain at the pose are left out.
-  static std::vector<gpu::uvec4> certain_source(const std::vector<gpu::uvec4>& cloud,
-                                                const Eigen::Isometry3d& pose,
-                                                const Objective& objective,
-                                                Evaluation& evaluation) {
-    std::vector<gpu::uvec4> packed;
-    const auto keep = [&](const SourceItem& item) {
-      const bool certain = is_certain(item, evaluation.target, pose, objective);
-      if (certain) {
-        evaluation.items.push_back(item);
-      }
-      return certain;
-    };
-    if (objective.options.method == gpu::kNdtToNdt) {
-      for (const gpu::GaussianCell& cell :
-           make_target(context(), gpu::kNdtToNdt, cloud).target_cells()) {
-        for (const auto& [at, voxel] : reference::decode_finished(std::span(&cell, 1))) {
-          if (keep({.p = voxel.mean, .form = voxel.form})) {
-            const auto* words = reinterpret_cast<const gpu::uvec4*>(&cell);
-            packed.insert(packed.end(), words, words + 3);
-          }
-        }
-      }
-      return packed;
-    }
-    for (const gpu::uvec4& point : cloud) {
-      const reference::SurfacePoint surface = reference::decode(point);
-      const bool plane = surface.kind == reference::SurfaceKind::plane;
-      if (keep({.p = surface.p,
-                .form = surface.constraint(),
-                .normal = plane ? surface.direction : Eigen::Vector3d::Zero()})) {
-        packed.push_back(point);
-      }
-    }
-    return packed;
-  }
-
-  static Evaluation evaluate(const AlignmentScene& scene,
-                             const engine::RegistrationKernels& kernels, const VoxelMapRun& target,
-                             const Objective& objective, const Eigen::Isometry3d& pose) {
-    Evaluation evaluation;
-    evaluation.target = decode_target(objective.options.method, target);
-    const std::vector<gpu::uvec4> packed =
-        certain_source(scene.source(), pose, objective, evaluation);
-    const DeviceCloud source(context(), packed);
-    test::AlignmentRun run(context(), kernels, source, target, {.d_max = objective.d_max},
-                           {.robust_width = objective.robust_width,
-                            .viewpoint = objective.viewpoint,
-                            .score_weight = objective.score_weight,
-                            .score_exponent = objective.score_exponent});
-    run.evaluate(pose);
-    evaluation.state = run.state();
-    evaluation.device = sums_of(evaluation.state);
-    evaluation.twin =
-        reference::linearize(evaluation.items, evaluation.target, 1.0, pose, objective);
-    return evaluation;
-  }
-};
-
-// Fractions of the natural scale of each sum: float32 places a point 60 m away within 4e-6 m, and
-// the inverse of a covariance of condition 100 loses 1e-5 of itself; VGICP's, of condition 1000,
-// 1e-4.
-constexpr double kBound = 3e-4;
-
-void expect_equal(const FullSystem& device, const FullSystem& twin) {
-  EXPECT_EQ(device.system.inliers, twin.system.inliers);
-  EXPECT_EQ(device.matches, twin.matches);
-  const Vector6d unit = twin.system.hessian.diagonal().cwiseSqrt();
-  const Matrix6d h =
-      (device.system.hessian - twin.system.hessian).cwiseQuotient((unit * unit.transpose()).eval());
-  EXPECT_LT(h.cwiseAbs().maxCoeff(), kBound);
-  const Vector6d g = (device.system.gradient - twin.system.gradient)
-                         .cwiseQuotient((std::sqrt(twin.weighted_cost) * unit).eval());
-  EXPECT_LT(g.cwiseAbs().maxCoeff(), kBound);
-  EXPECT_NEAR(device.system.cost, twin.system.cost, kBound * std::abs(twin.system.cost));
-  EXPECT_NEAR(device.system.squared_distance, twin.system.squared_distance,
-              kBound * twin.system.squared_distance);
-  const Vector6d isotropic = twin.isotropic.diagonal().cwiseSqrt();
-  const Matrix6d i =
-      (device.isotropic - twin.isotropic).cwiseQuotient((isotropic * isotropic.transpose()).eval());
-  EXPECT_LT(i.cwiseAbs().maxCoeff(), kBound);
-  // d_max bounds each match's share of the gradient's scale.
-  const Vector6d d = (device.isotropic_gradient - twin.isotropic_gradient)
-                         .cwiseQuotient((std::sqrt(twin.isotropic(0, 0)) * isotropic).eval());
-  EXPECT_LT(d.cwiseAbs().maxCoeff(), kBound);
-}
+class RegistrationMethods : public test::DeviceTest {};
 
 TEST_F(RegistrationMethods, SumsAreTheTwins) {
   const AlignmentScene scene(context(), test::street_alignment(30'000));
-  for (Case& test : cases()) {
+  for (MethodCase& test : test::method_cases()) {
     SCOPED_TRACE(test.name);
     test.objective.viewpoint = Eigen::Vector3d(3.0, 1.0, 0.5);
     const engine::RegistrationKernels kernels(context(), test.objective.options);
     // From the raw source's neighbour: enough points a voxel for Gaussians.
     const VoxelMapRun target =
-        make_target(context(), test.objective.options.method, scene.source());
+        method_target(context(), test.objective.options.method, scene.source());
     for (const size_t i : {size_t{0}, size_t{3}, size_t{6}}) {
       const auto [name, offset] = test::offsets()[i];
       SCOPED_TRACE(name);
-      const Evaluation found = evaluate(scene, kernels, target, test.objective,
-                                        retract(Eigen::Isometry3d::Identity(), offset));
+      const MethodEvaluation found =
+          test::evaluate_method(context(), scene.source(), kernels, target, test.objective,
+                                retract(Eigen::Isometry3d::Identity(), offset));
       EXPECT_GT(found.twin.matches, 50);
       EXPECT_GT(found.items.size(), 100U);
-      expect_equal(found.device, found.twin);
+      const test::Verdict verdict = test::verify_method(found);
+      EXPECT_TRUE(verdict.passed()) << verdict.text();
     }
   }
 }
 
 TEST_F(RegistrationMethods, BackFacesAreSomeOfTheMatches) {
   const AlignmentScene scene(context(), test::street_alignment(30'000));
-  const Case test = make_case("", gpu::kVgicp, 1, gpu::kNoRobust, true);
+  const MethodCase test = method_case("", gpu::kVgicp, 1, gpu::kNoRobust, true);
   const engine::RegistrationKernels kernels(context(), test.objective.options);
-  const VoxelMapRun target = make_target(context(), gpu::kVgicp, scene.source());
+  const VoxelMapRun target = method_target(context(), gpu::kVgicp, scene.source());
   Objective objective = test.objective;
   const auto inliers = [&](const Eigen::Vector3d& viewpoint) {
     objective.viewpoint = viewpoint;
-    return evaluate(scene, kernels, target, objective, Eigen::Isometry3d::Identity())
+    return test::evaluate_method(context(), scene.source(), kernels, target, objective,
+                                 Eigen::Isometry3d::Identity())
         .device.system.inliers;
   };
   const int64_t from_the_sensor = inliers(Eigen::Vector3d::Zero());
@@ -281,7 +82,7 @@ TEST_F(RegistrationMethods, BackFacesAreSomeOfTheMatches) {
 TEST_F(RegistrationMethods, GradientsAreThoseOfTheCosts) {
   const AlignmentScene scene(context(), test::street_alignment(5'000));
   const Eigen::Isometry3d pose = retract(Eigen::Isometry3d::Identity(), test::offsets()[5].second);
-  for (const Case& test : cases()) {
+  for (const MethodCase& test : test::method_cases()) {
     if (test.objective.options.method == gpu::kNdtToNdt) {
       continue;  // its information turns with the pose; it is held fixed in each step
     }
@@ -289,7 +90,7 @@ TEST_F(RegistrationMethods, GradientsAreThoseOfTheCosts) {
     Objective objective = test.objective;
     objective.d_max = 1e3;  // no match comes or goes
     objective.options.drop_back_faces = false;
-    const VoxelMapRun map = make_target(context(), objective.options.method, scene.source());
+    const VoxelMapRun map = method_target(context(), objective.options.method, scene.source());
     const FinishedMap target = decode_target(objective.options.method, map);
     std::vector<SourceItem> items;
     for (const gpu::uvec4& packed : scene.source()) {
@@ -359,11 +160,12 @@ TEST_F(RegistrationMethods, DirectionsAndTheirSupportAreTheTwins) {
   for (const int points : {5'000, 30'000}) {
     SCOPED_TRACE(points);
     const AlignmentScene scene(context(), test::street_alignment(points));
-    const Case test = make_case("", gpu::kVgicp, 1);
-    const VoxelMapRun target = make_target(context(), gpu::kVgicp, scene.source());
+    const MethodCase test = method_case("", gpu::kVgicp, 1);
+    const VoxelMapRun target = method_target(context(), gpu::kVgicp, scene.source());
     const Eigen::Isometry3d pose =
         retract(Eigen::Isometry3d::Identity(), test::offsets()[3].second);
-    const Evaluation found = evaluate(scene, scene.kernels(), target, test.objective, pose);
+    const MethodEvaluation found = test::evaluate_method(context(), scene.source(), scene.kernels(),
+                                                         target, test.objective, pose);
     const Matrix6d geometric = found.twin.system.hessian - 0.5 * found.twin.isotropic;
     const std::array<double, 6> expected =
         supports(found.items, found.target, pose, test.objective.d_max, found.state);
@@ -415,17 +217,17 @@ TEST_F(RegistrationMethods, GaussiansAreTheTwins) {
       expected[place.cell].push_back(p);
     }
   }
-  const VoxelMapRun map = make_target(context(), gpu::kNdt, cloud);
+  const VoxelMapRun map = method_target(context(), gpu::kNdt, cloud);
   const FinishedMap found = reference::decode_finished(map.target_cells());
   size_t compared = 0;
   for (const auto& [at, members] : expected) {
     const auto voxel = found.find(at);
-    if (members.size() < kGaussians.min_points) {
+    if (members.size() < kMethodGaussians.min_points) {
       EXPECT_EQ(voxel, found.end());
       continue;
     }
     ASSERT_NE(voxel, found.end());
-    const reference::FinishedVoxel twin = reference::gaussian_of(members, kGaussians);
+    const reference::FinishedVoxel twin = reference::gaussian_of(members, kMethodGaussians);
     EXPECT_EQ(voxel->second.count, twin.count);
     // Offsets are rounded down to 1/65536 voxel, and the mean to float32.
     EXPECT_LT((voxel->second.mean - twin.mean).norm(), 4e-5);
@@ -439,7 +241,7 @@ TEST_F(RegistrationMethods, GaussiansAreTheTwins) {
 
 TEST_F(RegistrationMethods, PlanesAreWhatTheSurfacesOfAVoxelAgreeOn) {
   const AlignmentScene scene(context(), test::street_alignment(30'000));
-  const VoxelMapRun map = make_target(context(), gpu::kPointToPlane, scene.source());
+  const VoxelMapRun map = method_target(context(), gpu::kPointToPlane, scene.source());
   const FinishedMap planes = reference::decode_finished(map.target_cells());
   size_t compared = 0;
   for (const auto& [at, voxel] : reference::decode(map.cells(), 1.0).voxels) {
