@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "slam/lie.hpp"
+#include "slam/types.hpp"
+
+namespace adit {
+
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+using Matrix9d = Eigen::Matrix<double, 9, 9>;
+using Vector15d = Eigen::Matrix<double, 15, 1>;
+using Matrix15d = Eigen::Matrix<double, 15, 15>;
+
+/// What an inertial sensor reads when it should read nothing; body axes.
+struct ImuBias {
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< rad/s
+  Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< m/s²
+};
+
+/// The inertial state at a time. The body frame is that of the IMU.
+///
+/// Tangent vectors are ordered [rho, phi, v, b_g, b_a]: the pose's as everywhere (right
+/// perturbation), then velocity in the map's axes, then the biases; m, rad, m/s, rad/s, m/s².
+struct NavState {
+  Nanoseconds stamp{0};
+  Eigen::Isometry3d T_map_body = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();  ///< of the body in the map, m/s
+  ImuBias bias;
+};
+
+/// Places of the parts in a tangent vector of NavState.
+constexpr int kPositionAt = 0;
+constexpr int kRotationAt = 3;
+constexpr int kVelocityAt = 6;
+constexpr int kGyroBiasAt = 9;
+constexpr int kAccelBiasAt = 12;
+
+/// The state moved by a tangent vector; the stamp stays.
+NavState retract(const NavState& state, const Vector15d& delta);
+
+/// The tangent vector at `from` that leads to `to`: the inverse of retract().
+Vector15d difference(const NavState& from, const NavState& to);
+
+/// Time in seconds, for differences.
+inline double seconds(Nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace adit

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "slam/imu_start.hpp"
+#include "tests/support/simulated_imu.hpp"
+
+namespace adit {
+namespace {
+
+using test::WavyMotion;
+
+constexpr ImuNoise kNoise{.gyro = 2e-4, .accel = 2e-3, .gyro_walk = 1e-5, .accel_walk = 1e-4};
+constexpr double kRate = 200.0;
+const ImuBias kBias{{0.01, -0.03, 0.02}, {0.0, 0.0, 0.0}};
+
+/// Standing still, tilted by 0.2 and -0.3 rad.
+std::vector<ImuSample> at_rest(double duration, double accel_scale = 1.0) {
+  const WavyMotion motion{.position = {},
+                          .angles = {{{0.2, 0.0, M_PI_2, 0.0}, {-0.3, 0.0, M_PI_2, 0.0}, {}}}};
+  std::mt19937_64 random(1);
+  std::vector<ImuSample> samples = test::readings(motion, 0.0, duration, kRate, kBias);
+  test::add_noise(samples, kNoise, kRate, random);
+  return with_accel_scale(samples, accel_scale);
+}
+
+Eigen::Vector3d tilted_up() {
+  return (Eigen::AngleAxisd(-0.3, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()))
+             .inverse() *
+         Eigen::Vector3d::UnitZ();
+}
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+TEST(ImuStart, AtRestGravityAndGyroBiasAreTheMeans) {
+  const ImuStart start = start_at_rest(at_rest(2.0), kNoise);
+  ASSERT_EQ(start.status, ImuStartStatus::at_rest) << start.reason;
+  EXPECT_LE(angle_between(start.up_body, tilted_up()), 1e-3);
+  EXPECT_LE((start.bias.gyro - kBias.gyro).norm(), 1e-3);
+  EXPECT_LE((start.bias.gyro - kBias.gyro).cwiseAbs().maxCoeff(),
+            4.0 * start.bias_sigma.gyro.maxCoeff());
+  EXPECT_EQ(start.accel_scale, 1.0);
+  EXPECT_NE(start.reason.find("at rest"), std::string::npos);
+}
+
+TEST(ImuStart, AnAccelerometerInGIsUnderstood) {
+  const ImuStart start = start_at_rest(at_rest(2.0, 1.0 / kStandardGravity), kNoise);
+  ASSERT_EQ(start.status, ImuStartStatus::at_rest) << start.reason;
+  EXPECT_EQ(start.accel_scale, kStandardGravity);
+  EXPECT_LE(angle_between(start.up_body, tilted_up()), 1e-3);
+  EXPECT_NE(start.reason.find("in g"), std::string::npos);
+}
+
+TEST(ImuStart, AnotherUnitIsRefusedWithWhatWasRead) {
+  const ImuStart start = start_at_rest(at_rest(2.0, 0.4), kNoise);
+  EXPECT_EQ(start.status, ImuStartStatus::implausible);
+  EXPECT_NE(start.reason.find("3.92"), std::string::npos) << start.reason;
+}
+
+TEST(ImuStart, AShortOrMovingStartIsRefusedWithTheReason) {
+  EXPECT_EQ(start_at_rest({}, kNoise).status, ImuStartStatus::too_short);
+  EXPECT_EQ(start_at_rest(at_rest(0.3), kNoise).status, ImuStartStatus::too_short);
+  const ImuStart moving =
+      start_at_rest(test::readings(test::hand_held_motion(), 0.0, 2.0, kRate), kNoise);
+  EXPECT_EQ(moving.status, ImuStartStatus::not_at_rest);
+  EXPECT_NE(moving.reason.find("rad/s"), std::string::npos);
+}
+
+TEST(ImuStart, ASteadyTurnIsNoBias) {
+  const WavyMotion turning{.position = {}, .angles = {{{}, {}, {0.0, 0.0, 0.0, 0.5}}}};
+  const ImuStart start = start_at_rest(test::readings(turning, 0.0, 2.0, kRate), kNoise);
+  EXPECT_EQ(start.status, ImuStartStatus::not_at_rest);
+  EXPECT_NE(start.reason.find("0.5 rad/s"), std::string::npos) << start.reason;
+}
+
+TEST(ImuStart, ASlowTiltIsNotAtRestThoughItsRatesAreSmall) {
+  const WavyMotion tilting{.position = {}, .angles = {{{}, {0.0, 0.0, 0.0, 0.015}, {}}}};
+  const ImuStart start = start_at_rest(test::readings(tilting, 0.0, 2.0, kRate), kNoise);
+  EXPECT_EQ(start.status, ImuStartStatus::not_at_rest);
+}
+
+TEST(ImuStart, LevelAttitudesTurnUpIntoZAndNothingAboutIt) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (int run = 0; run < 200; ++run) {
+    const Eigen::Vector3d up =
+        run == 0 ? Eigen::Vector3d(Eigen::Vector3d::UnitX())
+                 : Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    const Eigen::Matrix3d R = level_attitude(up);
+    EXPECT_LE((R * R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+    EXPECT_NEAR(R.determinant(), 1.0, 1e-12);
+    EXPECT_LE((R * up - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+    EXPECT_LE(std::abs(up.x()) > 0.9 ? std::abs(R(0, 1)) : std::abs(R(1, 0)), 1e-12);
+  }
+  EXPECT_LE((level_attitude(Eigen::Vector3d::UnitZ()) - Eigen::Matrix3d::Identity()).norm(), 1e-15);
+}
+
+struct Drive {
+  std::vector<StampedPose> poses;
+  std::vector<std::vector<ImuSample>> readings;
+};
+
+/// Poses at 10 Hz from `begin` with errors of 1 cm and 2 mrad, and readings with biases between.
+Drive drive(const WavyMotion& motion, double begin, int poses, double accel_scale, uint64_t seed) {
+  const ImuBias bias{{0.01, -0.03, 0.02}, {0.05, -0.02, 0.04}};
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Drive result;
+  for (int i = 0; i < poses; ++i) {
+    const double t = begin + 0.1 * i;
+    Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });
+    error.head<3>() *= 0.01;
+    error.tail<3>() *= 0.002;
+    result.poses.push_back({test::at_seconds(t), retract(motion.state(t).T_map_body, error)});
+    if (i + 1 < poses) {
+      std::vector<ImuSample> samples = test::readings(motion, t, t + 0.1, kRate, bias);
+      test::add_noise(samples, kNoise, kRate, random);
+      result.readings.push_back(with_accel_scale(samples, accel_scale));
+    }
+  }
+  return result;
+}
+
+TEST(ImuStart, InMotionGravityVelocityAndGyroBiasAreFound) {
+  WavyMotion motion = test::hand_held_motion();
+  motion.gravity = kStandardGravity * Eigen::Vector3d(0.1, -0.2, -0.9).normalized();
+  double worst_gravity = 0.0;
+  double worst_velocity = 0.0;
+  double worst_bias = 0.0;
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const double begin = 0.17 * static_cast<double>(seed);
+    const Drive d = drive(motion, begin, 16, 1.0, seed);
+    const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+    ASSERT_EQ(start.status, ImuStartStatus::in_motion) << start.reason;
+    const NavState truth = motion.state(begin + 1.5);
+    const double off = angle_between(start.gravity_map, motion.gravity);
+    EXPECT_LE(off, 4.0 * start.gravity_sigma) << "seed " << seed;
+    worst_gravity = std::max(worst_gravity, off);
+    worst_velocity = std::max(worst_velocity, (start.v_map_body - truth.v_map_body).norm());
+    worst_bias = std::max(worst_bias, (start.bias.gyro - kBias.gyro).norm());
+    EXPECT_LE(angle_between(start.up_body, truth.T_map_body.linear().transpose() * -motion.gravity),
+              worst_gravity + 0.01);
+  }
+  EXPECT_LE(worst_gravity, 0.03);
+  EXPECT_LE(worst_velocity, 0.15);
+  EXPECT_LE(worst_bias, 0.01);
+}
+
+TEST(ImuStart, InMotionTheUnitAndTheSignAreFound) {
+  const WavyMotion motion = test::hand_held_motion();
+  for (const double expected : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
+    const Drive d = drive(motion, 0.4, 16, 1.0 / expected, 7);
+    const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+    ASSERT_EQ(start.status, ImuStartStatus::in_motion) << start.reason;
+    EXPECT_EQ(start.accel_scale, expected) << start.reason;
+    EXPECT_LE(angle_between(start.gravity_map, motion.gravity), 0.03) << start.reason;
+  }
+}
+
+TEST(ImuStart, InMotionAWrongUnitIsRefused) {
+  const Drive d = drive(test::hand_held_motion(), 0.4, 16, 0.4, 7);
+  const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+  EXPECT_EQ(start.status, ImuStartStatus::implausible) << start.reason;
+}
+
+TEST(ImuStart, FewPosesAreTooShort) {
+  const Drive d = drive(test::hand_held_motion(), 0.4, 4, 1.0, 7);
+  EXPECT_EQ(start_in_motion(d.poses, d.readings, kNoise).status, ImuStartStatus::too_short);
+}
+
+}  // namespace
+}  // namespace adit
