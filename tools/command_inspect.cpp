@@ -14,70 +14,13 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command_guard.hpp"
-#include "tools/recording_findings.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/topic_statistics.hpp"
+#include "tools/command_run.hpp"
+#include "tools/inspection.hpp"
 
 namespace adit {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr std::size_t kListedErrors = 10;
-
-/// A recording after it was read.
-struct Inspection {
-  std::string description;
-  std::vector<Topic> topics;
-  std::vector<TopicStatistics> statistics;  ///< one a topic
-  std::vector<Finding> findings;
-};
-
-Inspection inspect(const std::filesystem::path& path) {
-  const std::unique_ptr<Recording> recording = open_recording(path);
-  Inspection result;
-  result.description = recording->description();
-  result.topics = recording->topics();
-  result.statistics.resize(result.topics.size());
-  uint64_t errors = 0;
-  const auto events = recording->events({});
-  for (bool more = true; more;) {
-    try {
-      const std::optional<Event> event = events->next();
-      more = event.has_value();
-      if (event) {
-        result.statistics[event->topic].add(*event);
-      }
-    } catch (const InputError& error) {
-      if (++errors <= kListedErrors) {
-        result.findings.push_back(damage_finding(error));
-      }
-    }
-  }
-  if (errors > kListedErrors) {
-    result.findings.push_back({Severity::problem, "damage", "",
-                               std::to_string(errors - kListedErrors) + " more damaged places", "",
-                               ""});
-  }
-  if (recording->times_are_assumed()) {
-    result.findings.push_back(
-        {Severity::notice, "assumed_times", "", "nothing in it tells the times of the sweeps",
-         "10 Hz is assumed, and speeds are as wrong as that", "Add a times.txt"});
-  }
-  const auto add = [&](std::vector<Finding> found) {
-    std::ranges::move(found, std::back_inserter(result.findings));
-  };
-  add(find_in_recording(result.topics));
-  for (std::size_t i = 0; i < result.topics.size(); ++i) {
-    add(find_in_topic(result.topics[i], result.statistics[i]));
-  }
-  return result;
-}
-
-bool has_problem(const Inspection& inspection) {
-  return std::ranges::any_of(inspection.findings,
-                             [](const Finding& f) { return f.severity == Severity::problem; });
-}
 
 double span_s(const TopicStatistics& topic) {
   return topic.stamps
@@ -152,6 +95,9 @@ void print(const Inspection& inspection, std::ostream& out) {
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     print_nature(inspection.topics[i], inspection.statistics[i], out);
   }
+  for (const MotionCheck& check : inspection.motion) {
+    out << check.pair.imu.name << ": " << describe(check) << "\n";
+  }
   for (const Finding& finding : inspection.findings) {
     out << "\n"
         << to_string(finding.severity) << ": "
@@ -181,6 +127,7 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
   }
   json["events"] = s.events;
   json["bytes"] = s.bytes;
+  json["frame"] = s.frame;
   json["first_ns"] = s.stamps ? ordered_json(s.stamps->begin.count()) : ordered_json();
   json["last_ns"] = s.stamps ? ordered_json(s.stamps->end.count()) : ordered_json();
   json["period_s"] = s.period();
@@ -202,11 +149,33 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
   return json;
 }
 
+ordered_json to_json(const MotionCheck& check) {
+  ordered_json json = {{"sweeps", check.pair.sweeps.name},
+                       {"imu", check.pair.imu.name},
+                       {"compared", check.sweeps},
+                       {"tracked", check.tracked}};
+  if (check.comparison) {
+    const RotationComparison& found = *check.comparison;
+    const Eigen::Quaterniond q(found.R_range_gyro);
+    json["imu_offset_s"] = found.offset;
+    json["imu_offset_sigma_s"] = found.offset_sigma;
+    json["correlation"] = found.correlation;
+    json["R_range_imu_xyzw"] = {q.x(), q.y(), q.z(), q.w()};
+    json["misalignment_rad"] =
+        check.pair.R_range_gyro ? ordered_json(found.misalignment) : ordered_json();
+  }
+  return json;
+}
+
 ordered_json to_json(const Inspection& inspection) {
   ordered_json json = {{"description", inspection.description}};
   json["topics"] = ordered_json::array();
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     json["topics"].push_back(to_json(inspection.topics[i], inspection.statistics[i]));
+  }
+  json["motion"] = ordered_json::array();
+  for (const MotionCheck& check : inspection.motion) {
+    json["motion"].push_back(to_json(check));
   }
   json["findings"] = ordered_json::array();
   for (const Finding& f : inspection.findings) {
@@ -224,7 +193,7 @@ ordered_json to_json(const Inspection& inspection) {
 
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit inspect", err, [&] {
-    const Inspection inspection = inspect(options.recording);
+    const Inspection inspection = inspect(options.recording, options.device);
     if (options.json) {
       out << to_json(inspection).dump(2, ' ', false, ordered_json::error_handler_t::replace)
           << std::endl;
@@ -249,6 +218,7 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       ->required()
       ->type_name("RECORDING");
   command->add_flag("--json", options->json, "Print JSON instead of text");
+  add_device_options(*command, options->device);
   command->callback(
       [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });
   return command;

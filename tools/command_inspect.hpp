@@ -8,6 +8,8 @@
 #include <functional>
 #include <iosfwd>
 
+#include "tools/device_session.hpp"
+
 namespace CLI {
 class App;
 }
@@ -16,7 +18,8 @@ namespace adit {
 
 struct InspectCommandOptions {
   std::filesystem::path recording;
-  bool json = false;  ///< JSON on `out` instead of the table
+  DeviceOptions device{};  ///< to compare the sensors' rotations on
+  bool json = false;       ///< JSON on `out` instead of the table
 };
 
 /// Reads all of a recording and tells on `out` what is in it and what is wrong with it. Returns the

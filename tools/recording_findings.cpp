@@ -46,6 +46,10 @@ class Findings {
   std::vector<Finding>* findings_;
 };
 
+/// s. How far a topic's clock leaps against the recorder's; 0 where it does not. Receipts may be
+/// late by seconds, but not by just those that clocks are known to leap by.
+double leap_of(const TopicStatistics& s);
+
 void check_stamps(const TopicStatistics& s, Findings& findings) {
   if (s.repeated > 0) {
     findings.problem("repeated_stamps",
@@ -53,13 +57,15 @@ void check_stamps(const TopicStatistics& s, Findings& findings) {
                      "measurements counted twice, or a clock that stands still",
                      "Record without the second publisher, or leave the repeats out");
   }
-  if (s.backwards > 0) {
+  const double leap = leap_of(s);
+  if (s.backwards > (leap < 0.0 ? 1U : 0U)) {
     findings.problem("stamps_go_back",
                      of(s.backwards, s.events) + " messages have a time before the one before",
                      "their order cannot be told", "Check the sensor's clock and its publishers");
   }
-  // An interval of a few hundred events may be one; among more, gaps are what stands out.
-  const uint64_t gaps = s.gaps();
+  // A leap of the clock is no gap.
+  const bool leaps = leap > 0.0 && std::abs(s.largest_interval - leap) < 1.0;
+  const uint64_t gaps = s.gaps() - (leaps ? 1U : 0U);
   if (gaps > 0 && s.intervals.count() >= 10) {
     findings.problem(
         "gaps",
@@ -90,23 +96,66 @@ std::string known_offset(double seconds) {
   return {};
 }
 
+double leap_of(const TopicStatistics& s) {
+  const double spread = s.delay.greatest - s.delay.least;
+  if (known_offset(spread).empty()) {
+    return 0.0;
+  }
+  return s.first_delay > s.delay.mean() ? spread : -spread;
+}
+
 void check_clock(const TopicStatistics& s, Findings& findings) {
+  const std::string remedy = "Set the sensor's clock to UTC, or shift its times";
+  if (const double leap = leap_of(s); leap != 0.0) {
+    findings.problem(
+        "clock_leap",
+        "its clock leaps by " + fixed(leap, 3) + " s against the recorder's: " + known_offset(leap),
+        "before or after the leap it does not fit to the other topics", remedy);
+    return;
+  }
   const double delay = s.delay.mean();
   if (std::abs(delay) < 1.0) {
     return;
   }
   const std::string known = known_offset(delay);
   const bool since_boot = delay > 1e8;
-  findings.problem("clock_offset",
-                   "its clock is " + fixed(std::abs(delay), 3) + " s " +
-                       (delay > 0 ? "behind" : "ahead of") + " the recorder's" +
-                       (!known.empty() ? ": " + known
-                        : since_boot   ? ": it counts from when the sensor was started"
-                                       : ""),
-                   "it does not fit to topics whose clock is right",
-                   known.empty() && !since_boot
-                       ? "Synchronise the clocks (PTP, GPS, NTP)"
-                       : "Set the sensor's clock to UTC, or shift its times");
+  findings.problem(
+      "clock_offset",
+      "its clock is " + fixed(std::abs(delay), 3) + " s " + (delay > 0 ? "behind" : "ahead of") +
+          " the recorder's" +
+          (!known.empty() ? ": " + known
+           : since_boot   ? ": it counts from when the sensor was started"
+                          : ""),
+      "it does not fit to topics whose clock is right",
+      known.empty() && !since_boot ? "Synchronise the clocks (PTP, GPS, NTP)" : remedy);
+}
+
+/// Gravity's direction in the frame that all others are mounted to, if that is known.
+void check_gravity(const TopicStatistics& topic, const FrameTree& frames, Findings& findings) {
+  const Eigen::Vector3d& a = topic.imu.mean_acceleration;
+  if (a.norm() < 0.5 * topic.imu.acceleration.mean()) {
+    return;  // no direction
+  }
+  const bool known = frames.knows(topic.frame);
+  const auto mounting = known ? frames.mounting(topic.frame) : std::nullopt;
+  const Eigen::Vector3d up = (mounting ? mounting->T_root_frame.linear() * a : a).normalized();
+  if (up.z() > -0.7) {
+    return;
+  }
+  if (mounting) {
+    findings.problem("gravity_direction",
+                     "as /tf_static mounts it, it reads gravity along -z of " + mounting->root +
+                         " (the usual reading is +9.8 along z)",
+                     "the map would be upside down, and speeds would grow without bound",
+                     "Negate its accelerations if the driver flips the sign, else correct the "
+                     "transform");
+  } else {
+    findings.notice("gravity_direction",
+                    "at rest it reads gravity along -z: it is mounted upside down, or its driver "
+                    "flips the sign (the usual reading is +9.8 along z)",
+                    "with the wrong sign the map would be upside down",
+                    "Compare with how it is mounted");
+  }
 }
 
 void check_imu(const ImuStatistics& s, Findings& findings) {
@@ -127,14 +176,6 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
     findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
                      "gravity cannot be told", "Check the accelerometer's unit and range");
   }
-  const Eigen::Vector3d& a = s.mean_acceleration;
-  if (a.norm() > 0.5 * norm && a.z() < -0.7 * a.norm()) {
-    findings.notice("gravity_direction",
-                    "at rest it reads gravity along -z: it is mounted upside down, or its driver "
-                    "flips the sign (the usual reading is +9.8 along z)",
-                    "with the wrong sign the map would be upside down",
-                    "Compare with how it is mounted");
-  }
   // 35 rad/s are 2000 degrees/s, the range of most sensors; a tenth of that on average is no
   // motion.
   if (s.rotation.mean() > 3.5) {
@@ -142,6 +183,17 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
         "gyroscope_unit", "it turns at " + fixed(s.rotation.mean(), 1) + " rad/s on average",
         "rotations would be far too large", "Check whether the rates are in degrees per second");
   }
+}
+
+/// For a remedy: the power of ten that would make the times fit, if one does.
+std::string better_unit(double duration, double period) {
+  for (int power = -9; power <= 9; ++power) {
+    const double fit = duration * std::pow(10.0, power) / period;
+    if (fit > 0.3 && fit < 1.1) {
+      return ": times 1e" + std::to_string(power) + " they would fill the sweep";
+    }
+  }
+  return {};
 }
 
 void check_sweeps(const TopicStatistics& topic, Findings& findings) {
@@ -157,13 +209,19 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
         "motion within a sweep cannot be corrected",
         "Record with a driver that writes them (a field time, t or timestamp)");
   }
-  const double ratio = topic.period() > 0.0 ? s.duration.mean() / topic.period() : 1.0;
-  if (s.duration.count > 1 && topic.period() > 0.0 && (ratio < 0.02 || ratio > 1.5)) {
+  if (s.not_finite > 0) {
+    findings.notice("nan_points",
+                    fixed(100.0 * static_cast<double>(s.not_finite) / s.points.sum, 2) +
+                        " % of the points are not finite (NaN): the driver's no-returns",
+                    "none, they are left out", "Nothing need be done");
+  }
+  if (!topic.point_times_fit()) {
     findings.problem(
         "point_time_unit",
         "by its points' times a sweep lasts " + fixed(s.duration.mean(), 6) +
             " s, but the sweeps follow each other every " + fixed(topic.period(), 4) + " s",
-        "motion within a sweep would be corrected wrongly", "Check the unit of the time field");
+        "motion within a sweep would be corrected wrongly",
+        "Check the unit of the time field" + better_unit(s.duration.mean(), topic.period()));
   }
 }
 
@@ -186,7 +244,8 @@ std::string_view to_string(Severity severity) {
   return severity == Severity::problem ? "problem" : "notice";
 }
 
-std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics) {
+std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
+                                   const FrameTree& frames) {
   std::vector<Finding> all;
   Findings findings(topic, all);
   if (statistics.events == 0 || topic.kind == TopicKind::transforms) {
@@ -196,6 +255,7 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
   check_stamps(statistics, findings);
   if (topic.kind == TopicKind::imu) {
     check_imu(statistics.imu, findings);
+    check_gravity(statistics, frames, findings);
   } else if (topic.kind == TopicKind::sweeps) {
     check_sweeps(statistics, findings);
   } else if (topic.kind == TopicKind::gnss) {

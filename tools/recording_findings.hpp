@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/frame_tree.hpp"
 #include "tools/recordings/recording.hpp"
 #include "tools/topic_statistics.hpp"
 
@@ -29,8 +30,10 @@ struct Finding {
 
 /// What is wrong with a topic, or worth knowing. Finds: an accelerometer in g, gravity along -z,
 /// gaps, stamps that repeat or go back, a clock that is off the recorder's by leap seconds or an
-/// epoch, sweeps without times, rings or returns, and point times in the wrong unit.
-std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics);
+/// epoch, sweeps without times, rings or returns, and point times in the wrong unit. `frames` tell
+/// how an IMU is mounted.
+std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
+                                   const FrameTree& frames);
 
 /// What is wrong with the recording as a whole: no sweeps, nothing that is understood.
 std::vector<Finding> find_in_recording(const std::vector<Topic>& topics);

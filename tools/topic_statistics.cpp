@@ -13,9 +13,12 @@ double seconds(Nanoseconds time) {
   return std::chrono::duration<double>(time).count();
 }
 
+bool is_finite(const Point& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
 bool is_return(const Point& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
-         (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
+  return is_finite(p) && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
 }
 
 void take(TopicStatistics& topic, const Sweep& sweep) {
@@ -23,6 +26,8 @@ void take(TopicStatistics& topic, const Sweep& sweep) {
   const auto returns = std::ranges::count_if(sweep.points, is_return);
   s.points.add(static_cast<double>(sweep.points.size()));
   s.returns.add(static_cast<double>(returns));
+  s.not_finite += static_cast<uint64_t>(
+      std::ranges::count_if(sweep.points, [](const Point& p) { return !is_finite(p); }));
   s.empty += returns == 0 ? 1U : 0U;
   s.with_rings += sweep.rings.empty() ? 0U : 1U;
   s.with_times += sweep.times.empty() ? 0U : 1U;
@@ -64,9 +69,15 @@ void TopicStatistics::add(const Event& event) {
   const Nanoseconds stamp = stamp_of(event);
   ++events;
   bytes += event.bytes;
+  if (!event.frame.empty()) {
+    frame = event.frame;
+  }
   stamps = stamps ? TimeSpan{std::min(stamps->begin, stamp), std::max(stamps->end, stamp)}
                   : TimeSpan{stamp, stamp};
   delay.add(seconds(event.received - stamp));
+  if (events == 1) {
+    first_delay = seconds(event.received - stamp);
+  }
   if (last_ && stamp == *last_) {
     ++repeated;
   } else if (last_ && stamp < *last_) {
@@ -81,6 +92,14 @@ void TopicStatistics::add(const Event& event) {
   }
   last_ = stamp;
   std::visit([this](const auto& value) { take(*this, value); }, event.value);
+}
+
+bool TopicStatistics::point_times_fit() const {
+  if (sweeps.duration.count < 2 || period() <= 0.0) {
+    return true;
+  }
+  const double ratio = sweeps.duration.mean() / period();
+  return ratio > 0.02 && ratio < 1.5;
 }
 
 }  // namespace adit

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "slam/types.hpp"
 #include "tools/interval_histogram.hpp"
@@ -32,8 +33,9 @@ struct ImuStatistics {
 };
 
 struct SweepStatistics {
-  Extent points;    ///< a sweep
-  Extent returns;   ///< a sweep: points that are finite and not (0, 0, 0)
+  Extent points;            ///< a sweep
+  Extent returns;           ///< a sweep: points that are finite and not (0, 0, 0)
+  uint64_t not_finite = 0;  ///< points, of all sweeps
   Extent duration;  ///< s, from the first to the last point; only sweeps with times and returns
   uint64_t with_times = 0;  ///< sweeps
   uint64_t empty = 0;       ///< sweeps without a return
@@ -49,8 +51,10 @@ struct GnssStatistics {
 struct TopicStatistics {
   uint64_t events = 0;
   uint64_t bytes = 0;
+  std::string frame;                   ///< of the sensor, by the last event that names it
   std::optional<TimeSpan> stamps;      ///< of the first and the last in time
   Extent delay;                        ///< s from the stamp to the receipt
+  double first_delay = 0.0;            ///< s, of the first event
   uint64_t repeated = 0;               ///< stamps equal to the one before
   uint64_t backwards = 0;              ///< stamps before the one before
   IntervalHistogram intervals;         ///< s between stamps, where they increase
@@ -66,6 +70,9 @@ struct TopicStatistics {
   double period() const { return intervals.quantile(0.5); }
   /// Intervals of more than two and a half periods.
   uint64_t gaps() const { return intervals.longer_than(2.5 * period()); }
+  /// By their points' times sweeps last about as long as it takes to the next. True where there are
+  /// no times, or no period to compare with.
+  bool point_times_fit() const;
 
  private:
   std::optional<Nanoseconds> last_;

@@ -15,122 +15,33 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/inspect_support.hpp"
 #include "tools/command_inspect.hpp"
 #include "tools/interval_histogram.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/ros_events.hpp"
 
 namespace adit {
 namespace {
 
+using test::clean_recording;
+using test::Kinds;
+using test::kinds;
+using test::kinds_after;
+using test::MovingRig;
+using test::Recorded;
+using test::write;
+
 namespace fs = std::filesystem;
 
-constexpr Nanoseconds kBegin{1623370000000000000};
-
-/// One event and the topic it goes to.
-struct Recorded {
-  std::string topic;
-  Nanoseconds received{0};
-  EventValue value;
-};
-
-Sweep clean_sweep(Nanoseconds stamp, int seed) {
-  Sweep sweep;
-  sweep.stamp = stamp;
-  for (int i = 0; i < 200; ++i) {
-    const float angle = 0.0314F * static_cast<float>(i);
-    sweep.points.push_back({5.0F * std::cos(angle), 5.0F * std::sin(angle),
-                            0.01F * static_cast<float>((i * 7 + seed) % 50), 1.0F});
-    sweep.times.push_back(0.0005F * static_cast<float>(i));
-    sweep.rings.push_back(static_cast<uint16_t>(i % 16));
-  }
-  return sweep;
-}
-
-/// Five seconds: sweeps at 10 Hz, an IMU at 100 Hz with noise, GNSS at 1 Hz.
-std::vector<Recorded> clean_recording(int seed = 0) {
-  std::vector<Recorded> events;
-  for (int i = 0; i < 500; ++i) {
-    // Received a little late, by different amounts; the sensor's own clock jitters by 0.2 ms.
-    const Nanoseconds stamp =
-        kBegin + Nanoseconds(10000000LL * i + 200000 * ((i * 37 + seed) % 3 - 1));
-    const Nanoseconds received = stamp + Nanoseconds(1000000 + 100000 * ((i * 13 + seed) % 20));
-    const double wobble = 0.3 * std::sin(0.05 * i + seed);
-    events.push_back({"/imu", received,
-                      ImuSample{.stamp = stamp,
-                                .angular_velocity = {0.1 * wobble, 0.02, wobble},
-                                .linear_acceleration = {wobble, -0.5 * wobble, 9.81 + wobble}}});
-    if (i % 10 == 9) {
-      const Nanoseconds start = kBegin + Nanoseconds(10000000LL * (i - 9));
-      events.push_back({"/points", start + Nanoseconds(102000000), clean_sweep(start, i + seed)});
-    }
-    if (i % 100 == 50) {
-      events.push_back({"/fix", received,
-                        GnssFix{.stamp = stamp,
-                                .kind = GnssFixKind::single,
-                                .latitude = 41.65,
-                                .longitude = -0.88,
-                                .altitude = 220.0,
-                                .covariance = Eigen::Matrix3d::Identity()}});
-    }
-  }
-  return events;
-}
-
-fs::path write(const test::TemporaryFolder& folder, const std::vector<Recorded>& events) {
-  const fs::path file = folder / "drive.mcap";
-  McapWriter writer(file, {.chunk_bytes = 20000});
-  std::map<std::string, std::size_t> channels;
-  for (const Recorded& event : events) {
-    const ros::EncodedEvent message = ros::from_event(event.value, Encoding::cdr, "frame");
-    if (!channels.contains(event.topic)) {
-      channels[event.topic] = writer.add_channel({.topic = event.topic,
-                                                  .type = message.type,
-                                                  .encoding = Encoding::cdr,
-                                                  .definition = {},
-                                                  .messages = std::nullopt});
-    }
-    writer.write(channels[event.topic], event.received, message.bytes);
-  }
-  writer.close();
-  return file;
-}
-
-/// "kind topic" of each finding.
-std::vector<std::string> kinds(const fs::path& file) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = inspect_command({.recording = file, .json = true}, out, err);
-  EXPECT_EQ(err.str(), "");
-  std::vector<std::string> found;
-  bool problem = false;
-  const nlohmann::json report = nlohmann::json::parse(out.str());
-  for (const auto& finding : report["findings"]) {
-    const std::string topic = finding["topic"];
-    found.push_back(finding["kind"].get<std::string>() + (topic.empty() ? "" : " " + topic));
-    problem = problem || finding["severity"] == "problem";
-  }
-  EXPECT_EQ(code, problem ? 1 : 0);
-  return found;
-}
-
-using Kinds = std::vector<std::string>;
-
-/// What is found once `spoil` was let at every event.
-Kinds kinds_after(const std::function<void(Recorded&)>& spoil) {
-  const test::TemporaryFolder folder;
-  std::vector<Recorded> events = clean_recording();
-  for (Recorded& event : events) {
-    spoil(event);
-  }
-  return kinds(write(folder, events));
-}
+constexpr Nanoseconds kBegin = MovingRig::kBegin;
 
 TEST(Inspect, NothingIsFoundInCleanRecordings) {
   for (int seed = 0; seed < 10; ++seed) {
     const test::TemporaryFolder folder;
-    EXPECT_EQ(kinds(write(folder, clean_recording(seed))), Kinds{}) << seed;
+    // Mounted in ever other ways, and turned in all of them.
+    MovingRig rig{.seed = static_cast<uint64_t>(seed)};
+    rig.T_lidar_imu.linear() = so3_exp({0.3 * seed, 0.5 * (seed % 3), 0.4 * seed});
+    rig.T_lidar_imu.translation() << 0.1, -0.05 * seed, 0.2;
+    EXPECT_EQ(kinds(write(folder, rig.record())), Kinds{}) << seed;
   }
 }
 
@@ -143,7 +54,7 @@ TEST(Inspect, AccelerometerInG) {
             Kinds{"accelerometer_unit /imu"});
 }
 
-TEST(Inspect, FlippedGravityIsToldButMayBeTheMounting) {
+TEST(Inspect, FlippedGravity) {
   EXPECT_EQ(kinds_after([](Recorded& event) {
               if (auto* imu = std::get_if<ImuSample>(&event.value)) {
                 imu->linear_acceleration *= -1.0;
@@ -169,6 +80,18 @@ TEST(Inspect, LeapSecondsOfASensorOnTaiOrGpsTime) {
       }
     };
     EXPECT_EQ(kinds_after(spoil), Kinds{"clock_offset /points"});
+  }
+}
+
+TEST(Inspect, ClockThatLeapsOnTheWay) {
+  for (const int seconds : {37, -18}) {
+    const auto spoil = [&](Recorded& event) {
+      auto* imu = std::get_if<ImuSample>(&event.value);
+      if (imu != nullptr && event.received - kBegin > std::chrono::seconds(4)) {
+        imu->stamp += std::chrono::seconds(seconds);
+      }
+    };
+    EXPECT_EQ(kinds_after(spoil), Kinds{"clock_leap /imu"}) << seconds;
   }
 }
 
@@ -203,15 +126,18 @@ TEST(Inspect, PointTimesInTheWrongUnit) {
   }
 }
 
-TEST(Inspect, SweepsOfNanPointsAlone) {
-  EXPECT_EQ(kinds_after([](Recorded& event) {
-              if (auto* sweep = std::get_if<Sweep>(&event.value)) {
-                for (Point& point : sweep->points) {
-                  point.x = std::numeric_limits<float>::quiet_NaN();
-                }
-              }
-            }),
-            Kinds{"empty_sweeps /points"});
+TEST(Inspect, NanPoints) {
+  const auto spoil_every = [](std::size_t step) {
+    return [step](Recorded& event) {
+      if (auto* sweep = std::get_if<Sweep>(&event.value)) {
+        for (std::size_t i = 0; i < sweep->points.size(); i += step) {
+          sweep->points[i].x = std::numeric_limits<float>::quiet_NaN();
+        }
+      }
+    };
+  };
+  EXPECT_EQ(kinds_after(spoil_every(10)), Kinds{"nan_points /points"});
+  EXPECT_EQ(kinds_after(spoil_every(1)), (Kinds{"empty_sweeps /points", "nan_points /points"}));
 }
 
 TEST(Inspect, GapInTheImu) {
@@ -243,7 +169,12 @@ TEST(Inspect, RepeatedMessagesAndThoseOutOfOrder) {
   }
   EXPECT_EQ(kinds(write(folder, events)), Kinds{"repeated_stamps /imu"});
   events = clean_recording();
-  std::swap(events[200].value, events[201].value);
+  const auto first = std::ranges::find_if(events, [](const Recorded& e) {
+    return e.received > kBegin + std::chrono::seconds(1) && e.topic == "/imu";
+  });
+  const auto second =
+      std::find_if(first + 1, events.end(), [](const Recorded& e) { return e.topic == "/imu"; });
+  std::swap(first->value, second->value);
   EXPECT_EQ(kinds(write(folder, events)), Kinds{"stamps_go_back /imu"});
 }
 
@@ -266,9 +197,9 @@ TEST(Inspect, TableTellsWhatThereIs) {
   std::ostringstream out;
   std::ostringstream err;
   EXPECT_EQ(inspect_command({.recording = write(folder, clean_recording())}, out, err), 0);
-  for (const char* part :
-       {"50 sweeps on /points", "sensor_msgs/PointCloud2", "200 points a sweep, 100.0 % of them",
-        "rings; times over 99.5 ms", "acceleration 9.8", "nothing is wrong with it"}) {
+  for (const char* part : {"60 sweeps on /points", "sensor_msgs/PointCloud2",
+                           "7200 points a sweep,", "rings; times over 99.7 ms", "acceleration 9.8",
+                           "offset to /points", "nothing is wrong with it"}) {
     EXPECT_NE(out.str().find(part), std::string::npos) << part << "\n" << out.str();
   }
   EXPECT_EQ(inspect_command({.recording = folder / "none"}, out, err), 1);

@@ -90,12 +90,13 @@ class MessageEventStream final : public EventStream {
       throw InputError(file, Place::named(place + at), found, remedy);
     };
     try {
+      const std::string frame = ros::frame_of(channel, message);
       for (EventValue& value : ros::to_events(channel, message, file)) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);
         }
-        ready_.push_back(
-            {topic, message.received, std::move(value), ready_.empty() ? message.bytes.size() : 0});
+        ready_.push_back({topic, message.received, std::move(value),
+                          ready_.empty() ? message.bytes.size() : 0, frame});
       }
     } catch (const ros::CodecError& error) {
       fail(

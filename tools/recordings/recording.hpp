@@ -46,7 +46,8 @@ struct Event {
   std::size_t topic = 0;    ///< index into Recording::topics()
   Nanoseconds received{0};  ///< the recorder's clock; for files of sweeps, the sweep's stamp
   EventValue value;
-  uint64_t bytes = 0;  ///< of the message or file; further events of the same message have 0
+  uint64_t bytes = 0;   ///< of the message or file; further events of the same message have 0
+  std::string frame{};  ///< of the sensor, where the recording names it
 };
 
 /// The event's own time; that of a static transform is when it was received.

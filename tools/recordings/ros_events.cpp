@@ -227,6 +227,11 @@ std::vector<EventValue> to_events(const Channel& channel, const RawMessage& mess
   return is_transforms(type) ? transforms(channel, message) : std::vector<EventValue>{};
 }
 
+std::string frame_of(const Channel& channel, const RawMessage& message) {
+  return is_transforms(channel.type) ? std::string{}
+                                     : decode<Header>(channel.encoding, message.bytes).frame;
+}
+
 EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame) {
   return std::visit([&](const auto& value) { return message_of(value, encoding, frame); }, event);
 }

@@ -27,6 +27,10 @@ TopicKind kind_of(const Channel& channel);
 std::vector<EventValue> to_events(const Channel& channel, const RawMessage& message,
                                   const std::filesystem::path& file);
 
+/// The frame in the header of a message with a single event; empty for the others. Throws
+/// CodecError where the message is damaged.
+std::string frame_of(const Channel& channel, const RawMessage& message);
+
 /// A message and its type.
 struct EncodedEvent {
   std::string type;

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/device_session.hpp"
+#include "tools/frame_tree.hpp"
+#include "tools/motion_check.hpp"
+#include "tools/recording_findings.hpp"
+#include "tools/recordings/recording.hpp"
+#include "tools/topic_statistics.hpp"
+
+namespace adit {
+
+/// A recording after it was read.
+struct Inspection {
+  std::string description;
+  std::vector<Topic> topics;
+  std::vector<TopicStatistics> statistics;  ///< one a topic
+  FrameTree frames;
+  std::vector<MotionCheck> motion;  ///< of the first sweeps with every IMU
+  std::vector<Finding> findings;
+};
+
+/// Reads all of a recording, and a stretch of it a second time to compare its sensors' rotations on
+/// the device. Throws InputError where it cannot be opened, UsageError for a device that is not
+/// there; where there is none at all the rotations are not compared, and a finding says so.
+Inspection inspect(const std::filesystem::path& path, const DeviceOptions& device);
+
+bool has_problem(const Inspection& inspection);
+
+}  // namespace adit

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two sensors on one body turn alike. From the rotations of one and the rates of the other follow
+// the offset of their clocks and how they are mounted to each other.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "slam/types.hpp"
+
+namespace adit {
+
+/// What a sensor turned between two times.
+struct RotationInterval {
+  Nanoseconds begin{0};
+  Nanoseconds end{0};
+  /// rad, Log(R_world_begin^T R_world_end): in the sensor's axes
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
+};
+
+struct RotationComparison {
+  /// s. The same motion has later times at the gyroscope by this much (earlier if negative).
+  double offset = 0.0;
+  double offset_sigma = 0.0;  ///< s, standard deviation from the residuals
+  double correlation = 0.0;   ///< of the two at this offset, 0 to 1
+  /// Nearest to the expected mounting in directions that the motion does not tell.
+  Eigen::Matrix3d R_range_gyro = Eigen::Matrix3d::Identity();
+  double misalignment = 0.0;  ///< rad, of the expected mounting, as far as the motion tells it
+  /// rad, standard deviation of the mounting about the range sensor's three axes; infinite where
+  /// the motion does not tell it.
+  Eigen::Vector3d mounting_sigma = Eigen::Vector3d::Zero();
+};
+
+/// Compares a range sensor's rotations (in the order of time) with a gyroscope's samples. Offsets
+/// are searched up to `most_offset` (s); the gyroscope's bias and the mounting need not be known.
+/// Intervals that the samples do not cover with that margin do not count. Nothing where fewer than
+/// 20 intervals remain, or where the rotations hold no common motion (correlation below 0.8).
+std::optional<RotationComparison> compare_rotations(std::span<const RotationInterval> rotations,
+                                                    std::span<const ImuSample> gyroscope,
+                                                    const Eigen::Matrix3d& R_range_gyro_expected,
+                                                    double most_offset);
+
+}  // namespace adit
