@@ -223,16 +223,20 @@ RegistrationResult read_registration(const DeviceAlignment& device, int source_p
   return result;
 }
 
-Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model) {
+double inflation(const RegistrationResult& result, const CovarianceModel& model) {
   const double worse = std::max(0.0, result.residual_rms / model.rms_expected - 1.0);
   const double overlap = std::max(result.overlap, 0.3);
   const double each = static_cast<double>(result.matches) / std::max(result.inliers, 1);
-  const double inflation = model.kappa * each * (1.0 + worse) / (overlap * overlap);
+  return model.kappa * each * (1.0 + worse) / (overlap * overlap);
+}
+
+Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model) {
   // In units in which all directions without information are equally unknown.
   Vector6d unit;
   unit << Eigen::Vector3d::Constant(model.sigma_unknown_translation),
       Eigen::Vector3d::Constant(model.sigma_unknown_rotation);
-  const Matrix6d scaled = unit.asDiagonal() * (result.information / inflation) * unit.asDiagonal();
+  const Matrix6d scaled =
+      unit.asDiagonal() * (result.information / inflation(result, model)) * unit.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
   const Vector6d variances = eigen.eigenvalues().cwiseMax(0.0).array().max(1.0).inverse();
   Matrix6d covariance = unit.asDiagonal() * eigen.eigenvectors() * variances.asDiagonal() *

@@ -89,6 +89,8 @@ struct CovarianceModel {
   double sigma_unknown_rotation = 1.0;      ///< rad
 };
 Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model);
+/// The factor on the inverse of the information in it.
+double inflation(const RegistrationResult& result, const CovarianceModel& model);
 
 /// The rows of a pose for the device (float32: the caller keeps it local), and back, rounded onto
 /// SE(3).

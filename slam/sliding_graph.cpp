@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/sliding_graph.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "slam/bias_walk_factor.hpp"
+#include "slam/imu_factor.hpp"
+
+namespace adit {
+namespace {
+
+// Converged when no state moves farther than this in its own standard deviations ...
+constexpr double kSmallStep = 1e-3;
+// ... or the cost falls by less than this share.
+constexpr double kSmallDecrease = 1e-9;
+constexpr double kFirstDamping = 1e-6;
+constexpr double kLargestDamping = 1e3;
+
+std::vector<NavState> moved(const std::vector<NavState>& states,
+                            const std::vector<Vector15d>& steps) {
+  std::vector<NavState> result;
+  for (size_t i = 0; i < states.size(); ++i) {
+    result.push_back(retract(states[i], steps[i]));
+  }
+  return result;
+}
+
+// Of the whole step in its own metric: what the quadratics expect the cost to fall by.
+double expected_decrease(const ChainQuadratic& chain, const std::vector<Vector15d>& steps) {
+  double sum = 0.0;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    sum -= 0.5 * chain.states[i].g.dot(steps[i]);
+  }
+  for (size_t i = 0; i < chain.links.size(); ++i) {
+    sum -= 0.5 * (chain.links[i].g_from.dot(steps[i]) + chain.links[i].g_to.dot(steps[i + 1]));
+  }
+  return sum;
+}
+
+Matrix15d inverse(const Matrix15d& h) {
+  const Vector15d scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Matrix15d unit = scale.asDiagonal() * h * scale.asDiagonal();
+  const Matrix15d result =
+      scale.asDiagonal() * unit.ldlt().solve(Matrix15d::Identity()) * scale.asDiagonal();
+  return 0.5 * (result + result.transpose());
+}
+
+}  // namespace
+
+Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& measurement) {
+  const StateFactor<6> factor = pose_factor(measurement, prediction.state);
+  const Matrix6d covariance =
+      Matrix6d::Identity() + factor.by_state * prediction.covariance * factor.by_state.transpose();
+  NavState measured;
+  measured.T_map_body = measurement.T_map_body;
+  return {.error = difference(measured, prediction.state).head<6>(),
+          .nis = factor.residual.dot(covariance.ldlt().solve(factor.residual)),
+          .degrees = measurement.known_directions};
+}
+
+void SlidingGraph::start(const StatePrior& prior) {
+  prior_ = prior;
+  nodes_.clear();
+  nodes_.push_back({.state = prior.origin, .measurement = {}, .readings = {}, .between = {}});
+}
+
+StateEstimate SlidingGraph::latest_estimate() const {
+  StateEstimate estimate{.state = latest()};
+  const std::optional<StateQuadratic> marginal = marginal_of_last(linearized(states()));
+  if (!marginal) {
+    throw std::logic_error("the sliding graph does not determine its states");
+  }
+  estimate.covariance = inverse(marginal->h);
+  return estimate;
+}
+
+StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) const {
+  const Preintegration between = preintegrate(readings, latest().bias, settings_.noise);
+  StateEstimate prediction{.state = adit::predict(latest(), between, settings_.gravity)};
+  prediction.state.stamp = readings.empty() ? latest().stamp : readings.back().stamp;
+  if (between.duration <= 0.0) {
+    return latest_estimate();
+  }
+  const std::optional<StateQuadratic> marginal = marginal_of_last(linearized(states()));
+  LinkQuadratic link =
+      quadratic(imu_factor(between, settings_.gravity, latest(), prediction.state));
+  link +=
+      quadratic(bias_walk_factor(settings_.noise, between.duration, latest(), prediction.state));
+  const auto left = marginal ? eliminated(*marginal, link) : std::nullopt;
+  if (!left) {
+    throw std::logic_error("the sliding graph does not determine its states");
+  }
+  prediction.covariance = inverse(left->h);
+  return prediction;
+}
+
+StateEstimate SlidingGraph::add(std::vector<ImuSample> readings,
+                                const std::optional<PoseMeasurement>& measurement) {
+  Node node;
+  node.between = preintegrate(readings, latest().bias, settings_.noise);
+  if (node.between.duration <= 0.0) {
+    throw std::logic_error("a new state of the sliding graph needs readings of some duration");
+  }
+  node.state = adit::predict(latest(), node.between, settings_.gravity);
+  node.state.stamp = readings.back().stamp;
+  node.readings = std::move(readings);
+  node.measurement = measurement;
+  nodes_.push_back(std::move(node));
+
+  StateEstimate estimate = optimize();
+  const bool resets = settings_.reset > 0 && size() >= settings_.reset;
+  const int keep = settings_.reset > 0 ? (resets ? 1 : settings_.reset) : settings_.lag;
+  while (size() > keep) {
+    marginalize_first();
+  }
+  return estimate;
+}
+
+std::vector<NavState> SlidingGraph::states() const {
+  std::vector<NavState> result;
+  for (const Node& node : nodes_) {
+    result.push_back(node.state);
+  }
+  return result;
+}
+
+StateQuadratic SlidingGraph::state_quadratic(size_t i, const NavState& state) const {
+  StateQuadratic sum;
+  if (i == 0) {
+    sum += quadratic(prior_factor(prior_, state));
+  }
+  if (const auto& measurement = nodes_[i].measurement) {
+    sum += quadratic(pose_factor(*measurement, state),
+                     settings_.robust ? huber_width(measurement->known_directions) : 0.0);
+  }
+  return sum;
+}
+
+LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state,
+                                           const NavState& to_state) const {
+  const Preintegration& between = nodes_[to].between;
+  LinkQuadratic sum = quadratic(imu_factor(between, settings_.gravity, from_state, to_state));
+  sum += quadratic(bias_walk_factor(settings_.noise, between.duration, from_state, to_state));
+  return sum;
+}
+
+ChainQuadratic SlidingGraph::linearized(const std::vector<NavState>& states) const {
+  ChainQuadratic chain;
+  for (size_t i = 0; i < states.size(); ++i) {
+    chain.states.push_back(state_quadratic(i, states[i]));
+    if (i > 0) {
+      chain.links.push_back(link_quadratic(i, states[i - 1], states[i]));
+    }
+  }
+  return chain;
+}
+
+// Levenberg-Marquardt; undamped steps are Gauss-Newton's, and damping begins where one fails.
+StateEstimate SlidingGraph::optimize() {
+  StateEstimate estimate;
+  estimate.converged = false;
+  integrate_stale_again();
+  std::vector<NavState> best = states();
+  ChainQuadratic chain = linearized(best);
+  double damping = 0.0;
+  while (estimate.iterations < settings_.max_iterations && !estimate.converged &&
+         damping <= kLargestDamping) {
+    ++estimate.iterations;
+    const auto steps = minimum(chain, damping);
+    if (steps) {
+      const std::vector<NavState> candidate = moved(best, *steps);
+      ChainQuadratic there = linearized(candidate);
+      const double cost = chain.cost();
+      if (there.cost() <= cost) {
+        estimate.converged = expected_decrease(chain, *steps) < 0.5 * kSmallStep * kSmallStep ||
+                             cost - there.cost() < kSmallDecrease * cost;
+        best = candidate;
+        chain = std::move(there);
+        damping *= 0.1;
+        continue;
+      }
+      estimate.converged = expected_decrease(chain, *steps) < 0.5 * kSmallStep * kSmallStep;
+    }
+    damping = std::max(10.0 * damping, kFirstDamping);
+  }
+  for (size_t i = 0; i < best.size(); ++i) {
+    nodes_[i].state = best[i];
+  }
+  estimate.state = latest();
+  if (const auto marginal = marginal_of_last(chain)) {
+    estimate.covariance = inverse(marginal->h);
+  }
+  return estimate;
+}
+
+void SlidingGraph::integrate_stale_again() {
+  for (size_t i = 1; i < nodes_.size(); ++i) {
+    const ImuBias& bias = nodes_[i - 1].state.bias;
+    if (is_stale(nodes_[i].between, bias)) {
+      nodes_[i].between = preintegrate(nodes_[i].readings, bias, settings_.noise);
+    }
+  }
+}
+
+void SlidingGraph::marginalize_first() {
+  const NavState& first = nodes_[0].state;
+  const NavState& second = nodes_[1].state;
+  const auto left = eliminated(state_quadratic(0, first), link_quadratic(1, first, second));
+  if (!left) {
+    throw std::logic_error("the sliding graph does not determine its first state");
+  }
+  prior_ = prior_from(second, *left);
+  nodes_.pop_front();
+  nodes_.front().readings.clear();
+}
+
+}  // namespace adit

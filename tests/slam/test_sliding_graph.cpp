@@ -1,0 +1,272 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/sliding_graph.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+
+#include "tests/support/simulated_imu.hpp"
+
+namespace adit {
+namespace {
+
+constexpr ImuNoise kNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 3e-5, .accel_walk = 3e-4};
+constexpr double kRate = 200.0;
+constexpr double kSweep = 0.1;         // s
+constexpr double kPoseSigma = 0.02;    // m
+constexpr double kAngleSigma = 0.003;  // rad
+const ImuBias kBias{{0.02, -0.01, 0.015}, {0.08, -0.05, 0.1}};
+
+Vector15d start_sigma() {
+  Vector15d sigma;
+  sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.01),
+      Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(0.02),
+      Eigen::Vector3d::Constant(0.1);
+  return sigma;
+}
+
+/// A drive of which the sweeps' poses are measured and the readings are noisy.
+struct Drive {
+  std::vector<NavState> truth;  ///< at each sweep
+  StatePrior start;
+  std::vector<std::vector<ImuSample>> readings;  ///< up to sweep i; none for the first
+  std::vector<PoseMeasurement> measurements;
+};
+
+Drive drive(int sweeps, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return normal(random); };
+  const test::WavyMotion motion = test::hand_held_motion();
+  Drive result;
+  ImuBias bias = kBias;
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(kPoseSigma), Eigen::Vector3d::Constant(kAngleSigma);
+  for (int i = 0; i < sweeps; ++i) {
+    const double time = kSweep * i;
+    NavState truth = motion.state(time);
+    truth.bias = bias;
+    result.truth.push_back(truth);
+    if (i == 0) {
+      const Vector15d error = start_sigma().cwiseProduct(Vector15d::NullaryExpr(draw));
+      result.start = independent_prior(retract(truth, error), start_sigma());
+      result.readings.emplace_back();
+    } else {
+      // The bias walks once a sweep.
+      auto samples = test::readings(motion, time - kSweep, time, kRate,
+                                    result.truth[static_cast<size_t>(i) - 1].bias);
+      test::add_noise(samples, kNoise, kRate, random);
+      result.readings.push_back(samples);
+    }
+    PoseMeasurement measurement;
+    measurement.T_map_body =
+        retract(truth.T_map_body, Vector6d(sigma.cwiseProduct(Vector6d::NullaryExpr(draw))));
+    measurement.root_information = sigma.cwiseInverse().asDiagonal();
+    measurement.known_directions = 6;
+    result.measurements.push_back(measurement);
+    bias.gyro += kNoise.gyro_walk * std::sqrt(kSweep) * Eigen::Vector3d::NullaryExpr(draw);
+    bias.accel += kNoise.accel_walk * std::sqrt(kSweep) * Eigen::Vector3d::NullaryExpr(draw);
+  }
+  return result;
+}
+
+GraphSettings settings(int lag, int reset = 0) {
+  return {.noise = kNoise, .lag = lag, .reset = reset};
+}
+
+/// The estimate after each sweep.
+std::vector<StateEstimate> run(const Drive& d, const GraphSettings& s) {
+  SlidingGraph graph(s);
+  graph.start(d.start);
+  std::vector<StateEstimate> estimates = {graph.latest_estimate()};
+  for (size_t i = 1; i < d.truth.size(); ++i) {
+    estimates.push_back(graph.add(d.readings[i], d.measurements[i]));
+  }
+  return estimates;
+}
+
+double rms(const std::vector<StateEstimate>& estimates, const Drive& d, int at, size_t from) {
+  double squares = 0.0;
+  for (size_t i = from; i < estimates.size(); ++i) {
+    squares += difference(d.truth[i], estimates[i].state).segment<3>(at).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(estimates.size() - from));
+}
+
+TEST(SlidingGraph, IsBetterThanWhatItIsGiven) {
+  const Drive d = drive(150, 1);
+  const auto estimates = run(d, settings(20));
+  EXPECT_LE(rms(estimates, d, kPositionAt, 50), 0.6 * std::sqrt(3.0) * kPoseSigma);
+  EXPECT_LE(rms(estimates, d, kRotationAt, 50), 0.6 * std::sqrt(3.0) * kAngleSigma);
+  EXPECT_LE(rms(estimates, d, kVelocityAt, 50), 0.06);
+  EXPECT_LE(rms(estimates, d, kGyroBiasAt, 100), 1.5e-3);
+  EXPECT_LE(rms(estimates, d, kAccelBiasAt, 100), 0.04);
+  for (const StateEstimate& estimate : estimates) {
+    EXPECT_TRUE(estimate.converged) << seconds(estimate.state.stamp);
+  }
+}
+
+// Over 50 runs, the squared errors are those that the covariances say, and innovations are white.
+TEST(SlidingGraph, CovariancesAreTrueAndInnovationsWhite) {
+  const int runs = 50;
+  const int sweeps = 40;
+  double pose = 0.0;
+  double whole = 0.0;
+  double nis = 0.0;
+  double correlation = 0.0;
+  int innovations = 0;
+  for (int k = 0; k < runs; ++k) {
+    const Drive d = drive(sweeps, 100 + static_cast<uint64_t>(k));
+    SlidingGraph graph(settings(20));
+    graph.start(d.start);
+    Vector6d last = Vector6d::Zero();
+    for (size_t i = 1; i < d.truth.size(); ++i) {
+      const StateEstimate prediction = graph.predict(d.readings[i]);
+      const Innovation found = innovation(prediction, d.measurements[i]);
+      const StateEstimate estimate = graph.add(d.readings[i], d.measurements[i]);
+      if (i >= 10) {
+        const Vector6d unit = found.error.normalized();
+        nis += found.nis;
+        correlation += i > 10 ? unit.dot(last) : 0.0;
+        ++innovations;
+        last = unit;
+      }
+      if (i + 1 == d.truth.size()) {
+        const Vector15d error = difference(d.truth[i], estimate.state);
+        whole += error.dot(estimate.covariance.ldlt().solve(error)) / runs;
+        const Matrix6d of_pose = estimate.covariance.topLeftCorner<6, 6>();
+        pose += error.head<6>().dot(of_pose.ldlt().solve(error.head<6>())) / runs;
+      }
+    }
+  }
+  nis /= innovations;
+  correlation /= innovations;
+  RecordProperty("nees_pose", std::to_string(pose));
+  RecordProperty("nees_state", std::to_string(whole));
+  RecordProperty("nis", std::to_string(nis));
+  RecordProperty("correlation", std::to_string(correlation));
+  EXPECT_NEAR(pose, 6.0, 3.0 * std::sqrt(12.0 / runs));
+  EXPECT_NEAR(whole, 15.0, 3.0 * std::sqrt(30.0 / runs));
+  EXPECT_NEAR(nis, 6.0, 0.5);
+  EXPECT_NEAR(correlation, 0.0, 0.06);
+}
+
+TEST(SlidingGraph, ALagLosesNextToNothingAgainstAllOfThePast) {
+  const Drive d = drive(80, 5);
+  const auto whole = run(d, settings(1000));
+  const auto lag = run(d, settings(20));
+  const auto reset = run(d, settings(0, 25));
+  for (size_t i = 1; i < d.truth.size(); ++i) {
+    const Vector15d sigma = whole[i].covariance.diagonal().cwiseSqrt();
+    const auto off = [&](const StateEstimate& estimate) {
+      return difference(whole[i].state, estimate.state).cwiseQuotient(sigma).cwiseAbs().maxCoeff();
+    };
+    EXPECT_LE(off(lag[i]), 0.05) << "sweep " << i;
+    EXPECT_LE(off(reset[i]), 0.1) << "sweep " << i;
+    EXPECT_TRUE(lag[i].covariance.diagonal().isApprox(whole[i].covariance.diagonal(), 0.02))
+        << "sweep " << i;
+  }
+}
+
+TEST(SlidingGraph, TheSeamAtAResetIsInvisible) {
+  const Drive d = drive(60, 7);
+  SlidingGraph graph(settings(0, 25));
+  graph.start(d.start);
+  int seams = 0;
+  for (size_t i = 1; i < d.truth.size(); ++i) {
+    const StateEstimate before = graph.add(d.readings[i], d.measurements[i]);
+    if (graph.size() > 1) {
+      continue;
+    }
+    ++seams;
+    // What is left after the reset is the state before it: the same pose, velocity and biases, with
+    // the same covariance, correlations and all. (How little the next estimates differ from those
+    // without a reset, the test above says.)
+    const StateEstimate after = graph.latest_estimate();
+    EXPECT_LE(difference(before.state, after.state).norm(), 1e-15);
+    EXPECT_TRUE(after.covariance.isApprox(before.covariance, 1e-6));
+    EXPECT_GT(std::abs(after.covariance(kPositionAt, kVelocityAt)), 0.0);
+  }
+  EXPECT_EQ(seams, 2);
+}
+
+TEST(SlidingGraph, AnUnknownDirectionIsTheInertialSensorsToCarry) {
+  Drive d = drive(60, 9);
+  for (size_t i = 30; i < 60; ++i) {
+    d.measurements[i].root_information.row(0).setZero();  // x of the body
+    d.measurements[i].known_directions = 5;
+    d.measurements[i].T_map_body.translation() +=
+        d.measurements[i].T_map_body.linear() * Eigen::Vector3d(0.5, 0.0, 0.0);
+  }
+  const auto estimates = run(d, settings(20));
+  const Vector15d error = difference(d.truth[59], estimates[59].state);
+  const double sigma = std::sqrt(estimates[59].covariance(0, 0));
+  EXPECT_GT(sigma, 2.0 * std::sqrt(estimates[29].covariance(0, 0)));
+  EXPECT_LE(std::abs(error[0]), 3.0 * sigma);
+  EXPECT_LE(std::abs(error[0]), 0.3) << "0.5 m were claimed";
+  EXPECT_LE(std::abs(error[1]), 0.05);
+}
+
+TEST(SlidingGraph, OneFalsePoseHardlyMovesIt) {
+  Drive d = drive(60, 11);
+  const auto clean = run(d, settings(20));
+  d.measurements[40].T_map_body.translation().x() += 1.0;
+  const auto robust = run(d, settings(20));
+  GraphSettings naive = settings(20);
+  naive.robust = false;
+  const auto pulled = run(d, naive);
+  const auto off = [&](const std::vector<StateEstimate>& estimates) {
+    return difference(clean[40].state, estimates[40].state).head<3>().norm();
+  };
+  EXPECT_LE(off(robust), 0.06);
+  EXPECT_GT(off(pulled), 0.15);
+}
+
+TEST(SlidingGraph, WithoutAPoseItGoesOnByInertiaAndKnowsLess) {
+  const Drive d = drive(40, 13);
+  SlidingGraph graph(settings(20));
+  graph.start(d.start);
+  for (size_t i = 1; i < 30; ++i) {
+    graph.add(d.readings[i], d.measurements[i]);
+  }
+  double last = 0.0;
+  for (size_t i = 30; i < 40; ++i) {
+    const StateEstimate prediction = graph.predict(d.readings[i]);
+    const StateEstimate estimate = graph.add(d.readings[i], std::nullopt);
+    EXPECT_LE(difference(prediction.state, estimate.state).norm(), 1e-9);
+    EXPECT_TRUE(estimate.covariance.isApprox(prediction.covariance, 1e-6));
+    EXPECT_GT(estimate.covariance(0, 0), last);
+    last = estimate.covariance(0, 0);
+  }
+  const Vector15d error = difference(d.truth[39], graph.latest());
+  EXPECT_LE(std::abs(error[0]), 3.5 * std::sqrt(last));
+}
+
+TEST(SlidingGraph, FarBiasesAreIntegratedAgain) {
+  Drive d = drive(60, 15);
+  // Told that there are no biases, and that this is not certain: 0.03 rad/s off, past 2 mrad.
+  d.start.origin.bias = {};
+  Vector15d sigma = start_sigma();
+  sigma.segment<3>(kGyroBiasAt).setConstant(0.1);
+  sigma.segment<3>(kAccelBiasAt).setConstant(0.5);
+  d.start = independent_prior(d.start.origin, sigma);
+  const auto estimates = run(d, settings(20));
+  EXPECT_LE((estimates.back().state.bias.gyro - d.truth.back().bias.gyro).norm(), 2e-3);
+  EXPECT_LE((estimates.back().state.bias.accel - d.truth.back().bias.accel).norm(), 0.08);
+}
+
+TEST(SlidingGraph, TheSameInputGivesTheSameBits) {
+  const Drive d = drive(30, 17);
+  const auto a = run(d, settings(10));
+  const auto b = run(d, settings(10));
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].state.T_map_body.matrix(), b[i].state.T_map_body.matrix());
+    EXPECT_EQ(a[i].covariance, b[i].covariance);
+  }
+}
+
+}  // namespace
+}  // namespace adit
