@@ -116,6 +116,18 @@ void check_registration(Checks& checks, const Config& config) {
                  r.min_overlap, "at least 0 and less than 1");
 }
 
+void check_recording(Checks& checks, const RecordingConfig& r) {
+  checks.require(r.point_time_unit >= 0.0 && r.point_time_unit <= 1.0, "recording.point_time_unit",
+                 r.point_time_unit, "0, or the seconds that a step of one stands for: 1 at most");
+  constexpr double kLongest = 4e9;  // s; a clock that counts from its start is 1.7e9 s behind
+  checks.between("recording.sweep_time_offset", r.sweep_time_offset, -kLongest, kLongest, "s");
+  checks.between("recording.imu_time_offset", r.imu_time_offset, -kLongest, kLongest, "s");
+  checks.require(r.accelerometer_scale != 0.0, "recording.accelerometer_scale",
+                 r.accelerometer_scale, "other than 0");
+  checks.require(r.gyroscope_scale != 0.0, "recording.gyroscope_scale", r.gyroscope_scale,
+                 "other than 0");
+}
+
 void check_rest(Checks& checks, const Config& config) {
   checks.between("submap.l", config.submap.l, 1, 1000, "clouds");
   checks.require(config.keyframe.delta_trans > 0.0, "keyframe.delta_trans",
@@ -130,6 +142,7 @@ void check_rest(Checks& checks, const Config& config) {
 std::optional<ConfigProblem> validate(const Config& config) {
   Checks checks;
   check_finite(checks, config);
+  check_recording(checks, config.recording);
   check_preprocess(checks, config.preprocess);
   check_registration(checks, config);
   check_rest(checks, config);

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "slam/recording_config.hpp"
+
 namespace adit {
 
 /// What happens to a sweep before registration.
@@ -92,6 +94,7 @@ struct RecoveryConfig {
 };
 
 struct Config {
+  RecordingConfig recording;
   PreprocessConfig preprocess;
   RegistrationConfig registration;
   SubmapConfig submap;
@@ -101,6 +104,7 @@ struct Config {
   /// Calls section(name, struct) for each section, in the order of the file.
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& section) {
+    section("recording", self.recording);
     section("preprocess", self.preprocess);
     section("registration", self.registration);
     section("submap", self.submap);

@@ -13,9 +13,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tools/command_config.hpp"
 #include "tools/command_guard.hpp"
 #include "tools/command_run.hpp"
 #include "tools/inspection.hpp"
+#include "tools/output_file.hpp"
+#include "tools/recording_inference.hpp"
 
 namespace adit {
 namespace {
@@ -64,39 +67,12 @@ void print_table(const Inspection& inspection, std::ostream& out) {
   }
 }
 
-/// What the sweeps and the IMU are like, one line a topic.
-void print_nature(const Topic& topic, const TopicStatistics& s, std::ostream& out) {
-  char text[200];
-  if (topic.kind == TopicKind::sweeps && s.events > 0) {
-    const double share = s.sweeps.points.sum > 0 ? s.sweeps.returns.sum / s.sweeps.points.sum : 0;
-    std::snprintf(text, sizeof text, "%.0f points a sweep, %.1f %% of them returns; %s; ",
-                  s.sweeps.points.mean(), 100.0 * share,
-                  s.sweeps.with_rings == s.events ? "rings" : "no rings");
-    out << topic.name << ": " << text;
-    if (s.sweeps.duration.count > 0) {
-      std::snprintf(text, sizeof text, "times over %.1f ms", 1e3 * s.sweeps.duration.mean());
-      out << text << "\n";
-    } else {
-      out << "no times\n";
-    }
-  } else if (topic.kind == TopicKind::imu && s.imu.acceleration.count > 0) {
-    std::snprintf(text, sizeof text,
-                  "acceleration %.3f on average (%.2f to %.2f), rotation %.3f rad/s (at most %.2f)",
-                  s.imu.acceleration.mean(), s.imu.acceleration.least, s.imu.acceleration.greatest,
-                  s.imu.rotation.mean(), s.imu.rotation.greatest);
-    out << topic.name << ": " << text << "\n";
-  }
-}
-
 void print(const Inspection& inspection, std::ostream& out) {
   out << inspection.description << "\n\n";
   print_table(inspection, out);
   out << "\n";
-  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
-    print_nature(inspection.topics[i], inspection.statistics[i], out);
-  }
-  for (const MotionCheck& check : inspection.motion) {
-    out << check.pair.imu.name << ": " << describe(check) << "\n";
+  for (const Inference& one : infer(inspection)) {
+    out << one.topic << ": " << one.text << "\n";
   }
   for (const Finding& finding : inspection.findings) {
     out << "\n"
@@ -142,6 +118,12 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
     json["with_times"] = s.sweeps.with_times;
     json["duration_s"] = to_json(s.sweeps.duration);
     json["with_rings"] = s.sweeps.with_rings;
+    if (s.point_times) {
+      json["point_times"] = {{"field", s.point_times->field},
+                             {"unit_s", s.point_times->unit},
+                             {"absolute", s.point_times->absolute},
+                             {"first_s", s.point_times->first}};
+    }
   } else if (topic.kind == TopicKind::imu) {
     json["acceleration"] = to_json(s.imu.acceleration);
     json["rotation_rad_s"] = to_json(s.imu.rotation);
@@ -193,12 +175,16 @@ ordered_json to_json(const Inspection& inspection) {
 
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit inspect", err, [&] {
-    const Inspection inspection = inspect(options.recording, options.device);
+    const Config config = load_config(options.config);
+    const Inspection inspection = inspect(options.recording, config, options.device);
     if (options.json) {
       out << to_json(inspection).dump(2, ' ', false, ordered_json::error_handler_t::replace)
           << std::endl;
     } else {
       print(inspection, out);
+    }
+    if (options.write_config) {
+      write_text_file(*options.write_config, suggested_toml(inspection, config));
     }
     return has_problem(inspection) ? 1 : 0;
   });
@@ -212,12 +198,19 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       "Reads all of it. A problem says what it does to mapping, and what to do about it.\n\n"
       "Examples:\n"
       "  adit inspect drive.mcap\n"
-      "  adit inspect drive.bag --json\n\n"
+      "  adit inspect drive.bag --json\n"
+      "  adit inspect drive.mcap --write-config drive.toml\n"
+      "  adit run drive.mcap --config drive.toml -o out\n\n"
       "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage.");
   command->add_option("recording", options->recording, "Any recording that `adit run` reads")
       ->required()
       ->type_name("RECORDING");
   command->add_flag("--json", options->json, "Print JSON instead of text");
+  command
+      ->add_option("--write-config", options->write_config,
+                   "Write a configuration that makes up for what is wrong, for --config")
+      ->type_name("FILE");
+  add_config_options(*command, options->config);
   add_device_options(*command, options->device);
   command->callback(
       [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });

@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 
+#include "tools/config_file.hpp"
 #include "tools/device_session.hpp"
 
 namespace CLI {
@@ -18,8 +20,10 @@ namespace adit {
 
 struct InspectCommandOptions {
   std::filesystem::path recording;
-  DeviceOptions device{};  ///< to compare the sensors' rotations on
-  bool json = false;       ///< JSON on `out` instead of the table
+  DeviceOptions device{};                               ///< to compare the sensors' rotations on
+  ConfigSource config{};                                ///< how the recording is to be understood
+  std::optional<std::filesystem::path> write_config{};  ///< for one that makes up for its faults
+  bool json = false;                                    ///< JSON on `out` instead of the table
 };
 
 /// Reads all of a recording and tells on `out` what is in it and what is wrong with it. Returns the

@@ -13,6 +13,7 @@
 
 #include "tools/command_config.hpp"
 #include "tools/command_guard.hpp"
+#include "tools/configured_recording.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_mapping.hpp"
 #include "tools/run_statistics.hpp"
@@ -54,8 +55,9 @@ struct SweepChoice {
   SweepRange range;
 };
 
-SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& options) {
-  const std::size_t topic = sweep_topic(recording, options.recording, options.topic);
+SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& options,
+                          const std::string& name) {
+  const std::size_t topic = sweep_topic(recording, options.recording, name);
   const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
   const auto start = static_cast<std::size_t>(options.start);
   if (start >= size) {
@@ -144,8 +146,10 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
 int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
   const Config config = load_config(options.config);
-  const std::unique_ptr<Recording> recording = open_recording(options.recording);
-  const SweepChoice sweeps = choose_sweeps(*recording, options);
+  const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
+  const SweepChoice sweeps = choose_sweeps(
+      *recording, options, options.topic.empty() ? config.recording.sweep_topic : options.topic);
+  require_clear_point_times(*recording, sweeps.topic, options.recording);
   check_writable(options.output, options.map);
   engine::Context context = open_device(options.device);
   if (context.software_fallback() && !options.quiet) {

@@ -80,6 +80,15 @@ void assign(int& to, const toml::node& node) {
   to = static_cast<int>(*value);
 }
 
+void assign(std::string& to, const toml::node& node) {
+  const auto value = node.value<std::string>();
+  if (!value) {
+    throw Complaint{node.source().begin, "is " + type_name(node),
+                    "Write a text in quotes, such as \"/points\""};
+  }
+  to = *value;
+}
+
 template <class Fields>
 void read_section(Fields& fields, const std::string& section, const toml::table& table,
                   Origins& origins) {
@@ -204,7 +213,8 @@ std::string apply_override(Config& config, const std::string& text) {
     read_table(config, toml::parse("[" + section + "]\n" + key + " = " + text.substr(equals + 1)),
                origins);
   } catch (const toml::parse_error&) {
-    refuse("'" + text.substr(equals + 1) + "' is not a value. Write a number, true or false.");
+    refuse("'" + text.substr(equals + 1) +
+           "' is not a value. Write a number, or a text in quotes.");
   } catch (const Complaint& complaint) {
     refuse(complaint.found + ". " + complaint.remedy + ".");
   }

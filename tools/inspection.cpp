@@ -10,6 +10,7 @@
 
 #include "engine/error.hpp"
 #include "slam/odometry.hpp"
+#include "tools/configured_recording.hpp"
 #include "tools/rotation_profile.hpp"
 
 namespace adit {
@@ -54,9 +55,13 @@ Profiles read_all(const Recording& recording, Inspection& result) {
 }
 
 /// The first topic of sweeps with each IMU.
-std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profiles& profiles) {
+std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profiles& profiles,
+                                       const RecordingConfig& config) {
   std::vector<MotionPair> pairs;
-  const auto sweeps = std::ranges::find(inspection.topics, TopicKind::sweeps, &Topic::kind);
+  const auto sweeps = std::ranges::find_if(inspection.topics, [&](const Topic& topic) {
+    return topic.kind == TopicKind::sweeps &&
+           (config.sweep_topic.empty() || topic.name == config.sweep_topic);
+  });
   if (sweeps == inspection.topics.end()) {
     return pairs;
   }
@@ -87,14 +92,14 @@ std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profi
 
 /// Maps the stretch of each pair on the device.
 void compare_motion(const Recording& recording, const std::vector<MotionPair>& pairs,
-                    const DeviceOptions& device, Inspection& result) {
+                    const Config& config, const DeviceOptions& device, Inspection& result) {
   if (pairs.empty()) {
     return;
   }
   try {
     engine::Context context = open_device(device);
     for (const MotionPair& pair : pairs) {
-      Odometry odometry(context, Config{});
+      Odometry odometry(context, config);
       result.motion.push_back(
           check_motion(recording, pair, [&](const Sweep& sweep) { return odometry.step(sweep); }));
     }
@@ -109,14 +114,16 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
 
 }  // namespace
 
-Inspection inspect(const std::filesystem::path& path, const DeviceOptions& device) {
-  const std::unique_ptr<Recording> recording = open_recording(path);
+Inspection inspect(const std::filesystem::path& path, const Config& config,
+                   const DeviceOptions& device) {
+  const std::unique_ptr<Recording> recording = open_recording(path, config.recording);
   Inspection result;
   result.description = recording->description();
   result.topics = recording->topics();
   result.statistics.resize(result.topics.size());
   const Profiles profiles = read_all(*recording, result);
-  compare_motion(*recording, pairs_to_check(result, profiles), device, result);
+  compare_motion(*recording, pairs_to_check(result, profiles, config.recording), config, device,
+                 result);
 
   const auto add = [&](std::vector<Finding> found) {
     std::ranges::move(found, std::back_inserter(result.findings));

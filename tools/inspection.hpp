@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/config.hpp"
 #include "tools/device_session.hpp"
 #include "tools/frame_tree.hpp"
 #include "tools/motion_check.hpp"
@@ -28,7 +29,9 @@ struct Inspection {
 /// Reads all of a recording, and a stretch of it a second time to compare its sensors' rotations on
 /// the device. Throws InputError where it cannot be opened, UsageError for a device that is not
 /// there; where there is none at all the rotations are not compared, and a finding says so.
-Inspection inspect(const std::filesystem::path& path, const DeviceOptions& device);
+/// `config` says how the recording is to be understood.
+Inspection inspect(const std::filesystem::path& path, const Config& config,
+                   const DeviceOptions& device);
 
 bool has_problem(const Inspection& inspection);
 

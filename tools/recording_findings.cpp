@@ -185,15 +185,14 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
   }
 }
 
-/// For a remedy: the power of ten that would make the times fit, if one does.
-std::string better_unit(double duration, double period) {
-  for (int power = -9; power <= 9; ++power) {
-    const double fit = duration * std::pow(10.0, power) / period;
-    if (fit > 0.3 && fit < 1.1) {
-      return ": times 1e" + std::to_string(power) + " they would fill the sweep";
-    }
+/// For a remedy: the unit that would make the times fit, if one does.
+std::string better_unit(const TopicStatistics& topic) {
+  const std::optional<double> unit = topic.better_time_unit();
+  char text[80] = "Set recording.point_time_unit to the seconds that a step of the times is";
+  if (unit) {
+    std::snprintf(text, sizeof text, "Set recording.point_time_unit = %g", *unit);
   }
-  return {};
+  return text;
 }
 
 void check_sweeps(const TopicStatistics& topic, Findings& findings) {
@@ -216,12 +215,11 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
                     "none, they are left out", "Nothing need be done");
   }
   if (!topic.point_times_fit()) {
-    findings.problem(
-        "point_time_unit",
-        "by its points' times a sweep lasts " + fixed(s.duration.mean(), 6) +
-            " s, but the sweeps follow each other every " + fixed(topic.period(), 4) + " s",
-        "motion within a sweep would be corrected wrongly",
-        "Check the unit of the time field" + better_unit(s.duration.mean(), topic.period()));
+    findings.problem("point_time_unit",
+                     "by its points' times a sweep lasts " + fixed(s.duration.mean(), 6) +
+                         " s, but the sweeps follow each other every " + fixed(topic.period(), 4) +
+                         " s",
+                     "motion within a sweep would be corrected wrongly", better_unit(topic));
   }
 }
 

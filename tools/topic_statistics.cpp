@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <variant>
 
 namespace adit {
@@ -30,6 +31,14 @@ void take(TopicStatistics& topic, const Sweep& sweep) {
       std::ranges::count_if(sweep.points, [](const Point& p) { return !is_finite(p); }));
   s.empty += returns == 0 ? 1U : 0U;
   s.with_rings += sweep.rings.empty() ? 0U : 1U;
+  constexpr uint64_t kSweepsForBeams = 20;
+  for (std::size_t i = 0; s.with_rings <= kSweepsForBeams && i < sweep.rings.size(); ++i) {
+    const Point& p = sweep.points[i];
+    if (is_return(p)) {
+      s.greatest_ring = std::max(s.greatest_ring, sweep.rings[i]);
+      s.elevation.add(std::atan2(static_cast<double>(p.z), std::hypot(p.x, p.y)));
+    }
+  }
   s.with_times += sweep.times.empty() ? 0U : 1U;
   if (!sweep.times.empty() && returns > 0) {
     s.duration.add(static_cast<double>(*std::ranges::max_element(sweep.times)));
@@ -69,6 +78,9 @@ void TopicStatistics::add(const Event& event) {
   const Nanoseconds stamp = stamp_of(event);
   ++events;
   bytes += event.bytes;
+  if (event.point_times) {
+    point_times = event.point_times;
+  }
   if (!event.frame.empty()) {
     frame = event.frame;
   }
@@ -94,12 +106,33 @@ void TopicStatistics::add(const Event& event) {
   std::visit([this](const auto& value) { take(*this, value); }, event.value);
 }
 
+double SweepStatistics::beam_spacing() const {
+  if (greatest_ring < 7 || points.mean() <= 0.0) {
+    return 0.0;
+  }
+  const double upwards = (elevation.greatest - elevation.least) / greatest_ring;
+  const double around = 2.0 * std::numbers::pi * (greatest_ring + 1.0) / points.mean();
+  return std::max(upwards, around);
+}
+
 bool TopicStatistics::point_times_fit() const {
-  if (sweeps.duration.count < 2 || period() <= 0.0) {
+  // Points that were all taken at once tell no unit.
+  if (sweeps.duration.count < 2 || sweeps.duration.greatest <= 0.0 || period() <= 0.0) {
     return true;
   }
   const double ratio = sweeps.duration.mean() / period();
   return ratio > 0.02 && ratio < 1.5;
+}
+
+std::optional<double> TopicStatistics::better_time_unit() const {
+  for (int power = 0; point_times && period() > 0.0 && power >= -9; power -= 3) {
+    const double unit = std::pow(10.0, power);
+    const double ratio = sweeps.duration.mean() / point_times->unit * unit / period();
+    if (ratio > 0.2 && ratio < 1.2) {
+      return unit;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace adit

@@ -40,6 +40,12 @@ struct SweepStatistics {
   uint64_t with_times = 0;  ///< sweeps
   uint64_t empty = 0;       ///< sweeps without a return
   uint64_t with_rings = 0;  ///< sweeps
+  uint16_t greatest_ring = 0;
+  Extent elevation;  ///< rad, of returns of the first sweeps with rings
+
+  /// rad between neighbouring beams, the wider of the two directions, of a sensor that turns with
+  /// eight beams or more; 0 where it cannot be told.
+  double beam_spacing() const;
 };
 
 struct GnssStatistics {
@@ -51,15 +57,16 @@ struct GnssStatistics {
 struct TopicStatistics {
   uint64_t events = 0;
   uint64_t bytes = 0;
-  std::string frame;                   ///< of the sensor, by the last event that names it
-  std::optional<TimeSpan> stamps;      ///< of the first and the last in time
-  Extent delay;                        ///< s from the stamp to the receipt
-  double first_delay = 0.0;            ///< s, of the first event
-  uint64_t repeated = 0;               ///< stamps equal to the one before
-  uint64_t backwards = 0;              ///< stamps before the one before
-  IntervalHistogram intervals;         ///< s between stamps, where they increase
-  double largest_interval = 0.0;       ///< s
-  Nanoseconds largest_interval_at{0};  ///< its start
+  std::string frame;                           ///< of the sensor, by the last event that names it
+  std::optional<PointTimeNature> point_times;  ///< as those of the last sweep with times
+  std::optional<TimeSpan> stamps;              ///< of the first and the last in time
+  Extent delay;                                ///< s from the stamp to the receipt
+  double first_delay = 0.0;                    ///< s, of the first event
+  uint64_t repeated = 0;                       ///< stamps equal to the one before
+  uint64_t backwards = 0;                      ///< stamps before the one before
+  IntervalHistogram intervals;                 ///< s between stamps, where they increase
+  double largest_interval = 0.0;               ///< s
+  Nanoseconds largest_interval_at{0};          ///< its start
   ImuStatistics imu;
   SweepStatistics sweeps;
   GnssStatistics gnss;
@@ -73,6 +80,8 @@ struct TopicStatistics {
   /// By their points' times sweeps last about as long as it takes to the next. True where there are
   /// no times, or no period to compare with.
   bool point_times_fit() const;
+  /// The power of ten (s) that would make them fit instead; nothing where none does.
+  std::optional<double> better_time_unit() const;
 
  private:
   std::optional<Nanoseconds> last_;

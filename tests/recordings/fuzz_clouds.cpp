@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   const std::string_view content(reinterpret_cast<const char*>(data), size);
   for (const auto parse : {adit::parse_pcd, adit::parse_ply}) {
     try {
-      require_valid(parse("input", content), size);
+      require_valid(parse("input", content, 0.0), size);
     } catch (const adit::InputError&) {
       // the other right answer
     }

@@ -52,7 +52,7 @@ Sweep sweep_with(Nanoseconds header, const std::string& field, const std::vector
   cloud.point_step = kStep;
   cloud.row_step = static_cast<uint32_t>(data.size());
   cloud.data = data;
-  return to_sweep(cloud, header, "driver.mcap");
+  return to_sweep(cloud, header, "driver.mcap").sweep;
 }
 
 /// The sweep starts at kStart to `tolerance` and its points were taken at these times after it (s).
@@ -94,9 +94,9 @@ TEST(DriverTimes, LivoxCustomMessageFromItsTimebase) {
   message.timebase = static_cast<uint64_t>(kStart.count());
   message.points = {
       {0, 1, 1, 1, 0, 0, 0}, {50000000, 1, 1, 1, 0, 0, 0}, {100000000, 1, 1, 1, 0, 0, 0}};
-  expect_times(to_sweep(message, kEnd), {0.0F, 0.05F, 0.1F});
+  expect_times(to_sweep(message, kEnd).sweep, {0.0F, 0.05F, 0.1F});
   message.timebase = 0;  // a driver without time synchronisation
-  expect_times(to_sweep(message, kStart), {0.0F, 0.05F, 0.1F});
+  expect_times(to_sweep(message, kStart).sweep, {0.0F, 0.05F, 0.1F});
 }
 
 TEST(DriverTimes, HesaiAbsoluteSeconds) {

@@ -91,10 +91,11 @@ TEST_P(MessageRecordingOf, EventsBecomeMessagesThatTellTheSame) {
                           .definition = {},
                           .messages = std::nullopt};
     const std::vector<EventValue> again =
-        ros::to_events(channel, {0, event.received, encoded.bytes, 0}, "again");
+        ros::to_events(channel, {0, event.received, encoded.bytes, 0}, "again").values;
     ASSERT_EQ(again.size(), 1U);
     EXPECT_EQ(again[0].index(), event.value.index());
-    EXPECT_EQ(stamp_of({0, event.received, again[0]}), stamp_of(event));
+    EXPECT_EQ(stamp_of({.topic = 0, .received = event.received, .value = again[0]}),
+              stamp_of(event));
     EXPECT_EQ(ros::from_event(again[0], GetParam(), "frame").bytes, encoded.bytes);
   }
 }

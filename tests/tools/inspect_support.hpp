@@ -31,10 +31,15 @@ inline std::filesystem::path write(const TemporaryFolder& folder,
 }
 
 /// "kind topic" of each finding.
-inline std::vector<std::string> kinds(const std::filesystem::path& file) {
+inline std::vector<std::string> kinds(const std::filesystem::path& file,
+                                      const ConfigSource& config = {}) {
   std::ostringstream out;
   std::ostringstream err;
-  const int code = inspect_command({.recording = file, .json = true}, out, err);
+  InspectCommandOptions options;
+  options.recording = file;
+  options.config = config;
+  options.json = true;
+  const int code = inspect_command(options, out, err);
   EXPECT_EQ(err.str(), "");
   std::vector<std::string> found;
   bool problem = false;

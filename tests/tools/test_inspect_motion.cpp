@@ -23,7 +23,10 @@ nlohmann::json report(const std::vector<Recorded>& events) {
   const test::TemporaryFolder folder;
   std::ostringstream out;
   std::ostringstream err;
-  inspect_command({.recording = test::write(folder, events), .json = true}, out, err);
+  InspectCommandOptions options;
+  options.recording = test::write(folder, events);
+  options.json = true;
+  inspect_command(options, out, err);
   EXPECT_EQ(err.str(), "");
   return nlohmann::json::parse(out.str());
 }

@@ -11,8 +11,6 @@
 #include <string>
 #include <type_traits>
 
-#include "tools/recordings/point_times.hpp"
-
 namespace adit {
 namespace {
 
@@ -95,7 +93,7 @@ bool is_return(const Point& p) {
 
 /// Times as integers or doubles, whichever the column holds; 64-bit integers do not pass through a
 /// double.
-PointTimes decode_times(const std::filesystem::path& file, const Column& column,
+PointTimes decode_times(const std::filesystem::path& file, const Column& column, double unit,
                         const std::vector<Point>& points) {
   std::vector<uint8_t> valid(points.size());
   std::transform(points.begin(), points.end(), valid.begin(),
@@ -105,7 +103,7 @@ PointTimes decode_times(const std::filesystem::path& file, const Column& column,
     std::vector<double> times(points.size());
     for_each_value(column, points.size(),
                    [&](std::size_t i, auto value) { times[i] = static_cast<double>(value); });
-    return interpret_times(file, times, valid, column.type == ScalarType::f32);
+    return interpret_times(file, times, valid, column.type == ScalarType::f32, unit);
   }
   std::vector<int64_t> times(points.size());
   for_each_value(column, points.size(), [&](std::size_t i, auto value) {
@@ -120,7 +118,7 @@ PointTimes decode_times(const std::filesystem::path& file, const Column& column,
       times[i] = static_cast<int64_t>(value);
     }
   });
-  return interpret_times(file, times, valid);
+  return interpret_times(file, times, valid, unit);
 }
 
 /// Lower case, without CloudCompare's prefix.
@@ -200,7 +198,10 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
     cloud.sweep.rings = decode_rings(file, *columns[FieldRole::ring], points.size());
   }
   if (columns[FieldRole::time] && !points.empty()) {
-    PointTimes times = decode_times(file, *columns[FieldRole::time], points);
+    PointTimes times = decode_times(file, *columns[FieldRole::time], columns.time_unit, points);
+    cloud.times =
+        PointTimeNature{columns.time_field, times.unit, times.absolute,
+                        times.absolute ? 0.0 : std::chrono::duration<double>(times.start).count()};
     cloud.sweep.stamp = times.start;
     cloud.absolute_stamp = times.absolute;
     cloud.sweep.times = std::move(times.offsets);

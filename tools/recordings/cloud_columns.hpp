@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "slam/types.hpp"
 #include "tools/input_error.hpp"
+#include "tools/recordings/point_times.hpp"
 
 namespace adit {
 
@@ -45,6 +47,8 @@ FieldRoles find_roles(const std::vector<std::string_view>& names);
 struct CloudColumns {
   std::size_t points = 0;
   std::optional<Column> columns[kFieldRoles];
+  std::string time_field{};  ///< name of the column of times
+  double time_unit = 0.0;    ///< s; 0: told from the times
   std::optional<Column>& operator[](FieldRole role) {
     return columns[static_cast<std::size_t>(role)];
   }
@@ -59,6 +63,7 @@ struct CloudFile {
   bool absolute_stamp =
       false;  ///< true: the points carry absolute times and sweep.stamp is the earliest of them;
               ///< false: sweep.stamp is the sweep's start relative to the recording's stamp
+  std::optional<PointTimeNature> times{};  ///< how the points' times were understood, where any are
 };
 
 /// Reads the columns. Throws InputError (with the point) where a ring is no beam number or the

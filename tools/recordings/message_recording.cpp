@@ -90,13 +90,15 @@ class MessageEventStream final : public EventStream {
       throw InputError(file, Place::named(place + at), found, remedy);
     };
     try {
-      const std::string frame = ros::frame_of(channel, message);
-      for (EventValue& value : ros::to_events(channel, message, file)) {
+      ros::MessageEvents events =
+          ros::to_events(channel, message, file, selection_.point_time_unit);
+      for (EventValue& value : events.values) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);
         }
         ready_.push_back({topic, message.received, std::move(value),
-                          ready_.empty() ? message.bytes.size() : 0, frame});
+                          ready_.empty() ? message.bytes.size() : 0, events.frame,
+                          events.point_times});
       }
     } catch (const ros::CodecError& error) {
       fail(

@@ -54,7 +54,8 @@ class BinaryBody {
       : file_(file),
         content_(content),
         at_(header.bytes),
-        big_(header.format == PlyFormat::big_endian) {}
+        big_(header.format == PlyFormat::big_endian),
+        time_unit_(header.time_unit) {}
 
   void skip(const PlyElement& element) {
     require_room(file_, element, element.smallest_record(), left());
@@ -120,6 +121,7 @@ class BinaryBody {
 
   CloudFile read_fixed(const PlyElement& vertex, const FieldRoles& roles) const {
     CloudColumns columns;
+    columns.time_unit = time_unit_;
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] < 0) {
@@ -154,6 +156,7 @@ class BinaryBody {
       }
     }
     CloudColumns columns;
+    columns.time_unit = time_unit_;
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
@@ -169,13 +172,17 @@ class BinaryBody {
   std::span<const std::byte> content_;
   std::size_t at_;
   bool big_;
+  double time_unit_;  // s
 };
 
 /// Walks through the lines of an ASCII file, one record each.
 class AsciiBody {
  public:
   AsciiBody(const std::filesystem::path& file, const PlyHeader& header, std::string_view content)
-      : file_(file), lines_(content.substr(header.bytes)), header_lines_(header.lines) {}
+      : file_(file),
+        lines_(content.substr(header.bytes)),
+        header_lines_(header.lines),
+        time_unit_(header.time_unit) {}
 
   void skip(const PlyElement& element) {
     require_room(element);
@@ -193,6 +200,7 @@ class AsciiBody {
                   values.data() + static_cast<std::size_t>(record) * kFieldRoles);
     }
     CloudColumns columns;
+    columns.time_unit = time_unit_;
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
@@ -272,6 +280,7 @@ class AsciiBody {
   const std::filesystem::path& file_;
   LineReader lines_;
   uint64_t header_lines_;
+  double time_unit_;  // s
   std::vector<std::string_view> words_;
 };
 
@@ -289,8 +298,9 @@ CloudFile read_vertices(const std::filesystem::path& file, const PlyHeader& head
 
 }  // namespace
 
-CloudFile parse_ply(const std::filesystem::path& file, std::string_view content) {
-  const PlyHeader header = parse_ply_header(file, content);
+CloudFile parse_ply(const std::filesystem::path& file, std::string_view content, double time_unit) {
+  PlyHeader header = parse_ply_header(file, content);
+  header.time_unit = time_unit;
   if (header.format == PlyFormat::ascii) {
     return read_vertices(file, header, AsciiBody(file, header, content));
   }
@@ -299,8 +309,8 @@ CloudFile parse_ply(const std::filesystem::path& file, std::string_view content)
       BinaryBody(file, header, std::as_bytes(std::span(content.data(), content.size()))));
 }
 
-CloudFile read_ply(const std::filesystem::path& file) {
-  return parse_ply(file, read_text_file(file));
+CloudFile read_ply(const std::filesystem::path& file, double time_unit) {
+  return parse_ply(file, read_text_file(file), time_unit);
 }
 
 }  // namespace adit

@@ -85,7 +85,7 @@ Nanoseconds scaled(T time, double unit) {
 
 template <class T>
 PointTimes interpret(const std::filesystem::path& file, std::span<const T> times,
-                     std::span<const uint8_t> valid, bool single_precision) {
+                     std::span<const uint8_t> valid, bool single_precision, double known_unit) {
   PointTimes result;
   result.offsets.resize(times.size());
   const std::optional<Extent> extent = find_extent(file, times, valid);
@@ -104,14 +104,20 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
   };
   const double largest =
       std::max(std::abs(static_cast<double>(first)), std::abs(static_cast<double>(last)));
-  const double unit = unit_from_spread(difference(last), largest, std::is_integral_v<T>);
+  const double unit = known_unit > 0.0
+                          ? known_unit
+                          : unit_from_spread(difference(last), largest, std::is_integral_v<T>);
+  result.unit = unit;
   const double duration = difference(last) * unit;
   if (!(duration <= kLongestSweep)) {
     throw InputError(
         file, Place::point(extent->latest),
         "its time is " + std::to_string(duration) + " s after that of point " +
             std::to_string(extent->earliest) + "; a sweep lasts 10 s at most",
-        "The file is damaged or holds more than one sweep; write one sweep a file, or no times");
+        known_unit > 0.0
+            ? "Correct recording.point_time_unit"
+            : "The file is damaged or holds more than one sweep; or set recording.point_time_unit, "
+              "such as 1e-9");
   }
   if (!(largest * unit < 9.2e9)) {
     throw InputError(file, Place::point(extent->earliest), "its time is beyond 292 years",
@@ -136,13 +142,13 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
 }  // namespace
 
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
-                           std::span<const uint8_t> valid, bool single_precision) {
-  return interpret(file, times, valid, single_precision);
+                           std::span<const uint8_t> valid, bool single_precision, double unit) {
+  return interpret(file, times, valid, single_precision, unit);
 }
 
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
-                           std::span<const uint8_t> valid) {
-  return interpret(file, times, valid, false);
+                           std::span<const uint8_t> valid, double unit) {
+  return interpret(file, times, valid, false, unit);
 }
 
 }  // namespace adit

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "slam/types.hpp"
@@ -16,20 +17,30 @@
 
 namespace adit {
 
+/// How the times of a sweep's points were understood.
+struct PointTimeNature {
+  std::string field;      ///< its name
+  double unit = 1.0;      ///< s, of a step of one
+  bool absolute = false;  ///< counted from an epoch, not from the sweep's own stamp
+  double first = 0.0;     ///< s, of the earliest point after that stamp; 0 where absolute
+};
+
 struct PointTimes {
   Nanoseconds start{
       0};  ///< earliest time: of the recording's clock if absolute, else relative to the stamp
   bool absolute = false;       ///< 1 s or more from zero
+  double unit = 1.0;           ///< s, of a step of one
   std::vector<float> offsets;  ///< s after `start`, one a point, none negative
 };
 
 /// Interprets one sweep's times. Only points with valid[i] != 0 count for the unit and the start;
 /// the others' times are brought into the sweep. Throws InputError (with the point): not finite for
 /// a valid point, farther apart than one sweep lasts, or absolute in single precision, which cannot
-/// hold them.
+/// hold them. `unit` (s) is that of the times; 0: it is told from them.
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
-                           std::span<const uint8_t> valid, bool single_precision);
+                           std::span<const uint8_t> valid, bool single_precision,
+                           double unit = 0.0);
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
-                           std::span<const uint8_t> valid);
+                           std::span<const uint8_t> valid, double unit = 0.0);
 
 }  // namespace adit

@@ -17,6 +17,7 @@
 
 #include "slam/types.hpp"
 #include "tools/input_error.hpp"
+#include "tools/recordings/point_times.hpp"
 #include "tools/recordings/time_span.hpp"
 
 namespace adit {
@@ -48,17 +49,19 @@ struct Event {
   EventValue value;
   uint64_t bytes = 0;   ///< of the message or file; further events of the same message have 0
   std::string frame{};  ///< of the sensor, where the recording names it
+  std::optional<PointTimeNature> point_times{};  ///< of sweeps with times
 };
 
 /// The event's own time; that of a static transform is when it was received.
 Nanoseconds stamp_of(const Event& event);
 
-/// Which events to read.
+/// Which events to read, and how.
 struct EventSelection {
   std::vector<std::size_t> topics{};       ///< indices; empty: all but TopicKind::other
   Nanoseconds begin = Nanoseconds::min();  ///< of `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< of `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
+  double point_time_unit = 0.0;  ///< s, of the times of points; 0: told from them
 };
 
 class EventStream {

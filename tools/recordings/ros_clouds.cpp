@@ -84,6 +84,9 @@ CloudColumns find_columns(const PointCloud2& cloud, const std::byte* data) {
                                    .type = *type,
                                    .swap_bytes = cloud.is_bigendian};
   }
+  if (const int time = roles[FieldRole::time]; time >= 0) {
+    columns.time_field = cloud.fields[static_cast<std::size_t>(time)].name;
+  }
   for (const FieldRole role : {FieldRole::x, FieldRole::y, FieldRole::z}) {
     if (!columns[role]) {
       throw CodecError("it lacks one of the fields x, y and z");
@@ -94,21 +97,24 @@ CloudColumns find_columns(const PointCloud2& cloud, const std::byte* data) {
 
 }  // namespace
 
-Sweep to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file) {
+CloudFile to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file,
+                   double time_unit) {
   check_layout(cloud);
   const bool padded =
       cloud.height > 1 && cloud.row_step != uint64_t{cloud.width} * cloud.point_step;
   const std::vector<std::byte> packed =
       padded ? without_row_padding(cloud) : std::vector<std::byte>{};
-  CloudFile decoded =
-      decode_cloud(file, find_columns(cloud, padded ? packed.data() : cloud.data.data()));
+  CloudColumns columns = find_columns(cloud, padded ? packed.data() : cloud.data.data());
+  columns.time_unit = time_unit;
+  CloudFile decoded = decode_cloud(file, columns);
   if (!decoded.absolute_stamp) {
     decoded.sweep.stamp += stamp;
+    decoded.absolute_stamp = true;
   }
-  return std::move(decoded.sweep);
+  return decoded;
 }
 
-Sweep to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
+CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
   constexpr uint8_t kConfidence = 0x30;
   constexpr uint8_t kGood = 0x00;
   constexpr uint8_t kFair = 0x10;
@@ -134,7 +140,7 @@ Sweep to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
   if (!offsets.empty()) {
     sweep.stamp += Nanoseconds(first);
   }
-  return sweep;
+  return {std::move(sweep), true, PointTimeNature{.field = "offset_time", .unit = 1e-9}};
 }
 
 CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {

@@ -8,18 +8,21 @@
 #include <vector>
 
 #include "slam/types.hpp"
+#include "tools/recordings/cloud_columns.hpp"
 #include "tools/recordings/ros_messages.hpp"
 
 namespace adit::ros {
 
 /// The sweep in a point cloud, `stamp` being its header's time. Fields are told by their names, as
-/// in cloud_columns.hpp; per-point times as in point_times.hpp. Throws CodecError where the layout
+/// in cloud_columns.hpp; per-point times, of `time_unit` (s) if that is not 0, as in
+/// point_times.hpp. The stamp of the result is absolute. Throws CodecError where the layout
 /// makes no sense, InputError (naming `file`) where a point does.
-Sweep to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file);
+CloudFile to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file,
+                   double time_unit = 0.0);
 
 /// The sweep in Livox's own message. Its timebase is the time of the first point; where it is 0 the
 /// header's time is taken.
-Sweep to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp);
+CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp);
 
 /// A cloud with the bytes that its `data` views.
 struct CloudMessage {

@@ -100,24 +100,28 @@ bool is_static(const Channel& channel) {
 
 /// The one event of a message that holds one.
 template <class Message>
-std::vector<EventValue> single(const Channel& channel, const RawMessage& message) {
-  std::vector<EventValue> events;
-  events.emplace_back(to_event(decode<Message>(channel.encoding, message.bytes), message));
+MessageEvents single(const Channel& channel, const RawMessage& message) {
+  auto decoded = decode<Message>(channel.encoding, message.bytes);
+  MessageEvents events;
+  events.values.emplace_back(to_event(decoded, message));
+  events.frame = std::move(decoded.header.frame);
   return events;
 }
 
-std::vector<EventValue> transforms(const Channel& channel, const RawMessage& message) {
-  std::vector<EventValue> events;
+MessageEvents transforms(const Channel& channel, const RawMessage& message) {
+  MessageEvents events;
   for (const TransformStamped& one :
        decode<TFMessage>(channel.encoding, message.bytes).transforms) {
-    events.push_back(to_event(one, message, is_static(channel)));
+    events.values.push_back(to_event(one, message, is_static(channel)));
   }
   return events;
 }
 
-std::vector<EventValue> sweep(Sweep sweep) {
-  std::vector<EventValue> events;
-  events.emplace_back(std::move(sweep));
+MessageEvents sweep(CloudFile cloud, std::string frame) {
+  MessageEvents events;
+  events.values.emplace_back(std::move(cloud.sweep));
+  events.frame = std::move(frame);
+  events.point_times = std::move(cloud.times);
   return events;
 }
 
@@ -197,16 +201,17 @@ TopicKind kind_of(const Channel& channel) {
                                                                : TopicKind::other;
 }
 
-std::vector<EventValue> to_events(const Channel& channel, const RawMessage& message,
-                                  const std::filesystem::path& file) {
+MessageEvents to_events(const Channel& channel, const RawMessage& message,
+                        const std::filesystem::path& file, double point_time_unit) {
   const std::string& type = channel.type;
   if (type == PointCloud2::kType) {
     const auto cloud = decode<PointCloud2>(channel.encoding, message.bytes);
-    return sweep(to_sweep(cloud, time_of(cloud.header, message), file));
+    return sweep(to_sweep(cloud, time_of(cloud.header, message), file, point_time_unit),
+                 cloud.header.frame);
   }
   if (is_livox(type)) {
     const auto cloud = decode<LivoxCustomMsg>(channel.encoding, message.bytes);
-    return sweep(to_sweep(cloud, time_of(cloud.header, message)));
+    return sweep(to_sweep(cloud, time_of(cloud.header, message)), cloud.header.frame);
   }
   if (type == Imu::kType) {
     return single<Imu>(channel, message);
@@ -221,15 +226,12 @@ std::vector<EventValue> to_events(const Channel& channel, const RawMessage& mess
     return single<PoseStamped>(channel, message);
   }
   if (type == TransformStamped::kType) {
-    return {to_event(decode<TransformStamped>(channel.encoding, message.bytes), message,
-                     is_static(channel))};
+    MessageEvents events;
+    events.values.push_back(to_event(decode<TransformStamped>(channel.encoding, message.bytes),
+                                     message, is_static(channel)));
+    return events;
   }
-  return is_transforms(type) ? transforms(channel, message) : std::vector<EventValue>{};
-}
-
-std::string frame_of(const Channel& channel, const RawMessage& message) {
-  return is_transforms(channel.type) ? std::string{}
-                                     : decode<Header>(channel.encoding, message.bytes).frame;
+  return is_transforms(type) ? transforms(channel, message) : MessageEvents{};
 }
 
 EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,18 +19,22 @@ namespace adit::ros {
 /// "tf_static" and of poses on others.
 TopicKind kind_of(const Channel& channel);
 
+/// What a message tells.
+struct MessageEvents {
+  std::vector<EventValue> values;
+  std::string frame;                           ///< of the header; empty where there are several
+  std::optional<PointTimeNature> point_times;  ///< of a sweep with times
+};
+
 /// The events in a message, in its order; none for kinds that are not understood. A message whose
-/// header has no time counts as taken when it was received.
+/// header has no time counts as taken when it was received. `point_time_unit` (s) is that of the
+/// times of points; 0: it is told from them.
 ///
 /// Sweeps from Livox's CustomMsg are without the returns that the sensor marks as noise (bits 4 and
 /// 5 of the tag). Throws CodecError or InputError (naming `file` and the point) where the message
 /// is damaged.
-std::vector<EventValue> to_events(const Channel& channel, const RawMessage& message,
-                                  const std::filesystem::path& file);
-
-/// The frame in the header of a message with a single event; empty for the others. Throws
-/// CodecError where the message is damaged.
-std::string frame_of(const Channel& channel, const RawMessage& message);
+MessageEvents to_events(const Channel& channel, const RawMessage& message,
+                        const std::filesystem::path& file, double point_time_unit = 0.0);
 
 /// A message and its type.
 struct EncodedEvent {

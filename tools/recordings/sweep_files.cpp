@@ -28,14 +28,14 @@ constexpr const char* kWhatIsRead =
     "(KITTI), with "
     "velodyne_points/data/*.bin (KITTI raw), with .bin, .pcd or .ply files, or one such file";
 
-CloudFile read_bin_cloud(const fs::path& file) {
+CloudFile read_bin_cloud(const fs::path& file, double) {
   return {read_kitti_bin(file), false};
 }
 
 struct FileKind {
   std::string_view extension;
   std::string_view name;
-  CloudFile (*read)(const fs::path&);
+  CloudFile (*read)(const fs::path&, double time_unit);
 };
 constexpr std::array<FileKind, 3> kKinds = {{
     {".bin", "KITTI .bin", read_bin_cloud},
@@ -68,7 +68,7 @@ struct SweepFiles {
 class SweepFileStream final : public EventStream {
  public:
   SweepFileStream(const SweepFiles& sweeps, const EventSelection& selection)
-      : sweeps_(&sweeps), end_(selection.end) {
+      : sweeps_(&sweeps), end_(selection.end), time_unit_(selection.point_time_unit) {
     const auto& stamps = sweeps.stamps;
     const auto first = std::lower_bound(stamps.begin(), stamps.end(), selection.begin);
     const auto rest = static_cast<uint64_t>(stamps.end() - first);
@@ -80,24 +80,26 @@ class SweepFileStream final : public EventStream {
       return std::nullopt;
     }
     const fs::path& file = sweeps_->files[index_];
-    Sweep sweep = read(index_++);
-    const Nanoseconds stamp = sweep.stamp;
+    CloudFile cloud = read(index_++);
+    const Nanoseconds stamp = cloud.sweep.stamp;
     std::error_code ignored;
     return Event{.topic = 0,
                  .received = stamp,
-                 .value = std::move(sweep),
-                 .bytes = fs::file_size(file, ignored)};
+                 .value = std::move(cloud.sweep),
+                 .bytes = fs::file_size(file, ignored),
+                 .frame = {},
+                 .point_times = std::move(cloud.times)};
   }
 
  private:
-  Sweep read(std::size_t index) {
+  CloudFile read(std::size_t index) {
     const fs::path& file = sweeps_->files[index];
-    CloudFile cloud = sweeps_->kind->read(file);
+    CloudFile cloud = sweeps_->kind->read(file, time_unit_);
     if (!cloud.absolute_stamp) {
       cloud.sweep.stamp += sweeps_->stamps[index];
     }
     require_later(index, cloud.sweep.stamp);
-    return std::move(cloud.sweep);
+    return cloud;
   }
 
   /// Times inside the sweeps can contradict the order of the files.
@@ -117,6 +119,7 @@ class SweepFileStream final : public EventStream {
 
   const SweepFiles* sweeps_;
   Nanoseconds end_;
+  double time_unit_;  // s
   std::size_t index_ = 0;
   std::optional<std::pair<std::size_t, Nanoseconds>>
       last_;  // sweep that was read last, and its stamp

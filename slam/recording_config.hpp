@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace adit {
+
+/// How a recording is to be understood, where it does not tell or tells what is wrong. `adit
+/// inspect --write-config` finds these.
+struct RecordingConfig {
+  std::string sweep_topic{};
+  std::string imu_topic{};
+  double point_time_unit = 0.0;      ///< s
+  double sweep_time_offset = 0.0;    ///< s
+  double imu_time_offset = 0.0;      ///< s
+  double accelerometer_scale = 1.0;  ///< m/s² of a step of one
+  double gyroscope_scale = 1.0;      ///< rad/s of a step of one
+
+  bool operator==(const RecordingConfig&) const = default;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("sweep_topic", self.sweep_topic, "", "the topic of sweeps to map; empty: the only one");
+    field("imu_topic", self.imu_topic, "", "the topic of the IMU; empty: the first");
+    field(
+        "point_time_unit", self.point_time_unit, "s",
+        "what one step of the times of points is, such as 1e-9; 0: told from how far they spread");
+    field("sweep_time_offset", self.sweep_time_offset, "s", "added to the times of sweeps");
+    field("imu_time_offset", self.imu_time_offset, "s", "added to the times of IMU samples");
+    field("accelerometer_scale", self.accelerometer_scale, "",
+          "accelerations times this are m/s²: 9.80665 where they are in g, -1 where the sign is "
+          "flipped");
+    field("gyroscope_scale", self.gyroscope_scale, "",
+          "rates times this are rad/s: 0.0174533 where they are in degrees per second");
+  }
+};
+
+}  // namespace adit

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recording_inference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "tools/config_file.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s²
+
+template <class... Values>
+std::string text_of(const char* format, Values... values) {
+  char text[300];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+/// "field 't' in units of 1e-09 s, from 0.0 ms after the stamp".
+std::string times_text(const PointTimeNature& times, const SweepStatistics& s) {
+  const std::string field = times.field.empty() ? "times" : "times in field '" + times.field + "'";
+  std::string text = field + text_of(", unit %g s, ", times.unit);
+  if (times.absolute) {
+    text += "absolute";
+  } else {
+    text += times.first < -1e-3 ? "up to the stamp, which is the end of the sweep"
+                                : "after the stamp, which is the start of the sweep";
+  }
+  return text + text_of(" (a sweep lasts %.1f ms)", 1e3 * s.duration.mean());
+}
+
+std::string sweeps_text(const TopicStatistics& topic) {
+  const SweepStatistics& s = topic.sweeps;
+  const double share = s.points.sum > 0 ? s.returns.sum / s.points.sum : 0;
+  std::string text = text_of("%.0f points a sweep, %.1f %% of them returns; %s; ", s.points.mean(),
+                             100.0 * share, s.with_rings == topic.events ? "rings" : "no rings");
+  return text + (topic.point_times ? times_text(*topic.point_times, s) : "no times");
+}
+
+std::string imu_text(const ImuStatistics& s) {
+  return text_of("acceleration %.3f on average (%.2f to %.2f), rotation %.3f rad/s (at most %.2f)",
+                 s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest,
+                 s.rotation.mean(), s.rotation.greatest);
+}
+
+bool found(const Inspection& inspection, const std::string& kind, const std::string& topic) {
+  return std::ranges::any_of(inspection.findings,
+                             [&](const Finding& f) { return f.kind == kind && f.topic == topic; });
+}
+
+/// s to add to a topic's times where its clock is off by whole seconds or more.
+double whole_offset(const Inspection& inspection, std::size_t topic) {
+  return found(inspection, "clock_offset", inspection.topics[topic].name)
+             ? std::round(inspection.statistics[topic].delay.mean())
+             : 0.0;
+}
+
+std::optional<std::size_t> first_of(const Inspection& inspection, TopicKind kind,
+                                    const std::string& name) {
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    if (topic.kind == kind && (name.empty() || topic.name == name)) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+void correct_sweeps(const Inspection& inspection, std::size_t topic, Config& config) {
+  const TopicStatistics& s = inspection.statistics[topic];
+  config.recording.sweep_topic = inspection.topics[topic].name;
+  config.recording.sweep_time_offset += whole_offset(inspection, topic);
+  if (!s.point_times_fit() && s.better_time_unit()) {
+    config.recording.point_time_unit = *s.better_time_unit();
+  }
+  if (const double spacing = s.sweeps.beam_spacing(); spacing > 0.0) {
+    config.preprocess.beam_spacing = std::clamp(spacing, 0.002, 0.2);
+  }
+}
+
+void correct_imu(const Inspection& inspection, std::size_t topic, Config& config) {
+  const std::string& name = inspection.topics[topic].name;
+  const ImuStatistics& s = inspection.statistics[topic].imu;
+  RecordingConfig& recording = config.recording;
+  recording.imu_topic = name;
+  recording.imu_time_offset += whole_offset(inspection, topic);
+  for (const MotionCheck& check : inspection.motion) {
+    if (check.pair.imu_topic == topic && found(inspection, "sensor_offset", name)) {
+      recording.imu_time_offset -= check.comparison->offset;
+    }
+  }
+  if (found(inspection, "accelerometer_unit", name) && s.acceleration.mean() < 0.5 * kGravity) {
+    recording.accelerometer_scale *= kGravity;
+  }
+  const bool sure = std::ranges::any_of(inspection.findings, [&](const Finding& f) {
+    return f.kind == "gravity_direction" && f.topic == name && f.severity == Severity::problem;
+  });
+  if (sure) {
+    recording.accelerometer_scale *= -1.0;
+  }
+  if (found(inspection, "gyroscope_unit", name)) {
+    recording.gyroscope_scale *= std::numbers::pi / 180.0;
+  }
+}
+
+}  // namespace
+
+std::vector<Inference> infer(const Inspection& inspection) {
+  std::vector<Inference> all;
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    const TopicStatistics& s = inspection.statistics[i];
+    if (topic.kind == TopicKind::sweeps && s.events > 0) {
+      all.push_back({topic.name, sweeps_text(s)});
+    } else if (topic.kind == TopicKind::imu && s.imu.acceleration.count > 0) {
+      all.push_back({topic.name, imu_text(s.imu)});
+    }
+  }
+  for (const MotionCheck& check : inspection.motion) {
+    all.push_back({check.pair.imu.name, describe(check)});
+  }
+  return all;
+}
+
+Config suggest_config(const Inspection& inspection, const Config& read_with) {
+  Config config = read_with;
+  if (const auto topic = first_of(inspection, TopicKind::sweeps, read_with.recording.sweep_topic)) {
+    correct_sweeps(inspection, *topic, config);
+  }
+  if (const auto topic = first_of(inspection, TopicKind::imu, read_with.recording.imu_topic)) {
+    correct_imu(inspection, *topic, config);
+  }
+  return config;
+}
+
+std::string suggested_toml(const Inspection& inspection, const Config& read_with) {
+  std::string text;
+  const auto comment = [&](const std::string& line) {
+    std::string plain = line;
+    std::ranges::replace_if(
+        plain, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    text += "# " + plain + "\n";
+  };
+  comment(inspection.description);
+  for (const Inference& one : infer(inspection)) {
+    comment(one.topic + ": " + one.text);
+  }
+  for (const Finding& finding : inspection.findings) {
+    comment(std::string(to_string(finding.severity)) + ": " +
+            (finding.topic.empty() ? "" : finding.topic + ": ") + finding.found);
+  }
+  return text + "\n" + to_toml(suggest_config(inspection, read_with));
+}
+
+}  // namespace adit
