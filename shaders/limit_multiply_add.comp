@@ -16,12 +16,14 @@ layout(push_constant, scalar) uniform Push { LimitMultiplyAddPush push; };
 
 void main() {
   const float start = float(gl_LocalInvocationIndex) * 0.125;
+  const vec4 factor = vec4(push.factor);
+  const vec4 addend = vec4(push.addend);
   vec4 low = vec4(0.0, 1.0, 2.0, 3.0) + start;
   vec4 high = vec4(4.0, 5.0, 6.0, 7.0) + start;
   for (uint round = 0; round < push.rounds; ++round) {
     for (uint step = 0; step < kChainSteps; ++step) {
-      low = low * push.factor + push.addend;
-      high = high * push.factor + push.addend;
+      low = fma(low, factor, addend);
+      high = fma(high, factor, addend);
     }
   }
   const vec4 sum = low + high;

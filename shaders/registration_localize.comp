@@ -12,9 +12,9 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/include/registration_match.glsl"
 
-const uint kSums = 7;  // of the six directions, and the matches
+const uint kSupports = 7;  // of the six directions, and the matches
 const uint kMaxSubgroups = kLocalSize / 4;
-shared float subgroup_sums[kMaxSubgroups * kSums];
+shared float subgroup_sums[kMaxSubgroups * kSupports];
 shared bool is_last;
 
 const float kAgree = 0.94;   // cos 20 degrees, between the two normals
@@ -44,7 +44,7 @@ vec3 normal_of(Voxel voxel) {
 
 vec3 at_most_unit(vec3 v) { return v * inversesqrt(max(dot(v, v), 1.0)); }
 
-void decide(uint at, float sums[kSums]) {
+void decide(uint at, float sums[kSupports]) {
   const float none = max(kNone, kNoneOf * sums[6]);
   const float full = max(min(kFull, kFullOfSmall * sums[6]), kFullOfLarge * sums[6]);
   bool weak = false;
@@ -60,7 +60,8 @@ void decide(uint at, float sums[kSums]) {
     progress[at].phase = kPhaseConstrained;
     progress[at].iterations = 0;
     progress[at].converged = 0;
-    progress[at].damping = 1.0;
+    progress[at].factor = 1.0;
+    progress[at].most_factor = kLongest;
     for (uint i = 0; i < 6; ++i) {
       progress[at].last_step[i] = 0.0;
     }
@@ -80,8 +81,8 @@ void main() {
   const mat3x4 pose = states[at].pose;
   const vec3 t = vec3(pose[0].w, pose[1].w, pose[2].w);
 
-  float sums[kSums];
-  for (uint k = 0; k < kSums; ++k) {
+  float sums[kSupports];
+  for (uint k = 0; k < kSupports; ++k) {
     sums[k] = 0.0;
   }
   const uint threads = job.groups * kLocalSize;
@@ -108,17 +109,17 @@ void main() {
     }
   }
 
-  for (uint k = 0; k < kSums; ++k) {
+  for (uint k = 0; k < kSupports; ++k) {
     const float sum = subgroupAdd(sums[k]);
     if (subgroupElect()) {
-      subgroup_sums[gl_SubgroupID * kSums + k] = sum;
+      subgroup_sums[gl_SubgroupID * kSupports + k] = sum;
     }
   }
   barrier();
-  if (local < kSums) {
+  if (local < kSupports) {
     float sum = 0.0;
     for (uint s = 0; s < gl_NumSubgroups; ++s) {
-      sum += subgroup_sums[s * kSums + local];
+      sum += subgroup_sums[s * kSupports + local];
     }
     partials[(at * push.group_stride + gl_WorkGroupID.x) * kSystemStride + local] = sum;
     memoryBarrierBuffer();
@@ -132,7 +133,7 @@ void main() {
     return;
   }
   memoryBarrierBuffer();
-  for (uint k = 0; k < kSums; ++k) {
+  for (uint k = 0; k < kSupports; ++k) {
     float sum = 0.0;
     for (uint g = 0; g < job.groups; ++g) {
       sum += partials[(at * push.group_stride + g) * kSystemStride + k];

@@ -79,7 +79,8 @@ void RegistrationKernels::write_start(std::span<std::byte> bytes, uint32_t count
                                            .converged = phase == gpu::kPhaseAssess ? 1U : 0U,
                                            .failed = 0,
                                            .ticket = 0,
-                                           .damping = 1.0F,
+                                           .factor = 1.0F,
+                                           .most_factor = gpu::kLongest,
                                            .last_step = {}};
   for (uint32_t i = 0; i < count; ++i) {
     std::memcpy(bytes.data() + sizeof(header) + i * sizeof(progress), &progress, sizeof(progress));

@@ -17,6 +17,9 @@ layout(constant_id = 3) const uint kMethod = kVgicp;
 layout(constant_id = 4) const uint kNeighbours = 1;  // 1, 7 (faces) or 27
 layout(constant_id = 5) const uint kRobust = kNoRobust;
 layout(constant_id = 6) const bool kDropBackFaces = false;
+// kSystemSize, or kGeometrySize: also the sums that tell what the matches hold.
+layout(constant_id = 7) const uint kSums = kSystemSize;
+const bool kGeometry = kSums == kGeometrySize;
 
 layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 source[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Voxels { uvec4 voxels[]; };
@@ -182,19 +185,34 @@ float robust_cost(float squared) {
   return squared;
 }
 
+// The score is flatter along the error than its quadratic: its second derivative is w (Omega - d2
+// (Omega e) (Omega e)^T). Steps take that, but never less than a tenth of the quadratic's, so that
+// the sum stays positive definite (as Triggs et al. 2000 correct robust kernels).
+const float kMostLess = 0.9;
+
+Sym3 less_along(Sym3 m, vec3 v, float by) {
+  const vec3 bv = by * v;
+  return Sym3(m.xx - bv.x * v.x, m.xy - bv.x * v.y, m.xz - bv.x * v.z, m.yy - bv.y * v.y,
+              m.yz - bv.y * v.z, m.zz - bv.z * v.z);
+}
+
 void add_match(inout Pull pull, Voxel voxel, SourcePoint s, vec3 e, RegistrationJob job) {
   const Sym3 omega = information(voxel, s);
   const vec3 oe = mul(omega, e);
   const float squared = dot(e, oe);
   float weight = robust_weight(squared);
   float cost = robust_cost(squared);
+  Sym3 curvature = omega;
   if (kMethod == kNdt || kMethod == kNdtToNdt) {
     const float likelihood = exp(-job.score_exponent * squared);
     weight *= job.score_weight * likelihood;
     cost = -0.5 * job.score_weight / job.score_exponent * likelihood;
+    if (!kGeometry) {
+      curvature = less_along(omega, oe, min(2.0 * job.score_exponent, kMostLess / squared));
+    }
   }
   pull.matches += 1;
-  pull.omega = add(pull.omega, scaled(omega, weight));
+  pull.omega = add(pull.omega, scaled(curvature, weight));
   pull.force += weight * oe;
   pull.cost += cost;
   pull.squared +=

@@ -9,26 +9,34 @@
 
 shared float system[kSystemStride];
 
-// Matches that change from step to step can make Gauss-Newton go to and fro between two poses for
-// ever. A step that goes back, and at least half as far as the last one went, is halved, and so are
-// all that follow.
-void damp(uint job, inout float step[6]) {
-  float back = 0.0;
+// How much of a Gauss-Newton step to take. Steps that go on the same way and shrink by r each would
+// add up to 1 / (1 - r) of the first: with the factor f of the last step, f / (1 - r) is the
+// secant's estimate of the whole way. But matches change from step to step, which can make
+// Gauss-Newton go to and fro between two poses for ever: a step that goes back, and at least half
+// as far as the last one went, is halved, and no later one is longer.
+void scale_step(uint job, inout float step[6]) {
+  float along = 0.0;
   float before = 0.0;
   float now = 0.0;
   for (uint i = 0; i < 6; ++i) {
     const float last = progress[job].last_step[i];
-    back -= last * step[i];
+    along += last * step[i];
     before += last * last;
     now += step[i] * step[i];
-  }
-  const float damping =
-      back > 0.0 && now > 0.25 * before ? 0.5 * progress[job].damping : progress[job].damping;
-  for (uint i = 0; i < 6; ++i) {
-    step[i] *= damping;
     progress[job].last_step[i] = step[i];
   }
-  progress[job].damping = damping;
+  const float last_factor = progress[job].factor;
+  const float shrinking = along / max(before, 1e-30);
+  if (along < 0.0 && now > 0.25 * last_factor * last_factor * before) {
+    progress[job].most_factor = 0.5 * min(last_factor, 1.0);
+  }
+  const bool same_way = along > 0.0 && along * along > 0.64 * now * before;
+  const float wanted = same_way ? last_factor / max(1.0 - shrinking, 1e-3) : 1.0;
+  const float factor = min(max(wanted, 1.0), progress[job].most_factor);
+  progress[job].factor = factor;
+  for (uint i = 0; i < 6; ++i) {
+    step[i] *= factor;
+  }
 }
 
 // Cholesky of the system (its lower triangle) scaled to a unit diagonal, since metres and radians
@@ -69,7 +77,7 @@ bool solve(uint job, float h[36], float gradient[6], out float step[6]) {
     }
     step[i] = sum / h[7 * i];
   }
-  damp(job, step);
+  scale_step(job, step);
   for (uint i = 0; i < 6; ++i) {
     step[i] *= scale[i];
   }

@@ -6,10 +6,6 @@
 #define ADIT_REGISTRATION_SUMS_GLSL
 #include "shaders/include/registration_match.glsl"
 
-// kSystemSize, or kGeometrySize: also the sums that tell what the matches hold.
-layout(constant_id = 7) const uint kSums = kSystemSize;
-const bool kGeometry = kSums == kGeometrySize;
-
 // Adds the matches of a point: e = mean - (R a + t), de/drho = -I, de/dphi = [R a]x with ra = R a.
 void accumulate(inout float sums[kSums], vec3 ra, Pull pull) {
   const vec3 ox = vec3(pull.omega.xx, pull.omega.xy, pull.omega.xz);

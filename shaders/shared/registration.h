@@ -32,6 +32,9 @@ const uint kPhaseReassess = 4;     // as kPhaseAssess, after constrained steps
 const uint kPhaseRelocalize = 5;
 const uint kPhaseDone = 6;
 
+// The largest factor of a step (registration_step.glsl).
+const float kLongest = 2.0f;
+
 // Sums of one linearisation: 21 of H (upper triangle, row by row), 6 of the gradient, the cost, the
 // squared distance along the target's normals (m^2), the points matched, the matches.
 const uint kSystemSize = 31;
@@ -70,8 +73,9 @@ struct RegistrationProgress {
   uint converged;      // 1: the last step was short enough
   uint failed;         // 1: no finite step, or fewer than 6 matches
   uint ticket;         // groups that have finished the current pass
-  float damping;       // factor of the steps; halved where they go to and fro
-  float last_step[6];  // in units of 1 / sqrt(H_ii)
+  float factor;        // of the last step taken
+  float most_factor;   // of the next; less than 1 where steps went to and fro
+  float last_step[6];  // Gauss-Newton's, in units of 1 / sqrt(H_ii); zero: none yet
 };
 
 // Indirect arguments of one kind of pass, and how many alignments still need it.

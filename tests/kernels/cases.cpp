@@ -21,7 +21,7 @@ Point to_point(const Eigen::Vector3d& p, double intensity) {
 
 Lidar lidar_of(int points) {
   Lidar lidar;
-  lidar.beams = points < 20'000 ? 16 : (points < 60'000 ? 32 : 64);
+  lidar.beams = points < 20'000 ? 16 : (points < 60'000 ? 32 : (points < 200'000 ? 64 : 128));
   lidar.columns = points / lidar.beams;
   return lidar;
 }

@@ -173,8 +173,8 @@ Times AlignmentRun::evaluate(const Eigen::Isometry3d& pose) {
   return run(pose, 0, true);
 }
 
-Times AlignmentRun::step(const Eigen::Isometry3d& pose) {
-  return run(pose, 1, false);
+Times AlignmentRun::step(const Eigen::Isometry3d& pose, uint32_t steps) {
+  return run(pose, steps, false);
 }
 
 Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t max_iterations, bool assess) {

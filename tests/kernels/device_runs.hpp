@@ -125,8 +125,8 @@ class AlignmentRun {
   Times align(const Eigen::Isometry3d& start);
   /// One linearisation at `pose`, no step, and what its matches hold.
   Times evaluate(const Eigen::Isometry3d& pose);
-  /// One linearisation at `pose` and the step.
-  Times step(const Eigen::Isometry3d& pose);
+  /// At most so many linearisations and steps from `pose`, and nothing else.
+  Times step(const Eigen::Isometry3d& pose, uint32_t steps);
 
   DeviceOutcome state() const;
 

@@ -185,6 +185,13 @@ MethodEvaluation evaluate_method(engine::Context& context, const std::vector<gpu
   evaluation.device = sums_of(evaluation.state);
   evaluation.twin =
       reference::linearize(evaluation.items, evaluation.target, kMethodVoxel, pose, objective);
+  run.step(pose, 1);
+  evaluation.device_step = system_of(run.state());
+  Objective stepping = objective;
+  stepping.stepping = true;
+  evaluation.twin_step =
+      reference::linearize(evaluation.items, evaluation.target, kMethodVoxel, pose, stepping)
+          .system;
   return evaluation;
 }
 
@@ -214,6 +221,10 @@ Verdict verify_method(const MethodEvaluation& evaluation) {
   compare("H", worst(device.system.hessian - twin.system.hessian, unit * unit.transpose()));
   compare("g", worst(device.system.gradient - twin.system.gradient,
                      std::sqrt(twin.weighted_cost) * unit));
+  compare("H of the step", worst(evaluation.device_step.hessian - evaluation.twin_step.hessian,
+                                 unit * unit.transpose()));
+  compare("g of the step", worst(evaluation.device_step.gradient - evaluation.twin_step.gradient,
+                                 std::sqrt(twin.weighted_cost) * unit));
   compare("cost", std::abs(device.system.cost / twin.system.cost - 1.0));
   compare("squared distance",
           std::abs(device.system.squared_distance / twin.system.squared_distance - 1.0));

@@ -51,6 +51,8 @@ struct MethodEvaluation {
   std::vector<reference::SourceItem> items{};
   reference::FinishedMap target{};
   reference::FullSystem twin{};
+  reference::System device_step{};  ///< what the first step was solved from
+  reference::System twin_step{};
 };
 MethodEvaluation evaluate_method(engine::Context& context, const std::vector<gpu::uvec4>& cloud,
                                  const engine::RegistrationKernels& kernels,

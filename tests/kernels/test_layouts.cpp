@@ -110,7 +110,8 @@ TEST(KernelLayouts, RegistrationStructsAreTheSameInCppAndGlsl) {
                                        {"converged", offsetof(RegistrationProgress, converged)},
                                        {"failed", offsetof(RegistrationProgress, failed)},
                                        {"ticket", offsetof(RegistrationProgress, ticket)},
-                                       {"damping", offsetof(RegistrationProgress, damping)},
+                                       {"factor", offsetof(RegistrationProgress, factor)},
+                                       {"most_factor", offsetof(RegistrationProgress, most_factor)},
                                        {"last_step", offsetof(RegistrationProgress, last_step)}});
   using gpu::RegistrationPass;
   expect_layout<RegistrationPass>("RegistrationPass",

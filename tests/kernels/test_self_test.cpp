@@ -14,7 +14,7 @@ namespace {
 
 class SelfTest : public test::DeviceTest {};
 
-TEST_F(SelfTest, PassesAndNamesEveryShader) {
+TEST_F(SelfTest, PassesAndNamesEveryShaderThatResultsRestOn) {
   const SelfTestReport report = run_self_test(context());
   std::set<std::string> tested;
   for (const SelfTestCase& test : report.cases) {
@@ -25,6 +25,9 @@ TEST_F(SelfTest, PassesAndNamesEveryShader) {
   }
   EXPECT_TRUE(report.passed());
   for (const std::string_view shader : shaders::names()) {
+    if (shader.starts_with("limit_")) {
+      continue;  // these measure devices, and nothing rests on what they compute
+    }
     EXPECT_TRUE(tested.contains(std::string(shader)))
         << shader << " has no known case in the self-test";
   }

@@ -98,6 +98,9 @@ struct Objective {
   double score_exponent = 0.0;  ///< d2 / 2
   double d_max = 0.0;           ///< m
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();
+  /// The Hessian that steps are taken with: of NDT the score's own, no less than a tenth of the
+  /// quadratic's along each match's error.
+  bool stepping = false;
 };
 
 /// Everything a linearisation adds up.
@@ -203,7 +206,12 @@ inline FullSystem linearize(std::span<const SourceItem> source, const FinishedMa
       const Weighed w = weigh(objective, s);
       Eigen::Matrix<double, 3, 6> j;
       j << -Eigen::Matrix3d::Identity(), skew(pose.linear() * item.p);
-      sums.system.hessian += w.weight * j.transpose() * omega * j;
+      const bool score =
+          objective.options.method == gpu::kNdt || objective.options.method == gpu::kNdtToNdt;
+      const double less =
+          objective.stepping && score ? std::min(2.0 * objective.score_exponent, 0.9 / s) : 0.0;
+      const Eigen::Matrix3d curvature = omega - less * (omega * e) * (omega * e).transpose();
+      sums.system.hessian += w.weight * j.transpose() * curvature * j;
       sums.system.gradient += w.weight * j.transpose() * omega * e;
       sums.system.cost += w.cost;
       sums.system.squared_distance += objective.options.method == gpu::kVgicp

@@ -106,20 +106,26 @@ inline Vector6d step_of(const System& system) {
   return -damped.ldlt().solve(system.gradient);
 }
 
-/// Matches that change from step to step can make Gauss-Newton go to and fro between two poses. A
-/// step that goes back, and more than half as far as the last one went, is halved, and so are all
-/// that follow. Lengths and angles between steps are measured in units of 1 / sqrt(H_ii).
-struct Damping {
+/// How much of Gauss-Newton's steps is taken. Those that go on the same way (within 37 degrees) and
+/// shrink by r each are made 1 / (1 - r) times as long, twice at most; one that goes back, and
+/// more than half as far as the last one went, is halved, and no later one is longer. Measured in
+/// units of 1 / sqrt(H_ii).
+struct StepLength {
   double factor = 1.0;
-  Vector6d last = Vector6d::Zero();
+  double most = 2.0;
+  Vector6d last = Vector6d::Zero();  ///< Gauss-Newton's
 
-  Vector6d damped(const Vector6d& step, const Matrix6d& hessian) {
-    const Vector6d unit = hessian.diagonal().cwiseSqrt();
-    const Vector6d scaled = step.cwiseProduct(unit);
-    if (scaled.dot(last) < 0.0 && scaled.norm() > 0.5 * last.norm()) {
-      factor *= 0.5;
+  Vector6d scaled(const Vector6d& step, const Matrix6d& hessian) {
+    const Vector6d now = step.cwiseProduct(hessian.diagonal().cwiseSqrt());
+    const double along = now.dot(last);
+    if (along < 0.0 && now.norm() > 0.5 * factor * last.norm()) {
+      most = 0.5 * std::min(factor, 1.0);
     }
-    last = factor * scaled;
+    const bool same_way = along > 0.8 * now.norm() * last.norm();
+    const double shrinking = along / std::max(last.squaredNorm(), 1e-30);
+    const double wanted = same_way ? factor / std::max(1.0 - shrinking, 1e-3) : 1.0;
+    factor = std::min(std::max(wanted, 1.0), most);
+    last = now;
     return factor * step;
   }
 };
@@ -145,10 +151,10 @@ struct Alignment {
 inline Alignment align(std::span<const SurfacePoint> source, const VoxelMap& target,
                        const Eigen::Isometry3d& start, const AlignmentSettings& settings) {
   Alignment alignment{.pose = start};
-  Damping damping;
+  StepLength length;
   while (!alignment.converged && alignment.iterations < settings.max_iterations) {
     alignment.system = linearize(find_matches(source, target, alignment.pose, settings.d_max));
-    const Vector6d step = damping.damped(step_of(alignment.system), alignment.system.hessian);
+    const Vector6d step = length.scaled(step_of(alignment.system), alignment.system.hessian);
     if (alignment.system.inliers < 6 || !step.allFinite()) {
       alignment.failed = true;
       return alignment;
