@@ -44,7 +44,7 @@ def layer(path):
     if path.startswith("engine/kernels/"):
         return LAYERS.index("engine/kernels")
     top = path.split("/", 1)[0]
-    if top == "benchmarks":
+    if top == "benchmarks" or path == "tools/main.cpp":  # which puts the program together
         return LAYERS.index("tests")
     return LAYERS.index(top) if top in LAYERS else None
 

@@ -76,7 +76,7 @@ bool is_unknown_command(const CLI::App& app, const char* word) {
   return true;
 }
 
-int parse_and_run(int argc, const char* const* argv) {
+int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand> more) {
   CLI::App app("Range-inertial SLAM on any Vulkan device", "adit");
   app.set_version_flag("--version", "adit " + std::string(version()));
   app.footer(
@@ -96,6 +96,9 @@ int parse_and_run(int argc, const char* const* argv) {
   add_evaluate_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
+  for (const AddCommand& add : more) {
+    add(app, done);
+  }
 
   if (argc < 2) {
     std::cerr << app.help();
@@ -114,9 +117,9 @@ int parse_and_run(int argc, const char* const* argv) {
 
 }  // namespace
 
-int program(int argc, const char* const* argv) {
+int program(int argc, const char* const* argv, std::span<const AddCommand> more) {
   try {
-    return parse_and_run(argc, argv);
+    return parse_and_run(argc, argv, more);
   } catch (const std::exception& error) {
     std::cerr << "adit: " << error.what() << std::endl;
   } catch (...) {

@@ -2,10 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <span>
+
+namespace CLI {
+class App;
+}
+
 namespace adit {
 
+/// Adds a sub-command, which hands its exit code to the function given.
+using AddCommand = std::function<CLI::App*(CLI::App&, std::function<void(int)>)>;
+
 /// The whole program: parses the command line, runs the command on the standard streams, returns
-/// the exit code (0 done, 1 failed on the data or the device, 2 usage). Throws nothing.
-int program(int argc, const char* const* argv);
+/// the exit code (0 done, 1 failed on the data or the device, 2 usage). Throws nothing. `more` are
+/// sub-commands of layers above this.
+int program(int argc, const char* const* argv, std::span<const AddCommand> more = {});
 
 }  // namespace adit

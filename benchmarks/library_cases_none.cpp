@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "benchmarks/peers.hpp"
+#include "benchmarks/cases.hpp"
 
 namespace adit::bench {
 
-std::string register_peers() {
-  return "none: PCL was not found when this was built (Debian: libpcl-dev)";
+std::vector<Case> library_cases() {
+  return {};
 }
 
 }  // namespace adit::bench

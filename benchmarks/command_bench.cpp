@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "benchmarks/command_bench.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/cases.hpp"
+#include "benchmarks/inputs.hpp"
+#include "benchmarks/report.hpp"
+#include "tools/command_guard.hpp"
+#include "tools/nearest_name.hpp"
+#include "tools/output_file.hpp"
+#include "tools/usage_error.hpp"
+#include "tools/version.hpp"
+
+namespace adit::bench {
+namespace {
+
+constexpr double kLimitSeconds = 0.2;
+
+std::string processor() {
+  std::ifstream cpu("/proc/cpuinfo");
+  for (std::string line; std::getline(cpu, line);) {
+    if (line.starts_with("model name")) {
+      return line.substr(line.find(':') + 2);
+    }
+  }
+  return "unknown processor";
+}
+
+std::string now() {
+  const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::string text(32, '\0');
+  text.resize(std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time)));
+  return text;
+}
+
+Setting setting_of(const engine::DeviceInfo& device, const Bench& bench, double seconds) {
+  return {.version = std::string(version()),
+          .commit = ADIT_COMMIT,
+          .date = now(),
+          .device = device.name,
+          .driver = device.driver,
+          .driver_version = device.driver_version,
+          .vulkan = device.api_version,
+          .software = device.software,
+          .host = processor(),
+          .threads = std::thread::hardware_concurrency(),
+          .peers = ADIT_PEERS_FOUND,
+          .input = bench.description(),
+          .seconds = seconds};
+}
+
+/// Those whose names begin with what was asked for, in the list's order. Throws UsageError for a
+/// name that is none's beginning.
+std::vector<Case> chosen(const std::vector<Case>& cases, const BenchCommandOptions& options) {
+  std::vector<std::string> names;
+  for (const Case& one : cases) {
+    names.push_back(one.name);
+  }
+  for (const std::string& wanted : options.cases) {
+    if (std::ranges::none_of(names, [&](const auto& name) { return name.starts_with(wanted); })) {
+      throw UsageError("there is no case '" + wanted + "'. " + suggestion(wanted, names) +
+                       ". --list names all.");
+    }
+  }
+  std::vector<Case> result;
+  for (const Case& one : cases) {
+    const bool asked =
+        options.cases.empty() || std::ranges::any_of(options.cases, [&](const auto& wanted) {
+          return one.name.starts_with(wanted);
+        });
+    if (asked && (options.peers || one.kind != CaseKind::peer)) {
+      result.push_back(one);
+    }
+  }
+  // A peer is measured before the case that is compared with it.
+  std::ranges::stable_partition(result, [](const Case& c) { return c.kind == CaseKind::peer; });
+  return result;
+}
+
+Row measured(const Case& one, int size, Bench& bench, double seconds) {
+  const Work work = one.make(bench, size);
+  Row row{.name = one.name,
+          .kind = one.kind,
+          .size = size,
+          .item = one.item,
+          .peer = one.peer,
+          .items = work.items,
+          .cost = work.cost,
+          .verified_by = work.verified_by,
+          .problem = work.problem,
+          .figures = work.figures};
+  if (row.problem.empty()) {
+    row.timing = measure(work, {.seconds = seconds});
+  }
+  return row;
+}
+
+Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& cases,
+                 std::ostream& out, std::ostream& err) {
+  engine::Context context = open_device(options.device);
+  if (context.software_fallback()) {
+    err << software_note(context.device()) << std::endl;
+  }
+  Bench bench(context, options.input, options.r_input);
+  Report report{.setting = setting_of(context.device(), bench, options.seconds),
+                .limits = measure_limits(context, kLimitSeconds)};
+  print_setting(report, out);
+  print_head(out);
+  out << std::flush;
+  for (const Case& one : cases) {
+    const bool batch = one.kind == CaseKind::batch;
+    for (const int size : batch ? options.batches : bench.sizes(options.sizes)) {
+      if (!batch && (size < one.least || size > one.most)) {
+        continue;
+      }
+      report.rows.push_back(measured(one, size, bench, options.seconds));
+      print_row(report.rows.back(), report, out);
+      out << std::flush;
+    }
+  }
+  return report;
+}
+
+int bench_device(const BenchCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const std::vector<Case> all = all_cases();
+  const std::vector<Case> cases = chosen(all, options);
+  if (options.list) {
+    for (const Case& one : cases) {
+      out << one.name << "  (" << to_string(one.kind) << ")\n";
+    }
+    return 0;
+  }
+  const Report report = run_cases(options, cases, out, err);
+  if (!options.json.empty()) {
+    write_text_file(options.json, to_json(report).dump(1) + "\n");
+    out << "\nwrote    " << options.json.string() << "\n";
+  }
+  if (!options.html.empty()) {
+    write_text_file(options.html, to_html(report));
+    out << "wrote    " << options.html.string() << "\n";
+  }
+  return std::ranges::all_of(report.rows, [](const Row& row) { return row.problem.empty(); }) ? 0
+                                                                                              : 1;
+}
+
+}  // namespace
+
+int bench_command(const BenchCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit bench", err, [&] {
+    if (!options.compare.empty()) {
+      const Report before = read_report(options.compare[0]);
+      const Report after = read_report(options.compare[1]);
+      print_comparison(before, after, out);
+      return 0;
+    }
+    return bench_device(options, out, err);
+  });
+}
+
+CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
+  const auto options = std::make_shared<BenchCommandOptions>();
+  CLI::App* command =
+      app.add_subcommand("bench", "How fast a device is: kernels, registrations, batches");
+  command->footer(
+      "Every case is verified before it is timed. `of its limit` is the least time that the\n"
+      "device's measured limits allow over the time measured, with the limit that binds.\n\n"
+      "Examples:\n"
+      "  adit bench                                   all, some minutes\n"
+      "  adit bench linearize align --sizes 30000     two families, one size\n"
+      "  adit bench --html report.html --json a.json  with roofline and scaling plots\n"
+      "  adit bench --input sweep.pcd downsample      on your own cloud\n"
+      "  adit bench --compare a.json b.json\n\n"
+      "Exit codes: 0 done, 1 a case is wrong or the device failed, 2 usage.");
+  command->add_option("cases", options->cases, "Names of cases, or how they begin")
+      ->type_name("CASE");
+  command->add_flag("--list", options->list, "Name the cases and do nothing");
+  command->add_option("--sizes", options->sizes, "Raw points of the simulated sweeps")
+      ->delimiter(',')
+      ->check(CLI::Range(100, 2'000'000))
+      ->capture_default_str();
+  command->add_option("--batches", options->batches, "Pairs of the batches")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_option("--seconds", options->seconds, "Time for each case and size, at least")
+      ->check(CLI::Range(0.0, 600.0))
+      ->capture_default_str();
+  command
+      ->add_option("--input", options->input,
+                   "A recording or one or two point clouds instead of the simulated sweeps")
+      ->expected(1, 2)
+      ->type_name("FILE");
+  command->add_option("--r-input", options->r_input, "Down-sampling of --input, m")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  command->add_flag_callback(
+      "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
+  command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
+  command->add_option("--html", options->html, "Write a page with plots")->type_name("FILE");
+  command->add_option("--compare", options->compare, "Compare two files of --json, measure nothing")
+      ->expected(2)
+      ->type_name("BEFORE AFTER");
+  command->add_option("--device", options->device.device, "Index, UUID or part of the name");
+  command->callback(
+      [options, done = std::move(done)] { done(bench_command(*options, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit::bench

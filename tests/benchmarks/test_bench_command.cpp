@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/cases.hpp"
+#include "benchmarks/command_bench.hpp"
+#include "benchmarks/report.hpp"
+#include "tests/kernels/cases.hpp"
+#include "tests/support/point_files.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tools/output_file.hpp"
+
+namespace adit::bench {
+namespace {
+
+struct Outcome {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome run(const BenchCommandOptions& options) {
+  std::ostringstream out;
+  std::ostringstream err;
+  const int code = bench_command(options, out, err);
+  return {code, out.str(), err.str()};
+}
+
+TEST(BenchCases, HaveNamesOfTheirOwnAndPeersThatExistOrAreLibraries) {
+  const std::vector<Case> cases = all_cases();
+  std::set<std::string> names;
+  for (const Case& one : cases) {
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+    if (!one.peer.empty() && !one.peer.starts_with("pcl/")) {
+      EXPECT_NE(find_case(cases, one.peer), nullptr) << one.peer;
+    }
+  }
+}
+
+// Every case of the list is verified before it is timed: this runs the verifications.
+TEST(BenchCommand, EveryCaseIsRightOnASmallSweep) {
+  const test::TemporaryFolder folder;
+  const Outcome outcome = run({.sizes = {20'000},
+                               .batches = {3},
+                               .seconds = 0.0,
+                               .json = folder.path() / "a.json",
+                               .html = folder.path() / "a.html"});
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(outcome.out.find("WRONG"), std::string::npos) << outcome.out;
+  const Report report = read_report(folder.path() / "a.json");
+  EXPECT_EQ(report.rows.size(), all_cases().size());
+  for (const Row& row : report.rows) {
+    EXPECT_TRUE(row.problem.empty()) << row.name << ": " << row.problem;
+    EXPECT_FALSE(row.verified_by.empty()) << row.name;
+    EXPECT_GT(row.items, 0U) << row.name;
+    EXPECT_GE(row.timing.runs, 5) << row.name;
+    EXPECT_GT(row.timing.best().median, 0.0) << row.name;
+    EXPECT_EQ(row.timing.device.has_value(), row.kind == CaseKind::kernel) << row.name;
+  }
+  EXPECT_GT(report.limits.copy_bytes, 0.0);
+  EXPECT_GT(report.limits.flop, 0.0);
+  EXPECT_GT(report.limits.near_reads, 0.0);
+  EXPECT_GT(report.limits.atomics, 0.0);
+  EXPECT_GT(report.limits.submission_s, 0.0);
+}
+
+TEST(BenchCommand, TakesACloudOfTheUser) {
+  const test::TemporaryFolder folder;
+  std::string bytes;
+  const std::vector<Point> points = test::street_sweep(20'000).raw;
+  for (const Point& p : points) {
+    bytes += test::bytes_of_all(p.x, p.y, p.z, p.intensity);
+  }
+  write_text_file(folder.path() / "a.pcd", test::pcd_header(points.size(), "binary") + bytes);
+  const Outcome outcome = run({.cases = {"downsample", "linearize/vgicp-7", "align/vgicp"},
+                               .seconds = 0.0,
+                               .input = {folder.path() / "a.pcd"},
+                               .json = folder.path() / "a.json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  const Report report = read_report(folder.path() / "a.json");
+  ASSERT_EQ(report.rows.size(), 4U) << outcome.out;
+  EXPECT_EQ(report.setting.input, "a.pcd");
+  EXPECT_EQ(report.rows.front().size, static_cast<int>(points.size()));
+  EXPECT_LT(report.rows.back().figures.at("error mm"), 5.0);
+}
+
+TEST(BenchCommand, RefusesWhatIsNotThere) {
+  const Outcome unknown = run({.cases = {"linearise"}});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.err.find("there is no case 'linearise'"), std::string::npos) << unknown.err;
+  const Outcome missing = run({.cases = {"surfaces"}, .input = {"/no/such/cloud.pcd"}});
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_NE(missing.err.find("/no/such/cloud.pcd"), std::string::npos) << missing.err;
+  const Outcome report = run({.compare = {"/no/such/a.json", "/no/such/b.json"}});
+  EXPECT_EQ(report.code, 1);
+  EXPECT_NE(report.err.find("/no/such/a.json"), std::string::npos) << report.err;
+}
+
+TEST(BenchCommand, ListsWithoutADevice) {
+  const Outcome outcome = run({.cases = {"align"}, .list = true});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out.find("linearize"), std::string::npos);
+  EXPECT_NE(outcome.out.find("align/ndt  (registration)"), std::string::npos) << outcome.out;
+}
+
+}  // namespace
+}  // namespace adit::bench
