@@ -18,6 +18,7 @@
 #include "tools/command_evaluate.hpp"
 #include "tools/command_inspect.hpp"
 #include "tools/command_run.hpp"
+#include "tools/command_simulate.hpp"
 #include "tools/nearest_name.hpp"
 #include "tools/version.hpp"
 
@@ -91,6 +92,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   const auto done = [&code](int command_code) { code = command_code; };
   add_demo_command(app, done);
   add_run_command(app, done);
+  add_simulate_command(app, done);
   add_inspect_command(app, done);
   add_convert_command(app, done);
   add_evaluate_command(app, done);

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/motion.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "slam/lie.hpp"
+#include "tools/simulator/counter_random.hpp"
+#include "tools/simulator/ray_scene.hpp"
+#include "tools/simulator/repeatable_math.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+using Eigen::Vector3d;
+
+SplineTrajectory random_spline() {
+  const CounterRandom random(4, RandomStream::scene);
+  std::vector<Eigen::Isometry3d> poses;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (uint64_t i = 0; i < 12; ++i) {
+    pose.linear() = pose.linear() * so3_exp(0.6 * random.gaussian_vector(2 * i));
+    pose.translation() += random.gaussian_vector(2 * i + 1);
+    poses.push_back(pose);
+  }
+  return {0.5, poses};
+}
+
+TEST(SplineTrajectory, DerivativesAreThoseOfItsPoses) {
+  const SplineTrajectory spline = random_spline();
+  ASSERT_DOUBLE_EQ(spline.duration(), 4.5);
+  constexpr double h = 1e-4;
+  for (double time = 0.1; time < 4.4; time += 0.037) {
+    const MotionState state = spline.at(time);
+    const MotionState before = spline.at(time - h);
+    const MotionState after = spline.at(time + h);
+    const Vector3d velocity =
+        (after.T_world_body.translation() - before.T_world_body.translation()) / (2 * h);
+    const Vector3d acceleration = (after.velocity - before.velocity) / (2 * h);
+    const Vector3d turn =
+        so3_log(before.T_world_body.linear().transpose() * after.T_world_body.linear()) / (2 * h);
+    EXPECT_LT((state.velocity - velocity).norm(), 2e-6) << time;
+    EXPECT_LT((state.angular_velocity - turn).norm(), 2e-5) << time;
+    // The third derivative jumps at the knots.
+    const bool near_knot = std::abs(time / 0.5 - std::round(time / 0.5)) < 3e-4;
+    EXPECT_LT((state.acceleration - acceleration).norm(), near_knot ? 0.1 : 1e-6) << time;
+    EXPECT_LT((spline.pose(time).matrix() - state.T_world_body.matrix()).norm(), 1e-14);
+  }
+}
+
+TEST(SplineTrajectory, AccelerationAndTurningAreContinuousAtTheKnots) {
+  const SplineTrajectory spline = random_spline();
+  for (int knot = 1; knot < 9; ++knot) {
+    const MotionState before = spline.at(0.5 * knot - 1e-9);
+    const MotionState after = spline.at(0.5 * knot + 1e-9);
+    EXPECT_LT((before.acceleration - after.acceleration).norm(), 1e-6);
+    EXPECT_LT((before.angular_velocity - after.angular_velocity).norm(), 1e-6);
+  }
+}
+
+TEST(Motion, EachStyleDoesWhatItsNameSays) {
+  const Scene scene = make_room(1);
+  const auto fastest_turn = [&](const char* name) {
+    const SplineTrajectory motion = make_trajectory(scene, motion_named(name), 20.0);
+    double fastest = 0.0;
+    for (double time = 0.0; time < 20.0; time += 0.01) {
+      fastest = std::max(fastest, motion.at(time).angular_velocity.norm());
+    }
+    return fastest;
+  };
+  EXPECT_GT(fastest_turn("handheld"), 1.7);
+  EXPECT_LT(fastest_turn("handheld"), 2.5);
+  EXPECT_LT(fastest_turn("walk"), 1.5);
+  EXPECT_LT(make_trajectory(scene, motion_named("drive"), 5.0).at(0.5).velocity.norm(), 1e-9)
+      << "at rest before the start";
+  EXPECT_NEAR(make_trajectory(scene, motion_named("moving-start"), 5.0).at(0.0).velocity.norm(),
+              scene.speed, 0.1 * scene.speed);
+  const SplineTrajectory stops = make_trajectory(scene, motion_named("stop-and-go"), 16.0);
+  EXPECT_GT(stops.at(7.5).velocity.norm(), 0.5 * scene.speed);
+  EXPECT_LT(stops.at(11.5).velocity.norm(), 1e-9);
+  EXPECT_GT(stops.at(15.5).velocity.norm(), 0.5 * scene.speed);
+  EXPECT_THROW(motion_named("fly"), UsageError);
+}
+
+TEST(Motion, NothingStandsInTheWayOfARoute) {
+  for (const std::string& name : scene_names()) {
+    const Scene scene = make_scene(name, 1);
+    const RayScene still(scene.mesh);
+    const double once = route_length(scene) / scene.speed + 4.0;
+    const SplineTrajectory motion = make_trajectory(scene, motion_named("drive"), once);
+    Vector3d last = motion.pose(0.0).translation();
+    for (double time = 0.1; time < once; time += 0.1) {
+      const Vector3d at = motion.pose(time).translation();
+      EXPECT_GT(still.distance_to(at), 0.25) << name << " at " << time << " s";
+      const Vector3d step = at - last;
+      if (step.norm() > 1e-6) {
+        EXPECT_FALSE(still.cast(last, step.normalized(), step.norm()))
+            << name << " goes through something at " << time << " s, " << at.transpose();
+      }
+      last = at;
+    }
+    EXPECT_LT((last - motion.pose(0.0).translation()).norm(), 8.0) << name << " is not closed";
+  }
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/ray_scene.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tools/simulator/counter_random.hpp"
+#include "tools/simulator/scene.hpp"
+
+namespace adit {
+namespace {
+
+using Eigen::Vector3d;
+
+Mesh soup(int triangles, uint64_t seed) {
+  const CounterRandom random(seed, RandomStream::scene);
+  Mesh mesh;
+  for (uint64_t i = 0; i < static_cast<uint64_t>(triangles); ++i) {
+    const Vector3d center = 5.0 * random.gaussian_vector(4 * i);
+    for (uint64_t k = 1; k < 4; ++k) {
+      mesh.vertices.emplace_back((center + 0.6 * random.gaussian_vector(4 * i + k)).cast<float>());
+    }
+    const auto base = static_cast<uint32_t>(3 * i);
+    mesh.triangles.push_back({{base, base + 1, base + 2}, Material::rock});
+  }
+  return mesh;
+}
+
+/// Solves for the point of the plane, then asks whether it is in the triangle: another way than
+/// RayScene's, with every triangle tried.
+double nearest_by_trying_all(const Mesh& mesh, const Vector3d& origin, const Vector3d& direction) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Triangle& triangle : mesh.triangles) {
+    const Vector3d a = mesh.vertices[triangle.corners[0]].cast<double>();
+    const Vector3d b = mesh.vertices[triangle.corners[1]].cast<double>();
+    const Vector3d c = mesh.vertices[triangle.corners[2]].cast<double>();
+    Eigen::Matrix3d system;
+    system << b - a, c - a, -direction;
+    const Vector3d solution = system.partialPivLu().solve(origin - a);
+    if (solution.x() >= 0.0 && solution.y() >= 0.0 && solution.x() + solution.y() <= 1.0 &&
+        solution.z() > 0.0) {
+      nearest = std::min(nearest, solution.z());
+    }
+  }
+  return nearest;
+}
+
+TEST(RayScene, FindsTheNearestOfAllTriangles) {
+  const Mesh mesh = soup(800, 1);
+  const RayScene scene(mesh);
+  const CounterRandom random(2, RandomStream::scene);
+  int hits = 0;
+  for (uint64_t i = 0; i < 3000; ++i) {
+    const Vector3d origin = 6.0 * random.gaussian_vector(2 * i);
+    const Vector3d direction = random.gaussian_vector(2 * i + 1).normalized();
+    const double expected = nearest_by_trying_all(mesh, origin, direction);
+    const auto hit = scene.cast(origin, direction, 1e3);
+    ASSERT_EQ(hit.has_value(), std::isfinite(expected)) << "ray " << i;
+    if (hit) {
+      ++hits;
+      EXPECT_NEAR(hit->distance, expected, 1e-9 * (1.0 + expected));
+      EXPECT_NEAR(hit->normal.norm(), 1.0, 1e-12);
+      EXPECT_LE(hit->normal.dot(direction), 0.0);
+    }
+  }
+  EXPECT_GT(hits, 500);
+}
+
+TEST(RayScene, RaysAlongTheAxesAndThroughEdgesHitABox) {
+  Mesh mesh;
+  add_block(mesh, {-1, -2, -3}, {1, 2, 3}, Material::metal);
+  const RayScene scene(mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      Vector3d direction = Vector3d::Zero();
+      direction[axis] = side;
+      const auto hit = scene.cast(-10.0 * direction, direction, 100.0);
+      ASSERT_TRUE(hit);
+      EXPECT_DOUBLE_EQ(hit->distance, 10.0 - (axis + 1));
+      EXPECT_EQ(hit->material, Material::metal);
+    }
+  }
+  // The diagonal of a face is an edge of two triangles: no ray gets through.
+  for (int i = -99; i < 100; ++i) {
+    const Vector3d on_diagonal(0.01 * i, 0.02 * i, 3.0);
+    const Vector3d origin = on_diagonal + Vector3d(3.0, 1.0, 4.0);
+    EXPECT_TRUE(scene.cast(origin, (on_diagonal - origin).normalized(), 100.0)) << i;
+  }
+}
+
+TEST(RayScene, NothingIsHitBehindOrBeyondTheRange) {
+  Mesh mesh;
+  add_block(mesh, {5, -1, -1}, {6, 1, 1}, Material::metal);
+  const RayScene scene(mesh);
+  EXPECT_FALSE(scene.cast({0, 0, 0}, -Vector3d::UnitX(), 100.0));
+  EXPECT_FALSE(scene.cast({0, 0, 0}, Vector3d::UnitX(), 4.999));
+  EXPECT_TRUE(scene.cast({0, 0, 0}, Vector3d::UnitX(), 5.001));
+  EXPECT_FALSE(RayScene(Mesh{}).cast({0, 0, 0}, Vector3d::UnitX(), 100.0));
+}
+
+TEST(RayScene, DistanceToTheSurface) {
+  Mesh mesh;
+  add_block(mesh, {-1, -1, -1}, {1, 1, 1}, Material::metal);
+  const RayScene scene(mesh);
+  EXPECT_NEAR(scene.distance_to({3, 0.2, 0.3}), 2.0, 1e-12);    // to a face
+  EXPECT_NEAR(scene.distance_to({4, 5, 0}), 5.0, 1e-12);        // to an edge
+  EXPECT_NEAR(scene.distance_to({3, 3, 2}), 3.0, 1e-12);        // to a corner
+  EXPECT_NEAR(scene.distance_to({0.9, 0.0, 0.0}), 0.1, 1e-12);  // from within
+}
+
+TEST(Scenes, AreTheSameForTheSameSeedAndOthersForOthers) {
+  for (const std::string& name : scene_names()) {
+    const Scene one = make_scene(name, 1);
+    const Scene two = make_scene(name, 1);
+    ASSERT_EQ(one.mesh.vertices.size(), two.mesh.vertices.size());
+    bool same = true;
+    for (std::size_t i = 0; i < one.mesh.vertices.size(); ++i) {
+      same = same && one.mesh.vertices[i] == two.mesh.vertices[i];
+    }
+    EXPECT_TRUE(same) << name;
+    const Scene other = make_scene(name, 2);
+    EXPECT_FALSE(
+        one.mesh.vertices.size() == other.mesh.vertices.size() &&
+        std::equal(one.mesh.vertices.begin(), one.mesh.vertices.end(), other.mesh.vertices.begin()))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_simulate.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/command_guard.hpp"
+#include "tools/progress.hpp"
+#include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/motion.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+std::optional<CloudLayout> layout_named(const std::string& name) {
+  if (name.empty()) {
+    return std::nullopt;
+  }
+  for (const CloudLayout layout :
+       {CloudLayout::velodyne, CloudLayout::ouster, CloudLayout::hesai, CloudLayout::livox}) {
+    if (name == to_string(layout)) {
+      return layout;
+    }
+  }
+  throw UsageError("--fields: there is no driver '" + name +
+                   "'. Valid are velodyne, ouster, hesai, livox.");
+}
+
+std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,
+                         double seconds) {
+  char text[512];
+  std::snprintf(text, sizeof text,
+                "simulated %zu sweeps of %s in %s (%zu triangles), %.1f m, up to %.2f rad/s\n"
+                "points    %.0f a sweep, %.1f %% of the pulses\n"
+                "imu       %zu samples (%s, %d Hz)\n"
+                "time      %s, %.2f x real time\n",
+                summary.sweeps, options.sensor.c_str(), options.scene.c_str(), summary.triangles,
+                summary.path, summary.fastest_turn,
+                static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
+                100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
+                summary.imu_samples, options.imu.c_str(), options.imu_rate,
+                format_duration(seconds).c_str(),
+                0.1 * static_cast<double>(summary.sweeps) / seconds);
+  return text;
+}
+
+int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std::ostream& err) {
+  SimulationOptions options = command.simulation;
+  options.layout = layout_named(command.layout);
+  if (command.perfect) {
+    options.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
+  }
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<Progress> progress;
+  const SimulationSummary summary = simulate(options, [&](std::size_t done, std::size_t total) {
+    if (!progress) {
+      progress.emplace(err, command.quiet ? ProgressStyle::none : progress_style_of_stderr(),
+                       "simulating", total);
+    }
+    progress->update(done, 0);
+  });
+  if (progress) {
+    progress->finish();
+  }
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (!command.quiet) {
+    const SimulationFiles files(options.output);
+    out << summary_text(options, summary, elapsed.count()) << "wrote     "
+        << files.recording.string() << "\n          " << files.trajectory.string()
+        << " (T_world_lidar)\n          " << files.states.string()
+        << " (IMU: pose, velocity, biases)\n          " << files.scene.string() << ", "
+        << files.picture.filename().string() << "\nnext      adit run " << files.recording.string()
+        << " -o OUT\n          adit evaluate OUT/trajectory.tum " << files.trajectory.string()
+        << std::endl;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int simulate_command(const SimulateCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit simulate", err, [&] { return run_simulation(options, out, err); });
+}
+
+CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<SimulateCommandOptions>();
+  SimulationOptions& simulation = options->simulation;
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Write a recording of a simulated place, with the truth beside it");
+  command->footer(
+      "Scenes:       " + listed(scene_names()) + "\nSensors:      " + listed(range_sensor_names()) +
+      "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " + listed(imu_names()) +
+      ", none\n\n"
+      "The same options give the same bytes on any machine.\n\n"
+      "Examples:\n"
+      "  adit simulate mine -o mine.mcap\n"
+      "  adit simulate room -o room.mcap --sensor Mid-360 --trajectory handheld --duration 30\n\n"
+      "Exit codes: 0 done, 1 failed, 2 usage.");
+  command->add_option("scene", simulation.scene, "Where")->required()->type_name("SCENE");
+  command
+      ->add_option("-o,--output", simulation.output,
+                   "The recording to write; the truth comes "
+                   "beside it")
+      ->required()
+      ->type_name("FILE.mcap");
+  command->add_option("--sensor", simulation.sensor, "Range sensor")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--trajectory", simulation.trajectory, "How the sensor is carried")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--duration", simulation.duration, "Length (s)")
+      ->type_name("S")
+      ->capture_default_str();
+  command->add_option("--speed", simulation.speed, "Speed (m/s), instead of the scene's")
+      ->type_name("V");
+  command->add_option("--seed", simulation.seed, "Another seed, another world and other noise")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--imu", simulation.imu, "Inertial sensor")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
+      ->type_name("HZ")
+      ->capture_default_str();
+  command
+      ->add_option("--fields", options->layout,
+                   "Lay clouds out as another driver: velodyne, ouster, hesai, livox")
+      ->type_name("DRIVER");
+  command->add_flag("--perfect", options->perfect, "A range sensor without errors");
+  command->add_flag("--quiet", options->quiet, "Print errors alone");
+  command->callback([options, done = std::move(done)] {
+    done(simulate_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit

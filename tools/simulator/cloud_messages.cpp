@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/cloud_messages.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "tools/recordings/ros_visit.hpp"
+
+namespace adit {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr uint8_t kUint16 = 4;
+constexpr uint8_t kUint32 = 6;
+constexpr uint8_t kFloat32 = 7;
+constexpr uint8_t kFloat64 = 8;
+
+Vector3f point_of(const Firing& firing, const Return& back) {
+  return (firing.origin + back.range * firing.direction).cast<float>();
+}
+
+/// A cloud that is filled point by point.
+class Cloud {
+ public:
+  Cloud(std::vector<ros::PointField> fields, uint32_t point_step) {
+    message_.fields = std::move(fields);
+    message_.point_step = point_step;
+  }
+
+  void resize(std::size_t points) { data_.resize(points * message_.point_step); }
+
+  template <class T>
+  void put(std::size_t point, uint32_t offset, const T& value) {
+    std::memcpy(data_.data() + point * message_.point_step + offset, &value, sizeof(T));
+  }
+
+  ros::EncodedEvent encode(Nanoseconds stamp, const std::string& frame, uint32_t height,
+                           bool is_dense) {
+    const auto points = static_cast<uint32_t>(data_.size() / message_.point_step);
+    message_.header = {.sequence = 0, .stamp = stamp, .frame = frame};
+    message_.height = height;
+    message_.width = points / height;
+    message_.row_step = message_.width * message_.point_step;
+    message_.data = data_;
+    message_.is_dense = is_dense;
+    return {std::string(message_.kType), ros::encode(Encoding::cdr, message_)};
+  }
+
+ private:
+  ros::PointCloud2 message_;
+  std::vector<std::byte> data_;
+};
+
+std::vector<std::size_t> returned(const RangeSweep& sweep) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < sweep.returns.size(); ++i) {
+    if (sweep.returns[i].range > 0.0) {
+      indices.push_back(i);
+    }
+  }
+  return indices;
+}
+
+void put_position(Cloud& cloud, std::size_t point, const Vector3f& p) {
+  cloud.put(point, 0, p.x());
+  cloud.put(point, 4, p.y());
+  cloud.put(point, 8, p.z());
+}
+
+ros::EncodedEvent velodyne(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
+  Cloud cloud({{"x", 0, kFloat32},
+               {"y", 4, kFloat32},
+               {"z", 8, kFloat32},
+               {"intensity", 12, kFloat32},
+               {"ring", 16, kUint16},
+               {"time", 18, kFloat32}},
+              22);
+  const std::vector<std::size_t> indices = returned(sweep);
+  cloud.resize(indices.size());
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const Firing& firing = sweep.firings[indices[k]];
+    const Return& back = sweep.returns[indices[k]];
+    put_position(cloud, k, point_of(firing, back));
+    cloud.put(k, 12, back.intensity);
+    cloud.put(k, 16, firing.ring);
+    cloud.put(k, 18, static_cast<float>(1e-9 * static_cast<double>(firing.time)));
+  }
+  return cloud.encode(stamp, frame, 1, true);
+}
+
+ros::EncodedEvent hesai(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
+  Cloud cloud({{"x", 0, kFloat32},
+               {"y", 4, kFloat32},
+               {"z", 8, kFloat32},
+               {"intensity", 12, kFloat32},
+               {"ring", 16, kUint16},
+               {"timestamp", 18, kFloat64}},
+              26);
+  const std::vector<std::size_t> indices = returned(sweep);
+  cloud.resize(indices.size());
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const Firing& firing = sweep.firings[indices[k]];
+    const Return& back = sweep.returns[indices[k]];
+    put_position(cloud, k, point_of(firing, back));
+    cloud.put(k, 12, back.intensity);
+    cloud.put(k, 16, firing.ring);
+    cloud.put(k, 18, 1e-9 * static_cast<double>(stamp.count() + firing.time));
+  }
+  return cloud.encode(stamp, frame, 1, true);
+}
+
+/// Rows are beams, columns firings of all beams at once.
+ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
+  Cloud cloud({{"x", 0, kFloat32},
+               {"y", 4, kFloat32},
+               {"z", 8, kFloat32},
+               {"intensity", 16, kFloat32},
+               {"t", 20, kUint32},
+               {"reflectivity", 24, kUint16},
+               {"ring", 26, kUint16},
+               {"ambient", 28, kUint16},
+               {"range", 32, kUint32}},
+              48);
+  std::set<uint16_t> rings;
+  for (const Firing& firing : sweep.firings) {
+    rings.insert(firing.ring);
+  }
+  const std::size_t height = std::max<std::size_t>(1, rings.size());
+  const std::size_t width = sweep.firings.size() / height;
+  cloud.resize(width * height);
+  for (std::size_t i = 0; i < width * height; ++i) {
+    const Firing& firing = sweep.firings[i];
+    const Return& back = sweep.returns[i];
+    const std::size_t at = i % height * width + i / height;
+    if (back.range > 0.0) {
+      put_position(cloud, at, point_of(firing, back));
+    }
+    cloud.put(at, 16, back.intensity);
+    cloud.put(at, 20, static_cast<uint32_t>(firing.time));
+    cloud.put(at, 24, static_cast<uint16_t>(back.intensity));
+    cloud.put(at, 26, firing.ring);
+    cloud.put(at, 32, static_cast<uint32_t>(1e3 * back.range + 0.5));
+  }
+  return cloud.encode(stamp, frame, static_cast<uint32_t>(height), false);
+}
+
+ros::EncodedEvent livox(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
+  ros::LivoxCustomMsg message;
+  message.header = {.sequence = 0, .stamp = stamp, .frame = frame};
+  message.timebase = static_cast<uint64_t>(stamp.count());
+  for (const std::size_t i : returned(sweep)) {
+    const Firing& firing = sweep.firings[i];
+    const Vector3f p = point_of(firing, sweep.returns[i]);
+    message.points.push_back({.offset_time = static_cast<uint32_t>(firing.time),
+                              .x = p.x(),
+                              .y = p.y(),
+                              .z = p.z(),
+                              .reflectivity = static_cast<uint8_t>(sweep.returns[i].intensity),
+                              .tag = 0,
+                              .line = static_cast<uint8_t>(firing.ring)});
+  }
+  message.point_num = static_cast<uint32_t>(message.points.size());
+  return {std::string(message.kType), ros::encode(Encoding::cdr, message)};
+}
+
+}  // namespace
+
+std::string_view message_type(CloudLayout layout) {
+  return layout == CloudLayout::livox ? ros::LivoxCustomMsg::kType : ros::PointCloud2::kType;
+}
+
+ros::EncodedEvent cloud_message(const RangeSweep& sweep, CloudLayout layout, Nanoseconds epoch,
+                                const std::string& frame) {
+  const Nanoseconds stamp = epoch + Nanoseconds(sweep.start);
+  switch (layout) {
+    case CloudLayout::ouster:
+      return ouster(sweep, stamp, frame);
+    case CloudLayout::hesai:
+      return hesai(sweep, stamp, frame);
+    case CloudLayout::livox:
+      return livox(sweep, stamp, frame);
+    case CloudLayout::velodyne:
+      break;
+  }
+  return velodyne(sweep, stamp, frame);
+}
+
+}  // namespace adit

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+namespace adit {
+
+/// Calls work(begin, end) for pieces of [0, count), on as many threads as the machine has. Pieces
+/// are taken in turn, so `work` must give the same whoever does which. It must not throw.
+template <class Work>
+void in_parallel(std::size_t count, std::size_t piece, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  const auto run = [&] {
+    for (std::size_t begin = next.fetch_add(piece); begin < count; begin = next.fetch_add(piece)) {
+      work(begin, std::min(count, begin + piece));
+    }
+  };
+  std::vector<std::jthread> helpers;
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    helpers.emplace_back(run);
+  }
+  run();
+}
+
+}  // namespace adit

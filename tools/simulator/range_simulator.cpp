@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/range_simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "tools/simulator/counter_random.hpp"
+#include "tools/simulator/parallel.hpp"
+#include "tools/simulator/repeatable_math.hpp"
+
+namespace adit {
+namespace {
+
+using Eigen::Vector3d;
+
+/// What each of a pulse's sixteen random numbers is for: two for the noise, four for glass.
+enum Lane : uint64_t {
+  kNoise = 0,
+  kDetection = 2,
+  kFootprint = 3,
+  kFootprintTurn = 4,
+  kShare = 5,
+  kDust = 6,
+  kGlass = 8
+};
+constexpr uint64_t kLanes = 16;
+
+double length_of(const Vector3d& v) {
+  return std::sqrt(v.squaredNorm());
+}
+
+/// A direction within the beam, evenly spread over its cross-section.
+Vector3d within_beam(const Vector3d& direction, double half_angle, double radius, double turn) {
+  const Vector3d helper = std::abs(direction.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitX();
+  const Vector3d right = direction.cross(helper) / length_of(direction.cross(helper));
+  const SinCos angle = repeatable_sin_cos(2.0 * std::numbers::pi * turn);
+  const double off = half_angle * std::sqrt(radius);
+  const Vector3d tilted =
+      direction + off * (angle.cos * right + angle.sin * direction.cross(right));
+  return tilted / length_of(tilted);
+}
+
+}  // namespace
+
+RangeSimulator::RangeSimulator(const Scene& scene, RangeSensor sensor, const RangeMount& mount,
+                               uint64_t seed, const RangeEffects& effects)
+    : scene_(&scene),
+      sensor_(std::move(sensor)),
+      mount_(mount),
+      effects_(effects),
+      seed_(seed),
+      still_(scene.mesh) {
+  for (const MovingObject& object : scene.moving) {
+    moving_.emplace_back(object.mesh);
+    double radius = 0.0;
+    for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
+      radius = std::max(radius, length_of(vertex.cast<double>()));
+    }
+    moving_radius_.push_back(radius);
+  }
+}
+
+RangeSweep RangeSimulator::sweep(int64_t index) const {
+  RangeSweep sweep{
+      .start = index * sensor_.period, .firings = firings_of(sensor_, index), .returns = {}};
+  sweep.returns.resize(sweep.firings.size());
+  const uint64_t first = static_cast<uint64_t>(index) * 1000000U;  // more than a sweep has
+  constexpr std::size_t kPiece = 2048;
+  in_parallel(sweep.firings.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
+    int64_t posed = -1;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Firing& firing = sweep.firings[i];
+      const double time = 1e-9 * static_cast<double>(sweep.start + firing.time);
+      if (firing.time != posed) {
+        T_world_lidar = mount_.trajectory->pose(time) * mount_.T_body_lidar;
+        posed = firing.time;
+      }
+      sweep.returns[i] =
+          measure({.firing = &firing, .number = first + i, .time = time}, T_world_lidar);
+    }
+  });
+  return sweep;
+}
+
+std::optional<RangeSimulator::Target> RangeSimulator::nearest_surface(const Vector3d& origin,
+                                                                      const Vector3d& direction,
+                                                                      double farthest,
+                                                                      double time) const {
+  std::optional<Target> nearest;
+  if (const auto hit = still_.cast(origin, direction, farthest)) {
+    nearest = Target{.hit = *hit};
+    farthest = hit->distance;
+  }
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const Eigen::Isometry3d T_world_object = scene_->moving[i].T_world_object(time);
+    const Vector3d to_object = T_world_object.translation() - origin;
+    const double along = to_object.dot(direction);
+    const double radius = moving_radius_[i];
+    if (along < -radius || along - radius > farthest ||
+        to_object.squaredNorm() - along * along > radius * radius) {
+      continue;
+    }
+    const Eigen::Matrix3d R_object_world = T_world_object.linear().transpose();
+    const auto hit =
+        moving_[i].cast(R_object_world * -to_object, R_object_world * direction, farthest);
+    if (hit) {
+      farthest = hit->distance;
+      nearest = Target{.hit = *hit, .object = static_cast<uint16_t>(i + 1)};
+      nearest->hit.normal = T_world_object.linear() * hit->normal;
+    }
+  }
+  return nearest;
+}
+
+std::optional<RangeSimulator::Target> RangeSimulator::first_surface(const Vector3d& origin,
+                                                                    const Vector3d& direction,
+                                                                    const Pulse& pulse,
+                                                                    uint64_t lane) const {
+  const CounterRandom random(seed_, RandomStream::range);
+  double gone = 0.0;
+  // A pulse goes through a few panes of glass at most.
+  constexpr uint64_t kPanes = 4;
+  for (uint64_t pane = 0; pane < kPanes; ++pane) {
+    const Vector3d from = origin + gone * direction;
+    auto target = nearest_surface(from, direction, sensor_.farthest - gone, pulse.time);
+    if (!target) {
+      return std::nullopt;
+    }
+    target->hit.distance += gone;
+    const double transmission = optics_of(target->hit.material).transmission;
+    if (transmission == 0.0 ||
+        random.uniform(pulse.number * kLanes + lane + pane) >= transmission) {
+      return target;
+    }
+    gone = target->hit.distance + 1e-6;
+  }
+  return std::nullopt;
+}
+
+double RangeSimulator::strength(const Target& target, const Vector3d& direction) const {
+  const double slant = std::abs(target.hit.normal.dot(direction));
+  const double ratio = sensor_.range_at_tenth / target.hit.distance;
+  return static_cast<double>(optics_of(target.hit.material).reflectivity) * slant / 0.1 * ratio *
+         ratio;
+}
+
+Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const {
+  const CounterRandom random(seed_, RandomStream::range);
+  const uint64_t base = pulse.number * kLanes;
+  const Vector3d origin = T_world_lidar * pulse.firing->origin;
+  const Vector3d direction = T_world_lidar.linear() * pulse.firing->direction;
+  auto target = first_surface(origin, direction, pulse, kGlass);
+
+  if (effects_.dust && scene_->dust > 0.0) {
+    // Scattering by dust is exponential in the distance.
+    const double dust = -repeatable_log(1.0 - random.uniform(base + kDust)) / scene_->dust;
+    if (dust < (target ? target->hit.distance : sensor_.farthest) && dust > sensor_.nearest &&
+        dust < 0.2 * sensor_.range_at_tenth) {
+      return {.range = dust, .intensity = 1.0F};
+    }
+  }
+  double range = target ? target->hit.distance : 0.0;
+  if (effects_.mixed_pixels) {
+    const Vector3d other_way =
+        within_beam(direction, sensor_.divergence, random.uniform(base + kFootprint),
+                    random.uniform(base + kFootprintTurn));
+    const auto other = first_surface(origin, other_way, pulse, kGlass);
+    // Echoes nearer to each other than a pulse is long melt into one; of others the stronger
+    // counts.
+    constexpr double kPulseLength = 0.8;
+    if (other && target && std::abs(other->hit.distance - range) < kPulseLength) {
+      const double apart = other->hit.distance - range;
+      // Footprints of one surface differ as well; only steps count.
+      const double own = std::abs(target->hit.normal.dot(direction));
+      const double smooth = 3.0 * sensor_.divergence * range / std::max(own, 0.05);
+      if (std::abs(apart) > smooth) {
+        range += random.uniform(base + kShare) * apart;
+      }
+    } else if (other && (!target || strength(*other, other_way) > strength(*target, direction)) &&
+               random.uniform(base + kShare) < 0.5) {
+      target = other;
+      range = other->hit.distance;
+    }
+  }
+  if (!target || range < sensor_.nearest) {
+    return {};
+  }
+  if (effects_.dropout) {
+    constexpr double kLost = 0.002;  // for no reason that is modelled
+    const double power = strength(*target, direction);
+    const double detected = power >= 1.0 ? 1.0 - kLost : power * power;
+    if (random.uniform(base + kDetection) >= detected) {
+      return {};
+    }
+  }
+  const double slant = std::abs(target->hit.normal.dot(direction));
+  double intensity = sensor_.intensity_scale * slant *
+                     static_cast<double>(optics_of(target->hit.material).reflectivity);
+  if (effects_.noise) {
+    const Eigen::Vector2d errors = random.gaussians(base / 2 + kNoise);
+    range += sensor_.noise * errors.x();
+    range = std::floor(range / sensor_.resolution + 0.5) * sensor_.resolution;
+    intensity *= 1.0 + 0.03 * errors.y();
+  }
+  return {.range = range,
+          .intensity = static_cast<float>(std::clamp(std::floor(intensity + 0.5), 0.0, 255.0)),
+          .object = target->object};
+}
+
+}  // namespace adit

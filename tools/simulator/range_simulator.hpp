@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tools/simulator/range_sensor.hpp"
+#include "tools/simulator/ray_scene.hpp"
+#include "tools/simulator/scene.hpp"
+#include "tools/simulator/spline.hpp"
+
+namespace adit {
+
+/// What keeps a range sensor from being perfect. Switched one by one.
+struct RangeEffects {
+  bool noise = true;         ///< of the range, and its resolution
+  bool dropout = true;       ///< surfaces that are dark, far or seen at a slant give no return
+  bool mixed_pixels = true;  ///< a beam on an edge measures between the two surfaces
+  bool dust = true;          ///< as much as the scene has
+};
+
+/// What came back of one firing.
+struct Return {
+  double range = 0.0;      ///< m; 0: nothing
+  float intensity = 0.0F;  ///< in the sensor's own scale
+  uint16_t object = 0;     ///< 0: what stands still or dust; n: moving object n - 1 of the scene
+};
+
+/// The pulses of a sweep and what came back, one for one.
+struct RangeSweep {
+  int64_t start = 0;  ///< ns from the start of the recording
+  std::vector<Firing> firings;
+  std::vector<Return> returns;
+};
+
+/// How the sensor is carried.
+struct RangeMount {
+  const SplineTrajectory* trajectory = nullptr;
+  Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();
+};
+
+/// Casts every pulse from where the sensor is at that moment, at the scene as it is at that moment.
+class RangeSimulator {
+ public:
+  /// Scene and trajectory must outlive it.
+  RangeSimulator(const Scene& scene, RangeSensor sensor, const RangeMount& mount, uint64_t seed,
+                 const RangeEffects& effects = {});
+
+  /// Sweep `index`, counted from the start of the recording. The same whatever the number of
+  /// threads and whichever sweeps were asked for before.
+  RangeSweep sweep(int64_t index) const;
+
+  const RangeSensor& sensor() const { return sensor_; }
+  const RayScene& still() const { return still_; }
+
+ private:
+  struct Pulse {
+    const Firing* firing = nullptr;
+    uint64_t number = 0;  ///< over the whole recording
+    double time = 0.0;    ///< s
+  };
+  struct Target {
+    RayHit hit;
+    uint16_t object = 0;
+  };
+
+  Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
+  std::optional<Target> first_surface(const Eigen::Vector3d& origin,
+                                      const Eigen::Vector3d& direction, const Pulse& pulse,
+                                      uint64_t lane) const;
+  std::optional<Target> nearest_surface(const Eigen::Vector3d& origin,
+                                        const Eigen::Vector3d& direction, double farthest,
+                                        double time) const;
+  double strength(const Target& target, const Eigen::Vector3d& direction) const;
+
+  const Scene* scene_;
+  RangeSensor sensor_;
+  RangeMount mount_;
+  RangeEffects effects_;
+  uint64_t seed_;
+  RayScene still_;
+  std::vector<RayScene> moving_;
+  std::vector<double> moving_radius_;  ///< m, around each object's origin
+};
+
+}  // namespace adit

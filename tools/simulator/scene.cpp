@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/scene.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "tools/nearest_name.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+struct Entry {
+  std::string_view name;
+  Scene (*make)(uint64_t seed);
+};
+constexpr std::array kEntries{Entry{"mine", make_mine}, Entry{"room", make_room}};
+
+}  // namespace
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kEntries) {
+    names.emplace_back(entry.name);
+  }
+  return names;
+}
+
+Scene make_scene(std::string_view name, uint64_t seed) {
+  const auto* found = std::ranges::find(kEntries, name, &Entry::name);
+  if (found == kEntries.end()) {
+    throw UsageError("there is no scene '" + std::string(name) + "'. " +
+                     suggestion(std::string(name), scene_names()) + ".");
+  }
+  Scene scene = found->make(seed);
+  scene.name = name;
+  return scene;
+}
+
+}  // namespace adit

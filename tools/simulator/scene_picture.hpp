@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "tools/simulator/ray_scene.hpp"
+#include "tools/simulator/scene.hpp"
+#include "tools/simulator/spline.hpp"
+
+namespace adit {
+
+/// Draws a scene as PNG: from above, cut open at the height of the sensor, with the way that it
+/// takes in red; and below it what is seen from the way. Throws OutputError.
+void write_scene_picture(const std::filesystem::path& file, const Scene& scene,
+                         const RayScene& still, const SplineTrajectory& trajectory);
+
+}  // namespace adit

@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "tools/recordings/mcap_writer.hpp"
+#include "tools/recordings/ros_definitions.hpp"
+#include "tools/recordings/ros_events.hpp"
+#include "tools/simulator/cloud_messages.hpp"
+#include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/motion.hpp"
+#include "tools/simulator/scene_picture.hpp"
+#include "tools/simulator/truth_writer.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+constexpr const char* kImuFrame = "imu";
+constexpr const char* kLidarFrame = "lidar";
+
+void check(const SimulationOptions& options) {
+  if (!(options.duration >= 0.2 && options.duration <= 36000.0)) {
+    throw UsageError("--duration: is " + std::to_string(options.duration) +
+                     " s; must be 0.2 to 36000.");
+  }
+  if (options.imu_rate < 10 || options.imu_rate > 2000 || 1000000000 % options.imu_rate != 0) {
+    throw UsageError("--imu-rate: is " + std::to_string(options.imu_rate) +
+                     " Hz; must be a divisor of 1e9 from 10 to 2000, such as 100, 200, 400, 1000.");
+  }
+  if (options.speed && !(*options.speed > 0.0 && *options.speed <= 50.0)) {
+    throw UsageError("--speed: must be more than 0 and at most 50 m/s.");
+  }
+  if (options.output.extension() != ".mcap") {
+    throw UsageError(
+        "-o: the recording is written as MCAP; name it NAME.mcap. `adit convert` "
+        "makes other formats of it.");
+  }
+}
+
+/// Puts messages into the recording, channel by channel as they come up.
+class Recorder {
+ public:
+  explicit Recorder(const std::filesystem::path& path)
+      : writer_(path, {.compression = Compression::none, .profile = "ros2"}) {}
+
+  void write(const std::string& topic, Nanoseconds received, const ros::EncodedEvent& message) {
+    const auto [known, is_new] = channels_.try_emplace(topic, 0);
+    if (is_new) {
+      const auto definition = ros::definition_of(message.type, Encoding::cdr);
+      known->second = writer_.add_channel({.topic = topic,
+                                           .type = message.type,
+                                           .encoding = Encoding::cdr,
+                                           .definition = definition ? definition->text : "",
+                                           .messages = std::nullopt});
+    }
+    writer_.write(known->second, kSimulationEpoch + received, message.bytes);
+  }
+
+  void write(const std::string& topic, Nanoseconds received, const EventValue& event,
+             const char* frame) {
+    write(topic, received, ros::from_event(event, Encoding::cdr, frame));
+  }
+
+  void close() { writer_.close(); }
+
+ private:
+  McapWriter writer_;
+  std::map<std::string, std::size_t> channels_;
+};
+
+/// The IMU's readings and the truth, up to a time.
+class ImuTrack {
+ public:
+  ImuTrack(const SimulationOptions& options, const SimulationFiles& files,
+           const SplineTrajectory& trajectory)
+      : readings_(imu_named(options.imu == "none" ? "perfect" : options.imu), options.imu_rate,
+                  trajectory, options.seed),
+        recorded_(options.imu != "none"),
+        truth_(files.trajectory, files.states, lidar_mount()),
+        next_(readings_.next()) {}
+
+  void write_until(Nanoseconds end, Recorder& recorder, SimulationSummary& summary) {
+    while (next_.sample.stamp < end) {
+      const Nanoseconds time = next_.sample.stamp;
+      truth_.write(kSimulationEpoch, next_);
+      if (recorded_) {
+        ImuSample sample = next_.sample;
+        sample.stamp += kSimulationEpoch;
+        recorder.write("/imu", time, sample, kImuFrame);
+        ++summary.imu_samples;
+      }
+      const Eigen::Vector3d at = next_.truth.T_world_body.translation();
+      summary.fastest_turn = std::max(summary.fastest_turn, next_.truth.angular_velocity.norm());
+      next_ = readings_.next();
+      summary.path += (next_.truth.T_world_body.translation() - at).norm();
+    }
+  }
+
+  void close() { truth_.close(); }
+
+ private:
+  ImuSimulator readings_;
+  bool recorded_;
+  TruthWriter truth_;
+  SimulatedImu next_;
+};
+
+std::filesystem::path beside(const std::filesystem::path& recording, const char* ending) {
+  return recording.parent_path() / (recording.stem().string() + ending);
+}
+
+}  // namespace
+
+SimulationFiles::SimulationFiles(const std::filesystem::path& file)
+    : recording(file),
+      trajectory(beside(file, ".truth.tum")),
+      states(beside(file, ".truth.csv")),
+      scene(beside(file, ".scene.ply")),
+      picture(beside(file, ".scene.png")) {}
+
+Eigen::Isometry3d lidar_mount() {
+  Eigen::Isometry3d T_imu_lidar = Eigen::Isometry3d::Identity();
+  T_imu_lidar.translation() = Eigen::Vector3d(0.03, -0.01, 0.08);
+  return T_imu_lidar;
+}
+
+SimulationSummary simulate(
+    const SimulationOptions& options,
+    const std::function<void(std::size_t done, std::size_t total)>& progress) {
+  check(options);
+  const Scene scene = make_scene(options.scene, options.seed);
+  const SplineTrajectory trajectory = make_trajectory(scene, motion_named(options.trajectory),
+                                                      options.duration + 0.5, options.speed);
+  const RangeSimulator lidar(scene, range_sensor_named(options.sensor),
+                             {.trajectory = &trajectory, .T_body_lidar = lidar_mount()},
+                             options.seed, options.effects);
+  const SimulationFiles files(options.output);
+  SimulationSummary summary;
+  summary.triangles = scene.mesh.triangles.size();
+  ImuTrack imu(options, files, trajectory);
+  Recorder recorder(options.output);
+  recorder.write("/tf_static", Nanoseconds(0),
+                 StaticTransform{kImuFrame, kLidarFrame, lidar_mount()}, kImuFrame);
+  const auto total = static_cast<std::size_t>(
+      std::floor(options.duration * 1e9 / static_cast<double>(lidar.sensor().period) + 1e-6));
+  for (std::size_t i = 0; i < total; ++i) {
+    const RangeSweep sweep = lidar.sweep(static_cast<int64_t>(i));
+    const Nanoseconds end(sweep.start + lidar.sensor().period);
+    imu.write_until(end, recorder, summary);
+    recorder.write("/points", end,
+                   cloud_message(sweep, options.layout.value_or(lidar.sensor().layout),
+                                 kSimulationEpoch, kLidarFrame));
+    ++summary.sweeps;
+    summary.pulses += sweep.returns.size();
+    summary.points += static_cast<std::size_t>(
+        std::ranges::count_if(sweep.returns, [](const Return& back) { return back.range > 0.0; }));
+    if (progress) {
+      progress(i + 1, total);
+    }
+  }
+  recorder.close();
+  imu.close();
+  write_scene_ply(files.scene, scene);
+  write_scene_picture(files.picture, scene, lidar.still(), trajectory);
+  return summary;
+}
+
+}  // namespace adit

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// From a scene, sensors and a motion to a recording with its truth beside it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "slam/types.hpp"
+#include "tools/simulator/range_simulator.hpp"
+
+namespace adit {
+
+/// Recordings start at this time (ns since 1970).
+inline constexpr Nanoseconds kSimulationEpoch{1700000000000000000};
+
+struct SimulationOptions {
+  std::string scene = "mine";
+  std::string sensor = "VLP-16";
+  std::string trajectory = "drive";
+  std::string imu = "industrial";  ///< "none": no IMU
+  int imu_rate = 200;              ///< Hz
+  double duration = 60.0;          ///< s
+  std::optional<double> speed;     ///< m/s, instead of the scene's
+  uint64_t seed = 1;
+  RangeEffects effects;
+  std::optional<CloudLayout> layout;  ///< instead of that of the sensor's driver
+  std::filesystem::path output;       ///< the MCAP file
+};
+
+/// Where things are, all beside the recording.
+struct SimulationFiles {
+  explicit SimulationFiles(const std::filesystem::path& recording);
+
+  std::filesystem::path recording;
+  std::filesystem::path trajectory;  ///< NAME.truth.tum: T_world_lidar at the IMU's rate
+  std::filesystem::path states;      ///< NAME.truth.csv: pose, velocity and biases of the IMU
+  std::filesystem::path scene;       ///< NAME.scene.ply
+  std::filesystem::path picture;     ///< NAME.scene.png
+};
+
+struct SimulationSummary {
+  std::size_t triangles = 0;
+  std::size_t sweeps = 0;
+  std::size_t points = 0;  ///< returns
+  std::size_t pulses = 0;
+  std::size_t imu_samples = 0;
+  double path = 0.0;          ///< m
+  double fastest_turn = 0.0;  ///< rad/s
+};
+
+/// How the range sensor is mounted: T_imu_lidar.
+Eigen::Isometry3d lidar_mount();
+
+/// Simulates and writes, uncompressed. The same options give the same bytes on any machine. Throws
+/// UsageError for names that do not exist and numbers that make no sense, OutputError.
+SimulationSummary simulate(
+    const SimulationOptions& options,
+    const std::function<void(std::size_t done, std::size_t total)>& progress);
+
+}  // namespace adit

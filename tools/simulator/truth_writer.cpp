@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/truth_writer.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace adit {
+namespace {
+
+std::string stamp_text(Nanoseconds stamp) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%lld.%09lld",
+                static_cast<long long>(stamp.count() / 1000000000),
+                static_cast<long long>(stamp.count() % 1000000000));
+  return text;
+}
+
+/// The shortest text that reads back to the same number.
+void append(std::string& line, double value) {
+  char text[32];
+  const auto result = std::to_chars(text, text + sizeof text, value);
+  line += ',';
+  line.append(text, result.ptr);
+}
+
+void append(std::string& line, const Eigen::Vector3d& v) {
+  for (const double value : {v.x(), v.y(), v.z()}) {
+    append(line, value);
+  }
+}
+
+template <class T>
+void append_bytes(std::vector<char>& bytes, const T& value) {
+  const std::size_t at = bytes.size();
+  bytes.resize(at + sizeof(T));
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+/// The meshes of a scene in one frame.
+Mesh whole(const Scene& scene) {
+  Mesh mesh = scene.mesh;
+  for (const MovingObject& object : scene.moving) {
+    const auto base = static_cast<uint32_t>(mesh.vertices.size());
+    const Eigen::Isometry3d T_world_object = object.T_world_object(0.0);
+    for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
+      mesh.vertices.emplace_back((T_world_object * vertex.cast<double>()).cast<float>());
+    }
+    for (Triangle triangle : object.mesh.triangles) {
+      for (uint32_t& corner : triangle.corners) {
+        corner += base;
+      }
+      mesh.triangles.push_back(triangle);
+    }
+  }
+  return mesh;
+}
+
+}  // namespace
+
+TruthWriter::TruthWriter(const std::filesystem::path& poses, const std::filesystem::path& states,
+                         const Eigen::Isometry3d& T_imu_lidar)
+    : poses_(poses, TrajectoryFormat::tum), states_(states), T_imu_lidar_(T_imu_lidar) {
+  states_.write(
+      "t_s,x_m,y_m,z_m,qx,qy,qz,qw,vx_m_s,vy_m_s,vz_m_s,gyro_bias_x_rad_s,gyro_bias_y_rad_s,"
+      "gyro_bias_z_rad_s,accel_bias_x_m_s2,accel_bias_y_m_s2,accel_bias_z_m_s2\n");
+}
+
+void TruthWriter::write(Nanoseconds epoch, const SimulatedImu& imu) {
+  const Nanoseconds stamp = epoch + imu.sample.stamp;
+  const Eigen::Isometry3d& T_world_imu = imu.truth.T_world_body;
+  poses_.write({.stamp = stamp, .pose = T_world_imu * T_imu_lidar_});
+  std::string line = stamp_text(stamp);
+  const Eigen::Quaterniond q(T_world_imu.linear());
+  append(line, T_world_imu.translation());
+  append(line, q.vec());
+  append(line, q.w());
+  append(line, imu.truth.velocity);
+  append(line, imu.gyroscope_bias);
+  append(line, imu.accelerometer_bias);
+  states_.write(line + "\n");
+}
+
+void TruthWriter::close() {
+  poses_.close();
+  states_.close();
+}
+
+void write_scene_ply(const std::filesystem::path& file, const Scene& scene) {
+  const Mesh mesh = whole(scene);
+  std::vector<char> bytes;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    append_bytes(bytes, vertex.x());
+    append_bytes(bytes, vertex.y());
+    append_bytes(bytes, vertex.z());
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    append_bytes(bytes, uint8_t{3});
+    for (const uint32_t corner : triangle.corners) {
+      append_bytes(bytes, corner);
+    }
+    for (const uint8_t part : optics_of(triangle.material).color) {
+      append_bytes(bytes, part);
+    }
+  }
+  OutputFile out(file);
+  out.write("ply\nformat binary_little_endian 1.0\nelement vertex " +
+            std::to_string(mesh.vertices.size()) +
+            "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+            std::to_string(mesh.triangles.size()) +
+            "\nproperty list uchar uint vertex_indices\nproperty uchar red\nproperty uchar green\n"
+            "property uchar blue\nend_header\n");
+  out.write(bytes.data(), bytes.size());
+  out.close();
+}
+
+}  // namespace adit

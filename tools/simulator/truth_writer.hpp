@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "tools/output_file.hpp"
+#include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/scene.hpp"
+#include "tools/trajectory_io.hpp"
+
+namespace adit {
+
+/// Writes what a simulation knows and an estimator would like to.
+class TruthWriter {
+ public:
+  /// `poses` gets T_world_lidar as TUM, `states` the IMU's state as CSV with a head line. Throws
+  /// OutputError.
+  TruthWriter(const std::filesystem::path& poses, const std::filesystem::path& states,
+              const Eigen::Isometry3d& T_imu_lidar);
+
+  void write(Nanoseconds epoch, const SimulatedImu& imu);
+  void close();
+
+ private:
+  TrajectoryWriter poses_;
+  OutputFile states_;
+  Eigen::Isometry3d T_imu_lidar_;
+};
+
+/// What stands still in a scene, and what moves where it is at first, as a binary PLY of coloured
+/// triangles. Throws OutputError.
+void write_scene_ply(const std::filesystem::path& file, const Scene& scene);
+
+}  // namespace adit
