@@ -102,7 +102,8 @@ TEST(Motion, NothingStandsInTheWayOfARoute) {
       }
       last = at;
     }
-    EXPECT_LT((last - motion.pose(0.0).translation()).norm(), 8.0) << name << " is not closed";
+    EXPECT_LT((last - motion.pose(0.0).translation()).norm(), 2.0 + 2.5 * scene.speed)
+        << name << " is not closed";
   }
 }
 

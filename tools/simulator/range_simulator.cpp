@@ -68,6 +68,7 @@ RangeSweep RangeSimulator::sweep(int64_t index) const {
       .start = index * sensor_.period, .firings = firings_of(sensor_, index), .returns = {}};
   sweep.returns.resize(sweep.firings.size());
   const uint64_t first = static_cast<uint64_t>(index) * 1000000U;  // more than a sweep has
+  const std::vector<std::size_t> near = movers_near(1e-9 * static_cast<double>(sweep.start));
   constexpr std::size_t kPiece = 2048;
   in_parallel(sweep.firings.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
@@ -79,24 +80,38 @@ RangeSweep RangeSimulator::sweep(int64_t index) const {
         T_world_lidar = mount_.trajectory->pose(time) * mount_.T_body_lidar;
         posed = firing.time;
       }
-      sweep.returns[i] =
-          measure({.firing = &firing, .number = first + i, .time = time}, T_world_lidar);
+      sweep.returns[i] = measure(
+          {.firing = &firing, .number = first + i, .time = time, .movers = &near}, T_world_lidar);
     }
   });
   return sweep;
 }
 
+std::vector<std::size_t> RangeSimulator::movers_near(double time) const {
+  constexpr double kFastest = 60.0;  // m/s
+  const double reach = sensor_.farthest + 2e-9 * kFastest * static_cast<double>(sensor_.period);
+  const Vector3d lidar = mount_.trajectory->pose(time).translation();
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < moving_.size(); ++i) {
+    const Vector3d at = scene_->moving[i].T_world_object(time).translation();
+    if (length_of(at - lidar) < reach + moving_radius_[i]) {
+      near.push_back(i);
+    }
+  }
+  return near;
+}
+
 std::optional<RangeSimulator::Target> RangeSimulator::nearest_surface(const Vector3d& origin,
                                                                       const Vector3d& direction,
                                                                       double farthest,
-                                                                      double time) const {
+                                                                      const Pulse& pulse) const {
   std::optional<Target> nearest;
   if (const auto hit = still_.cast(origin, direction, farthest)) {
     nearest = Target{.hit = *hit};
     farthest = hit->distance;
   }
-  for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const Eigen::Isometry3d T_world_object = scene_->moving[i].T_world_object(time);
+  for (const std::size_t i : *pulse.movers) {
+    const Eigen::Isometry3d T_world_object = scene_->moving[i].T_world_object(pulse.time);
     const Vector3d to_object = T_world_object.translation() - origin;
     const double along = to_object.dot(direction);
     const double radius = moving_radius_[i];
@@ -126,7 +141,7 @@ std::optional<RangeSimulator::Target> RangeSimulator::first_surface(const Vector
   constexpr uint64_t kPanes = 4;
   for (uint64_t pane = 0; pane < kPanes; ++pane) {
     const Vector3d from = origin + gone * direction;
-    auto target = nearest_surface(from, direction, sensor_.farthest - gone, pulse.time);
+    auto target = nearest_surface(from, direction, sensor_.farthest - gone, pulse);
     if (!target) {
       return std::nullopt;
     }

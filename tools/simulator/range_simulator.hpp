@@ -57,21 +57,23 @@ class RangeSimulator {
  private:
   struct Pulse {
     const Firing* firing = nullptr;
-    uint64_t number = 0;  ///< over the whole recording
-    double time = 0.0;    ///< s
+    uint64_t number = 0;                               ///< over the whole recording
+    double time = 0.0;                                 ///< s
+    const std::vector<std::size_t>* movers = nullptr;  ///< moving objects within reach
   };
   struct Target {
     RayHit hit;
     uint16_t object = 0;
   };
 
+  std::vector<std::size_t> movers_near(double time) const;
   Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
   std::optional<Target> first_surface(const Eigen::Vector3d& origin,
                                       const Eigen::Vector3d& direction, const Pulse& pulse,
                                       uint64_t lane) const;
   std::optional<Target> nearest_surface(const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction, double farthest,
-                                        double time) const;
+                                        const Pulse& pulse) const;
   double strength(const Target& target, const Eigen::Vector3d& direction) const;
 
   const Scene* scene_;

@@ -15,7 +15,9 @@ struct Entry {
   std::string_view name;
   Scene (*make)(uint64_t seed);
 };
-constexpr std::array kEntries{Entry{"mine", make_mine}, Entry{"room", make_room}};
+constexpr std::array kEntries{Entry{"city", make_city},     Entry{"field", make_field},
+                              Entry{"forest", make_forest}, Entry{"mine", make_mine},
+                              Entry{"office", make_office}, Entry{"room", make_room}};
 
 }  // namespace
 

@@ -42,7 +42,11 @@ std::vector<std::string> scene_names();
 /// with the nearest.
 Scene make_scene(std::string_view name, uint64_t seed);
 
-Scene make_room(uint64_t seed);
+Scene make_city(uint64_t seed);
+Scene make_field(uint64_t seed);
+Scene make_forest(uint64_t seed);
 Scene make_mine(uint64_t seed);
+Scene make_office(uint64_t seed);
+Scene make_room(uint64_t seed);
 
 }  // namespace adit
