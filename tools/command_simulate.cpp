@@ -15,6 +15,8 @@
 
 #include "tools/command_guard.hpp"
 #include "tools/progress.hpp"
+#include "tools/simulator/faults.hpp"
+#include "tools/simulator/gnss_model.hpp"
 #include "tools/simulator/imu_model.hpp"
 #include "tools/simulator/motion.hpp"
 #include "tools/usage_error.hpp"
@@ -51,12 +53,13 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
                 "simulated %zu sweeps of %s in %s (%zu triangles), %.1f m, up to %.2f rad/s\n"
                 "points    %.0f a sweep, %.1f %% of the pulses\n"
                 "imu       %zu samples (%s, %d Hz)\n"
+                "gnss      %zu fixes\n"
                 "time      %s, %.2f x real time\n",
                 summary.sweeps, options.sensor.c_str(), options.scene.c_str(), summary.triangles,
                 summary.path, summary.fastest_turn,
                 static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
                 100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
-                summary.imu_samples, options.imu.c_str(), options.imu_rate,
+                summary.imu_samples, options.imu.c_str(), options.imu_rate, summary.gnss_fixes,
                 format_duration(seconds).c_str(),
                 0.1 * static_cast<double>(summary.sweeps) / seconds);
   return text;
@@ -108,7 +111,9 @@ CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
   command->footer(
       "Scenes:       " + listed(scene_names()) + "\nSensors:      " + listed(range_sensor_names()) +
       "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " + listed(imu_names()) +
-      ", none\n\n"
+      ", none\nReceivers:    " + listed(gnss_names()) +
+      ", none\nFaults:       " + listed(fault_names()) +
+      "\n\n"
       "The same options give the same bytes on any machine.\n\n"
       "Examples:\n"
       "  adit simulate mine -o mine.mcap\n"
@@ -141,6 +146,15 @@ CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
   command->add_option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
       ->type_name("HZ")
       ->capture_default_str();
+  command->add_option("--gnss", simulation.gnss, "GNSS receiver")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
+      ->type_name("HZ")
+      ->capture_default_str();
+  command->add_option("--fault", simulation.faults, "Something that is wrong; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
   command
       ->add_option("--fields", options->layout,
                    "Lay clouds out as another driver: velodyne, ouster, hesai, livox")

@@ -56,6 +56,7 @@ class SimulationTest : public testing::Test {
     options.scene = "room";
     options.trajectory = "moving-start";
     options.duration = 0.5;
+    options.picture = false;
     options.output = folder_.path() / (name + ".mcap");
     return options;
   }
@@ -182,6 +183,7 @@ TEST_F(SimulationTest, WhatMakesNoSenseIsRefused) {
 TEST_F(SimulationTest, TheCommandTellsWhatItWrote) {
   SimulateCommandOptions command{.simulation = options("told"), .layout = {}, .perfect = true};
   command.simulation.imu = "none";
+  command.simulation.picture = true;
   std::ostringstream out;
   std::ostringstream err;
   EXPECT_EQ(simulate_command(command, out, err), 0) << err.str();

@@ -59,7 +59,7 @@ class Cloud {
 std::vector<std::size_t> returned(const RangeSweep& sweep) {
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < sweep.returns.size(); ++i) {
-    if (sweep.returns[i].range > 0.0) {
+    if (sweep.returns[i].range != 0.0) {  // a fault may have made it NaN
       indices.push_back(i);
     }
   }
@@ -137,14 +137,14 @@ ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::
     const Firing& firing = sweep.firings[i];
     const Return& back = sweep.returns[i];
     const std::size_t at = i % height * width + i / height;
-    if (back.range > 0.0) {
+    if (back.range != 0.0) {
       put_position(cloud, at, point_of(firing, back));
     }
     cloud.put(at, 16, back.intensity);
     cloud.put(at, 20, static_cast<uint32_t>(firing.time));
     cloud.put(at, 24, static_cast<uint16_t>(back.intensity));
     cloud.put(at, 26, firing.ring);
-    cloud.put(at, 32, static_cast<uint32_t>(1e3 * back.range + 0.5));
+    cloud.put(at, 32, static_cast<uint32_t>(back.range > 0.0 ? 1e3 * back.range + 0.5 : 0.0));
   }
   return cloud.encode(stamp, frame, static_cast<uint32_t>(height), false);
 }

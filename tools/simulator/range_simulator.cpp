@@ -68,7 +68,7 @@ RangeSweep RangeSimulator::sweep(int64_t index) const {
       .start = index * sensor_.period, .firings = firings_of(sensor_, index), .returns = {}};
   sweep.returns.resize(sweep.firings.size());
   const uint64_t first = static_cast<uint64_t>(index) * 1000000U;  // more than a sweep has
-  const std::vector<std::size_t> near = movers_near(1e-9 * static_cast<double>(sweep.start));
+  const std::vector<Mover> near = movers_near(sweep);
   constexpr std::size_t kPiece = 2048;
   in_parallel(sweep.firings.size(), kPiece, [&](std::size_t begin, std::size_t end) {
     Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
@@ -87,15 +87,19 @@ RangeSweep RangeSimulator::sweep(int64_t index) const {
   return sweep;
 }
 
-std::vector<std::size_t> RangeSimulator::movers_near(double time) const {
-  constexpr double kFastest = 60.0;  // m/s
-  const double reach = sensor_.farthest + 2e-9 * kFastest * static_cast<double>(sensor_.period);
-  const Vector3d lidar = mount_.trajectory->pose(time).translation();
-  std::vector<std::size_t> near;
+std::vector<RangeSimulator::Mover> RangeSimulator::movers_near(const RangeSweep& sweep) const {
+  const double begin = 1e-9 * static_cast<double>(sweep.start);
+  const double end = begin + 1e-9 * static_cast<double>(sweep.firings.back().time);
+  const Vector3d lidar = mount_.trajectory->pose(begin).translation();
+  std::vector<Mover> near;
   for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const Vector3d at = scene_->moving[i].T_world_object(time).translation();
-    if (length_of(at - lidar) < reach + moving_radius_[i]) {
-      near.push_back(i);
+    const Vector3d from = scene_->moving[i].T_world_object(begin).translation();
+    const double way = length_of(scene_->moving[i].T_world_object(end).translation() - from);
+    // Twice the way: it need not be straight.
+    const Mover mover{.index = i, .center = from, .radius = moving_radius_[i] + 2.0 * way};
+    constexpr double kOwnWay = 10.0;  // m that the sensor itself may come nearer
+    if (length_of(from - lidar) < sensor_.farthest + mover.radius + kOwnWay) {
+      near.push_back(mover);
     }
   }
   return near;
@@ -110,15 +114,16 @@ std::optional<RangeSimulator::Target> RangeSimulator::nearest_surface(const Vect
     nearest = Target{.hit = *hit};
     farthest = hit->distance;
   }
-  for (const std::size_t i : *pulse.movers) {
-    const Eigen::Isometry3d T_world_object = scene_->moving[i].T_world_object(pulse.time);
-    const Vector3d to_object = T_world_object.translation() - origin;
-    const double along = to_object.dot(direction);
-    const double radius = moving_radius_[i];
-    if (along < -radius || along - radius > farthest ||
-        to_object.squaredNorm() - along * along > radius * radius) {
+  for (const Mover& mover : *pulse.movers) {
+    const Vector3d to_center = mover.center - origin;
+    const double along = to_center.dot(direction);
+    if (along < -mover.radius || along - mover.radius > farthest ||
+        to_center.squaredNorm() - along * along > mover.radius * mover.radius) {
       continue;
     }
+    const std::size_t i = mover.index;
+    const Eigen::Isometry3d T_world_object = scene_->moving[i].T_world_object(pulse.time);
+    const Vector3d to_object = T_world_object.translation() - origin;
     const Eigen::Matrix3d R_object_world = T_world_object.linear().transpose();
     const auto hit =
         moving_[i].cast(R_object_world * -to_object, R_object_world * direction, farthest);

@@ -55,18 +55,24 @@ class RangeSimulator {
   const RayScene& still() const { return still_; }
 
  private:
+  /// A moving object and a sphere that holds it for the whole of a sweep.
+  struct Mover {
+    std::size_t index = 0;
+    Eigen::Vector3d center;
+    double radius = 0.0;  ///< m
+  };
   struct Pulse {
     const Firing* firing = nullptr;
-    uint64_t number = 0;                               ///< over the whole recording
-    double time = 0.0;                                 ///< s
-    const std::vector<std::size_t>* movers = nullptr;  ///< moving objects within reach
+    uint64_t number = 0;                         ///< over the whole recording
+    double time = 0.0;                           ///< s
+    const std::vector<Mover>* movers = nullptr;  ///< moving objects within reach
   };
   struct Target {
     RayHit hit;
     uint16_t object = 0;
   };
 
-  std::vector<std::size_t> movers_near(double time) const;
+  std::vector<Mover> movers_near(const RangeSweep& sweep) const;
   Return measure(const Pulse& pulse, const Eigen::Isometry3d& T_world_lidar) const;
   std::optional<Target> first_surface(const Eigen::Vector3d& origin,
                                       const Eigen::Vector3d& direction, const Pulse& pulse,

@@ -207,9 +207,10 @@ void add_underpass(Mesh& mesh) {
 }
 
 /// Corners of the way, in blocks; it keeps to the right of the streets.
-constexpr std::array<std::array<int, 2>, 22> kWay{
-    {{1, 1},  {4, 1},  {4, 3}, {1, 3}, {1, 1}, {8, 1}, {8, 4}, {3, 4}, {3, 7}, {6, 7}, {6, 4},
-     {11, 4}, {11, 8}, {7, 8}, {7, 5}, {9, 5}, {9, 2}, {6, 2}, {6, 6}, {2, 6}, {2, 8}, {1, 8}}};
+constexpr std::array<std::array<int, 2>, 31> kWay{
+    {{1, 1},  {4, 1},  {4, 3}, {1, 3}, {1, 1}, {8, 1}, {8, 4},  {3, 4},  {3, 7},  {6, 7},  {6, 4},
+     {11, 4}, {11, 1}, {9, 1}, {9, 3}, {5, 3}, {5, 9}, {10, 9}, {10, 6}, {11, 6}, {11, 8}, {7, 8},
+     {7, 5},  {9, 5},  {9, 2}, {6, 2}, {6, 6}, {2, 6}, {2, 8},  {1, 8},  {1, 5}}};
 
 std::vector<Vector3d> way() {
   std::vector<Vector3d> route;

@@ -58,6 +58,13 @@ double floor_at(const Scene& scene, double x, double y) {
   return nearest->z();
 }
 
+/// Whether something stands within a pixel to one of the sides.
+bool is_wall(const RayScene& still, const Vector3d& at, double scale) {
+  const double reach = std::max(scale, 0.04);
+  return still.cast(at, Vector3d::UnitX(), reach) || still.cast(at, -Vector3d::UnitX(), reach) ||
+         still.cast(at, Vector3d::UnitY(), reach) || still.cast(at, -Vector3d::UnitY(), reach);
+}
+
 void draw_path(Image& image, int height, const Eigen::AlignedBox3d& area, double scale,
                const SplineTrajectory& trajectory) {
   constexpr double kStep = 0.05;  // s
@@ -83,16 +90,23 @@ void write_scene_picture(const std::filesystem::path& file, const Scene& scene,
   const double scale = area.sizes().x() / kWidth;  // m a pixel
   const int plan_height = std::clamp(static_cast<int>(area.sizes().y() / scale), 50, 1600);
   Image image(kWidth, plan_height + kViewHeight);
+  const bool has_ceiling =
+      still.cast(scene.route.front() + Vector3d(0, 0, 0.5), Vector3d::UnitZ(), 30.0).has_value();
+  const double top = static_cast<double>(still.bounds().max().z()) + 1.0;
   constexpr double kCut = 1.8;  // m above the floor
+  constexpr Color kWall{40, 36, 34};
   in_parallel(static_cast<std::size_t>(plan_height), 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       for (int x = 0; x < kWidth; ++x) {
         const double world_x = area.min().x() + (x + 0.5) * scale;
         const double world_y =
             area.min().y() + (plan_height - static_cast<double>(row) - 0.5) * scale;
-        const double from = floor_at(scene, world_x, world_y) + kCut;
-        const auto hit = still.cast({world_x, world_y, from}, -Vector3d::UnitZ(), 60.0);
-        image.at(x, static_cast<int>(row)) = hit ? shaded(*hit, 0.0) : Color{250, 250, 250};
+        const double from = has_ceiling ? floor_at(scene, world_x, world_y) + kCut : top;
+        const Vector3d eye(world_x, world_y, from);
+        const auto hit = still.cast(eye, -Vector3d::UnitZ(), 200.0);
+        const Color color = hit ? shaded(*hit, 0.0) : Color{250, 250, 250};
+        image.at(x, static_cast<int>(row)) =
+            has_ceiling && is_wall(still, eye, scale) ? kWall : color;
       }
     }
   });

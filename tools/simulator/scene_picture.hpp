@@ -10,7 +10,7 @@
 
 namespace adit {
 
-/// Draws a scene as PNG: from above, cut open at the height of the sensor, with the way that it
+/// Draws a scene as PNG: from above, cut open where it has a ceiling, with the way that the sensor
 /// takes in red; and below it what is seen from the way. Throws OutputError.
 void write_scene_picture(const std::filesystem::path& file, const Scene& scene,
                          const RayScene& still, const SplineTrajectory& trajectory);

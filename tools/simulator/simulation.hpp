@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slam/types.hpp"
 #include "tools/simulator/range_simulator.hpp"
@@ -25,11 +26,15 @@ struct SimulationOptions {
   std::string trajectory = "drive";
   std::string imu = "industrial";  ///< "none": no IMU
   int imu_rate = 200;              ///< Hz
-  double duration = 60.0;          ///< s
-  std::optional<double> speed;     ///< m/s, instead of the scene's
+  std::string gnss = "none";       ///< "none": no receiver
+  int gnss_rate = 5;               ///< Hz
+  std::vector<std::string> faults{};
+  double duration = 60.0;       ///< s
+  std::optional<double> speed;  ///< m/s, instead of the scene's
   uint64_t seed = 1;
   RangeEffects effects;
   std::optional<CloudLayout> layout;  ///< instead of that of the sensor's driver
+  bool picture = true;                ///< draw one of the scene
   std::filesystem::path output;       ///< the MCAP file
 };
 
@@ -40,6 +45,8 @@ struct SimulationFiles {
   std::filesystem::path recording;
   std::filesystem::path trajectory;  ///< NAME.truth.tum: T_world_lidar at the IMU's rate
   std::filesystem::path states;      ///< NAME.truth.csv: pose, velocity and biases of the IMU
+  std::filesystem::path antenna;     ///< NAME.truth.antenna.csv, where there is GNSS
+  std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
   std::filesystem::path scene;       ///< NAME.scene.ply
   std::filesystem::path picture;     ///< NAME.scene.png
 };
@@ -50,6 +57,7 @@ struct SimulationSummary {
   std::size_t points = 0;  ///< returns
   std::size_t pulses = 0;
   std::size_t imu_samples = 0;
+  std::size_t gnss_fixes = 0;
   double path = 0.0;          ///< m
   double fastest_turn = 0.0;  ///< rad/s
 };

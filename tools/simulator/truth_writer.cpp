@@ -89,6 +89,27 @@ void TruthWriter::close() {
   states_.close();
 }
 
+AntennaTruthWriter::AntennaTruthWriter(const std::filesystem::path& file) : file_(file) {
+  file_.write("t_s,x_m,y_m,z_m,open_sky,outlier\n");
+}
+
+void AntennaTruthWriter::write(Nanoseconds epoch, const SimulatedFix& fix) {
+  std::string line = stamp_text(epoch + fix.fix.stamp);
+  append(line, fix.p_world_antenna);
+  append(line, fix.sky);
+  file_.write(line + (fix.outlier ? ",1\n" : ",0\n"));
+}
+
+void write_labels(OutputFile& file, const RangeSweep& sweep) {
+  std::vector<char> bytes;
+  for (const Return& back : sweep.returns) {
+    if (back.range != 0.0) {
+      append_bytes(bytes, back.object);
+    }
+  }
+  file.write(bytes.data(), bytes.size());
+}
+
 void write_scene_ply(const std::filesystem::path& file, const Scene& scene) {
   const Mesh mesh = whole(scene);
   std::vector<char> bytes;

@@ -5,7 +5,9 @@
 #include <filesystem>
 
 #include "tools/output_file.hpp"
+#include "tools/simulator/gnss_model.hpp"
 #include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/range_simulator.hpp"
 #include "tools/simulator/scene.hpp"
 #include "tools/trajectory_io.hpp"
 
@@ -27,6 +29,24 @@ class TruthWriter {
   OutputFile states_;
   Eigen::Isometry3d T_imu_lidar_;
 };
+
+/// Writes where the GNSS antenna really was.
+class AntennaTruthWriter {
+ public:
+  /// CSV with a head line. Throws OutputError.
+  explicit AntennaTruthWriter(const std::filesystem::path& file);
+
+  void write(Nanoseconds epoch, const SimulatedFix& fix);
+  void close() { file_.close(); }
+
+ private:
+  OutputFile file_;
+};
+
+/// Appends a little-endian uint16 for each point of the sweep's cloud that is a return, in the
+/// order of the firings: 0 for what stands still, n for moving object n - 1 of the scene. Throws
+/// OutputError.
+void write_labels(OutputFile& file, const RangeSweep& sweep);
 
 /// What stands still in a scene, and what moves where it is at first, as a binary PLY of coloured
 /// triangles. Throws OutputError.

@@ -1,0 +1,249 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tools/recordings/recording.hpp"
+#include "tools/simulator/faults.hpp"
+#include "tools/simulator/gnss_model.hpp"
+#include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/simulation.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+using Eigen::Vector3d;
+
+SplineTrajectory at_rest() {
+  return {1.0, std::vector<Eigen::Isometry3d>(4, Eigen::Isometry3d::Identity())};
+}
+
+/// A fix in the world frame by the ellipsoid's radii at the origin: another way than the
+/// simulator's, good to a millimetre within a hundred metres.
+Vector3d world_of(const GnssFix& fix) {
+  const double degree = std::acos(-1.0) / 180.0;
+  const double a = 6378137.0;
+  const double e2 = 6.69437999014e-3;
+  const double sine = std::sin(kOriginLatitude * degree);
+  const double w = std::sqrt(1.0 - e2 * sine * sine);
+  const double meridian = a * (1.0 - e2) / (w * w * w) + kOriginAltitude;
+  const double normal = a / w + kOriginAltitude;
+  return {(fix.longitude - kOriginLongitude) * degree * normal * std::cos(kOriginLatitude * degree),
+          (fix.latitude - kOriginLatitude) * degree * meridian, fix.altitude - kOriginAltitude};
+}
+
+struct Statistics {
+  Vector3d rms = Vector3d::Zero();
+  double correlation = 0.0;  ///< of errors 60 s apart
+};
+
+Statistics statistics_of(const char* model, int count) {
+  const SplineTrajectory rest = at_rest();
+  const RayScene nothing(Mesh{});
+  GnssSimulator receiver(gnss_named(model), 1, rest, nothing, 3);
+  std::vector<Vector3d> errors;
+  Statistics statistics;
+  for (int i = 0; i < count; ++i) {
+    const SimulatedFix fix = receiver.next();
+    errors.push_back(world_of(fix.fix) - fix.p_world_antenna);
+    statistics.rms += errors.back().cwiseAbs2() / count;
+  }
+  for (std::size_t i = 60; i < errors.size(); ++i) {
+    statistics.correlation += errors[i].x() * errors[i - 60].x() / count / statistics.rms.x();
+  }
+  statistics.rms = statistics.rms.cwiseSqrt();
+  return statistics;
+}
+
+TEST(Gnss, ErrorsHaveTheStatedSizeAndCorrelation) {
+  // Errors are correlated over a minute: 100 000 s hold some 800 independent ones.
+  const Statistics rtk = statistics_of("rtk", 100000);
+  EXPECT_NEAR(rtk.rms.x(), 0.012, 0.0012);
+  EXPECT_NEAR(rtk.rms.y(), 0.012, 0.0012);
+  EXPECT_NEAR(rtk.rms.z(), 0.024, 0.0024);
+  EXPECT_NEAR(rtk.correlation, 0.9 * std::exp(-1.0), 0.1);
+  const Statistics single = statistics_of("single", 100000);
+  EXPECT_NEAR(single.rms.x(), 1.5, 0.15);
+  EXPECT_NEAR(single.rms.z(), 3.0, 0.3);
+}
+
+TEST(Gnss, StatedCovarianceIsHonestUnlessItIsNot) {
+  const SplineTrajectory rest = at_rest();
+  const RayScene nothing(Mesh{});
+  for (const auto& [name, stated] : {std::pair{"rtk", 0.012}, {"overconfident", 0.0012}}) {
+    GnssSimulator receiver(gnss_named(name), 5, rest, nothing, 1);
+    const SimulatedFix fix = receiver.next();
+    ASSERT_TRUE(fix.fix.covariance);
+    EXPECT_NEAR(std::sqrt((*fix.fix.covariance)(0, 0)), stated, 1e-9);
+    EXPECT_NEAR(std::sqrt((*fix.fix.covariance)(2, 2)), 2.0 * stated, 1e-9);
+  }
+}
+
+TEST(Gnss, TheSkyDecidesOnTheFix) {
+  const SplineTrajectory rest = at_rest();
+  const auto kind_under = [&](double half_roof) {
+    Mesh mesh;
+    if (half_roof > 0.0) {
+      add_block(mesh, {-half_roof, -half_roof, 4.0}, {half_roof, half_roof, 4.2},
+                Material::concrete);
+    }
+    const RayScene scene(mesh);
+    GnssSimulator receiver(gnss_named("rtk"), 1, rest, scene, 1);
+    return receiver.next().fix.kind;
+  };
+  EXPECT_EQ(kind_under(0.0), GnssFixKind::ground_augmented);
+  EXPECT_EQ(kind_under(3.5), GnssFixKind::satellite_augmented);
+  EXPECT_EQ(kind_under(6.5), GnssFixKind::single);
+  EXPECT_EQ(kind_under(100.0), GnssFixKind::none);
+}
+
+TEST(Gnss, OutliersComeWhereTheSkyIsHidden) {
+  const SplineTrajectory rest = at_rest();
+  Mesh mesh;
+  add_block(mesh, {-6.5, -6.5, 4.0}, {6.5, 6.5, 4.2}, Material::concrete);
+  const RayScene scene(mesh);
+  GnssSimulator receiver(gnss_named("rtk"), 1, rest, scene, 1);
+  int outliers = 0;
+  constexpr int kCount = 5000;
+  for (int i = 0; i < kCount; ++i) {
+    const SimulatedFix fix = receiver.next();
+    const Vector3d error = world_of(fix.fix) - fix.p_world_antenna;
+    outliers += fix.outlier ? 1 : 0;
+    if (!fix.outlier) {
+      EXPECT_LT(error.head<2>().norm(), 6.0 * 1.5);
+    }
+  }
+  const double expected = 2.0 * 0.05 * (1.0 - receiver.next().sky);
+  EXPECT_NEAR(static_cast<double>(outliers) / kCount, expected, 0.02);
+}
+
+class FaultTest : public testing::Test {
+ protected:
+  struct Read {
+    std::vector<Sweep> sweeps;
+    std::vector<ImuSample> imu;
+    bool damaged = false;
+  };
+
+  Read read(const std::vector<std::string>& faults, double duration = 1.0) const {
+    SimulationOptions options;
+    options.scene = "room";
+    options.trajectory = "moving-start";
+    options.duration = duration;
+    options.imu = "perfect";
+    options.faults = faults;
+    options.picture = false;
+    options.output = folder_.path() / ("x" + (faults.empty() ? "" : faults[0]) + ".mcap");
+    simulate(options, {});
+    Read result;
+    const auto recording = open_recording(options.output);
+    const auto events = recording->events({});
+    for (bool more = true; more;) {
+      try {
+        auto event = events->next();
+        more = event.has_value();
+        if (event) {
+          if (auto* sweep = std::get_if<Sweep>(&event->value)) {
+            result.sweeps.push_back(std::move(*sweep));
+          } else if (auto* sample = std::get_if<ImuSample>(&event->value)) {
+            result.imu.push_back(*sample);
+          }
+        }
+      } catch (const InputError&) {
+        result.damaged = true;
+      }
+    }
+    return result;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(FaultTest, ClocksAreOff) {
+  const Read good = read({});
+  const Read offset = read({"clock-offset"});
+  ASSERT_EQ(good.imu.size(), 200U);
+  EXPECT_EQ(offset.imu[0].stamp - good.imu[0].stamp, std::chrono::milliseconds(50));
+  EXPECT_EQ(offset.imu[0].angular_velocity, good.imu[0].angular_velocity);
+  const Read drift = read({"clock-drift"});
+  EXPECT_EQ((drift.imu[199].stamp - good.imu[199].stamp).count(), 995000000 / 5000);
+}
+
+TEST_F(FaultTest, MessagesAreMissingTwiceThereOrOutOfOrder) {
+  const Read gap = read({"gap"}, 4.0);
+  std::size_t steps = 0;
+  for (std::size_t i = 1; i < gap.imu.size(); ++i) {
+    steps += gap.imu[i].stamp - gap.imu[i - 1].stamp > std::chrono::milliseconds(1990) ? 1U : 0U;
+  }
+  EXPECT_EQ(steps, 1U);
+  EXPECT_EQ(gap.sweeps.size(), 20U);
+  const Read twice = read({"duplicates"}, 4.0);
+  EXPECT_GT(twice.imu.size(), 803U);
+  EXPECT_LT(twice.imu.size(), 835U);
+  const Read late = read({"reordering"}, 4.0);
+  EXPECT_GE(late.imu.size() + 1, 800U);
+  std::size_t backwards = 0;
+  for (std::size_t i = 1; i < late.imu.size(); ++i) {
+    backwards += late.imu[i].stamp < late.imu[i - 1].stamp ? 1U : 0U;
+  }
+  EXPECT_GT(backwards, 4U);
+  EXPECT_LT(backwards, 40U);
+}
+
+TEST_F(FaultTest, ReadingsAreInOtherUnitsAndAxes) {
+  const Read good = read({});
+  const Read units = read({"wrong-units"});
+  EXPECT_NEAR(units.imu[50].linear_acceleration.norm() * kStandardGravity,
+              good.imu[50].linear_acceleration.norm(), 1e-9);
+  const Read axes = read({"swapped-axes"});
+  EXPECT_EQ(axes.imu[50].linear_acceleration.x(), good.imu[50].linear_acceleration.y());
+  EXPECT_EQ(axes.imu[50].angular_velocity.y(), -good.imu[50].angular_velocity.x());
+}
+
+TEST_F(FaultTest, ReturnsAreLostOrNotANumber) {
+  const Read good = read({});
+  const Read nan = read({"nan"});
+  std::size_t count = 0;
+  for (const Point& point : nan.sweeps[3].points) {
+    count += std::isnan(point.x) ? 1U : 0U;
+  }
+  EXPECT_EQ(nan.sweeps[3].points.size(), good.sweeps[3].points.size());
+  EXPECT_NEAR(static_cast<double>(count) / static_cast<double>(good.sweeps[3].points.size()), 0.05,
+              0.006);
+  const auto behind = [](const Read& recording) {
+    return std::ranges::count_if(recording.sweeps[3].points, [](const Point& p) {
+      const double azimuth = std::atan2(p.y, p.x);
+      return azimuth > 2.0945 && azimuth < 3.1415;
+    });
+  };
+  EXPECT_GT(behind(good), 3000);
+  EXPECT_EQ(behind(read({"blocked-sector"})), 0);
+}
+
+TEST_F(FaultTest, ATruncatedFileIsReadUpToItsEnd) {
+  const Read cut = read({"truncated"});
+  EXPECT_GE(cut.sweeps.size(), 7U);
+  EXPECT_LE(cut.sweeps.size(), 8U);
+  EXPECT_THROW(fault_named("rain"), UsageError);
+}
+
+TEST_F(FaultTest, MovingObjectsAreLabelledPointByPoint) {
+  SimulationOptions options;
+  options.scene = "city";
+  options.duration = 0.3;
+  options.gnss = "rtk";
+  options.picture = false;
+  options.output = folder_.path() / "city.mcap";
+  const SimulationSummary summary = simulate(options, {});
+  const SimulationFiles files(options.output);
+  EXPECT_EQ(std::filesystem::file_size(files.labels), 2 * summary.points);
+  EXPECT_EQ(summary.gnss_fixes, 2U);
+  EXPECT_TRUE(std::filesystem::exists(files.antenna));
+}
+
+}  // namespace
+}  // namespace adit

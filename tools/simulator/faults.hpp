@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What goes wrong with recordings outside, by name.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slam/types.hpp"
+#include "tools/simulator/range_simulator.hpp"
+
+namespace adit {
+
+enum class Fault {
+  clock_offset,    ///< the IMU's stamps are 50 ms late
+  clock_drift,     ///< the IMU's clock is 200 ppm fast
+  gap,             ///< nothing is recorded for 2 s, from two fifths of the time on
+  duplicates,      ///< one message in 50 comes twice
+  reordering,      ///< one IMU message in 50 comes after the next
+  nan,             ///< one return in 20 is not a number
+  wrong_units,     ///< acceleration in g, rotation in degrees a second
+  swapped_axes,    ///< the IMU is mounted turned by a quarter, and nothing says so
+  blocked_sector,  ///< something covers 60 degrees of the range sensor, behind to the left
+  truncated,       ///< the recorder was killed: the last fifth of the file is missing
+};
+
+std::vector<std::string> fault_names();
+
+/// clock-offset, clock-drift, ... as above. Throws UsageError for other names, with the nearest.
+Fault fault_named(std::string_view name);
+
+/// Applies faults to what a simulation is about to write.
+class FaultMaker {
+ public:
+  /// `duration` of the recording in s.
+  FaultMaker(std::vector<Fault> faults, double duration, uint64_t seed);
+
+  bool has(Fault fault) const;
+
+  void distort(RangeSweep& sweep) const;
+  void distort(ImuSample& sample) const;
+
+  /// How often message `index` of a topic, recorded at `time` from the start, is written: 0, 1, 2.
+  int copies(uint64_t topic, uint64_t index, Nanoseconds time) const;
+
+  /// Whether IMU message `index` is written only after the next.
+  bool comes_late(uint64_t index) const;
+
+ private:
+  std::vector<Fault> faults_;
+  double duration_;
+  uint64_t seed_;
+};
+
+}  // namespace adit
