@@ -17,6 +17,7 @@
 #include "tools/command_guard.hpp"
 #include "tools/command_run.hpp"
 #include "tools/inspection.hpp"
+#include "tools/inspection_page.hpp"
 #include "tools/output_file.hpp"
 #include "tools/recording_inference.hpp"
 
@@ -24,18 +25,6 @@ namespace adit {
 namespace {
 
 using nlohmann::ordered_json;
-
-double span_s(const TopicStatistics& topic) {
-  return topic.stamps
-             ? std::chrono::duration<double>(topic.stamps->end - topic.stamps->begin).count()
-             : 0.0;
-}
-
-/// Events a second on average, 0 where there are not two.
-double rate(const TopicStatistics& topic) {
-  const double span = span_s(topic);
-  return span > 0.0 ? static_cast<double>(topic.events - 1) / span : 0.0;
-}
 
 void print_table(const Inspection& inspection, std::ostream& out) {
   int name = 5;
@@ -62,8 +51,8 @@ void print_table(const Inspection& inspection, std::ostream& out) {
       continue;
     }
     print("%-*s  %-*s  %-10s %9llu %9.2f %9.2f %9.3f %9.2f", name, topic.name.c_str(), type,
-          topic.type.c_str(), kind.c_str(), static_cast<unsigned long long>(s.events), rate(s),
-          span_s(s), s.largest_interval, static_cast<double>(s.bytes) / 1048576.0);
+          topic.type.c_str(), kind.c_str(), static_cast<unsigned long long>(s.events), s.rate(),
+          s.span(), s.largest_interval, static_cast<double>(s.bytes) / 1048576.0);
   }
 }
 
@@ -183,6 +172,9 @@ int inspect_command(const InspectCommandOptions& options, std::ostream& out, std
     } else {
       print(inspection, out);
     }
+    if (options.html) {
+      write_text_file(*options.html, inspection_page(inspection));
+    }
     if (options.write_config) {
       write_text_file(*options.write_config, suggested_toml(inspection, config));
     }
@@ -206,6 +198,8 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       ->required()
       ->type_name("RECORDING");
   command->add_flag("--json", options->json, "Print JSON instead of text");
+  command->add_option("--html", options->html, "Write a page with plots of rates, gaps and clocks")
+      ->type_name("FILE");
   command
       ->add_option("--write-config", options->write_config,
                    "Write a configuration that makes up for what is wrong, for --config")

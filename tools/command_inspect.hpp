@@ -22,6 +22,7 @@ struct InspectCommandOptions {
   std::filesystem::path recording;
   DeviceOptions device{};                               ///< to compare the sensors' rotations on
   ConfigSource config{};                                ///< how the recording is to be understood
+  std::optional<std::filesystem::path> html{};          ///< for a page with plots
   std::optional<std::filesystem::path> write_config{};  ///< for one that makes up for its faults
   bool json = false;                                    ///< JSON on `out` instead of the table
 };

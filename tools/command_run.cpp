@@ -213,7 +213,8 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
   auto options = std::make_shared<RunCommandOptions>();
   CLI::App* command = app.add_subcommand("run", "Map a recording: trajectory, map and summary");
   command->footer(
-      "RECORDING is an MCAP file, a ROS 1 bag, a rosbag2 folder or .db3 file; or a folder of "
+      "RECORDING is an MCAP file, a ROS 1 bag, a rosbag2 folder or .db3 file, a capture of packets "
+      "(pcap, pcapng); or a folder of "
       "sweeps:\n"
       "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
       "OUT gets trajectory.tum, trajectory.kitti, map.ply and summary.json.\n\n"

@@ -3,6 +3,7 @@
 #include "tools/convert_recording.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -96,6 +97,11 @@ std::unique_ptr<MessageWriter> make_writer(const ConvertOptions& options, std::s
       options.output, Rosbag2Options{.pack_messages = chosen == Compression::zstd});
 }
 
+/// Folders of sweeps have no name that a message could go by.
+std::string event_topic(const Topic& topic) {
+  return topic.name.starts_with('/') ? topic.name : "/points";
+}
+
 /// Where the messages of a channel go.
 struct Route {
   std::size_t topic = 0;  ///< index into the report
@@ -135,22 +141,13 @@ class Converter {
   }
 
   void copy_events(const Recording& recording, const TimeSpan& span) {
-    Route route = route_of({.topic = "/points",
-                            .type = "sensor_msgs/PointCloud2",
-                            .encoding = options_->encoding.value_or(
-                                encoding_of(format_of(options_->output)).value_or(Encoding::cdr)),
-                            .definition = {},
-                            .messages = std::nullopt});
-    if (!route.channel) {
-      return;
-    }
     const auto events = recording.events({.begin = span.begin, .end = span.end});
+    const Encoding encoding = options_->encoding.value_or(
+        encoding_of(format_of(options_->output)).value_or(Encoding::cdr));
     const auto step = [&] {
       const std::optional<Event> event = events->next();
       if (event) {
-        const ros::EncodedEvent message = ros::from_event(event->value, route.to, "lidar");
-        writer_->write(*route.channel, event->received, message.bytes);
-        ++report_.topics[route.topic].messages;
+        write(*event, event_topic(recording.topics()[event->topic]), encoding);
       }
       return event.has_value();
     };
@@ -227,6 +224,20 @@ class Converter {
     ++report_.topics[route.topic].messages;
   }
 
+  void write(const Event& event, const std::string& topic, Encoding encoding) {
+    const std::string frame = event.frame.empty() ? "lidar" : event.frame;
+    const ros::EncodedEvent message = ros::from_event(event.value, encoding, frame);
+    const Route route = route_of({.topic = topic,
+                                  .type = message.type,
+                                  .encoding = encoding,
+                                  .definition = {},
+                                  .messages = std::nullopt});
+    if (route.channel) {
+      writer_->write(*route.channel, event.received, message.bytes);
+      ++report_.topics[route.topic].messages;
+    }
+  }
+
   const ConvertOptions* options_;
   MessageWriter* writer_;
   ConvertReport report_;
@@ -268,7 +279,7 @@ ConvertReport convert_recording(const ConvertOptions& options) {
   std::optional<Nanoseconds> begin;
   if (files.empty()) {
     sweeps = open_recording(options.input);
-    names = {"/points"};
+    std::ranges::transform(sweeps->topics(), std::back_inserter(names), event_topic);
     const auto first = sweeps->events({})->next();
     begin = first ? std::optional(first->received) : std::nullopt;
   }

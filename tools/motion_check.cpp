@@ -14,7 +14,7 @@ namespace adit {
 namespace {
 
 constexpr double kMostOffset = 0.5;             // s
-constexpr double kHarmlessOffset = 0.015;       // s: a degree a second is a hundredth of a degree
+constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 

@@ -102,8 +102,18 @@ void TopicStatistics::add(const Event& event) {
       largest_interval_at = *last_;
     }
   }
+  timeline.add(event.received, last_ ? std::max(0.0, seconds(stamp - *last_)) : 0.0,
+               seconds(event.received - stamp));
   last_ = stamp;
   std::visit([this](const auto& value) { take(*this, value); }, event.value);
+}
+
+double TopicStatistics::span() const {
+  return stamps ? seconds(stamps->end - stamps->begin) : 0.0;
+}
+
+double TopicStatistics::rate() const {
+  return span() > 0.0 ? static_cast<double>(events - 1) / span() : 0.0;
 }
 
 double SweepStatistics::beam_spacing() const {

@@ -11,6 +11,7 @@
 #include "slam/types.hpp"
 #include "tools/interval_histogram.hpp"
 #include "tools/recordings/recording.hpp"
+#include "tools/topic_timeline.hpp"
 
 namespace adit {
 
@@ -64,15 +65,18 @@ struct TopicStatistics {
   double first_delay = 0.0;                    ///< s, of the first event
   uint64_t repeated = 0;                       ///< stamps equal to the one before
   uint64_t backwards = 0;                      ///< stamps before the one before
-  IntervalHistogram intervals;                 ///< s between stamps, where they increase
-  double largest_interval = 0.0;               ///< s
-  Nanoseconds largest_interval_at{0};          ///< its start
+  TopicTimeline timeline;
+  IntervalHistogram intervals;         ///< s between stamps, where they increase
+  double largest_interval = 0.0;       ///< s
+  Nanoseconds largest_interval_at{0};  ///< its start
   ImuStatistics imu;
   SweepStatistics sweeps;
   GnssStatistics gnss;
 
   void add(const Event& event);
 
+  double span() const;  ///< s, from the first stamp to the last
+  double rate() const;  ///< events a second on average, 0 where there are not two
   /// Typical time between events (s), 0 where there are not two.
   double period() const { return intervals.quantile(0.5); }
   /// Intervals of more than two and a half periods.

@@ -13,7 +13,7 @@ namespace adit {
 namespace {
 
 constexpr double kLongestSweep = 10.0;  // s; a spinning or Livox sensor's sweep lasts 0.01 to 1 s
-constexpr double kRelativeBelow = 1.0;  // s from zero
+constexpr double kRelativeBelow = 1.0;  // s after zero
 constexpr double kNeededResolution = 1e-4;  // s
 
 /// Index of the earliest and the latest valid point.
@@ -123,7 +123,9 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
     throw InputError(file, Place::point(extent->earliest), "its time is beyond 292 years",
                      "The file is damaged, or the field is no time: rename it");
   }
-  result.absolute = std::abs(static_cast<double>(first)) * unit >= kRelativeBelow;
+  // Epochs lie in the past: what is a sweep before zero counts back from a stamp at its end.
+  const double earliest = static_cast<double>(first) * unit;
+  result.absolute = earliest >= kRelativeBelow || earliest < -kLongestSweep;
   constexpr double kFloatStep = 1.2e-7;  // relative distance of neighbouring floats
   if (result.absolute && single_precision && largest * unit * kFloatStep > kNeededResolution) {
     throw InputError(file, Place::point(extent->earliest),

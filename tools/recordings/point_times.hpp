@@ -28,7 +28,7 @@ struct PointTimeNature {
 struct PointTimes {
   Nanoseconds start{
       0};  ///< earliest time: of the recording's clock if absolute, else relative to the stamp
-  bool absolute = false;       ///< 1 s or more from zero
+  bool absolute = false;       ///< 1 s or more after zero, or 10 s before it
   double unit = 1.0;           ///< s, of a step of one
   std::vector<float> offsets;  ///< s after `start`, one a point, none negative
 };

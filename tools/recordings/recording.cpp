@@ -5,8 +5,10 @@
 #include <type_traits>
 
 #include "tools/recordings/bag_reader.hpp"
+#include "tools/recordings/capture_recording.hpp"
 #include "tools/recordings/mcap_reader.hpp"
 #include "tools/recordings/message_recording.hpp"
+#include "tools/recordings/packet_capture.hpp"
 #include "tools/recordings/rosbag2_reader.hpp"
 #include "tools/recordings/sweep_files.hpp"
 
@@ -110,6 +112,10 @@ std::vector<std::unique_ptr<MessageFile>> open_message_files(const fs::path& pat
 }
 
 std::unique_ptr<Recording> open_recording(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored) && is_packet_capture(path)) {
+    return open_packet_capture(path);
+  }
   std::vector<std::unique_ptr<MessageFile>> files = open_message_files(path);
   return files.empty() ? open_sweep_files(path) : make_message_recording(path, std::move(files));
 }

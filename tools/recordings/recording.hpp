@@ -109,6 +109,7 @@ std::size_t sweep_topic(const Recording& recording, const std::filesystem::path&
 /// - rosbag2 folders and their SQLite files (.db3; packed as a whole or message by message), split
 /// or
 ///   not, with or without metadata.yaml.
+/// - Captures of a sensor's packets: see open_packet_capture().
 /// - Folders and files of sweeps: see open_sweep_files().
 ///
 /// Throws InputError: nothing there or nothing readable in it.
