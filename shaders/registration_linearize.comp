@@ -77,14 +77,14 @@ void main() {
   }
   barrier();
   const uint row = at * push.group_stride + gl_WorkGroupID.x;
-  if (local < kSums) {
+  for (uint k = local; k < kSums; k += kLocalSize) {
     float sum = 0.0;
     for (uint s = 0; s < gl_NumSubgroups; ++s) {
-      sum += subgroup_sums[s * kSums + local];
+      sum += subgroup_sums[s * kSums + k];
     }
-    partials[row * kSystemStride + local] = sum;
-    memoryBarrierBuffer();
+    partials[row * kSystemStride + k] = sum;
   }
+  memoryBarrierBuffer();
   barrier();
   if (local == 0) {
     is_last = atomicAdd(progress[at].ticket, 1) == job.groups - 1;
@@ -94,13 +94,13 @@ void main() {
     return;
   }
   memoryBarrierBuffer();
-  if (local < kSums) {
+  for (uint k = local; k < kSums; k += kLocalSize) {
     float sum = 0.0;
     for (uint g = 0; g < job.groups; ++g) {
-      sum += partials[(at * push.group_stride + g) * kSystemStride + local];
+      sum += partials[(at * push.group_stride + g) * kSystemStride + k];
     }
-    system[local] = sum;
-    states[at].system[local] = sum;
+    system[k] = sum;
+    states[at].system[k] = sum;
   }
   barrier();
   if (local == 0) {

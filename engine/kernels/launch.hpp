@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "engine/device_info.hpp"
@@ -23,6 +24,16 @@ struct LaunchShape {
 /// to fill a large GPU.
 inline LaunchShape launch_shape(const DeviceInfo& device) {
   return device.software ? LaunchShape{64, 16, 8} : LaunchShape{128, 512, 4};
+}
+
+/// The same for kernels whose last group goes on alone. Software devices run that part in every
+/// subgroup of every group, lanes off: one subgroup a group is the fewest.
+inline LaunchShape reduction_shape(const DeviceInfo& device) {
+  LaunchShape shape = launch_shape(device);
+  if (device.software) {
+    shape.local_size = std::clamp(device.subgroup_size, 8U, 64U);
+  }
+  return shape;
 }
 
 }  // namespace adit::engine

@@ -17,8 +17,8 @@ namespace {
 // Eigenvalues of the regularised covariances are (epsilon, 1, 1): Koide et al. and all its
 // descendants.
 constexpr float kPlaneEpsilon = 1e-3F;
-// Points one invocation takes at least before another group is worth its price.
-constexpr uint32_t kPointsEach = 8;
+// Points a group takes at least before another one is worth its price.
+constexpr uint32_t kPointsOfAGroup = 512;
 
 std::vector<Specialization> constants(const RegistrationOptions& options, const LaunchShape& shape,
                                       bool texels) {
@@ -45,7 +45,7 @@ float fictitious_information(uint32_t method) {
 
 RegistrationKernels::RegistrationKernels(Context& context, const RegistrationOptions& options)
     : options_(options),
-      shape_(launch_shape(context.device())),
+      shape_(reduction_shape(context.device())),
       texels_(reads_texels(context.device())),
       linearize_(context, "registration_linearize",
                  constants(options, shape_, texels_, gpu::kSystemSize)),
@@ -54,7 +54,7 @@ RegistrationKernels::RegistrationKernels(Context& context, const RegistrationOpt
       localize_(context, "registration_localize", constants(options, shape_, texels_)) {}
 
 uint32_t RegistrationKernels::groups(uint32_t points) const {
-  const uint32_t wanted = points / (shape_.local_size * kPointsEach);
+  const uint32_t wanted = points / kPointsOfAGroup;
   return std::clamp(std::bit_ceil(std::max(wanted, 1U)), 2U, shape_.groups);
 }
 
