@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/command_guard.hpp"
+#include "tools/presets.hpp"
 
 namespace adit {
 
@@ -23,6 +24,12 @@ void add_config_options(CLI::App& command, ConfigSource& source) {
   command
       .add_option("--config", source.file, "TOML file; `adit config` prints one with every setting")
       ->type_name("FILE");
+  std::string known;
+  for (const std::string& name : preset_names()) {
+    known += (known.empty() ? "" : ", ") + name;
+  }
+  command.add_option("--preset", source.preset, "Settings for a public data set: " + known)
+      ->type_name("NAME");
   command
       .add_option("--set", source.overrides, "Overrides one setting; may be given several times")
       ->type_name("SECTION.KEY=VALUE")

@@ -12,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/command_config.hpp"
 #include "tools/command_guard.hpp"
 #include "tools/usage_error.hpp"
 
@@ -76,7 +77,8 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
       "Examples:\n"
       "  adit convert drive.bag drive.mcap\n"
       "  adit convert drive.mcap part.mcap --begin 10 --end 40 --topic /points --topic /imu\n"
-      "  adit convert kitti_0001 kitti.mcap --compression lz4\n\n"
+      "  adit convert kitti_0001 kitti.mcap --compression lz4\n"
+      "  adit convert drive.bag right.mcap --repair --config drive.toml\n\n"
       "Exit codes: 0 done, 1 failed, or the recording is damaged, 2 usage.");
   command->add_option("input", options->input, "The recording")->required()->type_name("IN");
   command->add_option("output", options->output, "What to write")->required()->type_name("OUT");
@@ -102,8 +104,23 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
                                                                      {"zstd", Compression::zstd},
                                                                      {"bz2", Compression::bz2}}))
       ->type_name("NAME");
-  command->callback(
-      [options, done = std::move(done)] { done(convert_command(*options, std::cout, std::cerr)); });
+  auto repair = std::make_shared<bool>(false);
+  auto config = std::make_shared<ConfigSource>();
+  command->add_flag("--repair", *repair,
+                    "Write sweeps and IMU samples as they are understood: times of points in "
+                    "seconds after the stamp, and what --config corrects");
+  add_config_options(*command, *config);
+  command->callback([options, repair, config, done = std::move(done)] {
+    done(guarded("adit convert", std::cerr, [&] {
+      if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
+        throw UsageError("--config, --set and --preset are of use with --repair alone.");
+      }
+      if (*repair) {
+        options->repair = load_config(*config).recording;
+      }
+      return convert_command(*options, std::cout, std::cerr);
+    }));
+  });
   return command;
 }
 

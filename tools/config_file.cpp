@@ -15,6 +15,7 @@
 
 #include "tools/input_error.hpp"
 #include "tools/nearest_name.hpp"
+#include "tools/presets.hpp"
 #include "tools/usage_error.hpp"
 
 namespace adit {
@@ -226,6 +227,9 @@ std::string apply_override(Config& config, const std::string& text) {
 Config load_config(const ConfigSource& source) {
   Config config;
   Origins origins;
+  if (!source.preset.empty()) {
+    apply_preset(source.preset, config);
+  }
   if (source.file) {
     origins = apply_file(config, *source.file);
   }

@@ -15,10 +15,11 @@
 
 namespace adit {
 
-/// Where a configuration comes from: defaults, then the file, then the overrides.
+/// Where a configuration comes from: defaults, then the preset, the file and the overrides.
 struct ConfigSource {
   std::optional<std::filesystem::path> file;
   std::vector<std::string> overrides;  ///< "section.key=value", the last one of a key wins
+  std::string preset{};                ///< of presets.hpp; empty: none
 };
 
 /// Reads and validates. Throws InputError with line and column for what the file says, UsageError

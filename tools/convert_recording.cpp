@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "tools/configured_recording.hpp"
 #include "tools/input_file.hpp"
 #include "tools/nearest_name.hpp"
 #include "tools/recordings/bag_writer.hpp"
@@ -108,6 +109,7 @@ struct Route {
   Encoding from = Encoding::other;
   Encoding to = Encoding::other;
   std::optional<std::size_t> channel{};  ///< of the writer; none: left out
+  bool repaired = false;
 };
 
 class Converter {
@@ -170,6 +172,11 @@ class Converter {
     }
   }
 
+  bool is_repaired(const Channel& channel) const {
+    const TopicKind kind = ros::kind_of(channel);
+    return options_->repair && (kind == TopicKind::sweeps || kind == TopicKind::imu);
+  }
+
   Route route_of(const Channel& channel) {
     const auto known = routes_.find({channel.topic, channel.type});
     if (known != routes_.end()) {
@@ -189,6 +196,16 @@ class Converter {
       topic.left_out = "neither ROS 1 nor ROS 2";
     } else if (!stays && !shared) {
       topic.left_out = "its type is not known well enough to translate it";
+    } else if (is_repaired(channel)) {
+      const bool sweeps = ros::kind_of(channel) == TopicKind::sweeps;
+      topic.type = sweeps ? "sensor_msgs/PointCloud2" : channel.type;
+      route.repaired = true;
+      route.channel =
+          writer_->add_channel({.topic = channel.topic,
+                                .type = topic.type,
+                                .encoding = route.to,
+                                .definition = ros::definition_of(topic.type, route.to).value().text,
+                                .messages = std::nullopt});
     } else {
       Channel copy = channel;
       if (!stays) {
@@ -206,8 +223,28 @@ class Converter {
     return routes_[{channel.topic, channel.type}] = route;
   }
 
+  /// The events of a message, corrected, as messages.
+  void write_repaired(const MessageFile& file, const Route& route, const RawMessage& message) {
+    try {
+      ros::MessageEvents events = ros::to_events(file.channels()[message.channel], message,
+                                                 file.path(), options_->repair->point_time_unit);
+      for (EventValue& value : events.values) {
+        const EventValue right = corrected(std::move(value), *options_->repair);
+        writer_->write(*route.channel, message.received,
+                       ros::from_event(right, route.to, events.frame).bytes);
+      }
+    } catch (const ros::CodecError& error) {
+      throw InputError(file.path(), Place::byte(message.offset),
+                       "a message of " + report_.topics[route.topic].topic +
+                           " cannot be repaired: " + error.what(),
+                       "It is left out");
+    }
+  }
+
   void write(const MessageFile& file, const Route& route, const RawMessage& message) {
-    if (route.from == route.to) {
+    if (route.repaired) {
+      write_repaired(file, route, message);
+    } else if (route.from == route.to) {
       writer_->write(*route.channel, message.received, message.bytes);
     } else {
       const ConvertedTopic& topic = report_.topics[route.topic];
@@ -278,7 +315,7 @@ ConvertReport convert_recording(const ConvertOptions& options) {
   std::vector<std::string> names;
   std::optional<Nanoseconds> begin;
   if (files.empty()) {
-    sweeps = open_recording(options.input);
+    sweeps = open_recording(options.input, options.repair.value_or(RecordingConfig{}));
     std::ranges::transform(sweeps->topics(), std::back_inserter(names), event_topic);
     const auto first = sweeps->events({})->next();
     begin = first ? std::optional(first->received) : std::nullopt;

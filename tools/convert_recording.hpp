@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "slam/recording_config.hpp"
 #include "tools/recordings/compression.hpp"
 #include "tools/recordings/message_file.hpp"
 
@@ -21,6 +22,7 @@ struct ConvertOptions {
   std::optional<double> end_s{};             ///< s after the first message
   std::optional<Encoding> encoding{};        ///< for MCAP; none: as it is
   std::optional<Compression> compression{};  ///< none: the format's usual one
+  std::optional<RecordingConfig> repair{};  ///< write sweeps and IMU samples as they are understood
 };
 
 /// What became of a topic.
@@ -38,7 +40,9 @@ struct ConvertReport {
 };
 
 /// Writes a recording anew: in another format, between ROS 1 and ROS 2, with fewer topics, cut in
-/// time. Messages whose encoding stays are copied byte for byte, of whatever type. Damage is
+/// time. Messages whose encoding stays are copied byte for byte, of whatever type; but for those
+/// that are repaired: sweeps become PointCloud2 with x y z intensity, ring and time (float32, s
+/// after the stamp, which is their start), IMU samples keep rates and accelerations. Damage is
 /// reported and passed over. Throws UsageError where the options contradict each other, InputError
 /// where the input cannot be opened, OutputError where the result cannot be written.
 ConvertReport convert_recording(const ConvertOptions& options);

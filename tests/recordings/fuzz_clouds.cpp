@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "tools/recordings/las_reader.hpp"
 #include "tools/recordings/pcd_reader.hpp"
 #include "tools/recordings/ply_reader.hpp"
 
@@ -38,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   const std::string_view content(reinterpret_cast<const char*>(data), size);
-  for (const auto parse : {adit::parse_pcd, adit::parse_ply}) {
+  for (const auto parse : {adit::parse_pcd, adit::parse_ply, adit::parse_las}) {
     try {
       require_valid(parse("input", content, 0.0), size);
     } catch (const adit::InputError&) {

@@ -8,6 +8,7 @@
 #include "tests/tools/run_support.hpp"
 #include "tools/command_run.hpp"
 #include "tools/config_file.hpp"
+#include "tools/convert_recording.hpp"
 #include "tools/usage_error.hpp"
 
 namespace adit {
@@ -141,6 +142,29 @@ TEST(InspectConfig, RunRefusesTimesItCannotUnderstandAndSaysWhatToSet) {
   EXPECT_FALSE(fs::exists(folder / "out"));
   options.config.overrides = {"recording.point_time_unit=0.001"};
   EXPECT_EQ(run_command(options, out, err), 0) << err.str();
+}
+
+TEST(InspectConfig, ConvertWritesTheRecordingAsItShouldHaveBeen) {
+  const test::TemporaryFolder folder;
+  std::vector<Recorded> events = clean_recording();
+  for (Recorded& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event.value)) {
+      imu->stamp += std::chrono::milliseconds(100);
+      imu->linear_acceleration /= 9.80665;
+    }
+  }
+  const fs::path file = test::write(folder, events);
+  const fs::path toml = folder / "drive.toml";
+  const Corrected result = correct(file, toml);
+  EXPECT_EQ(result.before, (Kinds{"accelerometer_unit /imu", "sensor_offset /imu"}));
+  ConvertOptions options;
+  options.input = file;
+  options.repair = load_config({.file = toml, .overrides = {}}).recording;
+  for (const char* name : {"right.mcap", "right.bag"}) {
+    options.output = folder / name;
+    EXPECT_EQ(convert_recording(options).error_count, 0U);
+    EXPECT_EQ(test::kinds(options.output), Kinds{}) << name;
+  }
 }
 
 TEST(InspectConfig, TopicIsAText) {

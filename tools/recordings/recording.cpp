@@ -6,6 +6,7 @@
 
 #include "tools/recordings/bag_reader.hpp"
 #include "tools/recordings/capture_recording.hpp"
+#include "tools/recordings/euroc_folder.hpp"
 #include "tools/recordings/mcap_reader.hpp"
 #include "tools/recordings/message_recording.hpp"
 #include "tools/recordings/packet_capture.hpp"
@@ -115,6 +116,9 @@ std::unique_ptr<Recording> open_recording(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && is_packet_capture(path)) {
     return open_packet_capture(path);
+  }
+  if (is_euroc_folder(path)) {
+    return open_euroc_folder(path);
   }
   std::vector<std::unique_ptr<MessageFile>> files = open_message_files(path);
   return files.empty() ? open_sweep_files(path) : make_message_recording(path, std::move(files));

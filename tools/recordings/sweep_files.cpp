@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tools/recordings/kitti_bin.hpp"
+#include "tools/recordings/las_reader.hpp"
 #include "tools/recordings/pcd_reader.hpp"
 #include "tools/recordings/ply_reader.hpp"
 #include "tools/recordings/sweep_times.hpp"
@@ -26,7 +27,7 @@ constexpr Nanoseconds kAssumedPeriod = std::chrono::milliseconds(100);
 constexpr const char* kWhatIsRead =
     "A recording is an MCAP file, a ROS bag, a rosbag2 folder, a folder with velodyne/*.bin "
     "(KITTI), with "
-    "velodyne_points/data/*.bin (KITTI raw), with .bin, .pcd or .ply files, or one such file";
+    "velodyne_points/data/*.bin (KITTI raw), with .bin, .pcd, .ply or .las files, or one such file";
 
 CloudFile read_bin_cloud(const fs::path& file, double) {
   return {read_kitti_bin(file), false};
@@ -37,10 +38,11 @@ struct FileKind {
   std::string_view name;
   CloudFile (*read)(const fs::path&, double time_unit);
 };
-constexpr std::array<FileKind, 3> kKinds = {{
+constexpr std::array<FileKind, 4> kKinds = {{
     {".bin", "KITTI .bin", read_bin_cloud},
     {".pcd", "PCD", read_pcd},
     {".ply", "PLY", read_ply},
+    {".las", "LAS", read_las},
 }};
 
 const FileKind* kind_of(const fs::path& file) {

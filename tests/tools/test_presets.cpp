@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/presets.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tools/config_file.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+TEST(Presets, EachIsAValidConfiguration) {
+  EXPECT_TRUE(std::ranges::is_sorted(preset_names()));
+  for (const std::string& name : preset_names()) {
+    Config config;
+    apply_preset(name, config);
+    EXPECT_FALSE(validate(config)) << name;
+    EXPECT_GT(config.preprocess.beam_spacing, PreprocessConfig{}.beam_spacing) << name;
+    EXPECT_EQ(config.recording.sweep_topic.empty(), config.recording.imu_topic.empty()) << name;
+  }
+}
+
+TEST(Presets, WhatIsGivenBesideThemWins) {
+  const ConfigSource source{
+      .file = {}, .overrides = {"recording.imu_topic=\"/camera/imu\""}, .preset = "newer-college"};
+  const Config config = load_config(source);
+  EXPECT_EQ(config.recording.sweep_topic, "/os1_cloud_node/points");
+  EXPECT_EQ(config.recording.imu_topic, "/camera/imu");
+}
+
+TEST(Presets, NamesThatAreNotKnownGetTheNearest) {
+  Config config;
+  try {
+    apply_preset("newercollege", config);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("newer-college"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/presets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "tools/nearest_name.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+struct Preset {
+  std::string_view name;
+  std::string_view sweep_topic;  ///< empty: the only one
+  std::string_view imu_topic;
+  double beam_spacing;  ///< rad, the wider of the two directions
+};
+
+// Beams: OS0-128 90 degrees, OS1-64 33.2, HDL-64E 26.8, PandarXT-32 31, VLP-16 30; each over the
+// number of beams less one.
+constexpr std::array<Preset, 7> kPresets = {{
+    {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0249},
+    {"hilti-2022", "/hesai/pandar", "/alphasense/imu", 0.0175},
+    {"kitti", "", "", 0.0074},
+    {"mulran", "", "", 0.0092},
+    {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", 0.0092},
+    {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0124},
+    {"subt-mrs", "", "", 0.0349},
+}};
+
+}  // namespace
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const Preset& preset : kPresets) {
+    names.emplace_back(preset.name);
+  }
+  return names;
+}
+
+void apply_preset(const std::string& name, Config& config) {
+  const auto preset = std::ranges::find(kPresets, name, &Preset::name);
+  if (preset == kPresets.end()) {
+    throw UsageError("--preset " + name + ": there is no such preset. " +
+                     suggestion(name, preset_names()) + ".");
+  }
+  config.recording.sweep_topic = preset->sweep_topic;
+  config.recording.imu_topic = preset->imu_topic;
+  config.preprocess.beam_spacing = preset->beam_spacing;
+}
+
+}  // namespace adit
