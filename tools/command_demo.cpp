@@ -5,21 +5,22 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/command_guard.hpp"
 #include "tools/command_run.hpp"
-#include "tools/config_file.hpp"
-#include "tools/demo_recording.hpp"
 #include "tools/evaluate.hpp"
 #include "tools/evaluation_plot.hpp"
 #include "tools/map_picture.hpp"
 #include "tools/output_file.hpp"
 #include "tools/progress.hpp"
 #include "tools/recordings/ply_reader.hpp"
+#include "tools/simulator/simulation.hpp"
 #include "tools/usage_error.hpp"
 
 namespace adit {
@@ -27,25 +28,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-DemoFiles simulate(const DemoCommandOptions& options, const SpinningLidar& lidar,
-                   std::ostream& err) {
-  const DemoDrive drive = make_demo_drive(options.sweeps);
-  Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
-                    "simulating", options.sweeps);
-  DemoFiles files = write_demo_recording(options.output, drive, lidar,
-                                         [&](std::size_t done) { progress.update(done, 0); });
-  progress.finish();
-  return files;
-}
-
-/// The defaults, but for the spacing of the simulated lidar's beams; beside the results, for a run
-/// of one's own.
-fs::path write_config(const fs::path& folder, const SpinningLidar& lidar) {
-  Config config;
-  config.preprocess.beam_spacing = lidar.beam_spacing();
-  fs::path file = folder / "config.toml";
-  write_text_file(file, to_toml(config));
-  return file;
+/// Along the first drifts, with a lidar of 64 beams.
+SimulationFiles simulate_mine(const DemoCommandOptions& options, std::ostream& err) {
+  std::error_code error;
+  fs::create_directories(options.output, error);
+  if (error) {
+    throw OutputError(options.output, options.output.string() + ": the folder cannot be made: " +
+                                          error.message() + ". Choose another one with -o.");
+  }
+  SimulationOptions simulation;
+  simulation.scene = "mine";
+  simulation.sensor = "OS1-64";
+  simulation.layout = CloudLayout::velodyne;  // half the size of Ouster's
+  simulation.compression = Compression::zstd;
+  simulation.duration = options.duration;
+  simulation.output = options.output / "mine.mcap";
+  std::optional<Progress> progress;
+  simulate(simulation, [&](std::size_t done, std::size_t total) {
+    if (!progress) {
+      progress.emplace(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
+                       "simulating", total);
+    }
+    progress->update(done, 0);
+  });
+  if (progress) {
+    progress->finish();
+  }
+  return SimulationFiles(simulation.output);
 }
 
 void write_pictures(const fs::path& folder, const Trajectory& estimate,
@@ -66,16 +75,13 @@ std::string verdict(const Evaluation& evaluation, bool good) {
 }
 
 int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err) {
-  if (options.sweeps < 3) {
-    throw UsageError("--sweeps: at least 3 are needed for an evaluation.");
+  if (!(options.duration >= 3.0)) {
+    throw UsageError("--duration: at least 3 s are needed; the drive begins at rest.");
   }
-  const SpinningLidar lidar;
-  const DemoFiles files = simulate(options, lidar, err);
-  const fs::path config = write_config(options.output, lidar);
+  const SimulationFiles files = simulate_mine(options, err);
   RunCommandOptions run;
   run.recording = files.recording;
   run.output = options.output;
-  run.config.file = config;
   run.device = options.device;
   run.quiet = options.quiet;
   const int code = run_command(run, out, err);
@@ -83,18 +89,17 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
     return code;
   }
   const Trajectory estimate = read_trajectory(RunFiles(options.output).tum);
-  const Evaluation evaluation = evaluate(estimate, read_trajectory(files.truth), {});
+  const Evaluation evaluation = evaluate(estimate, read_trajectory(files.trajectory), {});
   write_pictures(options.output, estimate, evaluation);
   const bool good = evaluation.ate.rmse <= kDemoErrorBound;
   if (!options.quiet) {
     const std::string folder = options.output.string();
     out << verdict(evaluation, good) << "look at  " << folder << "/map.svg (from above), " << folder
         << "/evaluation.svg (against the truth), " << folder
-        << "/map.ply (any point cloud viewer)\n"
-        << "again    adit run " << files.recording.string() << " -o OUT --config "
-        << config.string() << "\n"
-        << "         adit evaluate " << folder << "/trajectory.tum " << files.truth.string()
-        << std::endl;
+        << "/map.ply (any point cloud viewer),\n         " << files.picture.string()
+        << " (the mine)\n"
+        << "again    adit run " << files.recording.string() << " -o OUT\n"
+        << "         adit evaluate OUT/trajectory.tum " << files.trajectory.string() << std::endl;
   }
   if (!good) {
     err << "adit demo: the error " << evaluation.ate.rmse << " m is above " << kDemoErrorBound
@@ -112,10 +117,10 @@ int demo_command(const DemoCommandOptions& options, std::ostream& out, std::ostr
 CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {
   auto options = std::make_shared<DemoCommandOptions>();
   CLI::App* command =
-      app.add_subcommand("demo", "Simulate a drive, map it, and compare the result with the truth");
+      app.add_subcommand("demo", "Simulate a mine, map it, and compare the result with the truth");
   command->footer(
-      "A car with a 32-beam lidar drives along a street with two turns. Nothing is needed but a "
-      "device.\n\n"
+      "A vehicle with a 64-beam lidar drives through a mine. Nothing is needed but a device; "
+      "`adit simulate`\nmakes longer recordings, of other places.\n\n"
       "Examples:\n"
       "  adit demo\n"
       "  adit demo -o /tmp/demo --device 0\n\n"
@@ -125,8 +130,8 @@ CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {
                    "Folder for recording and results; made if need be")
       ->type_name("OUT")
       ->capture_default_str();
-  command->add_option("--sweeps", options->sweeps, "Length of the drive, ten sweeps a second")
-      ->type_name("N")
+  command->add_option("--duration", options->duration, "Length of the drive (s)")
+      ->type_name("S")
       ->capture_default_str();
   add_device_options(*command, options->device);
   command->add_flag("--quiet", options->quiet, "Print errors alone");

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit demo`: simulate a drive, map it, evaluate it, and say where to look.
+// `adit demo`: simulate a drive through a mine, map it, evaluate it, and say where to look.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
@@ -18,11 +17,11 @@ class App;
 namespace adit {
 
 /// The demo fails above this absolute trajectory error (m, rmse after alignment).
-inline constexpr double kDemoErrorBound = 0.10;
+inline constexpr double kDemoErrorBound = 0.15;
 
 struct DemoCommandOptions {
   std::filesystem::path output = "adit-demo";
-  std::size_t sweeps = 100;
+  double duration = 30.0;  ///< s of the simulated recording
   DeviceOptions device;
   bool quiet = false;  ///< errors alone
 };

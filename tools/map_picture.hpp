@@ -11,7 +11,7 @@ namespace adit {
 
 /// A map seen from above as an SVG file: each cell coloured by the highest point in it, the path
 /// over it, a scale bar. x to the right, y up. At most a few hundred cells a side, so the file
-/// is small whatever the map (100 kB for the demo).
+/// is small whatever the map (60 kB for the demo).
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path);
 
 }  // namespace adit

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -19,8 +20,9 @@
 #include <nlohmann/json.hpp>
 
 #include "slam/odometry.hpp"
-#include "tools/demo_recording.hpp"
+#include "tests/support/synthetic_world.hpp"
 #include "tools/recordings/recording.hpp"
+#include "tools/trajectory_io.hpp"
 
 namespace adit::test {
 
@@ -105,17 +107,41 @@ inline SweepResult placed(const Sweep& sweep) {
   return result;
 }
 
-/// A lidar that makes small files, and the configuration that suits it.
-inline SpinningLidar coarse_lidar() {
-  SpinningLidar lidar;
-  lidar.beams = 24;
-  lidar.columns = 360;
-  return lidar;
-}
+/// Where small_recording() puts things.
+struct SmallRecording {
+  explicit SmallRecording(const std::filesystem::path& folder)
+      : recording(folder / "recording"), truth(folder / "truth.tum") {}
 
-/// The first `sweeps` sweeps of the demo's drive as a KITTI folder, seen by coarse_lidar().
-inline DemoFiles small_recording(const std::filesystem::path& folder, std::size_t sweeps) {
-  return write_demo_recording(folder, make_demo_drive(sweeps), coarse_lidar());
+  std::filesystem::path recording;
+  std::filesystem::path truth;
+};
+
+/// A drive along a synthetic street, 0.8 m a sweep, as a KITTI folder, seen by a lidar that makes
+/// small files.
+inline SmallRecording small_recording(const std::filesystem::path& folder, std::size_t sweeps) {
+  SmallRecording files(folder);
+  std::filesystem::create_directories(files.recording / "velodyne");
+  const World world = make_street(20.0);
+  std::vector<StampedPose> poses = steady_drive(sweeps, twist(0.8));
+  std::string times;
+  for (std::size_t i = 0; i < sweeps; ++i) {
+    const Sweep sweep =
+        scan(world, poses[i], {.beams = 24, .columns = 360, .max_range = 80.0}, i + 1);
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.bin", i);
+    std::ofstream(files.recording / "velodyne" / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(sweep.points.data()),
+               static_cast<std::streamsize>(sweep.points.size() * sizeof(Point)));
+    times += std::to_string(0.1 * static_cast<double>(i)) + "\n";
+  }
+  std::ofstream(files.recording / "times.txt") << times;
+  const Eigen::Isometry3d T_map_world = poses.front().pose.inverse();
+  const Nanoseconds start = poses.front().stamp;
+  for (StampedPose& pose : poses) {
+    pose = {.stamp = pose.stamp - start, .pose = T_map_world * pose.pose};
+  }
+  write_trajectory(files.truth, TrajectoryFormat::tum, poses);
+  return files;
 }
 
 }  // namespace adit::test

@@ -41,13 +41,13 @@ class RunCommand : public testing::Test {
     data_ = nullptr;
   }
 
-  static DemoFiles small_recording(const fs::path& folder) {
+  static test::SmallRecording small_recording(const fs::path& folder) {
     return test::small_recording(folder, kSweeps);
   }
 
   RunCommandOptions options() const {
     RunCommandOptions options;
-    options.recording = DemoFiles(data_->path()).recording;
+    options.recording = test::SmallRecording(data_->path()).recording;
     options.output = out_ / "out";
     options.config.overrides = {"preprocess.beam_spacing=0.03"};
     return options;
@@ -116,7 +116,7 @@ TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
   ASSERT_EQ(estimate.poses.size(), kSweeps);
   EXPECT_EQ(read_trajectory(out_ / "out/trajectory.kitti").poses.size(), kSweeps);
   EXPECT_GT(read_ply(out_ / "out/map.ply").sweep.points.size(), 1000U);
-  const Trajectory truth = read_trajectory(DemoFiles(data_->path()).truth);
+  const Trajectory truth = read_trajectory(test::SmallRecording(data_->path()).truth);
   for (std::size_t i = 0; i < kSweeps; ++i) {
     const Eigen::Vector3d error =
         estimate.poses[i].pose.translation() - truth.poses[i].pose.translation();

@@ -53,8 +53,8 @@ void check(const SimulationOptions& options) {
 /// Puts messages into the recording, channel by channel as they come up.
 class Recorder {
  public:
-  explicit Recorder(const std::filesystem::path& path)
-      : writer_(path, {.compression = Compression::none, .profile = "ros2"}) {}
+  Recorder(const std::filesystem::path& path, Compression compression)
+      : writer_(path, {.compression = compression, .profile = "ros2"}) {}
 
   void write(const std::string& topic, Nanoseconds received, const ros::EncodedEvent& message) {
     const auto [known, is_new] = channels_.try_emplace(topic, 0);
@@ -245,7 +245,7 @@ SimulationSummary simulate(
   if (!scene.moving.empty()) {
     labels.emplace(files.labels);
   }
-  Recorder recorder(options.output);
+  Recorder recorder(options.output, options.compression);
   write_mounts(options, recorder);
   const auto total = static_cast<std::size_t>(
       std::floor(options.duration * 1e9 / static_cast<double>(lidar.sensor().period) + 1e-6));

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "slam/types.hpp"
+#include "tools/recordings/compression.hpp"
 #include "tools/simulator/range_simulator.hpp"
 
 namespace adit {
@@ -35,7 +36,8 @@ struct SimulationOptions {
   RangeEffects effects;
   std::optional<CloudLayout> layout;  ///< instead of that of the sensor's driver
   bool picture = true;                ///< draw one of the scene
-  std::filesystem::path output;       ///< the MCAP file
+  Compression compression = Compression::none;
+  std::filesystem::path output;  ///< the MCAP file
 };
 
 /// Where things are, all beside the recording.
@@ -65,8 +67,9 @@ struct SimulationSummary {
 /// How the range sensor is mounted: T_imu_lidar.
 Eigen::Isometry3d lidar_mount();
 
-/// Simulates and writes, uncompressed. The same options give the same bytes on any machine. Throws
-/// UsageError for names that do not exist and numbers that make no sense, OutputError.
+/// Simulates and writes. The same options give the same bytes on any machine, where the compressor
+/// is the same. Throws UsageError for names that do not exist and numbers that make no sense,
+/// OutputError.
 SimulationSummary simulate(
     const SimulationOptions& options,
     const std::function<void(std::size_t done, std::size_t total)>& progress);
