@@ -66,7 +66,7 @@ double roof(double across) {
   return kWall + (kHeight - kWall) * std::sqrt(1.0 - u * u);
 }
 
-/// How deep a point lies inside a drift (m); negative outside.
+/// How deep a point lies inside a drift (m), its floor apart; negative outside.
 double depth_inside(const Drift& drift, const Vector3d& point) {
   const Vector2d ahead = (drift.to - drift.from) / drift.length();
   const Vector2d at = point.head<2>() - drift.from;
@@ -75,7 +75,7 @@ double depth_inside(const Drift& drift, const Vector3d& point) {
   const double across = (point.head<2>() - middle).dot(Vector2d(-ahead.y(), ahead.x()));
   const double height = point.z() - grade(point.head<2>());
   return std::min({kHalfWidth - std::abs(across), s + kOverlap, drift.length() + kOverlap - s,
-                   roof(across) - height, 3.0 * (height - 0.1)});
+                   roof(across) - height});
 }
 
 /// The outline of the cross-section, u from 0 to 1: floor from left to right, then wall, arch,
@@ -110,12 +110,18 @@ Vector3d roughened(const Vector3d& point, const Vector3d& outwards, double heigh
 }
 
 /// Of the triangles made from `first` on, those that would stand in another drift are dropped.
+/// Floors stay: they lie on each other.
 void open_junctions(Mesh& mesh, std::size_t first, const Drift& own) {
-  constexpr double kMargin = 0.3;
+  constexpr double kMargin = 0.4;
   const auto blocks = [&](const Triangle& triangle) {
-    Vector3d middle = Vector3d::Zero();
-    for (const uint32_t corner : triangle.corners) {
-      middle += mesh.vertices[corner].cast<double>() / 3.0;
+    const Vector3d a = mesh.vertices[triangle.corners[0]].cast<double>();
+    const Vector3d b = mesh.vertices[triangle.corners[1]].cast<double>();
+    const Vector3d c = mesh.vertices[triangle.corners[2]].cast<double>();
+    const Vector3d middle = (a + b + c) / 3.0;
+    const Vector3d normal = (b - a).cross(c - a);
+    const bool lies = normal.z() * normal.z() > 0.5 * normal.squaredNorm();
+    if (lies && middle.z() - grade(middle.head<2>()) < 1.0) {
+      return false;
     }
     return std::ranges::any_of(drifts(), [&](const Drift& other) {
       return &other != &own && depth_inside(other, middle) > kMargin;
