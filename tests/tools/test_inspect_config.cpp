@@ -165,6 +165,11 @@ TEST(InspectConfig, ConvertWritesTheRecordingAsItShouldHaveBeen) {
     EXPECT_EQ(convert_recording(options).error_count, 0U);
     EXPECT_EQ(test::kinds(options.output), Kinds{}) << name;
   }
+  const fs::path slow = test::write(folder, slow_sensor());
+  options.input = slow;
+  options.repair = RecordingConfig{.point_time_unit = 1e-3};
+  convert_recording(options);
+  EXPECT_EQ(test::kinds(options.output), Kinds{});
 }
 
 TEST(InspectConfig, TopicIsAText) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -145,7 +146,12 @@ CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
 
 CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
   constexpr uint8_t kUint16 = 4;
+  constexpr uint8_t kUint32 = 6;
   constexpr uint8_t kFloat32 = 7;
+  // More than a second in seconds would look like milliseconds to who tells units from the spread.
+  constexpr float kMostNanoseconds = 4.2F;  // s, in 32 bits
+  const float last = sweep.times.empty() ? 0.0F : *std::ranges::max_element(sweep.times);
+  const bool slow = last > 1.0F && last < kMostNanoseconds;
   CloudMessage cloud;
   PointCloud2& message = cloud.message;
   message.header = {.sequence = 0, .stamp = sweep.stamp, .frame = frame};
@@ -161,7 +167,7 @@ CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
   }
   const uint32_t time_at = message.point_step;
   if (!sweep.times.empty()) {
-    message.fields.push_back({"time", time_at, kFloat32, 1});
+    message.fields.push_back({slow ? "t" : "time", time_at, slow ? kUint32 : kFloat32, 1});
     message.point_step += 4;
   }
   message.row_step = message.width * message.point_step;
@@ -172,7 +178,11 @@ CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
     if (!sweep.rings.empty()) {
       std::memcpy(at + ring_at, &sweep.rings[i], sizeof(uint16_t));
     }
-    if (!sweep.times.empty()) {
+    if (!sweep.times.empty() && slow) {
+      const auto nanoseconds =
+          static_cast<uint32_t>(std::llround(1e9 * static_cast<double>(sweep.times[i])));
+      std::memcpy(at + time_at, &nanoseconds, sizeof nanoseconds);
+    } else if (!sweep.times.empty()) {
       std::memcpy(at + time_at, &sweep.times[i], sizeof(float));
     }
   }

@@ -31,7 +31,8 @@ struct CloudMessage {
 };
 
 /// Fields: x y z intensity as float32, and where the sweep has them ring as uint16 and time as
-/// float32, seconds after the header's stamp.
+/// float32, seconds after the header's stamp. Sweeps of more than a second have t as uint32,
+/// nanoseconds, instead.
 CloudMessage to_cloud(const Sweep& sweep, const std::string& frame);
 
 }  // namespace adit::ros
