@@ -18,10 +18,6 @@ constexpr std::array kCoarseFactors = {16.0, 8.0, 4.0, 2.0};
 constexpr engine::RegistrationSettings kCoarseSettings = {
     .translation_epsilon = 5e-3, .rotation_epsilon = 1e-3, .max_iterations = 15};
 
-// How well the predicted motion is known in directions that no match holds.
-constexpr double kSigmaTranslation = 0.1;  // m
-constexpr double kSigmaRotation = 0.02;    // rad
-
 // Levels, and their places in the buffers: 0 is the fine one.
 constexpr size_t kLevels = 1 + kCoarseFactors.size();
 constexpr uint64_t kJobStride = engine::align_slice(sizeof(gpu::RegistrationJob));
@@ -73,10 +69,8 @@ Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
 void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
                      engine::Slice surface_cloud, engine::Slice counters, Submap& submap) {
   auto& state = *reinterpret_cast<gpu::RegistrationState*>(upload_.mapped() + kStateAt);
-  Vector6d sigma;
-  sigma << Eigen::Vector3d::Constant(kSigmaTranslation), Eigen::Vector3d::Constant(kSigmaRotation);
   state = initial_state(submap.pose().inverse() * prediction.T_map_lidar,
-                        sigma.cwiseAbs2().cwiseInverse().asDiagonal());
+                        prediction.sigma.cwiseAbs2().cwiseInverse().asDiagonal());
   searched_ = !prediction.trusted;
   for (uint64_t at = 0; at < (searched_ ? 2 : 1) * kStateStride; at += kStateStride) {
     recorder.copy(upload_.slice(kStateAt, sizeof(gpu::RegistrationState)),

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <type_traits>
 
+#include "slam/imu_noise.hpp"
+
 namespace adit {
 namespace {
 
@@ -35,6 +37,12 @@ class Checks {
                const std::string& unit = "") {
     require(value >= low && value <= high, field, value,
             "between " + text_of(low) + " and " + text_of(high) + (unit.empty() ? "" : " " + unit));
+  }
+
+  void holds(bool holds, const char* field, const std::string& message) {
+    if (!holds && !problem_) {
+      problem_ = ConfigProblem{.field = field, .message = message};
+    }
   }
 
   void finite(const std::string& field, double value) {
@@ -83,6 +91,7 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
   checks.between("preprocess.beam_spacing", p.beam_spacing, 0.002, 0.2, "rad");
   checks.between("preprocess.surface_size", p.surface_size, 0.0, 20.0, "m");
+  checks.between("preprocess.deskew", p.deskew, 0, 2);
 }
 
 void check_registration(Checks& checks, const Config& config) {
@@ -137,6 +146,32 @@ void check_rest(Checks& checks, const Config& config) {
   checks.between("recovery.max_coasting", config.recovery.max_coasting, 0, 1'000'000, "sweeps");
 }
 
+void check_imu(Checks& checks, const ImuConfig& imu) {
+  checks.between("imu.use", imu.use, 0, 1);
+  double norm = 0.0;
+  for (size_t i = 0; i < imu.T_imu_lidar.size(); ++i) {
+    checks.finite("imu.T_imu_lidar", imu.T_imu_lidar[i]);
+    norm = std::hypot(norm, i < 3 ? 0.0 : imu.T_imu_lidar[i]);
+  }
+  checks.require(std::abs(norm - 1.0) < 1e-3, "imu.T_imu_lidar", norm,
+                 "a pose x y z qx qy qz qw whose quaternion has the length 1");
+  std::string known = "custom";
+  for (const ImuPreset& preset : imu_presets()) {
+    known += ", " + std::string(preset.name);
+  }
+  checks.holds(imu.sensor == "custom" || imu_preset(imu.sensor, 1.0), "imu.sensor",
+               "is '" + imu.sensor + "'; must be one of " + known);
+  checks.between("imu.noise_scale", imu.noise_scale, 0.1, 1000.0);
+  checks.between("imu.gyro_noise", imu.gyro_noise, 1e-7, 1.0, "rad/s/sqrt(Hz)");
+  checks.between("imu.accel_noise", imu.accel_noise, 1e-6, 10.0, "m/s^2/sqrt(Hz)");
+  checks.between("imu.gyro_walk", imu.gyro_walk, 1e-9, 1.0, "rad/s^2/sqrt(Hz)");
+  checks.between("imu.accel_walk", imu.accel_walk, 1e-9, 10.0, "m/s^3/sqrt(Hz)");
+  checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
+  checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
+  checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,
+                 "0, or at least 2 sweeps");
+}
+
 }  // namespace
 
 std::optional<ConfigProblem> validate(const Config& config) {
@@ -146,6 +181,7 @@ std::optional<ConfigProblem> validate(const Config& config) {
   check_preprocess(checks, config.preprocess);
   check_registration(checks, config);
   check_rest(checks, config);
+  check_imu(checks, config.imu);
   return checks.problem();
 }
 

@@ -6,6 +6,7 @@
 // Names with a paper symbol (c_min, r_input, ...) are those of LG-SLAM, Table I.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -20,6 +21,7 @@ struct PreprocessConfig {
   double r_input = 0.25;        ///< m
   double beam_spacing = 0.007;  ///< rad
   double surface_size = 0.625;  ///< m
+  int deskew = 1;               ///< 0, 1 or 2
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -33,6 +35,49 @@ struct PreprocessConfig {
     field("surface_size", self.surface_size, "m",
           "edge of the neighbourhood that a normal is estimated from near the sensor; at least "
           "2.5 r_input");
+    field("deskew", self.deskew, "",
+          "1: points that have times are moved to the sweep's start by the IMU, where it is fused; "
+          "2: without it at constant velocity; 0: they are taken as they are");
+  }
+};
+
+/// The inertial sensor, and its fusion with alignments (docs/theory/inertial.md).
+struct ImuConfig {
+  int use = 1;  ///< 0 or 1
+  std::array<double, 7> T_imu_lidar = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+  std::string sensor = "generic";
+  double noise_scale = 5.0;
+  double gyro_noise = 1e-3;   ///< rad/s/√Hz
+  double accel_noise = 1e-2;  ///< m/s²/√Hz
+  double gyro_walk = 3e-5;    ///< rad/s²/√Hz
+  double accel_walk = 1e-3;   ///< m/s³/√Hz
+  double max_gap = 0.05;      ///< s
+  int lag = 20;               ///< sweeps
+  int reset = 0;              ///< sweeps
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("use", self.use, "", "1: an IMU that the recording has is used; 0: it is left alone");
+    field("T_imu_lidar", self.T_imu_lidar, "m, quaternion",
+          "pose of the lidar in the IMU's axes: x y z qx qy qz qw; maps lidar coordinates to the "
+          "IMU's; the default stands for the recording's static transforms, if it has them");
+    field("sensor", self.sensor, "",
+          "whose noise to assume: generic, bmi088, icm20948, adis16448, vn100, mti300; or custom: "
+          "the four densities below");
+    field("noise_scale", self.noise_scale, "",
+          "the sensor's densities are its data sheet's times this, for vibration");
+    field("gyro_noise", self.gyro_noise, "rad/s/sqrt(Hz)", "white noise, of a custom sensor");
+    field("accel_noise", self.accel_noise, "m/s^2/sqrt(Hz)", "white noise, of a custom sensor");
+    field("gyro_walk", self.gyro_walk, "rad/s^2/sqrt(Hz)",
+          "random walk of the bias, of a custom sensor");
+    field("accel_walk", self.accel_walk, "m/s^3/sqrt(Hz)",
+          "random walk of the bias, of a custom sensor");
+    field("max_gap", self.max_gap, "s",
+          "a longer time without readings is not bridged: the lidar goes on alone");
+    field("lag", self.lag, "sweeps", "the sliding graph optimises the states of the last sweeps");
+    field("reset", self.reset, "sweeps",
+          "greater than 0: instead of the lag, the graph is reduced to its newest state every so "
+          "many sweeps (the paper: 100)");
   }
 };
 
@@ -100,6 +145,7 @@ struct Config {
   SubmapConfig submap;
   KeyframeConfig keyframe;
   RecoveryConfig recovery;
+  ImuConfig imu;
 
   /// Calls section(name, struct) for each section, in the order of the file.
   template <class Self, class Visitor>
@@ -110,6 +156,7 @@ struct Config {
     section("submap", self.submap);
     section("keyframe", self.keyframe);
     section("recovery", self.recovery);
+    section("imu", self.imu);
   }
 };
 

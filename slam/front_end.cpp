@@ -20,6 +20,7 @@ constexpr size_t kLargestSweep = size_t{1} << 21U;
 
 FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
     : context_(&context),
+      deskew_(context),
       preprocess_(context),
       settings_{.c_min = config.c_min,
                 .c_max = config.c_max,
@@ -27,6 +28,8 @@ FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
                 .beam_spacing = config.beam_spacing,
                 .surface_size = config.surface_size},
       direct_(context.device().software),
+      knots_(context.make_buffer(kMotionKnots * sizeof(gpu::DeskewKnot), engine::Memory::upload,
+                                 "motion within the sweep")),
       counters_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::device,
                                     "sweep counters")),
       counters_readback_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::readback,
@@ -36,7 +39,7 @@ void FrontEnd::grow(uint32_t points) {
   const uint32_t capacity = std::bit_ceil(std::max(points, kSmallestCapacity));
   const uint64_t bytes = uint64_t{capacity} * sizeof(Point);
   capacity_ = 0;
-  for (auto* buffer : {&staging_, &raw_, &cloud_, &cloud_readback_, &scratch_}) {
+  for (auto* buffer : {&staging_, &times_, &raw_, &cloud_, &cloud_readback_, &scratch_}) {
     buffer->reset();
   }
   staging_ = context_->make_buffer(bytes, engine::Memory::upload, "raw points");
@@ -64,23 +67,63 @@ void FrontEnd::upload(const Sweep& sweep) {
   }
   point_count_ = count;
   std::ranges::copy(sweep.points, staging_->as<Point>().begin());
+  has_times_ = count > 0 && sweep.times.size() == sweep.points.size();
+  if (has_times_) {
+    if (!times_) {
+      times_ = context_->make_buffer(uint64_t{capacity_} * sizeof(float), engine::Memory::upload,
+                                     "times of points");
+    }
+    if (!raw_) {
+      raw_ = context_->make_buffer(uint64_t{capacity_} * sizeof(Point), engine::Memory::device,
+                                   "raw points on the device");
+    }
+    std::ranges::copy(sweep.times, times_->as<float>().begin());
+  }
 }
 
-void FrontEnd::record(engine::Recorder& recorder, engine::Slice surface_cloud) {
+engine::Slice FrontEnd::record_points(engine::Recorder& recorder,
+                                      const std::optional<SweepMotion>& motion) {
+  const uint64_t bytes = uint64_t{point_count_} * sizeof(Point);
+  if (motion && has_times_) {
+    const std::vector<gpu::DeskewKnot> table = knots(*motion);
+    std::ranges::copy(table, knots_.as<gpu::DeskewKnot>().begin());
+    // Straight from mapped memory: each point is read once, as a copy would.
+    deskew_.record(recorder,
+                   {.c_min = settings_.c_min,
+                    .c_max = settings_.c_max,
+                    .first_time = motion->first,
+                    .last_time = motion->last},
+                   {.point_count = point_count_,
+                    .knot_count = static_cast<uint32_t>(table.size()),
+                    .raw = staging_->slice(0, bytes),
+                    .times = times_->slice(0, uint64_t{point_count_} * sizeof(float)),
+                    .knots = knots_,
+                    .moved = raw_->slice(0, bytes)});
+    recorder.barrier();
+    return *raw_;
+  }
+  if (direct_) {
+    return *staging_;
+  }
+  if (point_count_ > 0) {
+    const engine::Scope scope = recorder.scope("upload");
+    recorder.copy(staging_->slice(0, bytes), raw_->slice(0, bytes));
+    recorder.barrier();
+  }
+  return *raw_;
+}
+
+void FrontEnd::record(engine::Recorder& recorder, engine::Slice surface_cloud,
+                      const std::optional<SweepMotion>& motion) {
   if (reset_scratch_) {
     preprocess_.record_reset(recorder, *scratch_);
     reset_scratch_ = false;
   }
-  if (!direct_ && point_count_ > 0) {
-    const engine::Scope scope = recorder.scope("upload");
-    const uint64_t bytes = uint64_t{point_count_} * sizeof(Point);
-    recorder.copy(staging_->slice(0, bytes), raw_->slice(0, bytes));
-    recorder.barrier();
-  }
+  const engine::Slice raw = record_points(recorder, motion);
   preprocess_.record(recorder, settings_,
                      {.point_count = point_count_,
                       .capacity = capacity_,
-                      .raw = direct_ ? *staging_ : *raw_,
+                      .raw = raw,
                       .cloud = *cloud_,
                       .surface_cloud = surface_cloud,
                       .counters = counters_},

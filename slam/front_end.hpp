@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "engine/buffer.hpp"
+#include "engine/kernels/deskew.hpp"
 #include "engine/kernels/preprocess.hpp"
 #include "slam/config.hpp"
+#include "slam/sweep_motion.hpp"
 #include "slam/types.hpp"
 
 namespace adit::engine {
@@ -26,11 +28,15 @@ class FrontEnd {
   /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws
   /// engine::Error if the device has no room for it.
   void upload(const Sweep& sweep);
+  /// The sweep's points have times, so that they can be de-skewed.
+  bool has_times() const { return has_times_; }
   /// Points the buffers are sized for.
   uint32_t capacity() const { return capacity_; }
 
-  /// Records everything up to the surfaces, and the copies back.
-  void record(engine::Recorder& recorder, engine::Slice surface_cloud);
+  /// Records everything up to the surfaces, and the copies back. With the sensor's motion the
+  /// points are first moved to the sweep's start; it may be given where has_times().
+  void record(engine::Recorder& recorder, engine::Slice surface_cloud,
+              const std::optional<SweepMotion>& motion = std::nullopt);
   /// gpu::SweepCounters of the sweep on the device, for kernels that follow.
   engine::Slice counters() const { return counters_; }
 
@@ -42,15 +48,21 @@ class FrontEnd {
 
  private:
   void grow(uint32_t points);
+  /// The points on the device, de-skewed or copied or where they were uploaded.
+  engine::Slice record_points(engine::Recorder& recorder, const std::optional<SweepMotion>& motion);
 
   engine::Context* context_;
+  engine::Deskew deskew_;
   engine::Preprocess preprocess_;
   engine::PreprocessSettings settings_;
   bool direct_;  ///< kernels read uploads, and the host reads results, where they are
   uint32_t capacity_ = 0;
   uint32_t point_count_ = 0;
   bool reset_scratch_ = true;
+  bool has_times_ = false;
+  engine::Buffer knots_;  ///< uploaded
   std::optional<engine::Buffer> staging_;
+  std::optional<engine::Buffer> times_;  ///< uploaded; none before the first sweep with times
   std::optional<engine::Buffer> raw_;
   std::optional<engine::Buffer> cloud_;
   std::optional<engine::Buffer> cloud_readback_;

@@ -10,6 +10,8 @@ namespace adit {
 // walks are those that calibrations of such sensors usually find.
 const std::vector<ImuPreset>& imu_presets() {
   static const std::vector<ImuPreset> presets = {
+      // A mid-range MEMS sensor.
+      {"generic", {.gyro = 2e-4, .accel = 2e-3, .gyro_walk = 6e-6, .accel_walk = 2e-4}},
       // Bosch BMI088: 0.014 deg/s/√Hz, 175 µg/√Hz.
       {"bmi088", {.gyro = 2.4e-4, .accel = 1.7e-3, .gyro_walk = 2e-5, .accel_walk = 3e-4}},
       // TDK ICM-20948, as in many lidars: 0.015 deg/s/√Hz, 230 µg/√Hz.

@@ -25,13 +25,17 @@ Prediction MotionModel::predict(Nanoseconds stamp) const {
   const double elapsed = seconds(stamp - last_->stamp);
   const double bounded = std::clamp(elapsed, 0.0, kLongestExtrapolation);
   const bool trusted = aligned_in_a_row_ >= kTrustedAfter && elapsed == bounded;
-  return {orthonormalized(last_->pose * se3_exp(bounded * velocity_)), trusted};
+  Prediction prediction;
+  prediction.T_map_lidar = orthonormalized(last_->pose * se3_exp(bounded * velocity_));
+  prediction.trusted = trusted;
+  return prediction;
 }
 
 void MotionModel::update(const StampedPose& pose, bool aligned) {
   if (aligned) {
     const double elapsed = last_ ? seconds(pose.stamp - last_->stamp) : 0.0;
     if (elapsed > 0.0) {
+      velocity_before_ = velocity_;
       velocity_ = se3_log(last_->pose.inverse() * pose.pose) / elapsed;
     }
     ++aligned_in_a_row_;

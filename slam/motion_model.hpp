@@ -14,6 +14,9 @@ struct Prediction {
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   /// The velocity is known from aligned sweeps. If not, the alignment has to search.
   bool trusted = false;
+  /// How well the pose is known where no match holds it: standard deviations of [rho, phi], m and
+  /// rad, lidar axes. A constant velocity's by default.
+  Vector6d sigma = (Vector6d() << 0.1, 0.1, 0.1, 0.02, 0.02, 0.02).finished();
 };
 
 /// Constant velocity: the last motion, scaled by the time since then.
@@ -24,10 +27,17 @@ class MotionModel {
   void update(const StampedPose& pose, bool aligned);
   /// Nothing is known but where the sensor is.
   void restart(const StampedPose& pose);
+  /// The mean twist of the last two motions, in the lidar's axes, m/s and rad/s: what to de-skew
+  /// with. (With the last motion's alone an error of the twist would come back with the opposite
+  /// sign at each sweep, undamped: docs/theory/inertial.md, section 7.)
+  Vector6d deskewing_twist() const { return 0.5 * (velocity_ + velocity_before_); }
+  /// Where it goes on from; none before the first sweep.
+  const std::optional<StampedPose>& last() const { return last_; }
 
  private:
   std::optional<StampedPose> last_;
   Vector6d velocity_ = Vector6d::Zero();  ///< twist in the body frame, m/s and rad/s
+  Vector6d velocity_before_ = Vector6d::Zero();
   int aligned_in_a_row_ = 0;
 };
 

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "engine/context.hpp"
 #include "slam/aligner.hpp"
 #include "slam/front_end.hpp"
+#include "slam/inertial_tracker.hpp"
 #include "slam/motion_model.hpp"
 #include "slam/submap.hpp"
 
@@ -39,6 +41,22 @@ std::vector<StageTime> stage_times(const engine::Submission& submission) {
   return stages;
 }
 
+/// What is expected of a sweep before it is aligned.
+struct Expectation {
+  Prediction prediction;
+  Eigen::Isometry3d steady;           ///< T_map_lidar at constant velocity
+  std::optional<SweepMotion> motion;  ///< to de-skew with
+};
+
+/// From a sweep's stamp to the last of its points' times, s; 0 without times.
+double duration_of(const Sweep& sweep) {
+  float last = 0.0F;
+  for (const float time : sweep.times) {
+    last = std::isfinite(time) ? std::max(last, time) : last;
+  }
+  return static_cast<double>(last);
+}
+
 }  // namespace
 
 std::string_view to_string(OdometryState state) {
@@ -61,10 +79,13 @@ struct Odometry::Impl {
         config(config_),
         front_end(context_, config_.preprocess),
         submap(context_, config_),
-        aligner(context_, config_.registration) {}
+        aligner(context_, config_.registration),
+        inertial(config_.imu) {}
 
-  void run_on_device(const Prediction& prediction, SweepResult& result);
-  OdometryState decide(const Prediction& prediction, SweepResult& result);
+  Expectation expect(const Sweep& sweep);
+  void run_on_device(const Expectation& expected, SweepResult& result);
+  void fuse(const Expectation& expected, SweepResult& result);
+  OdometryState decide(SweepResult& result);
   bool is_keyframe(const SweepResult& result);
 
   engine::Context& context;
@@ -73,6 +94,7 @@ struct Odometry::Impl {
   Submap submap;
   Aligner aligner;
   MotionModel motion;
+  InertialTracker inertial;
   int failures_in_a_row = 0;
   std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
 };
@@ -87,9 +109,10 @@ SweepResult Odometry::step(const Sweep& sweep) {
   result.stamp = sweep.stamp;
   result.raw_points = static_cast<int>(sweep.points.size());
   impl_->front_end.upload(sweep);
-  const Prediction prediction = impl_->motion.predict(sweep.stamp);
-  impl_->run_on_device(prediction, result);
-  result.state = impl_->decide(prediction, result);
+  const Expectation expected = impl_->expect(sweep);
+  impl_->run_on_device(expected, result);
+  impl_->fuse(expected, result);
+  result.state = impl_->decide(result);
   if (impl_->is_keyframe(result)) {
     result.keyframe = true;
     result.cloud = impl_->front_end.read_cloud();
@@ -98,17 +121,55 @@ SweepResult Odometry::step(const Sweep& sweep) {
   return result;
 }
 
+ImuArrival Odometry::add(const ImuSample& sample) {
+  return impl_->inertial.add(sample);
+}
+
+// By inertia where that is known, at constant velocity otherwise.
+Expectation Odometry::Impl::expect(const Sweep& sweep) {
+  const double duration = duration_of(sweep);
+  Expectation expected;
+  expected.prediction = motion.predict(sweep.stamp);
+  if (submap.empty()) {
+    const auto end = sweep.stamp + std::chrono::round<Nanoseconds>(
+                                       std::chrono::duration<double>(std::max(duration, 0.1)));
+    expected.prediction.T_map_lidar.linear() =
+        inertial.level_lidar(sweep.stamp, end).value_or(expected.prediction.T_map_lidar.linear());
+  }
+  expected.steady = expected.prediction.T_map_lidar;
+  const Vector6d velocity =
+      expected.prediction.trusted ? motion.deskewing_twist() : Vector6d(Vector6d::Zero());
+  if (config.preprocess.deskew > 1 && expected.prediction.trusted && duration > 0.0) {
+    expected.motion = steady_motion(velocity, 0.0, duration);
+  }
+  if (const auto turning = inertial.turning_motion(sweep.stamp, duration, velocity.head<3>())) {
+    expected.motion = turning;
+  }
+  const std::optional<StampedPose>& last = motion.last();
+  if (const auto turn = last ? inertial.turn(last->stamp, sweep.stamp) : std::nullopt) {
+    expected.prediction.T_map_lidar.linear() = last->pose.linear() * *turn;
+  }
+  if (const auto predicted = inertial.predict(sweep.stamp, duration)) {
+    expected.prediction = predicted->lidar;
+    expected.motion = predicted->motion;
+  }
+  if (config.preprocess.deskew == 0 || !front_end.has_times()) {
+    expected.motion.reset();
+  }
+  return expected;
+}
+
 // One submission, one wait: the last sweep joins the submap, this one is prepared and aligned with
 // it.
-void Odometry::Impl::run_on_device(const Prediction& prediction, SweepResult& result) {
+void Odometry::Impl::run_on_device(const Expectation& expected, SweepResult& result) {
   const engine::Slice surface_cloud = submap.next_cloud(front_end.capacity());
   const bool aligns = !submap.empty();
   try {
     engine::Recorder recorder = context.make_recorder();
     submap.record_update(recorder);
-    front_end.record(recorder, surface_cloud);
+    front_end.record(recorder, surface_cloud, expected.motion);
     if (aligns) {
-      aligner.record(recorder, prediction, surface_cloud, front_end.counters(), submap);
+      aligner.record(recorder, expected.prediction, surface_cloud, front_end.counters(), submap);
     }
     engine::Submission submission = context.submit(std::move(recorder));
     const auto start = std::chrono::steady_clock::now();
@@ -120,6 +181,7 @@ void Odometry::Impl::run_on_device(const Prediction& prediction, SweepResult& re
     front_end.invalidate();
     throw;
   }
+  result.deskewed = expected.motion.has_value();
   const gpu::SweepCounters counters = front_end.read_counters();
   result.valid_points = static_cast<int>(counters.valid_points);
   result.cloud_points = static_cast<int>(counters.cloud_points);
@@ -131,12 +193,28 @@ void Odometry::Impl::run_on_device(const Prediction& prediction, SweepResult& re
   }
 }
 
+// The pose is the alignment's, the prediction where it failed, and with an inertial sensor what the
+// sliding graph makes of them.
+void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
+  const bool aligned = is_usable(result.registration.status);
+  const bool starts = submap.empty();
+  result.T_map_lidar =
+      aligned ? result.registration.T_target_source : expected.prediction.T_map_lidar;
+  if (starts && result.cloud_points < config.registration.min_inliers) {
+    return;
+  }
+  const RegistrationResult* alignment = aligned ? &result.registration : nullptr;
+  result.inertial = inertial.update({result.stamp, result.T_map_lidar}, alignment, expected.steady);
+  if (result.inertial.nav) {
+    result.T_map_lidar = inertial.T_map_lidar(*result.inertial.nav);
+  }
+}
+
 // The policy of success, failure and recovery (docs/theory/odometry.md).
-OdometryState Odometry::Impl::decide(const Prediction& prediction, SweepResult& result) {
+OdometryState Odometry::Impl::decide(SweepResult& result) {
   const auto points = static_cast<uint32_t>(result.cloud_points);
   const bool can_start = result.cloud_points >= config.registration.min_inliers;
   const bool aligned = is_usable(result.registration.status);
-  result.T_map_lidar = aligned ? result.registration.T_target_source : prediction.T_map_lidar;
   const StampedPose pose{result.stamp, result.T_map_lidar};
 
   if (aligned) {

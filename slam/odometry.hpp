@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slam/config.hpp"
+#include "slam/inertial_tracker.hpp"
 #include "slam/registration.hpp"
 #include "slam/types.hpp"
 
@@ -45,17 +46,22 @@ struct SweepResult {
   int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
+  InertialReport inertial;        ///< of the inertial sensor, where there is one
+  bool deskewed = false;          ///< points were moved to the sweep's start
   std::vector<Point> cloud;       ///< keyframes only: the down-sampled sweep, lidar frame
   std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
   double host_ms = 0.0;           ///< host work: copy into staging, record, read back
   double wait_ms = 0.0;           ///< host time spent waiting for the device
 };
 
-/// LiDAR odometry: constant-velocity prediction, alignment against a rolling submap of the last l
-/// clouds.
+/// Odometry from a range sensor and, where there is one, an inertial sensor: prediction of the
+/// sweep's motion, alignment against a rolling submap of the last l clouds, fusion in a sliding
+/// graph. Without inertial readings, or while they fail a check, motion is predicted at constant
+/// velocity.
 ///
-/// One device submission and one host wait a sweep. The map frame is the lidar frame of the first
-/// sweep. On one device the same sweeps give the same bytes.
+/// One device submission and one host wait a sweep. The map frame has its origin at the lidar of
+/// the first sweep; with an inertial sensor its z is up as that saw it then, without one its axes
+/// are the lidar's. On one device the same input gives the same bytes.
 class Odometry {
  public:
   /// Throws engine::Error if the device runs out of memory. `config` must have passed validate().
@@ -63,6 +69,10 @@ class Odometry {
   ~Odometry();
   Odometry(const Odometry&) = delete;
   Odometry& operator=(const Odometry&) = delete;
+
+  /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before
+  /// its stamp to its end.
+  ImuArrival add(const ImuSample& sample);
 
   /// Takes the next sweep. Sweeps without a valid point are a failure like any other: coasting.
   SweepResult step(const Sweep& sweep);

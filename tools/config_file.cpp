@@ -3,6 +3,7 @@
 #include "tools/config_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 #include <limits>
@@ -88,6 +89,18 @@ void assign(std::string& to, const toml::node& node) {
                     "Write a text in quotes, such as \"/points\""};
   }
   to = *value;
+}
+
+template <std::size_t n>
+void assign(std::array<double, n>& to, const toml::node& node) {
+  const toml::array* values = node.as_array();
+  if (values == nullptr || values->size() != n) {
+    throw Complaint{node.source().begin, "is " + type_name(node),
+                    "Write " + std::to_string(n) + " numbers in brackets: [1.0, 2.0, ...]"};
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    assign(to[i], *values->get(i));
+  }
 }
 
 template <class Fields>

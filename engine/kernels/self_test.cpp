@@ -14,6 +14,7 @@
 #include "engine/context.hpp"
 #include "engine/kernels/registration.hpp"
 #include "engine/kernels/self_test_checks.hpp"
+#include "engine/kernels/self_test_deskew.hpp"
 #include "engine/kernels/voxel_map.hpp"
 #include "shaders/shared/engine_probe.h"
 
@@ -53,10 +54,12 @@ class Layout {
 };
 
 struct Inputs {
-  Slice raw, start, job, state, probe, texels, order, mask;
+  Slice raw, times, knots, start, job, state, probe, texels, order, mask;
 
   Inputs(Layout& layout, const KnownScene& scene)
       : raw(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
+        times(layout.take(scene.raw.size() * sizeof(float))),
+        knots(layout.take(known_motion().size() * sizeof(gpu::DeskewKnot))),
         start(layout.take(kProgressBytes)),
         job(layout.take(sizeof(gpu::RegistrationJob))),
         state(layout.take(sizeof(gpu::RegistrationState))),
@@ -69,11 +72,13 @@ struct Inputs {
 // Zero before the run, so that what a kernel leaves out is not what happened to lie there. Buffers
 // of points have room for every raw point: a wrong count writes nowhere else.
 struct Outputs {
-  Slice counters, cloud, surface_cloud, map, map_counters, gaussians, gaussian_counters, finished;
+  Slice counters, moved, cloud, surface_cloud, map, map_counters, gaussians, gaussian_counters,
+      finished;
   Slice state, progress, ndt_state, ndt_progress, probe, texel_probe;
 
   Outputs(Layout& layout, const KnownScene& scene)
       : counters(layout.take(sizeof(gpu::SweepCounters))),
+        moved(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
         cloud(layout.take(scene.raw.size() * sizeof(gpu::vec4))),
         surface_cloud(layout.take(scene.raw.size() * sizeof(gpu::uvec4))),
         map(layout.take(VoxelMapKernels::table_bytes(kSlots))),
@@ -196,6 +201,7 @@ bool SelfTestReport::passed() const {
 SelfTestReport run_self_test(Context& context) {
   const KnownScene scene = make_known_scene();
   const Preprocess preprocess(context);
+  const Deskew deskew(context);
   const VoxelMapKernels voxel_maps(context);
   const VoxelMapKernels moment_maps(context, VoxelContent::moments);
   const RegistrationKernels vgicp(context, {});
@@ -222,6 +228,8 @@ SelfTestReport run_self_test(Context& context) {
   Layout upload_layout(&upload);
   const Inputs staged(upload_layout, scene);
   write(staged.raw, scene.raw);
+  write(staged.times, known_times(scene));
+  write(staged.knots, known_motion());
   RegistrationKernels::write_start({staged.start.mapped(), kProgressBytes}, 1, groups);
   write(staged.job, std::array{job_of(cloud_points, groups)});
   write(staged.state, std::array{identity_state()});
@@ -260,6 +268,13 @@ SelfTestReport run_self_test(Context& context) {
   recorder.dispatch(probe, 4, gpu::ProbePush{kProbeItems, kProbeOffset}, {in.probe, out.probe});
   recorder.dispatch(texel_probe, 4, gpu::TexelProbePush{kTexels, kProbeOffset},
                     {in.order, in.texels, in.mask, out.texel_probe});
+  deskew.record(recorder, known_motion_settings(scene),
+                {.point_count = raw_points,
+                 .knot_count = static_cast<uint32_t>(known_motion().size()),
+                 .raw = in.raw,
+                 .times = in.times,
+                 .knots = in.knots,
+                 .moved = out.moved});
   preprocess.record_reset(recorder, preprocess_scratch);
   preprocess.record(recorder, scene.settings,
                     {.point_count = raw_points,
@@ -291,7 +306,8 @@ SelfTestReport run_self_test(Context& context) {
   const Outputs found(result_layout, scene);
   const gpu::SweepCounters counters = read<gpu::SweepCounters>(found.counters)[0];
   return {{check_probe(read<uint32_t>(found.probe)),
-           check_texel_probe(read<uint32_t>(found.texel_probe)), check_insert(scene, counters),
+           check_texel_probe(read<uint32_t>(found.texel_probe)),
+           check_deskew(scene, read<gpu::vec4>(found.moved)), check_insert(scene, counters),
            check_count(scene, counters), check_emit(scene, read<gpu::vec4>(found.cloud)),
            check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
            check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shaders/shared/deskew.h"
 #include "shaders/shared/gaussian_cell.h"
 #include "shaders/shared/limit_probes.h"
 #include "shaders/shared/preprocess.h"
@@ -53,6 +54,19 @@ TEST(KernelLayouts, PreprocessStructsAreTheSameInCppAndGlsl) {
                              {{"inverse_surface_cell", offsetof(SurfacePush, inverse_surface_cell)},
                               {"level_factor", offsetof(SurfacePush, level_factor)},
                               {"surface_mask", offsetof(SurfacePush, surface_mask)}});
+}
+
+TEST(KernelLayouts, DeskewStructsAreTheSameInCppAndGlsl) {
+  using gpu::DeskewKnot;
+  expect_layout<DeskewKnot>("DeskewKnot", {{"rotation", offsetof(DeskewKnot, rotation)},
+                                           {"translation", offsetof(DeskewKnot, translation)}});
+  using gpu::DeskewPush;
+  expect_layout<DeskewPush>("DeskewPush", {{"point_count", offsetof(DeskewPush, point_count)},
+                                           {"knots", offsetof(DeskewPush, knots)},
+                                           {"first_time", offsetof(DeskewPush, first_time)},
+                                           {"per_second", offsetof(DeskewPush, per_second)},
+                                           {"min_squared", offsetof(DeskewPush, min_squared)},
+                                           {"max_squared", offsetof(DeskewPush, max_squared)}});
 }
 
 TEST(KernelLayouts, VoxelMapStructsAreTheSameInCppAndGlsl) {

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/kernels/deskew.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/context.hpp"
+
+namespace adit::engine {
+
+Deskew::Deskew(Context& context)
+    : shape_(launch_shape(context.device())),
+      kernel_(context, "deskew", {{0, shape_.local_size}}) {}
+
+void Deskew::record(Recorder& recorder, const DeskewSettings& settings,
+                    const DeskewArguments& arguments) const {
+  if (arguments.knot_count < 2 || !(settings.last_time > settings.first_time)) {
+    throw std::logic_error("deskew: needs two knots or more, of different times");
+  }
+  if (arguments.point_count == 0) {
+    return;
+  }
+  const Scope scope = recorder.scope("deskew");
+  const double step = (settings.last_time - settings.first_time) / (arguments.knot_count - 1);
+  const gpu::DeskewPush push{
+      .point_count = arguments.point_count,
+      .knots = arguments.knot_count,
+      .first_time = static_cast<float>(settings.first_time),
+      .per_second = static_cast<float>(1.0 / step),
+      .min_squared = std::max(static_cast<float>(settings.c_min * settings.c_min),
+                              std::numeric_limits<float>::min()),
+      .max_squared = static_cast<float>(settings.c_max * settings.c_max)};
+  recorder.dispatch(kernel_, std::min(shape_.groups, kernel_.groups_for(arguments.point_count)),
+                    push, {arguments.raw, arguments.times, arguments.knots, arguments.moved});
+}
+
+}  // namespace adit::engine

@@ -1,0 +1,278 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/inertial_tracker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+namespace adit {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Of alignments (docs/theory/registration.md): what the matches do not know of their own errors.
+constexpr CovarianceModel kAlignmentModel{
+    .kappa = 10.0, .sigma_translation = 0.01, .sigma_rotation = 0.001};
+
+// chi squared that 99.9 % stay below, by degrees of freedom.
+constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
+constexpr int kSurprises = 3;              // in a row are a failure
+constexpr double kFastest = 100.0;         // m/s
+constexpr double kLargestGyroBias = 0.3;   // rad/s
+constexpr double kLargestAccelBias = 3.0;  // m/s²
+constexpr double kLongestAlone = 3.0;      // s by inertia alone
+constexpr int kLosses = 5;                 // without a long time of fusion in between
+constexpr int kLongFusion = 100;           // sweeps
+// Readings stand for this long after the last one; then velocities stay as they were.
+constexpr Nanoseconds kHeld = milliseconds(20);
+// Before the start: readings that turn faster are not believed.
+constexpr double kFastestTurn = 12.0;  // rad/s
+// What a prediction must be better than to be aligned from without a search.
+constexpr double kTrustedPosition = 0.25;  // m
+constexpr double kTrustedRotation = 0.05;  // rad
+
+Eigen::Isometry3d pose_of(const std::array<double, 7>& v) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized().toRotationMatrix();
+  pose.translation() << v[0], v[1], v[2];
+  return pose;
+}
+
+ImuNoise noise_of(const ImuConfig& config) {
+  return imu_preset(config.sensor, config.noise_scale)
+      .value_or(ImuNoise{.gyro = config.gyro_noise,
+                         .accel = config.accel_noise,
+                         .gyro_walk = config.gyro_walk,
+                         .accel_walk = config.accel_walk});
+}
+
+std::string text_of(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::general, 3)
+                       .ptr;
+  return {buffer.data(), end};
+}
+
+/// Standard deviations of a lidar pose, from the covariance of the body's.
+Vector6d lidar_sigma(const Matrix15d& covariance, const Eigen::Isometry3d& T_body_lidar) {
+  const Matrix6d to_lidar = adjoint(T_body_lidar.inverse());
+  const Matrix6d of_lidar = to_lidar * covariance.topLeftCorner<6, 6>() * to_lidar.transpose();
+  Vector6d floor;
+  floor << 0.005, 0.005, 0.005, 0.001, 0.001, 0.001;
+  return (of_lidar.diagonal().cwiseMax(0.0) + floor.cwiseAbs2()).cwiseSqrt();
+}
+
+}  // namespace
+
+std::string_view to_string(InertialState state) {
+  switch (state) {
+    case InertialState::absent:
+      return "absent";
+    case InertialState::starting:
+      return "starting";
+    case InertialState::fused:
+      return "fused";
+    case InertialState::lost:
+      return "lost";
+    case InertialState::refused:
+      return "refused";
+  }
+  return "unknown";
+}
+
+InertialTracker::InertialTracker(const ImuConfig& config)
+    : config_(config), noise_(noise_of(config)), T_body_lidar_(pose_of(config.T_imu_lidar)) {}
+
+ImuArrival InertialTracker::add(const ImuSample& sample) {
+  const ImuArrival arrival = buffer_.push(sample);
+  if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use != 0) {
+    state_ = InertialState::starting;
+  }
+  return arrival;
+}
+
+std::optional<Eigen::Matrix3d> InertialTracker::level_lidar(Nanoseconds begin,
+                                                            Nanoseconds end) const {
+  const ImuInterval interval = buffer_.between(begin, end);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ImuSample& sample : interval.samples) {
+    sum += sample.linear_acceleration;
+  }
+  if (state_ == InertialState::absent || !complaint(interval).empty() || !(sum.norm() > 0.0)) {
+    return std::nullopt;
+  }
+  return level_attitude(T_body_lidar_.linear().transpose() * sum);
+}
+
+std::vector<ImuSample> InertialTracker::scaled(std::vector<ImuSample> samples) const {
+  return accel_scale_ == 1.0 ? std::move(samples) : with_accel_scale(samples, accel_scale_);
+}
+
+std::string InertialTracker::complaint(const ImuInterval& interval) const {
+  const double longest =
+      std::max({interval.held_before, interval.held_after, interval.longest_gap});
+  if (interval.samples.empty()) {
+    return "there are no IMU readings";
+  }
+  return longest <= config_.max_gap ? ""
+                                    : "no IMU readings for " + text_of(longest) +
+                                          " s (imu.max_gap is " + text_of(config_.max_gap) + ")";
+}
+
+void InertialTracker::lose(const std::string& why) {
+  ++losses_;
+  const bool again = losses_ >= kLosses;
+  state_ = again ? InertialState::refused : InertialState::lost;
+  event_ = why + (again ? "; lost " + std::to_string(losses_) +
+                              " times, so it is not used any more: check its mounting "
+                              "(imu.T_imu_lidar), its clock and its units with adit inspect"
+                        : "");
+  graph_.reset();
+  pending_.reset();
+  poses_.clear();
+  readings_.clear();
+  surprises_ = 0;
+  fused_sweeps_ = 0;
+  alone_since_ = 0.0;
+}
+
+std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, double duration,
+                                                           const Eigen::Vector3d& velocity) const {
+  const Nanoseconds end =
+      stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration));
+  ImuInterval interval = buffer_.between(stamp, end);
+  const auto too_fast = [](const ImuSample& sample) {
+    return sample.angular_velocity.norm() > kFastestTurn;
+  };
+  if (state_ != InertialState::starting || !gyro_agrees_ || duration <= 0.0 ||
+      !complaint(interval).empty() || std::ranges::any_of(interval.samples, too_fast)) {
+    return std::nullopt;
+  }
+  for (ImuSample& sample : interval.samples) {
+    sample.linear_acceleration.setZero();
+  }
+  NavState state;
+  state.stamp = stamp;
+  state.v_map_body = T_body_lidar_.linear() * velocity;
+  return inertial_motion(state, interval.samples, Eigen::Vector3d::Zero(), T_body_lidar_, 0.0,
+                         duration);
+}
+
+std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseconds end) const {
+  const auto motion = turning_motion(begin, seconds(end - begin), Eigen::Vector3d::Zero());
+  return motion ? std::optional<Eigen::Matrix3d>(motion->T_start_lidar.back().linear())
+                : std::nullopt;
+}
+
+std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, double duration) {
+  pending_.reset();
+  if (state_ != InertialState::fused || stamp <= graph_->latest().stamp) {
+    return std::nullopt;
+  }
+  const ImuInterval interval = buffer_.between(graph_->latest().stamp, stamp);
+  if (const std::string wrong = complaint(interval); !wrong.empty()) {
+    lose(wrong);
+    after_gap_ = true;
+    return std::nullopt;
+  }
+  pending_ = Pending{.readings = scaled(interval.samples), .prediction = {}};
+  pending_->prediction = graph_->predict(pending_->readings);
+  const StateEstimate& predicted = pending_->prediction;
+
+  InertialPrediction result;
+  result.lidar.T_map_lidar = T_map_lidar(predicted.state);
+  result.lidar.sigma = lidar_sigma(predicted.covariance, T_body_lidar_);
+  result.lidar.trusted = result.lidar.sigma.head<3>().maxCoeff() < kTrustedPosition &&
+                         result.lidar.sigma.tail<3>().maxCoeff() < kTrustedRotation;
+  const Nanoseconds end =
+      stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration));
+  const ImuInterval within = buffer_.between(stamp, std::min(end, buffer_.back().stamp + kHeld));
+  if (!within.samples.empty() && within.longest_gap <= config_.max_gap) {
+    result.motion = inertial_motion(predicted.state, scaled(within.samples), *gravity_,
+                                    T_body_lidar_, 0.0, duration);
+  }
+  return result;
+}
+
+InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
+                                       const RegistrationResult* alignment,
+                                       const Eigen::Isometry3d& steady) {
+  InertialReport report;
+  if (pending_) {
+    fuse(alignment, steady, report);
+  } else if (state_ == InertialState::starting || state_ == InertialState::lost) {
+    collect(T_map_lidar, alignment != nullptr);
+    try_start();
+  }
+  const Nanoseconds oldest = poses_.empty() ? T_map_lidar.stamp : poses_.front().stamp;
+  buffer_.forget_before(oldest - milliseconds(100));
+  report.state = state_;
+  report.event = std::exchange(event_, {});
+  report.hindrance = hindrance_;
+  report.gravity_map = gravity_.value_or(Eigen::Vector3d::Zero());
+  return report;
+}
+
+std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
+  const NavState& nav = estimate.state;
+  if (!nav.T_map_body.matrix().allFinite() || !nav.v_map_body.allFinite() ||
+      !estimate.covariance.allFinite()) {
+    return "the fused state is not finite";
+  }
+  if (nav.v_map_body.norm() > kFastest) {
+    return "the fused velocity is " + text_of(nav.v_map_body.norm()) + " m/s";
+  }
+  if (nav.bias.gyro.norm() > kLargestGyroBias) {
+    return "the gyroscope's bias would be " + text_of(nav.bias.gyro.norm()) +
+           " rad/s: is it saturated, in degrees, or mounted otherwise than imu.T_imu_lidar says?";
+  }
+  if (nav.bias.accel.norm() > kLargestAccelBias) {
+    return "the accelerometer's bias would be " + text_of(nav.bias.accel.norm()) +
+           " m/s^2: is its unit another, or imu.T_imu_lidar wrong?";
+  }
+  if (surprises_ >= kSurprises) {
+    return std::to_string(surprises_) +
+           " alignments in a row are where the IMU says that they cannot be: are clock and "
+           "imu.T_imu_lidar right?";
+  }
+  return alone_since_ > kLongestAlone
+             ? "no sweep could be aligned for " + text_of(alone_since_) + " s"
+             : "";
+}
+
+void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
+                           InertialReport& report) {
+  const StateEstimate& prediction = pending_->prediction;
+  const double elapsed = seconds(prediction.state.stamp - graph_->latest().stamp);
+  alone_since_ = alignment != nullptr ? 0.0 : alone_since_ + elapsed;
+  std::optional<PoseMeasurement> measurement;
+  if (alignment != nullptr) {
+    measurement = measured_pose(*alignment, kAlignmentModel, T_body_lidar_);
+    report.innovation = innovation(prediction, *measurement);
+    const double bound = kChiSquared999[static_cast<size_t>(measurement->known_directions)];
+    surprises_ = report.innovation.nis > bound ? surprises_ + 1 : 0;
+    const Eigen::Isometry3d& found = alignment->T_target_source;
+    const Eigen::Isometry3d inertial_off = found.inverse() * T_map_lidar(prediction.state);
+    const Eigen::Isometry3d steady_off = found.inverse() * steady;
+    report.compared = true;
+    report.better_turn =
+        rotation_angle(inertial_off.linear()) < rotation_angle(steady_off.linear());
+    report.better_travel = inertial_off.translation().norm() < steady_off.translation().norm();
+  }
+  const StateEstimate estimate = graph_->add(std::move(pending_->readings), measurement);
+  pending_.reset();
+  if (const std::string failed = failed_check(estimate); !failed.empty()) {
+    after_gap_ = false;
+    lose(failed);
+    return;
+  }
+  losses_ = ++fused_sweeps_ > kLongFusion ? 0 : losses_;
+  last_fused_ = estimate.state;
+  report.nav = estimate.state;
+}
+
+}  // namespace adit

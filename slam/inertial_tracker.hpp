@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slam/config.hpp"
+#include "slam/imu_buffer.hpp"
+#include "slam/imu_start.hpp"
+#include "slam/motion_model.hpp"
+#include "slam/sliding_graph.hpp"
+#include "slam/sweep_motion.hpp"
+
+namespace adit {
+
+/// What the inertial sensor does for the odometry.
+enum class InertialState {
+  absent,    ///< no readings came, or it is not to be used
+  starting,  ///< gravity, biases and velocity are not known yet: the lidar goes alone
+  fused,
+  lost,     ///< a check failed: the lidar goes alone until the sensor has been started again
+  refused,  ///< it was lost again and again: it stays out
+};
+std::string_view to_string(InertialState state);
+
+/// What a sweep told of the inertial sensor.
+struct InertialReport {
+  InertialState state = InertialState::absent;
+  /// For people, where the state changed with this sweep: why, with the evidence.
+  std::string event;
+  std::string hindrance;        ///< for people: what keeps a sensor from being started
+  std::optional<NavState> nav;  ///< of the body, where this sweep was fused
+  Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
+  Innovation innovation;       ///< of the alignment; 0 degrees where there was none
+  bool compared = false;       ///< prediction and constant velocity, against the alignment:
+  bool better_turn = false;    ///< the inertial prediction's rotation was nearer
+  bool better_travel = false;  ///< its translation was
+};
+
+/// What the readings say of the next sweep.
+struct InertialPrediction {
+  Prediction lidar;
+  std::optional<SweepMotion> motion;  ///< none for a sweep without duration
+};
+
+/// Starts the inertial sensor, predicts sweeps with it, fuses it with their alignments in the
+/// sliding graph, and checks that it does what it should (docs/theory/inertial.md, section 6).
+class InertialTracker {
+ public:
+  /// `config` must have passed validate().
+  explicit InertialTracker(const ImuConfig& config);
+
+  ImuArrival add(const ImuSample& sample);
+
+  /// Attitude of the lidar in a map whose z is up, as the readings of that time have it: within a
+  /// few degrees for a sensor that moves. None without readings.
+  std::optional<Eigen::Matrix3d> level_lidar(Nanoseconds begin, Nanoseconds end) const;
+
+  /// The sweep that begins at `stamp` and lasts `duration` s. None while the sensor is not fused.
+  std::optional<InertialPrediction> predict(Nanoseconds stamp, double duration);
+
+  /// Before the first start the gyroscope alone can be used, with its bias: how the lidar turned in
+  /// that time, R_begin_end. None once started, without readings, or if it turned otherwise than
+  /// alignments said.
+  std::optional<Eigen::Matrix3d> turn(Nanoseconds begin, Nanoseconds end) const;
+  /// The same over a sweep, with the translation of a constant velocity (m/s, lidar axes).
+  std::optional<SweepMotion> turning_motion(Nanoseconds stamp, double duration,
+                                            const Eigen::Vector3d& velocity) const;
+
+  /// The pose of a sweep that was aligned, or bridged by a prediction where `alignment` is null;
+  /// `steady` is what constant velocity predicted. Where the report has a nav, that is the outcome.
+  InertialReport update(const StampedPose& T_map_lidar, const RegistrationResult* alignment,
+                        const Eigen::Isometry3d& steady);
+
+  /// What nav says of the lidar.
+  Eigen::Isometry3d T_map_lidar(const NavState& nav) const {
+    return nav.T_map_body * T_body_lidar_;
+  }
+
+ private:
+  struct Pending {
+    std::vector<ImuSample> readings;
+    StateEstimate prediction;
+  };
+
+  std::vector<ImuSample> scaled(std::vector<ImuSample> samples) const;
+  /// What is wrong with the coverage; empty if nothing is.
+  std::string complaint(const ImuInterval& interval) const;
+  std::string failed_check(const StateEstimate& estimate) const;
+  void lose(const std::string& why);
+  void fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
+            InertialReport& report);
+  void collect(const StampedPose& T_map_lidar, bool aligned);
+  void try_start();
+  bool start_again_after_gap();
+  void start(const NavState& state, const ImuStart& how);
+
+  ImuConfig config_;
+  ImuNoise noise_;
+  Eigen::Isometry3d T_body_lidar_;
+  ImuBuffer buffer_;
+  InertialState state_ = InertialState::absent;
+  std::string event_;
+  std::string hindrance_;
+  double accel_scale_ = 1.0;
+  std::optional<SlidingGraph> graph_;
+  std::optional<Eigen::Vector3d> gravity_;
+  std::optional<Pending> pending_;
+  NavState last_fused_;
+  bool gyro_agrees_ = true;   ///< with alignments, as far as was seen before the start
+  bool after_gap_ = false;    ///< lost for want of readings alone: gravity and biases still hold
+  int surprises_ = 0;         ///< innovations beyond belief in a row
+  int losses_ = 0;            ///< since the last long time of fusion
+  int fused_sweeps_ = 0;      ///< in a row
+  double alone_since_ = 0.0;  ///< s without an alignment
+  std::deque<StampedPose> poses_;                ///< of the body, aligned, in a row
+  std::deque<std::vector<ImuSample>> readings_;  ///< between them, as they came
+};
+
+}  // namespace adit
