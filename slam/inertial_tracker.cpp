@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 // Of alignments (docs/theory/registration.md): what the matches do not know of their own errors.
 constexpr CovarianceModel kAlignmentModel{
-    .kappa = 10.0, .sigma_translation = 0.01, .sigma_rotation = 0.001};
+    .kappa = 1.0, .sigma_translation = 0.002, .sigma_rotation = 0.0003};
 
 // chi squared that 99.9 % stay below, by degrees of freedom.
 constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};

@@ -61,7 +61,7 @@ struct Outcome {
 /// Changes the readings before they are handed on.
 using Fault = std::function<void(std::vector<ImuSample>&)>;
 
-/// Ten seconds by hand, alignments good to 1 cm and 1 mrad.
+/// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
 Outcome run(const Fault& fault, double duration = 10.0, const ImuConfig& imu = config()) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
@@ -84,8 +84,8 @@ Outcome run(const Fault& fault, double duration = 10.0, const ImuConfig& imu = c
     const Eigen::Isometry3d guess = steady.predict(stamp).T_map_lidar;
     tracker.predict(stamp, kSweep);
     Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });
-    error.head<3>() *= 0.01;
-    error.tail<3>() *= 0.001;
+    error.head<3>() *= 0.002;
+    error.tail<3>() *= 0.0003;
     RegistrationResult alignment;
     alignment.status = RegistrationStatus::converged;
     alignment.T_target_source = retract(truth, error);
