@@ -39,11 +39,14 @@ std::string digits(double value) {
   return text.str();
 }
 
-// 1000 as 1 k.
+// 1000 as 1 k, 1/100 as 0.01.
 std::string power_label(int exponent) {
   constexpr std::array<std::string_view, 3> kUnits = {"", " k", " M"};
-  if (exponent < 0 || exponent >= 9) {
+  if (exponent >= 9) {
     return "1e" + std::to_string(exponent);
+  }
+  if (exponent < 0) {
+    return "0." + std::string(static_cast<size_t>(-exponent - 1), '0') + "1";
   }
   const auto thousands = static_cast<size_t>(exponent / 3);
   return (exponent % 3 == 0 ? "1" : (exponent % 3 == 1 ? "10" : "100")) +
@@ -249,10 +252,10 @@ std::string to_html(const Report& report) {
   const Setting& s = report.setting;
   const DeviceLimits& l = report.limits;
   const auto scaling = [&](CaseKind kind) {
-    return series_of(report, [kind](const Row& row) {
-      return row.kind == kind
-                 ? std::optional(Eigen::Vector2d(static_cast<double>(row.items), row.ns_an_item()))
-                 : std::nullopt;
+    const double unit = kind == CaseKind::batch ? 1e-6 : 1.0;
+    return series_of(report, [kind, unit](const Row& row) {
+      const Eigen::Vector2d at(static_cast<double>(row.items), unit * row.ns_an_item());
+      return row.kind == kind ? std::optional(at) : std::nullopt;
     });
   };
   std::ostringstream out;
@@ -286,7 +289,7 @@ std::string to_html(const Report& report) {
       << "\n<h2>Scaling of registrations</h2>\n"
       << chart(scaling(CaseKind::registration), "points", "ns a point, host clock")
       << "\n<h2>Batches</h2>\n"
-      << chart(scaling(CaseKind::batch), "pairs of a batch", "ns a pair, host clock")
+      << chart(scaling(CaseKind::batch), "pairs of a batch", "ms a pair, host clock")
       << "\n<h2>Peers on the host</h2>\n"
       << chart(scaling(CaseKind::peer), "points", "ns a point, host clock")
       << "\n<h2>All figures</h2>\n<p>Medians, with the 10th to 90th percentile. The share of the "

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/kernels/cases.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The one list of inputs: tests verify every kernel on all of them, benchmarks verify and then time
-// the sweeps of kTimedSizes. All are made from seeds: the same points on every machine.
+// the streets. All are made from seeds: the same points on every machine.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,9 +22,6 @@ struct SweepCase {
   engine::PreprocessSettings settings;
   std::vector<Point> raw;
 };
-
-/// Raw points of the sweeps that are timed, about.
-inline constexpr std::array<int, 3> kTimedSizes = {5'000, 30'000, 120'000};
 
 /// A spinning lidar in a street, `points` returns and no-returns in all.
 SweepCase street_sweep(int points);
