@@ -8,6 +8,7 @@
 #include "engine/context.hpp"
 #include "shaders/shared/preprocess.h"
 #include "shaders/shared/registration.h"
+#include "slam/front_end.hpp"
 
 namespace adit {
 namespace {
@@ -58,16 +59,17 @@ Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
       progress_(
           context.make_buffer(2 * kProgressStride, engine::Memory::device, "alignment progress")),
       states_(context.make_buffer(2 * kStateStride, engine::Memory::device, "alignment")),
-      scratch_(context.make_buffer(kernels_.scratch_bytes(1, kernels_.most_groups()),
+      scratch_(context.make_buffer(kernels_.scratch_bytes(1, kernels_.groups(kLargestSweep)),
                                    engine::Memory::device, "alignment scratch")),
       readback_(context.make_buffer(kMapCountersAt + sizeof(gpu::VoxelMapCounters),
-                                    engine::Memory::readback, "alignment back")) {
-  engine::RegistrationKernels::write_start({upload_.mapped() + kStartAt, kProgressBytes}, 1,
-                                           kernels_.most_groups());
-}
+                                    engine::Memory::readback, "alignment back")) {}
 
 void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
-                     engine::Slice surface_cloud, engine::Slice counters, Submap& submap) {
+                     engine::Slice surface_cloud, engine::Slice counters, uint32_t most_points,
+                     Submap& submap) {
+  groups_ = kernels_.groups(most_points);
+  engine::RegistrationKernels::write_start({upload_.mapped() + kStartAt, kProgressBytes}, 1,
+                                           groups_);
   auto& state = *reinterpret_cast<gpu::RegistrationState*>(upload_.mapped() + kStateAt);
   state = initial_state(submap.pose().inverse() * prediction.T_map_lidar,
                         prediction.sigma.cwiseAbs2().cwiseInverse().asDiagonal());
@@ -96,7 +98,7 @@ void Aligner::record_job(engine::Recorder& recorder, size_t level,
       .source_count = 0,
       .target_begin = 0,
       .table_mask = target.slots() - 1,
-      .groups = kernels_.most_groups(),
+      .groups = groups_,
       .cell = static_cast<float>(target.voxel_size),
       .inverse_cell = static_cast<float>(1.0 / target.voxel_size),
       .max_squared = static_cast<float>(d_max * d_max),
@@ -118,7 +120,7 @@ engine::RegistrationArguments Aligner::arguments(size_t alignment, size_t level,
                                                  engine::Slice surface_cloud,
                                                  const engine::VoxelMapView& target) const {
   return {.count = 1,
-          .group_stride = kernels_.most_groups(),
+          .group_stride = groups_,
           .source = surface_cloud,
           .target = target.table,
           .jobs = jobs_.slice(level * kJobStride, sizeof(gpu::RegistrationJob)),

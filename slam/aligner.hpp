@@ -18,9 +18,10 @@ class Aligner {
  public:
   Aligner(engine::Context& context, const RegistrationConfig& config);
 
-  /// Records the whole alignment and the copies back; the submap is up to date and not empty.
+  /// Records the whole alignment and the copies back; the submap is up to date and not empty. The
+  /// device knows how many points the cloud has; at most `most_points`.
   void record(engine::Recorder& recorder, const Prediction& prediction, engine::Slice surface_cloud,
-              engine::Slice counters, Submap& submap);
+              engine::Slice counters, uint32_t most_points, Submap& submap);
   /// After the submission: the result in the map frame, and what the submap's voxel map counted.
   RegistrationResult read_result(int source_points, const Submap& submap) const;
   gpu::VoxelMapCounters read_map_counters() const;
@@ -46,6 +47,7 @@ class Aligner {
   engine::Buffer states_;    ///< the same
   engine::Buffer scratch_;
   engine::Buffer readback_;  ///< states, progress, then the voxel map's counters
+  uint32_t groups_ = 0;      ///< of the last alignment recorded
   bool searched_ = false;    ///< the last alignment recorded has a second state
 };
 

@@ -12,9 +12,6 @@ namespace adit {
 namespace {
 
 constexpr uint32_t kSmallestCapacity = 1U << 14U;
-// The down-sampling table of a sweep this large still fits one storage buffer of the baseline
-// device.
-constexpr size_t kLargestSweep = size_t{1} << 21U;
 
 }  // namespace
 

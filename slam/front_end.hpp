@@ -20,6 +20,10 @@ class Recorder;
 
 namespace adit {
 
+/// Points of the largest sweep that is taken: its down-sampling table still fits one storage buffer
+/// of the baseline device.
+inline constexpr uint32_t kLargestSweep = 1U << 21U;
+
 /// From a sweep's raw points to its down-sampled cloud with surfaces: device memory and recording.
 class FrontEnd {
  public:
@@ -32,6 +36,8 @@ class FrontEnd {
   bool has_times() const { return has_times_; }
   /// Points the buffers are sized for.
   uint32_t capacity() const { return capacity_; }
+  /// Raw points of the sweep taken last, invalid ones too.
+  uint32_t points() const { return point_count_; }
 
   /// Records everything up to the surfaces, and the copies back. With the sensor's motion the
   /// points are first moved to the sweep's start; it may be given where has_times().

@@ -169,7 +169,8 @@ void Odometry::Impl::run_on_device(const Expectation& expected, SweepResult& res
     submap.record_update(recorder);
     front_end.record(recorder, surface_cloud, expected.motion);
     if (aligns) {
-      aligner.record(recorder, expected.prediction, surface_cloud, front_end.counters(), submap);
+      aligner.record(recorder, expected.prediction, surface_cloud, front_end.counters(),
+                     front_end.points(), submap);
     }
     engine::Submission submission = context.submit(std::move(recorder));
     const auto start = std::chrono::steady_clock::now();

@@ -36,4 +36,12 @@ inline LaunchShape reduction_shape(const DeviceInfo& device) {
   return shape;
 }
 
+/// Groups of `local_size` invocations for so many items, each of which costs `rounds` rounds of a
+/// kernel's loops, nested ones included. Lavapipe gives the loops of an invocation 65535 rounds in
+/// all and then leaves them without a word (Mesa's LP_MAX_TGSI_LOOP_ITERATIONS); this takes half.
+inline uint32_t least_groups(uint64_t items, uint64_t rounds, uint32_t local_size) {
+  const uint64_t most = uint64_t{local_size} * 32768;
+  return static_cast<uint32_t>((items * rounds + most - 1) / most);
+}
+
 }  // namespace adit::engine

@@ -56,10 +56,9 @@ class RegistrationKernels {
   RegistrationKernels(Context& context, const RegistrationOptions& options);
 
   const RegistrationOptions& options() const { return options_; }
-  /// Groups for a source of so many points: its sums do not depend on the rest of the batch.
+  /// Groups for a source of so many points, or, where only the device knows how many, of at most so
+  /// many: its sums do not depend on the rest of the batch.
   uint32_t groups(uint32_t points) const;
-  /// Groups of sources whose size only the device knows.
-  uint32_t most_groups() const { return shape_.groups; }
 
   static uint64_t progress_bytes(uint32_t count);
   uint64_t scratch_bytes(uint32_t count, uint32_t group_stride) const;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/kernels/voxel_map.hpp"
 
+#include <algorithm>
+
 #include "engine/context.hpp"
 #include "engine/kernels/texels.hpp"
 
@@ -49,14 +51,16 @@ void VoxelMapKernels::record(Recorder& recorder, const VoxelMapView& map, Slice 
 
 void VoxelMapKernels::record_finish(Recorder& recorder, const VoxelMapView& map,
                                     const FinishSettings& settings, Slice finished) const {
-  recorder.dispatch(finish_, shape_.groups,
-                    gpu::VoxelMapFinishPush{.cell = static_cast<float>(map.voxel_size),
-                                            .slots = map.slots(),
-                                            .min_points = settings.min_points,
-                                            .least_ratio = static_cast<float>(settings.least_ratio),
-                                            .least_squared = static_cast<float>(
-                                                settings.least_sigma * settings.least_sigma)},
-                    {map.table, finished, texel_slice(map.table, texels_)});
+  constexpr uint32_t kRounds = 128;  // of a slot: Jacobi rotations and the loops within
+  recorder.dispatch(
+      finish_, std::max(shape_.groups, least_groups(map.slots(), kRounds, shape_.local_size)),
+      gpu::VoxelMapFinishPush{
+          .cell = static_cast<float>(map.voxel_size),
+          .slots = map.slots(),
+          .min_points = settings.min_points,
+          .least_ratio = static_cast<float>(settings.least_ratio),
+          .least_squared = static_cast<float>(settings.least_sigma * settings.least_sigma)},
+      {map.table, finished, texel_slice(map.table, texels_)});
 }
 
 }  // namespace adit::engine

@@ -162,7 +162,7 @@ AlignmentRun::AlignmentRun(engine::Context& context, const engine::RegistrationK
           context.make_buffer(kStateAt + sizeof(gpu::RegistrationState), Memory::upload, "start")),
       progress_(context.make_buffer(kProgressBytes, Memory::device, "progress")),
       state_(context.make_buffer(sizeof(gpu::RegistrationState), Memory::device, "state")),
-      scratch_(context.make_buffer(kernels_->scratch_bytes(1, kernels_->most_groups()),
+      scratch_(context.make_buffer(kernels_->scratch_bytes(1, kernels_->groups(source.size())),
                                    Memory::device, "scratch")) {}
 
 Times AlignmentRun::align(const Eigen::Isometry3d& start) {

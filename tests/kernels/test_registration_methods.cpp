@@ -59,6 +59,32 @@ TEST_F(RegistrationMethods, SumsAreTheTwins) {
   }
 }
 
+// A software device may end loops that go on for long without a word: the same points a hundred
+// times over must match a hundred times as often.
+TEST_F(RegistrationMethods, EveryPointCountsHoweverManyThereAre) {
+  const AlignmentScene scene(context(), test::street_alignment(5'000));
+  const MethodCase test = method_case("", gpu::kVgicp, 27);
+  const engine::RegistrationKernels kernels(context(), test.objective.options);
+  const VoxelMapRun target = method_target(context(), gpu::kVgicp, scene.source());
+  constexpr size_t kTimes = 100;
+  std::vector<gpu::uvec4> many;
+  for (size_t i = 0; i < kTimes; ++i) {
+    many.insert(many.end(), scene.source().begin(), scene.source().end());
+  }
+  const auto inliers_and_matches = [&](const std::vector<gpu::uvec4>& points) {
+    const test::DeviceCloud source(context(), points);
+    test::AlignmentRun run = test::method_run(context(), kernels, source, target, test.objective);
+    run.evaluate(Eigen::Isometry3d::Identity());
+    const test::DeviceOutcome found = run.state();
+    return std::pair(found.system[gpu::kInliersAt], found.system[gpu::kMatchesAt]);
+  };
+  const auto [inliers, matches] = inliers_and_matches(scene.source());
+  const auto [many_inliers, many_matches] = inliers_and_matches(many);
+  EXPECT_GT(inliers, 2000.0F);
+  EXPECT_EQ(many_inliers, kTimes * inliers);  // whole numbers below 2^24: exact
+  EXPECT_EQ(many_matches, kTimes * matches);
+}
+
 TEST_F(RegistrationMethods, BackFacesAreSomeOfTheMatches) {
   const AlignmentScene scene(context(), test::street_alignment(30'000));
   const MethodCase test = method_case("", gpu::kVgicp, 1, gpu::kNoRobust, true);
