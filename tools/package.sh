@@ -20,7 +20,7 @@ die() { printf 'package: %s\n' "$*" >&2; exit 1; }
 link_flags='-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib'
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DADIT_TESTS=OFF \
-  -DADIT_BENCHMARKS=OFF -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
+  -DADIT_PEERS=OFF -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
 cmake --build "$build" --target adit >&2
 
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
