@@ -193,7 +193,8 @@ TEST_F(SimulationTest, TheCommandTellsWhatItWrote) {
     EXPECT_TRUE(std::filesystem::exists(file)) << file;
     EXPECT_NE(out.str().find(file.filename().string()), std::string::npos) << out.str();
   }
-  for (const Topic& topic : open_recording(files.recording)->topics()) {
+  const std::unique_ptr<Recording> recording = open_recording(files.recording);
+  for (const Topic& topic : recording->topics()) {
     EXPECT_NE(topic.kind, TopicKind::imu);
   }
 }
