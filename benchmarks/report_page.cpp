@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "benchmarks/report.hpp"
+#include "tools/markup.hpp"
 #include "tools/svg.hpp"
 
 namespace adit::bench {
@@ -23,14 +24,6 @@ constexpr double kLeft = 70.0;
 constexpr double kRight = 240.0;  // for the legend
 constexpr double kTop = 20.0;
 constexpr double kBottom = 50.0;
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    safe += c == '<' ? "&lt;" : (c == '>' ? "&gt;" : (c == '&' ? "&amp;" : std::string(1, c)));
-  }
-  return safe;
-}
 
 std::string digits(double value) {
   std::ostringstream text;
@@ -210,10 +203,10 @@ std::string table(const Report& report) {
          "ms<th>ns an item<th>GB/s<th>GFLOP/s<th>share of the limit<th>times its peer<th>verified "
          "by<th>result</tr>\n";
   for (const Row& row : report.rows) {
-    out << "<tr><td>" << escaped(row.name) << "</td><td>" << row.size << "</td><td>" << row.items
-        << "</td>";
+    out << "<tr><td>" << escape_markup(row.name) << "</td><td>" << row.size << "</td><td>"
+        << row.items << "</td>";
     if (!row.problem.empty()) {
-      out << "<td colspan=11 class=wrong>wrong, not timed: " << escaped(row.problem)
+      out << "<td colspan=11 class=wrong>wrong, not timed: " << escape_markup(row.problem)
           << "</td></tr>\n";
       continue;
     }
@@ -231,13 +224,13 @@ std::string table(const Report& report) {
     }
     out << "<td>";
     if (peer != nullptr && peer->problem.empty()) {
-      out << digits(ms / peer->timing.best().median) << " <small>" << escaped(peer->name)
+      out << digits(ms / peer->timing.best().median) << " <small>" << escape_markup(peer->name)
           << "</small>";
     }
-    out << "</td><td>" << escaped(row.verified_by) << "</td><td>";
+    out << "</td><td>" << escape_markup(row.verified_by) << "</td><td>";
     const char* separator = "";
     for (const auto& [name, value] : row.figures) {
-      out << separator << escaped(name) << " " << digits(value);
+      out << separator << escape_markup(name) << " " << digits(value);
       separator = ", ";
     }
     out << "</td></tr>\n";
@@ -260,7 +253,7 @@ std::string to_html(const Report& report) {
   };
   std::ostringstream out;
   out << "<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>adit bench: "
-      << escaped(s.device)
+      << escape_markup(s.device)
       << "</title>\n<style>body{font:15px/1.5 sans-serif;margin:2em "
          "auto;max-width:1200px;padding:0 "
          "1em}table{border-collapse:collapse;font-size:12px}td,th{border-bottom:1px solid "
@@ -268,12 +261,13 @@ std::string to_html(const Report& report) {
          "td:nth-last-child(-n+2),th:nth-last-child(-n+2){text-align:left}small{color:#777}"
          ".wrong{color:#b00;text-align:left}.wide{overflow-x:auto}dt{float:left;width:9em;color:#"
          "777}dd{margin-left:9em}svg{max-width:100%;height:auto}</style>\n<h1>"
-      << escaped(s.device) << "</h1>\n<dl><dt>driver<dd>" << escaped(s.driver) << " "
-      << escaped(s.driver_version) << ", Vulkan " << escaped(s.vulkan)
-      << (s.software ? ", software" : "") << "<dt>host<dd>" << escaped(s.host) << ", " << s.threads
-      << " threads<dt>adit<dd>" << escaped(s.version) << " (" << escaped(s.commit) << "), "
-      << escaped(s.date) << "<dt>peers<dd>" << escaped(s.peers) << "<dt>clouds<dd>"
-      << escaped(s.input) << "</dl>\n<h2>Limits of the device, measured in the same run</h2>\n"
+      << escape_markup(s.device) << "</h1>\n<dl><dt>driver<dd>" << escape_markup(s.driver) << " "
+      << escape_markup(s.driver_version) << ", Vulkan " << escape_markup(s.vulkan)
+      << (s.software ? ", software" : "") << "<dt>host<dd>" << escape_markup(s.host) << ", "
+      << s.threads << " threads<dt>adit<dd>" << escape_markup(s.version) << " ("
+      << escape_markup(s.commit) << "), " << escape_markup(s.date) << "<dt>peers<dd>"
+      << escape_markup(s.peers) << "<dt>clouds<dd>" << escape_markup(s.input)
+      << "</dl>\n<h2>Limits of the device, measured in the same run</h2>\n"
       << "<table><tr><th>limit<th>value</tr><tr><td>copy, read and written bytes counted<td>"
       << digits(1e-9 * l.copy_bytes) << " GB/s</tr><tr><td>float32 multiply-adds, 2 each<td>"
       << digits(1e-9 * l.flop) << " GFLOP/s</tr><tr><td>64-byte reads at random places of 1 MiB<td>"

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/markup.hpp"
 #include "tools/recording_inference.hpp"
 #include "tools/svg.hpp"
 
@@ -34,26 +35,6 @@ th:first-child, td:first-child, th:nth-child(2), td:nth-child(2), th:nth-child(3
 .good { border-color: #2a9d3a; background: #eef8ef; }
 .finding p { margin: 0.1em 0; } svg { max-width: 100%; height: auto; }
 )";
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        result += static_cast<unsigned char>(c) < 0x20U ? ' ' : c;
-    }
-  }
-  return result;
-}
 
 std::string number(double value, const char* format = "%.2f") {
   char text[64];
@@ -192,9 +173,9 @@ std::string findings_part(const Inspection& inspection) {
     const bool problem = f.severity == Severity::problem;
     html += std::string("<div class=\"finding") + (problem ? " problem" : "") + "\"><p><b>" +
             std::string(to_string(f.severity)) + ":</b> " +
-            escaped((f.topic.empty() ? "" : f.topic + ": ") + f.found) + ".</p>";
-    html += f.effect.empty() ? "" : "<p>Effect: " + escaped(f.effect) + "</p>";
-    html += f.remedy.empty() ? "" : "<p>What to do: " + escaped(f.remedy) + "</p>";
+            escape_markup((f.topic.empty() ? "" : f.topic + ": ") + f.found) + ".</p>";
+    html += f.effect.empty() ? "" : "<p>Effect: " + escape_markup(f.effect) + "</p>";
+    html += f.remedy.empty() ? "" : "<p>What to do: " + escape_markup(f.remedy) + "</p>";
     html += "</div>\n";
   }
   return has_problem(inspection)
@@ -209,8 +190,8 @@ std::string topics_part(const Inspection& inspection) {
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     const Topic& topic = inspection.topics[i];
     const TopicStatistics& s = inspection.statistics[i];
-    html += "<tr><td>" + escaped(topic.name) + "</td><td>" + escaped(topic.type) + "</td><td>" +
-            std::string(to_string(topic.kind)) + "</td>";
+    html += "<tr><td>" + escape_markup(topic.name) + "</td><td>" + escape_markup(topic.type) +
+            "</td><td>" + std::string(to_string(topic.kind)) + "</td>";
     if (topic.kind == TopicKind::other) {
       html += "<td>" + (topic.messages ? std::to_string(*topic.messages) : "?") +
               "</td><td></td><td></td><td></td><td></td></tr>\n";
@@ -227,17 +208,18 @@ std::string topics_part(const Inspection& inspection) {
 
 std::string inspection_page(const Inspection& inspection) {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-                     escaped(inspection.description) + "</title><style>" + std::string(kStyle) +
-                     "</style></head><body>\n<h1>" + escaped(inspection.description) + "</h1>\n" +
-                     findings_part(inspection) + "<h2>Topics</h2>\n" + topics_part(inspection) +
+                     escape_markup(inspection.description) + "</title><style>" +
+                     std::string(kStyle) + "</style></head><body>\n<h1>" +
+                     escape_markup(inspection.description) + "</h1>\n" + findings_part(inspection) +
+                     "<h2>Topics</h2>\n" + topics_part(inspection) +
                      "<h2>What was inferred</h2>\n<ul>\n";
   for (const Inference& one : infer(inspection)) {
-    html += "<li>" + escaped(one.topic + ": " + one.text) + "</li>\n";
+    html += "<li>" + escape_markup(one.topic + ": " + one.text) + "</li>\n";
   }
   html += "</ul>\n";
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     if (inspection.statistics[i].events > 1) {
-      html += "<h2>" + escaped(inspection.topics[i].name) + "</h2>\n" +
+      html += "<h2>" + escape_markup(inspection.topics[i].name) + "</h2>\n" +
               drawing(inspection.statistics[i]) + "\n";
     }
   }

@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "tools/markup.hpp"
+
 namespace adit {
 namespace {
 
@@ -32,29 +34,6 @@ std::string attribute(std::string_view name, std::string_view value) {
 std::string stroke_attributes(const SvgStroke& stroke) {
   std::string text = attribute("stroke", stroke.color) + attribute("stroke-width", stroke.width);
   return stroke.dash.empty() ? text : text + attribute("stroke-dasharray", stroke.dash);
-}
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += static_cast<unsigned char>(c) < 0x20U ? '?' : c;
-    }
-  }
-  return result;
 }
 
 std::string point_list(std::span<const Eigen::Vector2d> points) {
@@ -123,7 +102,7 @@ void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const S
   if (font.upwards) {
     body_ += attribute("transform", "rotate(-90 " + number(at.x()) + " " + number(at.y()) + ")");
   }
-  body_ += ">" + escaped(text) + "</text>\n";
+  body_ += ">" + escape_markup(text) + "</text>\n";
 }
 
 std::string SvgDocument::str() const {
