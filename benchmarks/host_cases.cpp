@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <thread>
@@ -8,6 +7,7 @@
 #include "benchmarks/cases.hpp"
 #include "benchmarks/host_vgicp.hpp"
 #include "benchmarks/inputs.hpp"
+#include "benchmarks/timing.hpp"
 #include "tests/kernels/registration_methods.hpp"
 
 namespace adit::bench {
@@ -31,15 +31,7 @@ Work host_linearize(Bench& bench, int points) {
     work.problem = "the cost is not the twin's";
   }
   work.figures["threads"] = host->threads();
-  work.run = [host, pose] {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point begin = Clock::now();
-    host->linearize(pose);
-    return Sample{
-        .device_ms = {},
-        .wait_ms = {},
-        .host_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count()};
-  };
+  work.run = [host, pose] { return time_on_host([&] { host->linearize(pose); }); };
   return work;
 }
 

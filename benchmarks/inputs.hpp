@@ -24,7 +24,6 @@ class Bench {
   Bench(engine::Context& context, const std::vector<std::filesystem::path>& files, double r_input);
 
   engine::Context& context() { return *context_; }
-  bool synthetic() const { return !given_; }
   std::string description() const { return description_; }
   /// The size of the given clouds, in points, or what is asked for.
   std::vector<int> sizes(const std::vector<int>& wanted) const;

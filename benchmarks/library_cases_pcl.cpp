@@ -4,7 +4,6 @@
 // The Point Cloud Library on the same clouds, each with the settings nearest to ours. VoxelGrid,
 // GICP and NDT have one thread, the normals all; building of search trees and maps is included
 // where PCL does it in the same call.
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -22,6 +21,7 @@
 
 #include "benchmarks/cases.hpp"
 #include "benchmarks/inputs.hpp"
+#include "benchmarks/timing.hpp"
 #include "tests/reference/downsample.hpp"
 
 namespace adit::bench {
@@ -52,15 +52,7 @@ Cloud::Ptr downsampled(const Cloud::Ptr& cloud, double cell) {
 }
 
 std::function<Sample()> timed(std::function<void()> run) {
-  return [run = std::move(run)] {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point begin = Clock::now();
-    run();
-    return Sample{
-        .device_ms = {},
-        .wait_ms = {},
-        .host_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count()};
-  };
+  return [run = std::move(run)] { return time_on_host(run); };
 }
 
 Work voxel_grid(Bench& bench, int points) {

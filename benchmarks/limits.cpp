@@ -88,7 +88,7 @@ DeviceLimits measure_limits(engine::Context& context, double seconds) {
   limits.atomics = accesses / time(context, seconds, [&](Recorder& recorder) {
                                 probes.record_atomics(recorder, accesses, near);
                               }).device;
-  // One group copies 16 bytes a thread; what a hundred cost beyond one, each.
+  // Multiply-adds of no rounds: what a hundred cost beyond one, each.
   const auto dispatches = [&](int count) {
     const gpu::LimitMultiplyAddPush nothing{0, 0.0F, 0.0F};
     return time(context, seconds, [&, count](Recorder& recorder) {

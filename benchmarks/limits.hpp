@@ -17,7 +17,7 @@ struct DeviceLimits {
   double reads = 0.0;         ///< of 64 bytes at random places of 64 MiB, 1/s
   double near_reads = 0.0;    ///< the same of 1 MiB: what caches give
   double atomics = 0.0;       ///< integer additions at random places of 1 MiB, 1/s
-  double dispatch_s = 0.0;    ///< a further dispatch of one group after a barrier
+  double dispatch_s = 0.0;    ///< a further dispatch after a barrier, with nothing to do
   double submission_s = 0.0;  ///< an empty submission and the wait for it, host's clock
 };
 

@@ -20,6 +20,15 @@ Spread spread_of(std::vector<double> values) {
   return {at(0.1), at(0.5), at(0.9)};
 }
 
+Sample time_on_host(const std::function<void()>& run) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  run();
+  return {.device_ms = {},
+          .wait_ms = {},
+          .host_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count()};
+}
+
 Timing measure(const Work& work, const Effort& effort) {
   using Clock = std::chrono::steady_clock;
   std::vector<double> device;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct Timing {
   /// The device's clock where there is one, else the host's.
   const Spread& best() const { return device ? *device : host; }
 };
+
+/// One run of something that the device has no part in.
+Sample time_on_host(const std::function<void()>& run);
 
 /// How long to measure each case.
 struct Effort {
