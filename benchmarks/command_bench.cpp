@@ -3,63 +3,26 @@
 #include "benchmarks/command_bench.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/cases.hpp"
+#include "benchmarks/command_bench_slam.hpp"
 #include "benchmarks/inputs.hpp"
 #include "benchmarks/report.hpp"
 #include "tools/command_guard.hpp"
 #include "tools/nearest_name.hpp"
 #include "tools/output_file.hpp"
 #include "tools/usage_error.hpp"
-#include "tools/version.hpp"
 
 namespace adit::bench {
 namespace {
 
 constexpr double kLimitSeconds = 0.2;
-
-std::string processor() {
-  std::ifstream cpu("/proc/cpuinfo");
-  for (std::string line; std::getline(cpu, line);) {
-    if (line.starts_with("model name")) {
-      return line.substr(line.find(':') + 2);
-    }
-  }
-  return "unknown processor";
-}
-
-std::string now() {
-  const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::string text(32, '\0');
-  text.resize(std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&time)));
-  return text;
-}
-
-Setting setting_of(const engine::DeviceInfo& device, const Bench& bench, double seconds) {
-  return {.version = std::string(version()),
-          .commit = ADIT_COMMIT,
-          .date = now(),
-          .device = device.name,
-          .driver = device.driver,
-          .driver_version = device.driver_version,
-          .vulkan = device.api_version,
-          .software = device.software,
-          .host = processor(),
-          .threads = std::thread::hardware_concurrency(),
-          .peers = ADIT_PEERS_FOUND,
-          .input = bench.description(),
-          .seconds = seconds};
-}
 
 /// Those whose names begin with what was asked for, in the list's order. Throws UsageError for a
 /// name that is none's beginning.
@@ -114,8 +77,10 @@ Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& ca
     err << software_note(context.device()) << std::endl;
   }
   Bench bench(context, options.input, options.r_input);
-  Report report{.setting = setting_of(context.device(), bench, options.seconds),
+  Report report{.setting = setting_of(context.device()),
                 .limits = measure_limits(context, kLimitSeconds)};
+  report.setting.input = bench.description();
+  report.setting.seconds = options.seconds;
   print_setting(report, out);
   print_head(out);
   out << std::flush;
@@ -181,7 +146,9 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
       "  adit bench linearize align --sizes 30000     two families, one size\n"
       "  adit bench --html report.html --json a.json  with roofline and scaling plots\n"
       "  adit bench --input sweep.pcd downsample      on your own cloud\n"
-      "  adit bench --compare a.json b.json\n\n"
+      "  adit bench --compare a.json b.json\n"
+      "  adit bench slam                              how accurate, see `adit bench slam "
+      "--help`\n\n"
       "Exit codes: 0 done, 1 a case is wrong or the device failed, 2 usage.");
   command->add_option("cases", options->cases, "Names of cases, or how they begin")
       ->type_name("CASE");
@@ -213,8 +180,12 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
       ->expected(2)
       ->type_name("BEFORE AFTER");
   command->add_option("--device", options->device.device, "Index, UUID or part of the name");
-  command->callback(
-      [options, done = std::move(done)] { done(bench_command(*options, std::cout, std::cerr)); });
+  add_bench_slam_command(*command, done);
+  command->callback([command, options, done = std::move(done)] {
+    if (command->get_subcommands().empty()) {
+      done(bench_command(*options, std::cout, std::cerr));
+    }
+  });
   return command;
 }
 

@@ -12,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "benchmarks/limits.hpp"
+#include "benchmarks/setting.hpp"
 #include "benchmarks/timing.hpp"
 #include "benchmarks/work.hpp"
 
@@ -32,23 +33,6 @@ struct Row {
   std::map<std::string, double> figures{};
 
   double ns_an_item() const { return 1e6 * timing.best().median / static_cast<double>(items); }
-};
-
-/// Where, with what and on what.
-struct Setting {
-  std::string version{};
-  std::string commit{};
-  std::string date{};  ///< ISO 8601, UTC
-  std::string device{};
-  std::string driver{};
-  std::string driver_version{};
-  std::string vulkan{};
-  bool software = false;
-  std::string host{};  ///< its processor
-  unsigned threads = 0;
-  std::string peers{};
-  std::string input{};
-  double seconds = 0.0;  ///< measured a case, at least
 };
 
 struct Report {

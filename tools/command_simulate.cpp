@@ -137,6 +137,9 @@ CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
       ->capture_default_str();
   command->add_option("--speed", simulation.speed, "Speed (m/s), instead of the scene's")
       ->type_name("V");
+  command->add_option("--begin", simulation.begin, "Where along the scene's route it begins (m)")
+      ->type_name("M")
+      ->capture_default_str();
   command->add_option("--seed", simulation.seed, "Another seed, another world and other noise")
       ->type_name("N")
       ->capture_default_str();

@@ -54,10 +54,13 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
     return app.exit(error, std::cout, std::cerr);
   }
-  const std::vector<CLI::App*> called = app.get_subcommands();
-  const CLI::App& command = called.empty() ? app : *called.front();
-  const std::string name = called.empty() ? "adit" : "adit " + command.get_name();
-  const std::string unknown = unknown_words(app, command);
+  const CLI::App* command = &app;
+  std::string name = "adit";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  const std::string unknown = unknown_words(app, *command);
   std::cerr << name << ": " << (unknown.empty() ? error.what() : unknown) << "\nRun `" << name
             << " --help` for what it takes.\n";
   return kUsage;

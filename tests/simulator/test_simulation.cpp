@@ -69,7 +69,8 @@ TEST_F(SimulationTest, TheSameSeedGivesTheSameBytesOnAnyMachine) {
   simulate(simulation, {});
   const SimulationFiles files(simulation.output);
   // Found on an x86-64 machine. Another value here means that recordings have changed: if that is
-  // meant, put the new one in; if only this machine has it, what it computes is not repeatable.
+  // meant, put the new one in and raise kSimulatorRevision; if only this machine has it, what it
+  // computes is not repeatable.
   EXPECT_EQ(sum_of_messages(files.recording), 13099163688924768574U);
   EXPECT_EQ(sum_of(content(files.trajectory)), 11951816956124405231U);
   EXPECT_EQ(sum_of(content(files.scene)), 9258612878955424420U);

@@ -160,12 +160,12 @@ MotionStyle motion_named(std::string_view name) {
 }
 
 SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, double duration,
-                                 std::optional<double> speed) {
+                                 std::optional<double> speed, double begin) {
   const Path path(scene);
   const double full = speed.value_or(scene.speed * style.speed_scale);
   const auto count = static_cast<int>(std::ceil(duration / kControlSpacing)) + 8;
   std::vector<Eigen::Isometry3d> poses;
-  double distance = 0.0;
+  double distance = begin;
   for (int i = -1; i < count; ++i) {
     const double time = kControlSpacing * i;
     poses.push_back(body_pose(path, style, scene, distance, time));

@@ -31,11 +31,11 @@ std::vector<std::string> motion_names();
 /// the first moment). Throws UsageError for other names, with the nearest.
 MotionStyle motion_named(std::string_view name);
 
-/// The motion of the body (the IMU: x ahead, z up) along the scene's route, from its first corner
-/// on and round again where the time suffices. `duration` and what it needs beyond in s; `speed` in
-/// m/s where it is not the scene's.
+/// The motion of the body (the IMU: x ahead, z up) along the scene's route, from `begin` metres
+/// behind its first corner on and round again where the time suffices. `duration` and what it needs
+/// beyond in s; `speed` in m/s where it is not the scene's.
 SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, double duration,
-                                 std::optional<double> speed = std::nullopt);
+                                 std::optional<double> speed = std::nullopt, double begin = 0.0);
 
 /// Length of the scene's route once round (m).
 double route_length(const Scene& scene);

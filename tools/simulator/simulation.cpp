@@ -43,6 +43,9 @@ void check(const SimulationOptions& options) {
   if (options.speed && !(*options.speed > 0.0 && *options.speed <= 50.0)) {
     throw UsageError("--speed: must be more than 0 and at most 50 m/s.");
   }
+  if (!(options.begin >= 0.0 && options.begin <= 1e5)) {
+    throw UsageError("--begin: must be 0 to 100000 m.");
+  }
   if (options.output.extension() != ".mcap") {
     throw UsageError(
         "-o: the recording is written as MCAP; name it NAME.mcap. `adit convert` "
@@ -223,8 +226,9 @@ SimulationSummary simulate(
     const std::function<void(std::size_t done, std::size_t total)>& progress) {
   check(options);
   const Scene scene = make_scene(options.scene, options.seed);
-  const SplineTrajectory trajectory = make_trajectory(scene, motion_named(options.trajectory),
-                                                      options.duration + 0.5, options.speed);
+  const SplineTrajectory trajectory =
+      make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
+                      options.speed, options.begin);
   const RangeSimulator lidar(scene, range_sensor_named(options.sensor),
                              {.trajectory = &trajectory, .T_body_lidar = lidar_mount()},
                              options.seed, options.effects);

@@ -21,6 +21,9 @@ namespace adit {
 /// Recordings start at this time (ns since 1970).
 inline constexpr Nanoseconds kSimulationEpoch{1700000000000000000};
 
+/// Goes up whenever the same options give other bytes, so that kept recordings are known to be old.
+inline constexpr int kSimulatorRevision = 1;
+
 struct SimulationOptions {
   std::string scene = "mine";
   std::string sensor = "VLP-16";
@@ -32,6 +35,7 @@ struct SimulationOptions {
   std::vector<std::string> faults{};
   double duration = 60.0;       ///< s
   std::optional<double> speed;  ///< m/s, instead of the scene's
+  double begin = 0.0;           ///< m along the scene's route, where the motion begins
   uint64_t seed = 1;
   RangeEffects effects;
   std::optional<CloudLayout> layout;  ///< instead of that of the sensor's driver

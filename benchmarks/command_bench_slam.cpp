@@ -1,0 +1,288 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "benchmarks/command_bench_slam.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/slam_report.hpp"
+#include "benchmarks/slam_run.hpp"
+#include "benchmarks/slam_sequences.hpp"
+#include "tools/command_config.hpp"
+#include "tools/command_guard.hpp"
+#include "tools/command_run.hpp"
+#include "tools/nearest_name.hpp"
+#include "tools/output_file.hpp"
+#include "tools/progress.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A sequence to come: simulated on demand, or there.
+struct Candidate {
+  std::string name;
+  std::string description;
+  std::optional<SlamEntry> entry;  ///< none: recorded
+  SlamSequence sequence;
+};
+
+std::string described(const SlamEntry& entry) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%-7s %-8s %-13s %3.0f s from %4.0f m on, seed %llu%s",
+                entry.scene.c_str(), entry.sensor.c_str(), entry.trajectory.c_str(), entry.duration,
+                entry.begin, static_cast<unsigned long long>(entry.seed),
+                entry.quick ? ", quick" : "");
+  return text;
+}
+
+std::vector<Candidate> candidates(const BenchSlamOptions& options) {
+  std::vector<Candidate> all;
+  if (!options.recordings.empty()) {
+    for (const SlamSequence& sequence : recorded_sequences(options.recordings)) {
+      all.push_back({.name = sequence.name,
+                     .description = sequence.recording.string(),
+                     .entry = std::nullopt,
+                     .sequence = sequence});
+    }
+    return all;
+  }
+  for (const SlamEntry& entry : slam_catalogue()) {
+    if (!options.quick || entry.quick) {
+      all.push_back(
+          {.name = entry.name, .description = described(entry), .entry = entry, .sequence = {}});
+    }
+  }
+  return all;
+}
+
+/// Those whose names begin with what was asked for, in the list's order. Throws UsageError for a
+/// name that is none's beginning.
+std::vector<Candidate> chosen(std::vector<Candidate> all, const std::vector<std::string>& only) {
+  const auto begins = [](const Candidate& one, const std::string& wanted) {
+    return one.name.starts_with(wanted);
+  };
+  for (const std::string& wanted : only) {
+    if (std::ranges::none_of(all, [&](const Candidate& one) { return begins(one, wanted); })) {
+      std::vector<std::string> names;
+      for (const Candidate& one : all) {
+        names.push_back(one.name);
+      }
+      throw UsageError("there is no sequence '" + wanted + "'. " + suggestion(wanted, names) +
+                       ". --list names all.");
+    }
+  }
+  std::erase_if(all, [&](const Candidate& one) {
+    return !only.empty() &&
+           std::ranges::none_of(only, [&](const auto& wanted) { return begins(one, wanted); });
+  });
+  return all;
+}
+
+/// "adit" with the common settings, then the variants in the order in which they are named first.
+std::vector<SlamVariant> variants_of(const BenchSlamOptions& options) {
+  std::vector<SlamVariant> variants = {{.name = "adit", .config = options.config}};
+  for (const std::string& text : options.variants) {
+    const std::size_t colon = text.find(':');
+    const std::string name = text.substr(0, colon);
+    if (colon == std::string::npos || name.empty() || name == "adit" ||
+        name.find('/') != std::string::npos) {
+      throw UsageError("--variant " + text +
+                       ": must be NAME:section.key=value, with a name of its own, e.g. "
+                       "--variant deskewed:preprocess.deskew=2.");
+    }
+    auto found = std::ranges::find(variants, name, &SlamVariant::name);
+    if (found == variants.end()) {
+      found = variants.insert(found, {.name = name, .config = options.config});
+    }
+    found->config.overrides.push_back(text.substr(colon + 1));
+  }
+  for (const SlamVariant& variant : variants) {
+    load_config(variant.config);  // complains before anything is simulated
+  }
+  return variants;
+}
+
+std::string origin_of(const SlamVariant& variant) {
+  std::string text = variant.config.preset.empty() ? "" : "preset " + variant.config.preset;
+  if (variant.config.file) {
+    text += (text.empty() ? "" : ", ") + variant.config.file->string();
+  }
+  for (const std::string& setting : variant.config.overrides) {
+    text += (text.empty() ? "" : ", ") + setting;
+  }
+  return text.empty() ? "default settings" : text;
+}
+
+/// The folders of other systems' trajectories, by name.
+std::vector<fs::path> peers_in(const fs::path& folder) {
+  std::vector<fs::path> peers;
+  if (folder.empty()) {
+    return peers;
+  }
+  if (!fs::is_directory(folder)) {
+    throw InputError(folder, {}, "it is no folder", "Give a folder with SYSTEM/SEQUENCE.tum");
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory()) {
+      peers.push_back(entry.path());
+    }
+  }
+  if (peers.empty()) {
+    throw InputError(folder, {}, "there is no folder of a system in it",
+                     "Give a folder with SYSTEM/SEQUENCE.tum");
+  }
+  std::ranges::sort(peers);
+  return peers;
+}
+
+SlamSequence sequence_of(const Candidate& candidate, const fs::path& folder, std::ostream& err) {
+  if (!candidate.entry) {
+    return candidate.sequence;
+  }
+  std::optional<Progress> progress;
+  SlamSequence sequence =
+      simulated_sequence(*candidate.entry, folder, [&](std::size_t done, std::size_t total) {
+        if (!progress) {
+          progress.emplace(err, progress_style_of_stderr(), "simulating " + candidate.name, total);
+        }
+        progress->update(done, 0);
+      });
+  if (progress) {
+    progress->finish();
+  }
+  return sequence;
+}
+
+SlamReport measure_all(const BenchSlamOptions& options, const std::vector<Candidate>& sequences,
+                       std::ostream& out, std::ostream& err) {
+  const std::vector<SlamVariant> variants = variants_of(options);
+  const std::vector<fs::path> peers = peers_in(options.trajectories);
+  SlamReport report;
+  {
+    const engine::Context context = open_device(options.device);
+    report.setting = setting_of(context.device());
+    if (context.software_fallback()) {
+      err << software_note(context.device()) << std::endl;
+    }
+  }
+  for (const SlamVariant& variant : variants) {
+    report.systems.push_back({.name = variant.name, .origin = origin_of(variant)});
+  }
+  for (const fs::path& peer : peers) {
+    report.systems.push_back({.name = peer.filename().string(), .origin = peer.string()});
+  }
+  print_setting(report, sequences.size(), out);
+  print_head(report, out);
+  out << std::flush;
+  for (const Candidate& candidate : sequences) {
+    const SlamSequence sequence = sequence_of(candidate, options.output / "recordings", err);
+    SlamRow& row = report.rows.emplace_back();
+    row.sequence = sequence.name;
+    row.description = sequence.description;
+    const auto add = [&](SlamResult result) {
+      row.results.push_back(judged(std::move(result), report.limits));
+      print_result(report, row, row.results.size() - 1, out);
+      out << std::flush;
+    };
+    for (const SlamVariant& variant : variants) {
+      add(map_sequence(sequence, variant, options.device,
+                       options.output / "runs" / variant.name / sequence.name));
+    }
+    for (const fs::path& peer : peers) {
+      add(judge_trajectory(sequence, peer.filename().string(), peer / (sequence.name + ".tum")));
+    }
+  }
+  return report;
+}
+
+int bench_slam(const BenchSlamOptions& options, std::ostream& out, std::ostream& err) {
+  const std::vector<Candidate> sequences = chosen(candidates(options), options.only);
+  if (options.list) {
+    for (const Candidate& one : sequences) {
+      out << one.name << std::string(one.name.size() < 22 ? 22 - one.name.size() : 1, ' ')
+          << one.description << "\n";
+    }
+    return 0;
+  }
+  const SlamReport report = measure_all(options, sequences, out, err);
+  print_table(report, out);
+  out << "\n";
+  if (!options.json.empty()) {
+    constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
+    write_text_file(options.json, to_json(report).dump(1, ' ', false, kReplaceBadText) + "\n");
+    out << "wrote    " << options.json.string() << "\n";
+  }
+  if (!options.html.empty()) {
+    write_text_file(options.html, to_html(report));
+    out << "wrote    " << options.html.string() << "\n";
+  }
+  out << "kept     " << options.output.string() << " (recordings, trajectories)" << std::endl;
+  return 0;
+}
+
+}  // namespace
+
+int bench_slam_command(const BenchSlamOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit bench slam", err, [&] { return bench_slam(options, out, err); });
+}
+
+CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done) {
+  const auto options = std::make_shared<BenchSlamOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "slam", "How accurate: simulated or recorded sequences, mapped and compared with the truth");
+  command->footer(
+      "Each sequence is mapped as `adit run` does it and compared as `adit evaluate` does it.\n"
+      "Simulated recordings are kept in OUT and made but once.\n\n"
+      "Examples:\n"
+      "  adit bench slam --quick                       a few sequences\n"
+      "  adit bench slam --json a.json --html a.html   the whole catalogue, some minutes\n"
+      "  adit bench slam --only mine --variant deskewed:preprocess.deskew=2\n"
+      "  adit bench slam --trajectories others         others/SYSTEM/SEQUENCE.tum, a column a "
+      "system\n"
+      "  adit bench slam --recordings data             data/NAME.bag with data/NAME.truth.tum\n\n"
+      "Exit codes: 0 done, whatever failed is in the table; 1 the device or a file failed, 2 "
+      "usage.");
+  command->add_flag("--list", options->list, "Name the sequences and do nothing");
+  command->add_option("--only", options->only, "Names of sequences, or how they begin")
+      ->type_name("NAME");
+  command->add_flag("--quick", options->quick, "Few sequences of the catalogue");
+  command
+      ->add_option("--recordings", options->recordings,
+                   "Your recordings, their truth beside them, instead of the catalogue")
+      ->type_name("DIR");
+  command
+      ->add_option("--trajectories", options->trajectories,
+                   "Other systems' trajectories of the sequences: DIR/SYSTEM/SEQUENCE.tum")
+      ->type_name("DIR");
+  command
+      ->add_option("--variant", options->variants,
+                   "One more column of ours, NAME:section.key=value; may be given again, also for "
+                   "the same NAME")
+      ->allow_extra_args(false)
+      ->type_name("SETTING");
+  add_config_options(*command, options->config);
+  add_device_options(*command, options->device);
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for simulated recordings and our trajectories")
+      ->type_name("OUT")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
+  command->add_option("--html", options->html, "Write a page with every trajectory")
+      ->type_name("FILE");
+  command->callback([options, done = std::move(done)] {
+    done(bench_slam_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit::bench

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit bench slam`: how far whole trajectories are from the truth, sequence by sequence.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/config_file.hpp"
+#include "tools/device_session.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit::bench {
+
+struct BenchSlamOptions {
+  std::vector<std::string> only{};  ///< names of sequences or their beginnings; empty: all
+  bool quick = false;               ///< the catalogue's quick ones alone
+  bool list = false;
+  std::filesystem::path recordings{};    ///< these instead of the catalogue
+  std::filesystem::path trajectories{};  ///< of other systems: SYSTEM/SEQUENCE.tum
+  std::vector<std::string> variants{};   ///< "NAME:section.key=value", on top of `config`
+  ConfigSource config{};                 ///< of ours
+  std::filesystem::path output = "adit-bench-slam";  ///< simulated recordings and our trajectories
+  std::filesystem::path json{};                      ///< empty: not written
+  std::filesystem::path html{};                      ///< empty: not written
+  DeviceOptions device{};
+};
+
+/// Returns the exit code: 0, also where systems fail on sequences; 1 where nothing can be measured;
+/// 2 usage.
+int bench_slam_command(const BenchSlamOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command to `bench`. It runs on std::cout and std::cerr at the end of CLI parsing;
+/// `done` gets the exit code.
+CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done);
+
+}  // namespace adit::bench

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `adit bench slam` maps: recordings with the truth, simulated or the user's own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace adit::bench {
+
+/// A line of the catalogue: what `adit simulate` is told.
+struct SlamEntry {
+  std::string name{};
+  std::string scene{};
+  std::string sensor{};
+  std::string trajectory{};
+  double duration = 0.0;  ///< s
+  double begin = 0.0;     ///< m along the scene's route
+  uint64_t seed = 1;
+  bool quick = false;  ///< of the few that --quick maps
+};
+
+/// Everything that is simulated for the benchmark, by scene.
+std::vector<SlamEntry> slam_catalogue();
+
+/// A recording and its truth.
+struct SlamSequence {
+  std::string name{};
+  std::string description{};  ///< for people: the sensor and how it was carried, or "recorded"
+  std::filesystem::path recording{};
+  std::filesystem::path truth{};                       ///< TUM or KITTI format
+  std::optional<std::filesystem::path> truth_times{};  ///< of a truth in KITTI format
+};
+
+/// The sequence of an entry, in `folder`. Simulates it unless what lies there is of the same entry
+/// and of the same revision of the simulator. Throws UsageError for names the simulator does not
+/// know, OutputError.
+SlamSequence simulated_sequence(
+    const SlamEntry& entry, const std::filesystem::path& folder,
+    const std::function<void(std::size_t done, std::size_t total)>& progress);
+
+/// The recordings in a folder, or the folder itself where it is one, by name. The truth of NAME.bag
+/// (or any other file) is NAME.truth.tum or NAME.truth.kitti beside it; that of a folder NAME is
+/// one of these, or truth.tum, truth.kitti or poses_velo.txt in it, with times.txt beside it. The
+/// poses are those of the range sensor. Throws InputError where there is none.
+std::vector<SlamSequence> recorded_sequences(const std::filesystem::path& folder);
+
+}  // namespace adit::bench
