@@ -3,8 +3,10 @@
 #include "benchmarks/slam_sequences.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 
 #include "tools/input_error.hpp"
@@ -55,7 +57,17 @@ std::optional<fs::path> first_of(const std::vector<fs::path>& candidates) {
   return found == candidates.end() ? std::nullopt : std::optional(*found);
 }
 
+/// Other files may stand beside a recording under its name.
+bool may_be_recording(const fs::path& path) {
+  constexpr std::array<std::string_view, 8> kEndings = {".mcap",   ".bag", ".db3", ".pcap",
+                                                        ".pcapng", ".pcd", ".ply", ".las"};
+  return fs::is_directory(path) || std::ranges::count(kEndings, path.extension().string()) > 0;
+}
+
 std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
+  if (!may_be_recording(path)) {
+    return std::nullopt;
+  }
   const bool is_folder = fs::is_directory(path);
   const fs::path name = is_folder ? path.filename() : path.stem();
   std::vector<fs::path> candidates = {path.parent_path() / (name.string() + ".truth.tum"),
@@ -64,8 +76,6 @@ std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
     for (const char* inside : {"truth.tum", "truth.kitti", "poses_velo.txt"}) {
       candidates.push_back(path / inside);
     }
-  } else if (std::ranges::count(candidates, path) > 0) {
-    return std::nullopt;
   }
   const std::optional<fs::path> truth = first_of(candidates);
   if (!truth) {
@@ -76,13 +86,6 @@ std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
                       .recording = path,
                       .truth = *truth,
                       .truth_times = is_folder ? first_of({path / "times.txt"}) : std::nullopt};
-}
-
-/// What the simulator writes beside a recording.
-bool is_truth(const fs::path& path) {
-  const std::string name = path.filename().string();
-  return name.find(".truth.") != std::string::npos || name.find(".scene.") != std::string::npos ||
-         path.extension() == ".origin";
 }
 
 }  // namespace
@@ -137,9 +140,6 @@ std::vector<SlamSequence> recorded_sequences(const fs::path& folder) {
   }
   std::vector<SlamSequence> sequences;
   for (const fs::directory_entry& entry : fs::directory_iterator(clean)) {
-    if (is_truth(entry.path())) {
-      continue;
-    }
     if (const auto sequence = recorded_sequence(entry.path())) {
       sequences.push_back(*sequence);
     }

@@ -90,7 +90,8 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
         << files.recording.string() << "\n          " << files.trajectory.string()
         << " (T_world_lidar)\n          " << files.states.string()
         << " (IMU: pose, velocity, biases)\n          " << files.scene.string() << ", "
-        << files.picture.filename().string() << "\nnext      adit run " << files.recording.string()
+        << files.picture.filename().string() << ", " << files.sweep.filename().string()
+        << "\nnext      adit run " << files.recording.string()
         << " -o OUT\n          adit evaluate OUT/trajectory.tum " << files.trajectory.string()
         << std::endl;
   }

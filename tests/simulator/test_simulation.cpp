@@ -190,7 +190,7 @@ TEST_F(SimulationTest, TheCommandTellsWhatItWrote) {
   EXPECT_EQ(simulate_command(command, out, err), 0) << err.str();
   const SimulationFiles files(command.simulation.output);
   for (const auto& file :
-       {files.recording, files.trajectory, files.states, files.scene, files.picture}) {
+       {files.recording, files.trajectory, files.states, files.scene, files.picture, files.sweep}) {
     EXPECT_TRUE(std::filesystem::exists(file)) << file;
     EXPECT_NE(out.str().find(file.filename().string()), std::string::npos) << out.str();
   }

@@ -77,7 +77,7 @@ RangeSweep RangeSimulator::sweep(int64_t index) const {
       const Firing& firing = sweep.firings[i];
       const double time = 1e-9 * static_cast<double>(sweep.start + firing.time);
       if (firing.time != posed) {
-        T_world_lidar = mount_.trajectory->pose(time) * mount_.T_body_lidar;
+        T_world_lidar = pose(time);
         posed = firing.time;
       }
       sweep.returns[i] = measure(

@@ -51,6 +51,11 @@ class RangeSimulator {
   /// threads and whichever sweeps were asked for before.
   RangeSweep sweep(int64_t index) const;
 
+  /// T_world_lidar at a time in s from the start of the recording.
+  Eigen::Isometry3d pose(double time) const {
+    return mount_.trajectory->pose(time) * mount_.T_body_lidar;
+  }
+
   const RangeSensor& sensor() const { return sensor_; }
   const RayScene& still() const { return still_; }
 

@@ -17,6 +17,7 @@
 #include "tools/simulator/imu_model.hpp"
 #include "tools/simulator/motion.hpp"
 #include "tools/simulator/scene_picture.hpp"
+#include "tools/simulator/sweep_picture.hpp"
 #include "tools/simulator/truth_writer.hpp"
 #include "tools/usage_error.hpp"
 
@@ -213,7 +214,8 @@ SimulationFiles::SimulationFiles(const std::filesystem::path& file)
       antenna(beside(file, ".truth.antenna.csv")),
       labels(beside(file, ".truth.labels")),
       scene(beside(file, ".scene.ply")),
-      picture(beside(file, ".scene.png")) {}
+      picture(beside(file, ".scene.png")),
+      sweep(beside(file, ".sweep.png")) {}
 
 Eigen::Isometry3d lidar_mount() {
   Eigen::Isometry3d T_imu_lidar = Eigen::Isometry3d::Identity();
@@ -294,6 +296,7 @@ SimulationSummary simulate(
   write_scene_ply(files.scene, scene);
   if (options.picture) {
     write_scene_picture(files.picture, scene, lidar.still(), trajectory);
+    write_sweep_picture(files.sweep, scene, lidar, static_cast<int64_t>(total / 3));
   }
   return summary;
 }

@@ -39,7 +39,7 @@ struct SimulationOptions {
   uint64_t seed = 1;
   RangeEffects effects;
   std::optional<CloudLayout> layout;  ///< instead of that of the sensor's driver
-  bool picture = true;                ///< draw one of the scene
+  bool picture = true;                ///< draw the scene and a sweep in it
   Compression compression = Compression::none;
   std::filesystem::path output;  ///< the MCAP file
 };
@@ -55,6 +55,7 @@ struct SimulationFiles {
   std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
   std::filesystem::path scene;       ///< NAME.scene.ply
   std::filesystem::path picture;     ///< NAME.scene.png
+  std::filesystem::path sweep;       ///< NAME.sweep.png: a sweep in the scene
 };
 
 struct SimulationSummary {
