@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The entry that a fuzzer calls with bytes that might be a ROS message: the first byte chooses type
-// and encoding. What is read must be written as bytes that are read to the same. For libFuzzer, as
-// fuzz_containers.cpp, with this file in its place.
+// and encoding. What is read must be written as bytes that are read to the same. `./dev
+// fuzz` is the fuzzer.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

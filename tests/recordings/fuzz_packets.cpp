@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The entry that a fuzzer calls with bytes that might be what sensors send: whatever they are,
-// sweeps must be valid. For libFuzzer see fuzz_containers.cpp; captures themselves are fuzzed
-// there.
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
+// sweeps must be valid. `./dev fuzz` is the fuzzer; captures are of fuzz_containers.cpp.
 #include <span>
 #include <utility>
 
+#include "tests/recordings/fuzz_support.hpp"
 #include "tools/recordings/ouster_packets.hpp"
 #include "tools/recordings/velodyne_packets.hpp"
 
@@ -17,13 +14,10 @@ namespace {
 
 using namespace adit;
 
-void require_valid(const Sweep& sweep) {
-  bool valid =
-      sweep.times.size() == sweep.points.size() && sweep.rings.size() == sweep.points.size();
-  for (const float time : sweep.times) {
-    valid = valid && time >= 0.0F && time <= 10.0F;
-  }
-  if (!valid) {
+/// Sensors tell the ring and the time of every point.
+void require_whole(const Sweep& sweep) {
+  test::require_valid(sweep);
+  if (sweep.times.size() != sweep.points.size() || sweep.rings.size() != sweep.points.size()) {
     std::abort();
   }
 }
@@ -37,12 +31,12 @@ void decode(Sweeps sweeps, std::span<const std::byte> bytes, std::size_t size,
         .received = std::chrono::hours(at), .payload = bytes.subspan(at, size), .offset = at};
     if (is_packet(datagram)) {
       for (const Sweep& sweep : sweeps.take(datagram)) {
-        require_valid(sweep);
+        require_whole(sweep);
       }
     }
   }
   if (const auto rest = sweeps.finish()) {
-    require_valid(*rest);
+    require_whole(*rest);
   }
 }
 

@@ -20,7 +20,8 @@
 #include "tools/recordings/sweep_times.hpp"
 #include "tools/trajectory_io.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
+// fuzz_clouds.cpp; renamed by tests/CMakeLists.txt, since the program has other entries.
+extern "C" int adit_fuzz_clouds(const uint8_t* data, std::size_t size);
 
 namespace adit {
 namespace {
@@ -32,7 +33,7 @@ using test::bytes_of_all;
 void feed(const std::string& content) {
   // A copy of exactly this size, so that the address sanitizer sees a read beyond the end.
   const std::vector<uint8_t> exact(content.begin(), content.end());
-  LLVMFuzzerTestOneInput(exact.data(), exact.size());
+  adit_fuzz_clouds(exact.data(), exact.size());
 }
 
 /// x y z ring time of points 0..n-1, point by point.

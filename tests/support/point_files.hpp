@@ -31,6 +31,43 @@ std::string bytes_of_all(Ts... values) {
   return (bytes_of(values) + ...);
 }
 
+/// Overwrites the bytes from `at` on.
+template <class T>
+void put_at(std::string& bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+/// Two points, (1.5, -2, 0.25) and (4, 5, 6) m, half a second apart where the format has times.
+inline std::string las_file(uint8_t format, uint8_t minor, std::size_t point_bytes,
+                            std::size_t time_at) {
+  const std::size_t header = minor >= 4 ? 375 : 227;
+  std::string bytes(header + 2 * point_bytes, '\0');
+  std::memcpy(bytes.data(), "LASF", 4);
+  put_at(bytes, 24, uint8_t{1});
+  put_at(bytes, 25, minor);
+  put_at(bytes, 96, static_cast<uint32_t>(header));
+  put_at(bytes, 104, format);
+  put_at(bytes, 105, static_cast<uint16_t>(point_bytes));
+  put_at(bytes, 107, uint32_t{2});
+  if (minor >= 4) {
+    put_at(bytes, 247, uint64_t{2});
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    put_at(bytes, 131 + 8 * axis, 0.001);
+    put_at(bytes, 155 + 8 * axis, 1.0);
+  }
+  const int32_t points[2][3] = {{500, -3000, -750}, {3000, 4000, 5000}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::size_t at = header + i * point_bytes;
+    std::memcpy(bytes.data() + at, points[i], sizeof points[i]);
+    put_at(bytes, at + 12, static_cast<uint16_t>(100 + i));
+    if (time_at > 0) {
+      put_at(bytes, at + time_at, 300000.0 + 0.5 * static_cast<double>(i));
+    }
+  }
+  return bytes;
+}
+
 /// LZF compression: a reference wherever three bytes repeat within reach, literals elsewhere. The
 /// obvious search; for small inputs.
 inline std::string lzf_compress(std::string_view data) {

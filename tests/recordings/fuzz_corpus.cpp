@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/recordings/fuzz_corpus.hpp"
+
+#include <array>
+#include <filesystem>
+
+#include "tests/recordings/container_support.hpp"
+#include "tests/recordings/message_support.hpp"
+#include "tests/recordings/packet_support.hpp"
+#include "tests/support/point_files.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tools/ply_writer.hpp"
+#include "tools/recordings/bag_writer.hpp"
+#include "tools/recordings/mcap_writer.hpp"
+#include "tools/recordings/rosbag2_writer.hpp"
+
+namespace adit::test {
+namespace {
+
+std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+class Corpus {
+ public:
+  std::vector<FuzzSeed> take() && { return std::move(seeds_); }
+
+  void add_containers() {
+    for (const Encoding encoding : {Encoding::ros1, Encoding::cdr}) {
+      const std::string suffix = encoding == Encoding::ros1 ? "_ros1" : "_ros2";
+      add_mcap("plain" + suffix, {.compression = Compression::none}, encoding);
+      add_mcap("lz4" + suffix, {.compression = Compression::lz4}, encoding);
+      add_mcap("zstd" + suffix, {.compression = Compression::zstd}, encoding);
+    }
+    add_mcap("no_summary", {.compression = Compression::lz4, .summary = false}, Encoding::cdr);
+    add_mcap("no_chunks", {.chunks = false, .summary = false}, Encoding::cdr);
+    for (const auto& [name, compression] : {std::pair{"none", Compression::none},
+                                            {"lz4", Compression::lz4},
+                                            {"bz2", Compression::bz2}}) {
+      BagWriter writer(folder_ / "seed", {.compression = compression});
+      add_written("bag", name, writer, Encoding::ros1, folder_ / "seed");
+    }
+    for (const bool packed : {false, true}) {
+      const std::string name = packed ? "packed" : "plain";
+      Rosbag2Writer writer(folder_ / name, {.pack_messages = packed});
+      add_written("rosbag2", name, writer, Encoding::cdr, folder_ / name / (name + "_0.db3"));
+    }
+  }
+
+  void add_captures() {
+    std::vector<CapturedFrame> frames;
+    for (int i = 0; i < 3; ++i) {
+      const Bytes packet = velodyne_packet(150.0 * i, 5.0, 1000, i == 2 ? 0x39 : 0x37, 0x22,
+                                           [](auto block, auto k) { return block * 50 + k; });
+      for (Bytes& frame : frames_of(packet, 2368, i == 0 ? 65000 : 800)) {
+        frames.push_back({std::chrono::seconds(1700000000), std::move(frame)});
+      }
+    }
+    const Bytes position = position_packet(kSentence);
+    frames.push_back({std::chrono::seconds(1700000001), frames_of(position, 8308).front()});
+    add("containers", "pcap", "nanoseconds", text_of(pcap(frames)));
+    add("containers", "pcap", "microseconds", text_of(pcap(frames, false)));
+    add("containers", "pcapng", "packets", text_of(pcapng(frames)));
+  }
+
+  void add_packets() {
+    for (const auto& [name, mode, model] :
+         {std::tuple{"vlp16", 0x37, 0x22}, {"vlp16_dual", 0x39, 0x22}, {"hdl32", 0x37, 0x21}}) {
+      Bytes bytes;
+      for (int i = 0; i < 2; ++i) {
+        append(bytes, velodyne_packet(190.0 * i, 5.0, 1000, static_cast<uint8_t>(mode),
+                                      static_cast<uint8_t>(model),
+                                      [](auto block, auto k) { return block * 50 + k; }));
+      }
+      add("packets", "velodyne", name, text_of(bytes));
+    }
+    add("packets", "velodyne", "position", text_of(position_packet(kSentence)));
+    for (const bool legacy : {true, false}) {
+      Bytes bytes;
+      for (const std::size_t first : {0U, 16U}) {
+        append(bytes, ouster_packet(legacy, 2, first, 7, 1000000, [](auto column, auto beam) {
+                 return 1000 + 10 * column + beam;
+               }));
+      }
+      add("packets", "ouster", legacy ? "legacy" : "rng19", text_of(bytes));
+      add("metadata", "ouster_json", legacy ? "flat" : "sections",
+          ouster_metadata(2, legacy ? "LEGACY" : "RNG19_RFL8_SIG16_NIR16", !legacy));
+    }
+  }
+
+  /// The first byte: twice the type's place in fuzz_messages.cpp, and one for ROS 2.
+  void add_messages() {
+    for (const Encoding encoding : {Encoding::ros1, Encoding::cdr}) {
+      char type = 0;
+      const auto add_one = [&](const auto& message) {
+        const char head = static_cast<char>(2 * type + (encoding == Encoding::cdr ? 1 : 0));
+        add("messages", "ros", std::to_string(int{head}),
+            head + text_of(ros::encode(encoding, message)));
+        ++type;
+      };
+      add_one(cloud_message(1).message);
+      add_one(imu_message(1));
+      add_one(fix_message(1));
+      add_one(odometry_message(1));
+      add_one(pose_message(1));
+      add_one(ros::TFMessage{{transform_message(1, "lidar"), transform_message(1, "imu")}});
+      add_one(livox_message(1));
+    }
+  }
+
+  void add_clouds() {
+    const std::array<Point, 3> points = {{{1, 2, 3, 0.5F}, {4, 5, 6, 0.25F}, {7, 8, 9, 0.125F}}};
+    PlyWriter writer(folder_ / "seed.ply");
+    writer.write(points);
+    writer.close();
+    add("clouds", "ply", "binary", content_of(folder_ / "seed.ply"));
+    add("clouds", "ply", "ascii",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+        "double z\nproperty uchar ring\nproperty uint t\nelement face 1\nproperty list uchar int "
+        "vertex_indices\nend_header\n1 2 3 4 500\n3 0 0 0\n");
+    std::string rows;
+    for (int i = 0; i < 3; ++i) {
+      rows += bytes_of_all(1.0F, 2.0F, 3.0F, static_cast<uint16_t>(i), 1.7e9 + 0.001 * i);
+    }
+    const std::string head =
+        "VERSION .7\nFIELDS x y z ring timestamp\nSIZE 4 4 4 2 8\nTYPE F F F U F\nCOUNT 1 1 1 1 1\n"
+        "WIDTH 3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ";
+    const std::string packed = lzf_compress(std::string(36, '\1') + std::string(30, '\0'));
+    add("clouds", "pcd", "ascii", head + "ascii\n1 2 3 0 0\n4 5 6 1 0.01\nnan nan nan 2 0.02\n");
+    add("clouds", "pcd", "binary", head + "binary\n" + rows);
+    add("clouds", "pcd", "compressed",
+        head + "binary_compressed\n" +
+            bytes_of_all(static_cast<uint32_t>(packed.size()), uint32_t{66}) + packed);
+    add("clouds", "las", "format_1", las_file(1, 2, 28, 20));
+    add("clouds", "las", "format_6", las_file(6, 4, 30, 22));
+  }
+
+  /// The first byte: the letter of fuzz_folders.cpp.
+  void add_folders() {
+    add("folders", "euroc", "imu",
+        "i#timestamp [ns],w_RS_S_x [rad s^-1]\n"
+        "1403715273262142976,-0.25,0.5,0.75,9.0,0.125,-3.5\r\n"
+        "1403715273267142976, 0.0, 0.0, 0.0, 9.5, 0.0, -3.0\n");
+    add("folders", "euroc", "poses", "p#t\n1403715273264142976,1.0,2.0,3.0,0.0,0.0,0.0,1.0,0.1\n");
+    add("folders", "times", "seconds", "t0.0\n1.036224e-01\n");
+    add("folders", "times", "dates",
+        "t2011-09-26 13:02:25.594360375\n2011-09-26 13:02:25.697683842\n");
+  }
+
+ private:
+  static constexpr const char* kSentence =
+      "$GPRMC,220001,A,4139.0000,N,00052.8000,W,000.0,000.0,141123,,,A*67\r\n";
+
+  void add(const char* fuzzer, const char* format, std::string name, std::string bytes) {
+    seeds_.push_back({fuzzer, format, std::move(name), std::move(bytes)});
+  }
+
+  void add_mcap(const std::string& name, const McapOptions& options, Encoding encoding) {
+    McapWriter writer(folder_ / "seed", options);
+    add_written("mcap", name, writer, encoding, folder_ / "seed");
+  }
+
+  void add_written(const char* format, const std::string& name, MessageWriter& writer,
+                   Encoding encoding, const std::filesystem::path& file) {
+    write_sample(writer, encoding, 1, false);
+    writer.close();
+    add("containers", format, name, content_of(file));
+  }
+
+  TemporaryFolder folder_;
+  std::vector<FuzzSeed> seeds_;
+};
+
+}  // namespace
+
+std::vector<FuzzSeed> fuzz_corpus() {
+  Corpus corpus;
+  corpus.add_containers();
+  corpus.add_captures();
+  corpus.add_packets();
+  corpus.add_messages();
+  corpus.add_clouds();
+  corpus.add_folders();
+  return std::move(corpus).take();
+}
+
+}  // namespace adit::test

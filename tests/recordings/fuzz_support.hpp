@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the entries of the fuzzers share: a file on disk, and what a reader owes whatever the
+// bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tools/recordings/recording.hpp"
+
+namespace adit::test {
+
+/// A file with that content, which the next one made overwrites; deleted at the program's end. On
+/// disk, since SQLite opens no file without a name.
+inline std::filesystem::path scratch_file(const uint8_t* data, std::size_t size) {
+  static const TemporaryFolder folder;
+  return folder.write("input", {reinterpret_cast<const char*>(data), size});
+}
+
+/// What every sweep promises to those that use it.
+inline void require_valid(const Sweep& sweep) {
+  const std::size_t n = sweep.points.size();
+  bool valid = (sweep.times.empty() || sweep.times.size() == n) &&
+               (sweep.rings.empty() || sweep.rings.size() == n);
+  for (const float time : sweep.times) {
+    valid = valid && time >= 0.0F && time <= 10.0F;
+  }
+  if (!valid) {
+    std::abort();
+  }
+}
+
+/// Reads to the end. An error must bring the stream on: more of them than bytes are a hang.
+inline void require_readable(const Recording& recording, std::size_t size) {
+  const auto events = recording.events({});
+  std::size_t errors = 0;
+  while (errors <= size + 1) {
+    try {
+      const auto event = events->next();
+      if (!event) {
+        return;
+      }
+      if (const auto* sweep = std::get_if<Sweep>(&event->value)) {
+        require_valid(*sweep);
+      }
+    } catch (const InputError&) {
+      ++errors;
+    }
+  }
+  std::abort();
+}
+
+}  // namespace adit::test
