@@ -40,7 +40,7 @@ struct Sweep {
 };
 
 /// One reading of an inertial sensor, in the sensor's own axes. A sensor at rest with z up reads
-/// +9.8 along z.
+/// +9.8 along z. What it does not measure is NaN.
 struct ImuSample {
   Nanoseconds stamp{0};
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();     ///< rad/s

@@ -35,7 +35,8 @@ Profiles read_all(const Recording& recording, Inspection& result) {
         break;
       }
       result.statistics[event->topic].add(*event);
-      if (const auto* sample = std::get_if<ImuSample>(&event->value)) {
+      if (const auto* sample = std::get_if<ImuSample>(&event->value);
+          sample != nullptr && !sample->angular_velocity.array().isNaN().any()) {
         profiles[event->topic].add(event->received, sample->angular_velocity);
       } else if (const auto* transform = std::get_if<StaticTransform>(&event->value)) {
         result.frames.add(*transform);

@@ -166,6 +166,11 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
   if (s.acceleration.count == 0) {
     return;
   }
+  if (s.rotation.count == 0) {
+    findings.notice("no_gyroscope", "it has no angular velocities",
+                    "it is not used: the motion between sweeps needs them",
+                    "Record a whole inertial sensor");
+  }
   const double norm = s.acceleration.mean();
   const std::string mean = "the acceleration is " + fixed(norm, 3) + " on average";
   if (norm > 0.8 && norm < 1.3) {

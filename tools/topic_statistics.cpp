@@ -47,12 +47,16 @@ void take(TopicStatistics& topic, const Sweep& sweep) {
 
 void take(TopicStatistics& topic, const ImuSample& sample) {
   ImuStatistics& s = topic.imu;
-  if (!sample.linear_acceleration.allFinite() || !sample.angular_velocity.allFinite()) {
+  const bool turns = sample.angular_velocity.allFinite();
+  const bool no_gyroscope = sample.angular_velocity.array().isNaN().all();
+  if (!sample.linear_acceleration.allFinite() || (!turns && !no_gyroscope)) {
     ++s.not_finite;
     return;
   }
   s.acceleration.add(sample.linear_acceleration.norm());
-  s.rotation.add(sample.angular_velocity.norm());
+  if (turns) {
+    s.rotation.add(sample.angular_velocity.norm());
+  }
   s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
                          static_cast<double>(s.acceleration.count);
 }

@@ -9,9 +9,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
-  const std::filesystem::path file = adit::test::scratch_file(data, size);
+  const adit::test::ScratchFile file(data, size);
   try {
-    const auto recording = adit::open_recording(file);
+    const auto recording = adit::open_recording(file.path());
     adit::test::require_readable(*recording, size);
   } catch (const adit::InputError&) {
     // the other right answer

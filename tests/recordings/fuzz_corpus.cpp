@@ -8,6 +8,7 @@
 #include "tests/recordings/container_support.hpp"
 #include "tests/recordings/message_support.hpp"
 #include "tests/recordings/packet_support.hpp"
+#include "tests/support/depth_images.hpp"
 #include "tests/support/point_files.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/ply_writer.hpp"
@@ -34,6 +35,12 @@ class Corpus {
       add_mcap("zstd" + suffix, {.compression = Compression::zstd}, encoding);
     }
     add_mcap("no_summary", {.compression = Compression::lz4, .summary = false}, Encoding::cdr);
+    {
+      McapWriter writer(folder_ / "seed", {.compression = Compression::none});
+      write_depth_sample(writer, Encoding::cdr, "/camera/image_raw", 9);
+      writer.close();
+      add("containers", "mcap", "depth", content_of(folder_ / "seed"));
+    }
     add_mcap("no_chunks", {.chunks = false, .summary = false}, Encoding::cdr);
     for (const auto& [name, compression] : {std::pair{"none", Compression::none},
                                             {"lz4", Compression::lz4},
@@ -106,6 +113,8 @@ class Corpus {
       add_one(pose_message(1));
       add_one(ros::TFMessage{{transform_message(1, "lidar"), transform_message(1, "imu")}});
       add_one(livox_message(1));
+      add_one(depth_image_message(1).message);
+      add_one(camera_info_message(1));
     }
   }
 
@@ -146,6 +155,20 @@ class Corpus {
     add("folders", "times", "seconds", "t0.0\n1.036224e-01\n");
     add("folders", "times", "dates",
         "t2011-09-26 13:02:25.594360375\n2011-09-26 13:02:25.697683842\n");
+    add("folders", "kitti_raw", "reading",
+        "o49.0 8.4 110.0 0.1 0.2 -2.6 0 0 0 0 0 0.5 -0.25 9.75 0 0 9.8 0.01 0.02 0.03 0.1 0.2 0.3 "
+        "0.5 0.02 4 10 6 4 0\n");
+    add("folders", "kitti_raw", "times", "s2011-09-26 13:02:25.5\n");
+    add("folders", "kitti_raw", "calibration", "kR: 1 0 0 0 1 0 0 0 1\nT: -0.8 0.3 -0.7\n");
+    add("folders", "tum", "list", "d# timestamp filename\n1305031102.160407 1.png\n");
+    add("folders", "tum", "poses", "g1305031102.1758 1.0 2.0 3.0 0 0 0.6 0.8\n");
+    add("folders", "tum", "accelerations", "a1305031102.1 -0.5 8.25 -2.5\n");
+    add("folders", "tum", "calibration", "c525.0 525.0 319.5 239.5\n");
+  }
+
+  void add_images() {
+    add("images", "png", "grey16", depth_png(3, {0, 5000, 10000, 2500, 65535, 1}));
+    add("images", "png", "grey8", depth_png(3, {0, 5000, 10000}, {"\x08\x00", 2}));
   }
 
  private:
@@ -182,6 +205,7 @@ std::vector<FuzzSeed> fuzz_corpus() {
   corpus.add_messages();
   corpus.add_clouds();
   corpus.add_folders();
+  corpus.add_images();
   return std::move(corpus).take();
 }
 

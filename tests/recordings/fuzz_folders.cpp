@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "tests/recordings/fuzz_support.hpp"
+#include "tests/support/depth_images.hpp"
 
 namespace {
 
@@ -29,6 +30,25 @@ class Layouts {
     add('t', "times.txt");
     folder_.write("t/1.bin", std::string(16, '\0'));
     folder_.write("t/2.bin", std::string(16, '\0'));
+    for (const char letter : {'o', 's', 'k'}) {
+      const std::string drive = std::string(1, letter) + "/";
+      folder_.write(drive + "velodyne_points/data/0.bin", std::string(16, '\0'));
+      folder_.write(drive + "velodyne_points/timestamps.txt", "2011-09-26 13:02:25.5\n");
+      folder_.write(drive + "oxts/timestamps.txt", "2011-09-26 13:02:25.5\n");
+      folder_.write(drive + "oxts/data/0.txt", "");
+    }
+    add('o', "oxts/data/0.txt");
+    add('s', "oxts/timestamps.txt");
+    add('k', "calib_imu_to_velo.txt");
+    for (const char letter : {'d', 'g', 'a', 'c'}) {
+      const std::string folder = std::string(1, letter) + "/";
+      folder_.write(folder + "1.png", adit::test::depth_png(3, {0, 5000, 10000}));
+      folder_.write(folder + "depth.txt", "1305031102.160407 1.png\n");
+    }
+    add('d', "depth.txt");
+    add('g', "groundtruth.txt");
+    add('a', "accelerometer.txt");
+    add('c', "calibration.txt");
   }
 
   const Layout* find(char letter) const {

@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "tools/recordings/ros_events.hpp"
+#include "tools/recordings/ros_images.hpp"
 #include "tools/recordings/ros_visit.hpp"
 
 namespace {
@@ -30,8 +32,15 @@ void feed(Encoding encoding, std::span<const std::byte> bytes) {
                               .encoding = encoding,
                               .definition = {},
                               .messages = {}};
+  static const adit::DepthCamera camera(
+      {.width = 3, .height = 2, .fx = 100.0, .fy = 100.0, .cx = 1.0, .cy = 0.5});
   try {
-    adit::ros::to_events(channel, {0, adit::Nanoseconds(1), bytes, 0}, "input");
+    adit::ros::to_events(channel, {0, adit::Nanoseconds(1), bytes, 0}, "input", 0.0, &camera);
+    if constexpr (std::is_same_v<Message, adit::ros::CameraInfo>) {
+      if (message.width < 64 && message.height < 64) {
+        const adit::DepthCamera other(adit::ros::to_camera(message, false));
+      }
+    }
   } catch (const adit::ros::CodecError&) {
     // a message that makes no sense
   } catch (const adit::InputError&) {
@@ -58,8 +67,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   }
   using namespace adit::ros;
   constexpr void (*kFeeds[])(Encoding, std::span<const std::byte>) = {
-      feed<PointCloud2>, feed<Imu>,       feed<NavSatFix>,     feed<Odometry>,
-      feed<PoseStamped>, feed<TFMessage>, feed<LivoxCustomMsg>};
+      feed<PointCloud2>,    feed<Imu>,         feed<NavSatFix>,
+      feed<Odometry>,       feed<PoseStamped>, feed<TFMessage>,
+      feed<LivoxCustomMsg>, feed<Image>,       feed<CameraInfo>};
   const std::size_t type = (data[0] / 2U) % std::size(kFeeds);
   kFeeds[type](data[0] % 2 == 0 ? Encoding::ros1 : Encoding::cdr,
                std::as_bytes(std::span(data + 1, size - 1)));

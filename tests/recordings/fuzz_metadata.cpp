@@ -11,9 +11,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
-  const std::filesystem::path file = adit::test::scratch_file(data, size);
+  const adit::test::ScratchFile file(data, size);
   try {
-    const adit::OusterSensor sensor = adit::read_ouster_sensor(file);
+    const adit::OusterSensor sensor = adit::read_ouster_sensor(file.path());
     bool valid = sensor.beams > 0 && sensor.beam_altitudes.size() == sensor.beams &&
                  sensor.beam_azimuths.size() == sensor.beams && sensor.columns > 0 &&
                  sensor.columns_per_packet > 0 && sensor.packet_bytes() < (1U << 20U) &&

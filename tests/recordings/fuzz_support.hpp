@@ -1,26 +1,55 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the entries of the fuzzers share: a file on disk, and what a reader owes whatever the
+// What the entries of the fuzzers share: a file, and what a reader owes whatever the
 // bytes.
 #pragma once
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "tests/support/temporary_folder.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace adit::test {
 
-/// A file with that content, which the next one made overwrites; deleted at the program's end. On
-/// disk, since SQLite opens no file without a name.
-inline std::filesystem::path scratch_file(const uint8_t* data, std::size_t size) {
-  static const TemporaryFolder folder;
-  return folder.write("input", {reinterpret_cast<const char*>(data), size});
-}
+/// A file with that content, in memory alone as a rule.
+class ScratchFile {
+ public:
+  ScratchFile(const uint8_t* data, std::size_t size) {
+    const std::string_view content(reinterpret_cast<const char*>(data), size);
+    if (content.starts_with("SQLite")) {  // SQLite opens no file without a name
+      static const TemporaryFolder folder;
+      path_ = folder.write("input", content);
+      return;
+    }
+    descriptor_ = ::memfd_create("input", 0);
+    if (descriptor_ < 0 || ::write(descriptor_, data, size) != static_cast<ssize_t>(size)) {
+      std::abort();
+    }
+    path_ = "/proc/self/fd/" + std::to_string(descriptor_);
+  }
+  ~ScratchFile() {
+    if (descriptor_ >= 0) {
+      ::close(descriptor_);
+    }
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  int descriptor_ = -1;
+  std::filesystem::path path_;
+};
 
 /// What every sweep promises to those that use it.
 inline void require_valid(const Sweep& sweep) {

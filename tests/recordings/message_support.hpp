@@ -108,6 +108,38 @@ inline ros::LivoxCustomMsg livox_message(uint32_t i) {
   return message;
 }
 
+/// 3 x 2 pixels, the first without a return, rows of 8 bytes; `data` is what the message views.
+struct ImageExample {
+  std::vector<std::byte> data;
+  ros::Image message;
+};
+inline ImageExample depth_image_message(uint32_t i) {
+  const std::array<uint16_t, 8> millimetres = {0, 1000, 2000, 99, 500, 1500, 65535, 99};
+  ImageExample image;
+  image.data.resize(sizeof millimetres);
+  std::memcpy(image.data.data(), millimetres.data(), sizeof millimetres);
+  image.message.header = header(i, "camera_depth_optical_frame");
+  image.message.height = 2;
+  image.message.width = 3;
+  image.message.encoding = "16UC1";
+  image.message.step = 8;
+  image.message.data = image.data;
+  return image;
+}
+
+inline ros::CameraInfo camera_info_message(uint32_t i) {
+  ros::CameraInfo info;
+  info.header = header(i, "camera_depth_optical_frame");
+  info.height = 2;
+  info.width = 3;
+  info.distortion_model = "plumb_bob";
+  info.d = {0.0, 0.0, 0.0, 0.0, 0.0};
+  info.k = {100.0, 0.0, 1.0, 0.0, 200.0, 0.5, 0.0, 0.0, 1.0};
+  info.r = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+  info.p = {50.0, 0.0, 1.0, 0.0, 0.0, 60.0, 0.5, 0.0, 0.0, 0.0, 1.0, 0.0};
+  return info;
+}
+
 /// A message on a topic, to be written.
 struct SampleMessage {
   std::size_t channel = 0;  ///< index into sample_channels()
@@ -170,6 +202,26 @@ inline void write_sample(MessageWriter& writer, Encoding encoding, uint32_t roun
   }
   for (const SampleMessage& message : sample_messages(encoding, rounds)) {
     writer.write(ids[message.channel], message.received, message.bytes);
+  }
+}
+
+/// `rounds` depth images and their calibration, on the topic `images` and camera_info beside it.
+inline void write_depth_sample(MessageWriter& writer, Encoding encoding, const std::string& images,
+                               uint32_t rounds) {
+  const auto add = [&](const std::string& topic, std::string_view type) {
+    return writer.add_channel({.topic = topic,
+                               .type = std::string(type),
+                               .encoding = encoding,
+                               .definition = {},
+                               .messages = std::nullopt});
+  };
+  const std::size_t image = add(images, ros::Image::kType);
+  const std::size_t info =
+      add(images.substr(0, images.rfind('/') + 1) + "camera_info", ros::CameraInfo::kType);
+  for (uint32_t i = 0; i < rounds; ++i) {
+    const Nanoseconds received = header(i, "").stamp;
+    writer.write(image, received, ros::encode(encoding, depth_image_message(i).message));
+    writer.write(info, received, ros::encode(encoding, camera_info_message(i)));
   }
 }
 

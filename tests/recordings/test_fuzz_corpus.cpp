@@ -21,6 +21,7 @@
 extern "C" int adit_fuzz_containers(const uint8_t* data, std::size_t size);
 extern "C" int adit_fuzz_clouds(const uint8_t* data, std::size_t size);
 extern "C" int adit_fuzz_folders(const uint8_t* data, std::size_t size);
+extern "C" int adit_fuzz_images(const uint8_t* data, std::size_t size);
 extern "C" int adit_fuzz_messages(const uint8_t* data, std::size_t size);
 extern "C" int adit_fuzz_metadata(const uint8_t* data, std::size_t size);
 extern "C" int adit_fuzz_packets(const uint8_t* data, std::size_t size);
@@ -78,13 +79,14 @@ TEST(FuzzCorpus, EveryEntryTakesItsSeeds) {
     const auto entry = seed.fuzzer == "containers" ? adit_fuzz_containers
                        : seed.fuzzer == "clouds"   ? adit_fuzz_clouds
                        : seed.fuzzer == "folders"  ? adit_fuzz_folders
+                       : seed.fuzzer == "images"   ? adit_fuzz_images
                        : seed.fuzzer == "messages" ? adit_fuzz_messages
                        : seed.fuzzer == "metadata" ? adit_fuzz_metadata
                                                    : adit_fuzz_packets;
     const auto bytes = std::span(seed.bytes);
     EXPECT_EQ(entry(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), 0);
   }
-  EXPECT_EQ(fuzzers.size(), 6U);
+  EXPECT_EQ(fuzzers.size(), 7U);
 }
 
 }  // namespace

@@ -40,6 +40,8 @@ void for_each_message(Check&& check) {
   check(test::transform_message(6, "lidar"));
   check(TFMessage{{test::transform_message(7, "a"), test::transform_message(8, "bcd")}});
   check(test::livox_message(9));
+  check(test::depth_image_message(10).message);
+  check(test::camera_info_message(11));
 }
 
 TEST(RosCodec, EveryMessageIsReadAsItWasWritten) {

@@ -51,6 +51,15 @@ TEST(Inspect, NothingIsFoundInCleanRecordings) {
   }
 }
 
+TEST(Inspect, AccelerometersWithoutGyroscope) {
+  EXPECT_EQ(kinds_after([](Recorded& event) {
+              if (auto* imu = std::get_if<ImuSample>(&event.value)) {
+                imu->angular_velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
+              }
+            }),
+            Kinds{"no_gyroscope /imu"});
+}
+
 TEST(Inspect, AccelerometerInG) {
   EXPECT_EQ(kinds_after([](Recorded& event) {
               if (auto* imu = std::get_if<ImuSample>(&event.value)) {

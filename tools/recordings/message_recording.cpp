@@ -7,8 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "tools/recordings/message_cameras.hpp"
 #include "tools/recordings/ros_codec.hpp"
 #include "tools/recordings/ros_events.hpp"
+#include "tools/recordings/ros_messages.hpp"
 
 namespace adit {
 namespace {
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 struct Part {
   std::unique_ptr<MessageFile> file;
   std::vector<std::size_t> topics;
+  std::vector<std::unique_ptr<DepthCamera>> cameras;  // by channel; null where it has no depths
 };
 
 class MessageEventStream final : public EventStream {
@@ -90,8 +93,8 @@ class MessageEventStream final : public EventStream {
       throw InputError(file, Place::named(place + at), found, remedy);
     };
     try {
-      ros::MessageEvents events =
-          ros::to_events(channel, message, file, selection_.point_time_unit);
+      ros::MessageEvents events = ros::to_events(channel, message, file, selection_.point_time_unit,
+                                                 current_->cameras[message.channel].get());
       for (EventValue& value : events.values) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);
@@ -124,10 +127,18 @@ class MessageRecording final : public Recording {
  public:
   MessageRecording(fs::path path, std::vector<std::unique_ptr<MessageFile>> files)
       : path_(std::move(path)) {
+    std::vector<const MessageFile*> all;
+    for (const std::unique_ptr<MessageFile>& file : files) {
+      all.push_back(file.get());
+    }
     for (std::unique_ptr<MessageFile>& file : files) {
-      Part part{std::move(file), {}};
-      for (const Channel& channel : part.file->channels()) {
-        part.topics.push_back(topic_of(channel));
+      Part part{std::move(file), {}, {}};
+      for (std::size_t i = 0; i < part.file->channels().size(); ++i) {
+        const Channel& channel = part.file->channels()[i];
+        const bool images =
+            channel.type == ros::Image::kType && channel.encoding != Encoding::other;
+        part.cameras.push_back(images ? find_depth_camera(*part.file, i, all) : nullptr);
+        part.topics.push_back(topic_of(channel, part.cameras.back() != nullptr));
       }
       parts_.push_back(std::move(part));
     }
@@ -166,8 +177,8 @@ class MessageRecording final : public Recording {
   }
 
  private:
-  std::size_t topic_of(const Channel& channel) {
-    const TopicKind kind = ros::kind_of(channel);
+  std::size_t topic_of(const Channel& channel, bool depths) {
+    const TopicKind kind = depths ? TopicKind::sweeps : ros::kind_of(channel);
     const auto found = std::ranges::find_if(topics_, [&](const Topic& topic) {
       return topic.name == channel.topic && topic.type == channel.type && topic.kind == kind;
     });

@@ -12,6 +12,7 @@
 #include "tools/recordings/packet_capture.hpp"
 #include "tools/recordings/rosbag2_reader.hpp"
 #include "tools/recordings/sweep_files.hpp"
+#include "tools/recordings/tum_folder.hpp"
 
 namespace adit {
 
@@ -119,6 +120,9 @@ std::unique_ptr<Recording> open_recording(const fs::path& path) {
   }
   if (is_euroc_folder(path)) {
     return open_euroc_folder(path);
+  }
+  if (is_tum_folder(path)) {
+    return open_tum_folder(path);
   }
   std::vector<std::unique_ptr<MessageFile>> files = open_message_files(path);
   return files.empty() ? open_sweep_files(path) : make_message_recording(path, std::move(files));

@@ -111,6 +111,7 @@ std::size_t sweep_topic(const Recording& recording, const std::filesystem::path&
 ///   not, with or without metadata.yaml.
 /// - Captures of a sensor's packets: see open_packet_capture().
 /// - Folders of IMU samples and poses in EuRoC's layout: see open_euroc_folder().
+/// - Folders of depth images in TUM RGB-D's layout: see open_tum_folder().
 /// - Folders and files of sweeps: see open_sweep_files().
 ///
 /// Throws InputError: nothing there or nothing readable in it.

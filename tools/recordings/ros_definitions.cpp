@@ -24,6 +24,7 @@ constexpr std::string_view kPoint = "geometry_msgs/Point";
 constexpr std::string_view kQuaternion = "geometry_msgs/Quaternion";
 constexpr std::string_view kPose = "geometry_msgs/Pose";
 constexpr std::string_view kTransform = "geometry_msgs/Transform";
+constexpr std::string_view kCameraInfo = "sensor_msgs/CameraInfo";
 constexpr std::string_view kTransformStamped = "geometry_msgs/TransformStamped";
 
 const std::vector<Type>& types() {
@@ -113,6 +114,19 @@ const std::vector<Type>& types() {
        "livox_ros_driver2/CustomPoint[] points\n",
        {kHeader, kTime, "livox_ros_driver2/CustomPoint"},
        "e4d6829bdfe657cb6c21a746c86b21a6"},
+      {"sensor_msgs/RegionOfInterest",
+       "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n",
+       {},
+       ""},
+      {"sensor_msgs/Image",
+       "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\n"
+       "uint32 step\nuint8[] data\n",
+       {kHeader, kTime},
+       "060021388200f6f0f447d0fcd9c64743"},
+      {kCameraInfo,
+       "",
+       {kHeader, kTime, "sensor_msgs/RegionOfInterest"},
+       "c9a58c1b0b154e0e6da7578cb991d214"},  // differs: see fields_of()
   };
   return kTypes;
 }
@@ -123,6 +137,15 @@ const Type* find(std::string_view name) {
 }
 
 std::string_view fields_of(const Type& type, Encoding encoding) {
+  if (type.name == kCameraInfo) {
+    return encoding == Encoding::ros1
+               ? "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
+                 "float64[] D\nfloat64[9] K\nfloat64[9] R\nfloat64[12] P\nuint32 binning_x\n"
+                 "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n"
+               : "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
+                 "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
+                 "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n";
+  }
   if (type.name != kHeader) {
     return type.fields;
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tools/recordings/ros_clouds.hpp"
+#include "tools/recordings/ros_images.hpp"
 #include "tools/recordings/ros_visit.hpp"
 
 namespace adit::ros {
@@ -202,7 +203,8 @@ TopicKind kind_of(const Channel& channel) {
 }
 
 MessageEvents to_events(const Channel& channel, const RawMessage& message,
-                        const std::filesystem::path& file, double point_time_unit) {
+                        const std::filesystem::path& file, double point_time_unit,
+                        const DepthCamera* camera) {
   const std::string& type = channel.type;
   if (type == PointCloud2::kType) {
     const auto cloud = decode<PointCloud2>(channel.encoding, message.bytes);
@@ -212,6 +214,13 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
   if (is_livox(type)) {
     const auto cloud = decode<LivoxCustomMsg>(channel.encoding, message.bytes);
     return sweep(to_sweep(cloud, time_of(cloud.header, message)), cloud.header.frame);
+  }
+  if (type == Image::kType && camera != nullptr) {
+    const auto image = decode<Image>(channel.encoding, message.bytes);
+    MessageEvents events;
+    events.values.emplace_back(to_sweep(image, *camera, time_of(image.header, message)));
+    events.frame = image.header.frame;
+    return events;
   }
   if (type == Imu::kType) {
     return single<Imu>(channel, message);

@@ -10,12 +10,14 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/recordings/depth_camera.hpp"
 #include "tools/recordings/message_file.hpp"
 #include "tools/recordings/recording.hpp"
 
 namespace adit::ros {
 
-/// What a topic of such messages tells. TFMessage tells of static transforms on a topic named
+/// What a topic of such messages tells; images tell nothing by themselves: see
+/// find_depth_camera(). TFMessage tells of static transforms on a topic named
 /// "tf_static" and of poses on others.
 TopicKind kind_of(const Channel& channel);
 
@@ -28,13 +30,15 @@ struct MessageEvents {
 
 /// The events in a message, in its order; none for kinds that are not understood. A message whose
 /// header has no time counts as taken when it was received. `point_time_unit` (s) is that of the
-/// times of points; 0: it is told from them.
+/// times of points; 0: it is told from them. Images are sweeps where `camera`, which took them, is
+/// given.
 ///
 /// Sweeps from Livox's CustomMsg are without the returns that the sensor marks as noise (bits 4 and
 /// 5 of the tag). Throws CodecError or InputError (naming `file` and the point) where the message
 /// is damaged.
 MessageEvents to_events(const Channel& channel, const RawMessage& message,
-                        const std::filesystem::path& file, double point_time_unit = 0.0);
+                        const std::filesystem::path& file, double point_time_unit = 0.0,
+                        const DepthCamera* camera = nullptr);
 
 /// A message and its type.
 struct EncodedEvent {

@@ -133,4 +133,34 @@ struct LivoxCustomMsg {
   std::vector<LivoxPoint> points;
 };
 
+struct Image {
+  static constexpr std::string_view kType = "sensor_msgs/Image";
+  Header header;
+  uint32_t height = 0;   ///< pixels
+  uint32_t width = 0;    ///< pixels
+  std::string encoding;  ///< "16UC1", "32FC1", "rgb8" ...
+  uint8_t is_bigendian = 0;
+  uint32_t step = 0;                ///< bytes from row to row
+  std::span<const std::byte> data;  ///< a view of the message that was read
+};
+
+struct CameraInfo {
+  static constexpr std::string_view kType = "sensor_msgs/CameraInfo";
+  Header header;
+  uint32_t height = 0;           ///< pixels, of the whole sensor
+  uint32_t width = 0;            ///< pixels, of the whole sensor
+  std::string distortion_model;  ///< "plumb_bob", "rational_polynomial" ...
+  std::vector<double> d;         ///< distortion
+  std::array<double, 9> k{};     ///< of the raw image, row by row
+  std::array<double, 9> r{};     ///< rectification
+  std::array<double, 12> p{};    ///< of the rectified image, row by row
+  uint32_t binning_x = 0;        ///< 0 and 1: none
+  uint32_t binning_y = 0;
+  uint32_t x_offset = 0;  ///< of the region of interest, whole pixels
+  uint32_t y_offset = 0;
+  uint32_t roi_height = 0;  ///< 0: all
+  uint32_t roi_width = 0;
+  bool do_rectify = false;
+};
+
 }  // namespace adit::ros

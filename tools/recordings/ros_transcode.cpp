@@ -27,7 +27,8 @@ constexpr Entry entry() {
 constexpr std::array kEntries = {entry<PointCloud2>(), entry<Imu>(),
                                  entry<NavSatFix>(),   entry<Odometry>(),
                                  entry<PoseStamped>(), entry<TransformStamped>(),
-                                 entry<TFMessage>(),   entry<LivoxCustomMsg>()};
+                                 entry<TFMessage>(),   entry<LivoxCustomMsg>(),
+                                 entry<Image>(),       entry<CameraInfo>()};
 
 const Entry* find(std::string_view type) {
   if (type == "tf/tfMessage") {

@@ -120,6 +120,22 @@ void visit(Archive& archive, IsA<LivoxCustomMsg> auto& message) {
   archive.sequence(message.points, 19, [](auto& a, auto& point) { visit(a, point); });
 }
 
+template <class Archive>
+void visit(Archive& archive, IsA<Image> auto& image) {
+  visit(archive, image.header);
+  archive(image.height, image.width, image.encoding, image.is_bigendian, image.step);
+  archive.blob(image.data);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<CameraInfo> auto& info) {
+  visit(archive, info.header);
+  archive(info.height, info.width, info.distortion_model);
+  archive.sequence(info.d, 8, [](auto& a, auto& number) { a(number); });
+  archive(info.k, info.r, info.p, info.binning_x, info.binning_y, info.x_offset, info.y_offset,
+          info.roi_height, info.roi_width, info.do_rectify);
+}
+
 /// Throws CodecError where the bytes are no such message.
 template <class Message>
 Message decode(Encoding encoding, std::span<const std::byte> bytes) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tools/recordings/kitti_bin.hpp"
+#include "tools/recordings/kitti_raw.hpp"
 #include "tools/recordings/las_reader.hpp"
 #include "tools/recordings/pcd_reader.hpp"
 #include "tools/recordings/ply_reader.hpp"
@@ -346,8 +347,9 @@ std::unique_ptr<Recording> open_sweep_files(const fs::path& path) {
       return open_kitti(path, path / "velodyne", path / "times.txt", "KITTI folder");
     }
     if (fs::is_directory(path / "velodyne_points" / "data")) {
-      return open_kitti(path, path / "velodyne_points" / "data",
-                        path / "velodyne_points" / "timestamps.txt", "KITTI raw drive");
+      return with_kitti_raw_series(
+          path, open_kitti(path, path / "velodyne_points" / "data",
+                           path / "velodyne_points" / "timestamps.txt", "KITTI raw drive"));
     }
     return open_plain_folder(path);
   } catch (const fs::filesystem_error& failure) {

@@ -12,8 +12,8 @@ namespace adit {
 /// Opens a recording of one file a sweep. Only names and times are read at first.
 ///
 /// - KITTI: FOLDER/velodyne/*.bin with FOLDER/times.txt (odometry sequences have the same layout);
-///   FOLDER/velodyne_points/data/*.bin with FOLDER/velodyne_points/timestamps.txt (raw); a folder
-///   of .bin.
+///   FOLDER/velodyne_points/data/*.bin with FOLDER/velodyne_points/timestamps.txt (raw, with
+///   what with_kitti_raw_series() adds); a folder of .bin.
 /// - A folder of .pcd, .ply or .las files, in numeric order of their names. Times come from
 /// times.txt
 ///   or timestamps.txt in the folder, else from the names (seconds with a fraction,

@@ -56,7 +56,7 @@ std::optional<Nanoseconds> parse_date_time(std::string_view date, std::string_vi
 
 }  // namespace
 
-std::vector<Nanoseconds> read_times(const std::filesystem::path& file) {
+std::vector<Nanoseconds> read_times(const std::filesystem::path& file, TimesOrder order) {
   const std::string text = read_text_file(file);
   std::vector<Nanoseconds> times;
   std::optional<uint64_t> blank;
@@ -77,7 +77,7 @@ std::vector<Nanoseconds> read_times(const std::filesystem::path& file) {
           blank ? "a blank line between the times" : "expected one time, found " + in_quotes(*line),
           "Each line holds one time, in seconds or as 2011-09-26 13:02:25.594360375");
     }
-    if (!times.empty() && *time <= times.back()) {
+    if (order == TimesOrder::increasing && !times.empty() && *time <= times.back()) {
       throw InputError(file, Place::line(lines.number()),
                        std::string(*time == times.back() ? "the time is the same as"
                                                          : "the time goes back from") +

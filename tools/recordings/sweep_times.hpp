@@ -18,8 +18,10 @@ namespace adit {
 
 /// One time a line: seconds ("0.110", "1.036224e-01"), or date and time of day as in KITTI raw
 /// ("2011-09-26 13:02:25.594360375"; taken as UTC). Blank lines at the end do not count. Throws
-/// InputError with the line: not a time, or not after the one before.
-std::vector<Nanoseconds> read_times(const std::filesystem::path& file);
+/// InputError with the line: not a time, or, unless any order will do, not after the one before.
+enum class TimesOrder { increasing, any };
+std::vector<Nanoseconds> read_times(const std::filesystem::path& file,
+                                    TimesOrder order = TimesOrder::increasing);
 
 /// Throws InputError unless there are as many times as things to stamp. `things` completes "for N
 /// ...".

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/recordings/ros_images.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "tools/recordings/ros_codec.hpp"
+
+namespace adit::ros {
+namespace {
+
+constexpr uint32_t kMostPixels = 4096;  // in each direction
+
+std::string size_text(std::size_t width, std::size_t height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+/// The number at these bytes, which may be in the other byte order.
+template <class T>
+T number_at(const std::byte* bytes, bool swap) {
+  std::array<std::byte, sizeof(T)> raw;
+  std::memcpy(raw.data(), bytes, sizeof(T));
+  if (swap) {
+    std::ranges::reverse(raw);
+  }
+  return std::bit_cast<T>(raw);
+}
+
+}  // namespace
+
+bool is_depth(const Image& image) {
+  return image.encoding == "16UC1" || image.encoding == "32FC1" || image.encoding == "mono16";
+}
+
+CameraModel to_camera(const CameraInfo& info, bool rectified) {
+  CameraModel model;
+  if (rectified) {
+    model.fx = info.p[0];
+    model.fy = info.p[5];
+    model.cx = info.p[2];
+    model.cy = info.p[6];
+  } else {
+    model.fx = info.k[0];
+    model.fy = info.k[4];
+    model.cx = info.k[2];
+    model.cy = info.k[5];
+    const bool none = std::ranges::all_of(info.d, [](double number) { return number == 0.0; });
+    const bool known =
+        info.distortion_model == "plumb_bob" || info.distortion_model == "rational_polynomial";
+    if (!none && (!known || info.d.size() > model.distortion.size())) {
+      throw CodecError("the camera's distortion model '" + info.distortion_model + "' with " +
+                       std::to_string(info.d.size()) +
+                       " numbers is not known: plumb_bob and rational_polynomial are; rectified "
+                       "images need none");
+    }
+    if (!none) {
+      std::ranges::copy(info.d, model.distortion.begin());
+    }
+  }
+  const uint32_t across = std::max(info.binning_x, 1U);
+  const uint32_t down = std::max(info.binning_y, 1U);
+  model.width = (info.roi_width > 0 ? info.roi_width : info.width) / across;
+  model.height = (info.roi_height > 0 ? info.roi_height : info.height) / down;
+  model.fx /= across;
+  model.fy /= down;
+  model.cx = (model.cx - info.x_offset) / across;
+  model.cy = (model.cy - info.y_offset) / down;
+  const bool finite =
+      std::isfinite(model.cx) && std::isfinite(model.cy) &&
+      std::ranges::all_of(model.distortion, [](double number) { return std::isfinite(number); });
+  if (!(model.fx > 0.1 && model.fx < 1e6 && model.fy > 0.1 && model.fy < 1e6) || !finite) {
+    throw CodecError("the camera is not calibrated: its focal lengths are " +
+                     std::to_string(model.fx) + " and " + std::to_string(model.fy) + " pixels");
+  }
+  if (model.width == 0 || model.height == 0 || model.width > kMostPixels ||
+      model.height > kMostPixels) {
+    throw CodecError("the camera has " + size_text(model.width, model.height) +
+                     " pixels; expected 1 to 4096 in each direction");
+  }
+  return model;
+}
+
+Sweep to_sweep(const Image& image, const DepthCamera& camera, Nanoseconds stamp) {
+  const CameraModel& model = camera.model();
+  if (image.width != model.width || image.height != model.height) {
+    throw CodecError("it has " + size_text(image.width, image.height) +
+                     " pixels, its camera_info " + size_text(model.width, model.height));
+  }
+  const bool metres = image.encoding == "32FC1";
+  const std::size_t pixel = metres ? sizeof(float) : sizeof(uint16_t);
+  const std::size_t row = pixel * model.width;
+  if (!is_depth(image) || image.step < row ||
+      image.data.size() < std::size_t{image.step} * (model.height - 1) + row) {
+    throw CodecError("its " + std::to_string(image.data.size()) + " bytes in rows of " +
+                     std::to_string(image.step) + " are no " +
+                     size_text(image.width, image.height) + " depth image of the encoding '" +
+                     image.encoding + "'");
+  }
+  const bool swap = (image.is_bigendian != 0) == (std::endian::native == std::endian::little);
+  constexpr float kMillimetre = 1e-3F;
+  std::vector<float> depths(model.width * model.height);
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const std::byte* at =
+        image.data.data() + i / model.width * image.step + i % model.width * pixel;
+    depths[i] = metres ? number_at<float>(at, swap)
+                       : kMillimetre * static_cast<float>(number_at<uint16_t>(at, swap));
+  }
+  Sweep sweep;
+  sweep.stamp = stamp;
+  sweep.points = camera.points(depths);
+  return sweep;
+}
+
+}  // namespace adit::ros
