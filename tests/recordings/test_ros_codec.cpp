@@ -184,7 +184,7 @@ TEST(RosDefinitions, HeadersDifferBetweenRos1AndRos2) {
   EXPECT_NE(ros2.text.find("MSG: builtin_interfaces/Time"), std::string::npos);
   EXPECT_EQ(ros1.md5, "6a62c6daae103f4ff57a132d6f95cec2");
   EXPECT_FALSE(definition_of("std_msgs/Header", Encoding::cdr));
-  EXPECT_FALSE(definition_of("sensor_msgs/Image", Encoding::cdr));
+  EXPECT_FALSE(definition_of("sensor_msgs/LaserScan", Encoding::cdr));
 }
 
 }  // namespace
