@@ -10,6 +10,7 @@
 
 #include "engine/error.hpp"
 #include "slam/odometry.hpp"
+#include "tools/clock_drift.hpp"
 #include "tools/configured_recording.hpp"
 #include "tools/rotation_profile.hpp"
 
@@ -137,6 +138,7 @@ Inspection inspect(const std::filesystem::path& path, const Config& config,
   for (std::size_t i = 0; i < result.topics.size(); ++i) {
     add(find_in_topic(result.topics[i], result.statistics[i], result.frames));
   }
+  add(find_clock_drift(result.topics, result.statistics));
   for (const MotionCheck& check : result.motion) {
     add(find_in_motion(check));
   }

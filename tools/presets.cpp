@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "tools/nearest_name.hpp"
@@ -17,17 +18,27 @@ struct Preset {
   std::string_view sweep_topic;  ///< empty: the only one
   std::string_view imu_topic;
   double beam_spacing;  ///< rad, the wider of the two directions
+  /// imu.T_imu_lidar; nothing where the recordings' own transforms, or the user, must tell it.
+  std::optional<std::array<double, 7>> T_imu_lidar{};
 };
+
+// Ouster sensors by their design: points in the frame of the lidar (os_lidar, gen. 1 drivers) or of
+// the housing (os_sensor); Newer College's multi-camera release by its own calibration.
+constexpr std::array<double, 7> kOusterLidar = {-0.006253, 0.011775, 0.028535, 0.0, 0.0, 1.0, 0.0};
+constexpr std::array<double, 7> kNewerCollege2021 = {0.014, -0.012, -0.015, 0.0, 0.0, 0.0, 1.0};
+constexpr std::array<double, 7> kHilti2022 = {-0.001,      -0.00855, 0.055, 0.70710678,
+                                              -0.70710678, 0.0,      0.0};
 
 // Beams: OS0-128 90 degrees, OS1-64 33.2, HDL-64E 26.8, PandarXT-32 31, VLP-16 30; each over the
 // number of beams less one.
 constexpr std::array<Preset, 7> kPresets = {{
     {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0249},
-    {"hilti-2022", "/hesai/pandar", "/alphasense/imu", 0.0175},
+    {"hilti-2022", "/hesai/pandar", "/alphasense/imu", 0.0175, kHilti2022},
     {"kitti", "", "", 0.0074},
     {"mulran", "", "", 0.0092},
-    {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", 0.0092},
-    {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0124},
+    {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", 0.0092, kOusterLidar},
+    {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0124,
+     kNewerCollege2021},
     {"subt-mrs", "", "", 0.0349},
 }};
 
@@ -50,6 +61,7 @@ void apply_preset(const std::string& name, Config& config) {
   config.recording.sweep_topic = preset->sweep_topic;
   config.recording.imu_topic = preset->imu_topic;
   config.preprocess.beam_spacing = preset->beam_spacing;
+  config.imu.T_imu_lidar = preset->T_imu_lidar.value_or(config.imu.T_imu_lidar);
 }
 
 }  // namespace adit

@@ -14,8 +14,8 @@ namespace adit {
 /// The names that apply_preset() knows, in alphabetical order.
 std::vector<std::string> preset_names();
 
-/// Sets the topics and what depends on the sensor. Throws UsageError for a name that is not known,
-/// with the nearest that is.
+/// Sets the topics, what depends on the sensor and, where it is known, its mounting. Throws
+/// UsageError for a name that is not known, with the nearest that is.
 void apply_preset(const std::string& name, Config& config);
 
 }  // namespace adit

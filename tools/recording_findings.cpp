@@ -213,6 +213,14 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
         "motion within a sweep cannot be corrected",
         "Record with a driver that writes them (a field time, t or timestamp)");
   }
+  if (const std::optional<Sector> sector = s.blocked_sector()) {
+    findings.notice("blocked_sector",
+                    "nothing is seen from azimuth " + fixed(sector->begin, 0) + " to " +
+                        fixed(sector->end, 0) + " degrees (from x towards y)",
+                    "none as long as the other directions tell the motion",
+                    "Expected where the vehicle or its carrier hides them, or where the sensor is "
+                    "set so; else clean the sensor");
+  }
   if (s.not_finite > 0) {
     findings.notice("nan_points",
                     fixed(100.0 * static_cast<double>(s.not_finite) / s.points.sum, 2) +

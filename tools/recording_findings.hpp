@@ -30,7 +30,8 @@ struct Finding {
 
 /// What is wrong with a topic, or worth knowing. Finds: an accelerometer in g, gravity along -z,
 /// gaps, stamps that repeat or go back, a clock that is off the recorder's by leap seconds or an
-/// epoch, sweeps without times, rings or returns, and point times in the wrong unit. `frames` tell
+/// epoch, sweeps without times or returns, directions that are hidden, and point times in the wrong
+/// unit. `frames` tell
 /// how an IMU is mounted.
 std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
                                    const FrameTree& frames);

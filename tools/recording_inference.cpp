@@ -3,6 +3,7 @@
 #include "tools/recording_inference.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -83,6 +84,30 @@ void correct_sweeps(const Inspection& inspection, std::size_t topic, Config& con
   }
 }
 
+/// imu.T_imu_lidar by the motion, where that tells it and the recording does not or is wrong.
+std::optional<std::array<double, 7>> mounting_by_motion(const Inspection& inspection,
+                                                        const MotionCheck& check) {
+  constexpr double kWellKnown = 0.05;  // rad, standard deviation
+  constexpr double kAway = 0.09;       // rad, from none: 5 degrees
+  const RotationComparison& motion = *check.comparison;
+  const bool told = check.pair.R_range_gyro.has_value();
+  const bool wrong = told ? found(inspection, "mounting", check.pair.imu.name)
+                          : motion.misalignment > kAway + 8.0 * motion.mounting_sigma.maxCoeff();
+  if (!wrong || !(motion.mounting_sigma.maxCoeff() < kWellKnown)) {
+    return std::nullopt;
+  }
+  Eigen::Isometry3d T_lidar_imu = Eigen::Isometry3d::Identity();
+  if (told) {
+    T_lidar_imu = *inspection.frames.transform(inspection.statistics[check.pair.sweep_topic].frame,
+                                               inspection.statistics[check.pair.imu_topic].frame);
+  }
+  T_lidar_imu.linear() = motion.R_range_gyro;
+  const Eigen::Isometry3d T = T_lidar_imu.inverse();
+  const Eigen::Quaterniond q(T.linear());
+  const Eigen::Vector3d t = T.translation();
+  return std::array<double, 7>{t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
 void correct_imu(const Inspection& inspection, std::size_t topic, Config& config) {
   const std::string& name = inspection.topics[topic].name;
   const ImuStatistics& s = inspection.statistics[topic].imu;
@@ -90,9 +115,13 @@ void correct_imu(const Inspection& inspection, std::size_t topic, Config& config
   recording.imu_topic = name;
   recording.imu_time_offset += whole_offset(inspection, topic);
   for (const MotionCheck& check : inspection.motion) {
-    if (check.pair.imu_topic == topic && found(inspection, "sensor_offset", name)) {
+    if (check.pair.imu_topic != topic || !check.comparison) {
+      continue;
+    }
+    if (found(inspection, "sensor_offset", name)) {
       recording.imu_time_offset -= check.comparison->offset;
     }
+    config.imu.T_imu_lidar = mounting_by_motion(inspection, check).value_or(config.imu.T_imu_lidar);
   }
   if (found(inspection, "accelerometer_unit", name) && s.acceleration.mean() < 0.5 * kGravity) {
     recording.accelerometer_scale *= kGravity;

@@ -18,7 +18,8 @@ struct Inference {
 std::vector<Inference> infer(const Inspection& inspection);
 
 /// The configuration with what makes up for the recording's faults: topics, the unit of the times
-/// of points, scales, offsets of clocks, and the spacing of the beams. `read_with` is the one that
+/// of points, scales, offsets of clocks, the mounting of an IMU whose
+/// transform is wrong or missing, and the spacing of the beams. `read_with` is the one that
 /// the recording was read with; corrections add to it.
 Config suggest_config(const Inspection& inspection, const Config& read_with);
 

@@ -39,6 +39,15 @@ void take(TopicStatistics& topic, const Sweep& sweep) {
       s.elevation.add(std::atan2(static_cast<double>(p.z), std::hypot(p.x, p.y)));
     }
   }
+  constexpr std::size_t kStride = 7;  // shares no factor with usual numbers of beams
+  for (std::size_t i = 0; i < sweep.points.size(); i += kStride) {
+    const Point& p = sweep.points[i];
+    if (is_return(p)) {
+      const double turn = std::atan2(p.y, p.x) / (2.0 * std::numbers::pi) + 1.0;
+      const auto bins = static_cast<double>(s.returns_by_azimuth.size());
+      ++s.returns_by_azimuth[static_cast<std::size_t>(turn * bins) % s.returns_by_azimuth.size()];
+    }
+  }
   s.with_times += sweep.times.empty() ? 0U : 1U;
   if (!sweep.times.empty() && returns > 0) {
     s.duration.add(static_cast<double>(*std::ranges::max_element(sweep.times)));
@@ -127,6 +136,36 @@ double SweepStatistics::beam_spacing() const {
   const double upwards = (elevation.greatest - elevation.least) / greatest_ring;
   const double around = 2.0 * std::numbers::pi * (greatest_ring + 1.0) / points.mean();
   return std::max(upwards, around);
+}
+
+std::optional<Sector> SweepStatistics::blocked_sector() const {
+  constexpr uint64_t kLeastReturns = 20;  // a direction of the others, on average
+  constexpr std::size_t kLeastBins = 3;
+  constexpr uint64_t kNone = 100;  // a hundredth of the others' median is none
+  const std::size_t bins = returns_by_azimuth.size();
+  auto sorted = returns_by_azimuth;
+  std::ranges::sort(sorted);
+  const uint64_t usual = sorted[bins * 3 / 4];
+  const auto hidden = [&](std::size_t i) { return returns_by_azimuth[i % bins] * kNone < usual; };
+  std::size_t begin = 0;
+  std::size_t widest = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < bins; ++i) {
+    all += hidden(i) ? 1U : 0U;
+    std::size_t width = 0;
+    while (width < bins && hidden(i + width)) {
+      ++width;
+    }
+    if (width > widest) {
+      begin = i;
+      widest = width;
+    }
+  }
+  if (usual < kLeastReturns || widest < kLeastBins || all > bins / 2) {
+    return std::nullopt;
+  }
+  const double width = 360.0 / static_cast<double>(bins);
+  return Sector{width * static_cast<double>(begin), width * static_cast<double>(begin + widest)};
 }
 
 bool TopicStatistics::point_times_fit() const {

@@ -4,6 +4,7 @@
 // What the events of a topic are like, counted while they pass; memory does not grow with them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -33,6 +34,12 @@ struct ImuStatistics {
   uint64_t not_finite = 0;  ///< samples with a number that is none
 };
 
+/// Directions about the sensor's z axis.
+struct Sector {
+  double begin = 0.0;  ///< degrees from x towards y, 0 to 360
+  double end = 0.0;    ///< degrees, greater than `begin`; may be beyond 360
+};
+
 struct SweepStatistics {
   Extent points;            ///< a sweep
   Extent returns;           ///< a sweep: points that are finite and not (0, 0, 0)
@@ -42,11 +49,16 @@ struct SweepStatistics {
   uint64_t empty = 0;       ///< sweeps without a return
   uint64_t with_rings = 0;  ///< sweeps
   uint16_t greatest_ring = 0;
+  /// Of some points of each sweep, by azimuth from 0 on, 5 degrees each.
+  std::array<uint64_t, 72> returns_by_azimuth{};
   Extent elevation;  ///< rad, of returns of the first sweeps with rings
 
   /// rad between neighbouring beams, the wider of the two directions, of a sensor that turns with
   /// eight beams or more; 0 where it cannot be told.
   double beam_spacing() const;
+  /// The widest sector of 15 degrees or more without returns, of a sensor that sees most directions
+  /// about it; a sensor that does not has a field of view.
+  std::optional<Sector> blocked_sector() const;
 };
 
 struct GnssStatistics {

@@ -115,6 +115,7 @@ class Corpus {
       add_one(livox_message(1));
       add_one(depth_image_message(1).message);
       add_one(camera_info_message(1));
+      add_one(velodyne_message(1, 2));
     }
   }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/recordings/packet_support.hpp"
 #include "tools/recordings/message_writer.hpp"
 #include "tools/recordings/ros_definitions.hpp"
 #include "tools/recordings/ros_visit.hpp"
@@ -138,6 +139,23 @@ inline ros::CameraInfo camera_info_message(uint32_t i) {
   info.r = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
   info.p = {50.0, 0.0, 1.0, 0.0, 0.0, 60.0, 0.5, 0.0, 0.0, 0.0, 1.0, 0.0};
   return info;
+}
+
+/// A turn of a VLP-16 in packets of 15 degrees, as its driver publishes it: laser i measures
+/// 10 + 0.1 i m. It begins at azimuth 350.
+inline ros::VelodyneScan velodyne_message(uint32_t i, std::size_t packets = 24) {
+  ros::VelodyneScan scan;
+  scan.header = header(i, "velodyne");
+  for (std::size_t k = 0; k < packets; ++k) {
+    const Bytes bytes =
+        velodyne_packet(std::fmod(350.0 + 15.0 * static_cast<double>(k), 360.0), 1.25,
+                        static_cast<uint32_t>(1327 * k), 0x37, 0x22,
+                        [](std::size_t, std::size_t laser) { return 5000 + 50 * (laser % 16); });
+    ros::VelodynePacket packet{.stamp = scan.header.stamp + Nanoseconds(1327104 * k)};
+    std::memcpy(packet.data.data(), bytes.data(), packet.data.size());
+    scan.packets.push_back(packet);
+  }
+  return scan;
 }
 
 /// A message on a topic, to be written.

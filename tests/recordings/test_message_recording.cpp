@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/recordings/message_recording.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -34,6 +38,60 @@ std::unique_ptr<Recording> record(const test::TemporaryFolder& folder,
   }
   writer.close();
   return open_recording(file);
+}
+
+TEST(MessageRecording, TheUnitOfPointTimesIsThatOfTheTopicNotOfASweepThatIsCutShort) {
+  const test::TemporaryFolder folder;
+  std::vector<test::CloudExample> clouds;
+  std::vector<ros::PointCloud2> messages;
+  for (const uint32_t last : {900'000U, 99'000'000U, 98'000'000U}) {  // ns
+    test::CloudExample cloud = test::cloud_message(static_cast<uint32_t>(clouds.size()));
+    const uint32_t times[] = {0, last};
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::memcpy(cloud.data.data() + 24 * i + 16, &times[i], sizeof last);
+    }
+    cloud.message.fields[4] = {"t", 16, 6, 1};
+    clouds.push_back(std::move(cloud));
+    messages.push_back(clouds.back().message);
+  }
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    messages[i].data = clouds[i].data;
+  }
+  const auto recording = record(folder, messages);
+  // Alone the first would last 0.9 s.
+  EXPECT_FLOAT_EQ(test::read_sweep(*recording, 0).times.at(1), 0.9e-3F);
+  EXPECT_FLOAT_EQ(test::read_sweep(*recording, 2).times.at(1), 98e-3F);
+  const auto told = recording->events({.point_time_unit = 1e-6})->next();
+  EXPECT_FLOAT_EQ(std::get<Sweep>(told.value().value).times.at(1), 0.9F);
+}
+
+TEST(MessageRecording, PacketsOfAVelodyneAreASweep) {
+  const test::TemporaryFolder folder;
+  const auto recording = record(folder, std::vector{test::velodyne_message(0)});
+  EXPECT_EQ(recording->topics()[0].kind, TopicKind::sweeps);
+  const Sweep sweep = test::read_sweep(*recording, 0);
+  EXPECT_EQ(sweep.stamp, test::kStart + Nanoseconds(7));
+  ASSERT_EQ(sweep.points.size(), 24U * 12U * 32U);  // in one, though azimuth 0 lies within
+  EXPECT_FLOAT_EQ(sweep.times.front(), 0.0F);
+  EXPECT_TRUE(std::ranges::is_sorted(sweep.times));
+  EXPECT_NEAR(sweep.times.back(), 24 * 1.327e-3, 1.4e-3);
+  const Point& p = sweep.points[0];  // laser 0: 15 degrees down, azimuth 350
+  EXPECT_NEAR(std::hypot(p.x, p.y, p.z), 10.0, 1e-4);
+  EXPECT_NEAR(std::atan2(p.y, p.x), 10.0 * std::numbers::pi / 180.0, 1e-4);
+  EXPECT_NEAR(std::asin(p.z / 10.0F), -15.0 * std::numbers::pi / 180.0, 1e-4);
+}
+
+TEST(MessageRecording, PacketsOfOtherSensorsAreNamed) {
+  const test::TemporaryFolder folder;
+  ros::VelodyneScan scan = test::velodyne_message(0, 2);
+  for (ros::VelodynePacket& packet : scan.packets) {
+    packet.data[1205] = 0x28;  // a VLP-32C
+  }
+  const test::ReadEvents read = test::read_all(*record(folder, std::vector{scan}));
+  EXPECT_TRUE(read.events.empty());
+  ASSERT_EQ(read.errors.size(), 1U);
+  EXPECT_NE(read.errors[0].found().find("none of its 2 packets is of a VLP-16 or HDL-32E"),
+            std::string::npos);
 }
 
 class MessageRecordingOf : public testing::TestWithParam<Encoding> {};

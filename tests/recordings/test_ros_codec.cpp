@@ -42,6 +42,7 @@ void for_each_message(Check&& check) {
   check(test::livox_message(9));
   check(test::depth_image_message(10).message);
   check(test::camera_info_message(11));
+  check(test::velodyne_message(12, 2));
 }
 
 TEST(RosCodec, EveryMessageIsReadAsItWasWritten) {

@@ -51,6 +51,19 @@ TEST(Inspect, NothingIsFoundInCleanRecordings) {
   }
 }
 
+TEST(Inspect, HiddenDirections) {
+  EXPECT_EQ(kinds_after([](Recorded& event) {
+              if (auto* sweep = std::get_if<Sweep>(&event.value)) {
+                for (Point& p : sweep->points) {
+                  if (p.y > 0.0F && -p.x > p.y) {  // from 135 to 180 degrees
+                    p = {};
+                  }
+                }
+              }
+            }),
+            Kinds{"blocked_sector /points"});
+}
+
 TEST(Inspect, AccelerometersWithoutGyroscope) {
   EXPECT_EQ(kinds_after([](Recorded& event) {
               if (auto* imu = std::get_if<ImuSample>(&event.value)) {

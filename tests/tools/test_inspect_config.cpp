@@ -71,6 +71,36 @@ TEST(InspectConfig, CleanRecordingGetsItsTopicsAndBeams) {
       << result.toml;
 }
 
+Eigen::Quaterniond rotation_imu_lidar(const Config& config) {
+  const std::array<double, 7>& T = config.imu.T_imu_lidar;
+  return {T[6], T[3], T[4], T[5]};
+}
+
+TEST(InspectConfig, MountingByTheMotionWhereTheRecordingDoesNotTellIt) {
+  const test::TemporaryFolder folder;
+  MovingRig rig;
+  rig.T_lidar_imu.linear() = so3_exp({0.5, -0.4, 1.9});
+  std::vector<Recorded> events = rig.record();
+  std::erase_if(events, [](const Recorded& event) { return event.topic == "/tf_static"; });
+  const Corrected result = correct(test::write(folder, events), folder / "drive.toml");
+  EXPECT_LT(rotation_imu_lidar(result.config)
+                .angularDistance(Eigen::Quaterniond(rig.T_lidar_imu.linear()).inverse()),
+            0.08);
+}
+
+TEST(InspectConfig, MountingByTheMotionWhereTheTransformIsWrong) {
+  const Corrected result = correct(on<StaticTransform>([](StaticTransform& transform) {
+    if (transform.child == "imu") {
+      transform.T_parent_child.linear() = so3_exp({0.0, 0.0, 1.57});
+    }
+  }));
+  EXPECT_EQ(result.before, Kinds{"mounting /imu"});
+  EXPECT_LT(rotation_imu_lidar(result.config)
+                .angularDistance(Eigen::Quaterniond(MovingRig{}.T_lidar_imu.linear()).inverse()),
+            0.08);
+  EXPECT_NEAR(result.config.imu.T_imu_lidar[2], -MovingRig{}.T_lidar_imu.translation().z(), 0.02);
+}
+
 TEST(InspectConfig, UnitsAndSigns) {
   const Corrected g =
       correct(on<ImuSample>([](ImuSample& imu) { imu.linear_acceleration /= 9.80665; }));

@@ -23,6 +23,17 @@ TEST(Presets, EachIsAValidConfiguration) {
   }
 }
 
+TEST(Presets, MountingsAreKnownWhereTheRecordingsDoNotTellThem) {
+  Config config;
+  apply_preset("newer-college", config);
+  // Half a turn about z: the lidar's axes and the housing's.
+  EXPECT_EQ(config.imu.T_imu_lidar[5], 1.0);
+  EXPECT_NEAR(config.imu.T_imu_lidar[2], 0.03618 - 0.007645, 1e-9);
+  Config other;
+  apply_preset("subt-mrs", other);
+  EXPECT_EQ(other.imu.T_imu_lidar, ImuConfig{}.T_imu_lidar);
+}
+
 TEST(Presets, WhatIsGivenBesideThemWins) {
   const ConfigSource source{
       .file = {}, .overrides = {"recording.imu_topic=\"/camera/imu\""}, .preset = "newer-college"};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tools/recordings/message_cameras.hpp"
+#include "tools/recordings/point_time_vote.hpp"
 #include "tools/recordings/ros_codec.hpp"
 #include "tools/recordings/ros_events.hpp"
 #include "tools/recordings/ros_messages.hpp"
@@ -24,11 +25,51 @@ struct Part {
   std::vector<std::unique_ptr<DepthCamera>> cameras;  // by channel; null where it has no depths
 };
 
+/// What the first sweeps of a topic tell of the unit of their points' times (s); 0 for nothing.
+/// Damaged ones do not count.
+double told_time_unit(const std::vector<Part>& parts, std::size_t topic) {
+  PointTimeVote vote;
+  std::size_t asked = 0;
+  for (const Part& part : parts) {
+    MessageSelection selection;
+    for (std::size_t i = 0; i < part.topics.size(); ++i) {
+      if (part.topics[i] == topic) {
+        selection.channels.push_back(i);
+      }
+    }
+    if (selection.channels.empty()) {
+      continue;
+    }
+    const auto stream = part.file->messages(selection);
+    for (bool more = true; more && asked < PointTimeVote::kSweeps; ++asked) {
+      try {
+        const std::optional<RawMessage> message = stream->next();
+        more = message.has_value();
+        if (message) {
+          const ros::MessageEvents events =
+              ros::to_events(part.file->channels()[message->channel], *message, part.file->path());
+          if (events.point_times) {
+            vote.add(std::get<Sweep>(events.values.front()), *events.point_times);
+          }
+        }
+      } catch (const InputError&) {
+        // reported where the events are read
+      } catch (const ros::CodecError&) {
+        // likewise
+      }
+    }
+  }
+  return vote.unit();
+}
+
 class MessageEventStream final : public EventStream {
  public:
   MessageEventStream(const std::vector<Part>& parts, const std::vector<Topic>& topics,
                      EventSelection selection)
-      : parts_(&parts), selection_(std::move(selection)), taken_(topics.size()) {
+      : parts_(&parts),
+        selection_(std::move(selection)),
+        taken_(topics.size()),
+        time_units_(topics.size()) {
     for (std::size_t i = 0; i < topics.size(); ++i) {
       const bool chosen = selection_.topics.empty() || std::ranges::count(selection_.topics, i) > 0;
       wanted_.push_back(chosen && topics[i].kind != TopicKind::other);
@@ -112,10 +153,22 @@ class MessageEventStream final : public EventStream {
     }
   }
 
+  /// s, of the times of points; 0 where it is not known.
+  double time_unit(std::size_t topic, const Channel& channel) {
+    if (selection_.point_time_unit > 0.0 || channel.type != ros::PointCloud2::kType) {
+      return selection_.point_time_unit;
+    }
+    if (!time_units_[topic]) {
+      time_units_[topic] = told_time_unit(*parts_, topic);
+    }
+    return *time_units_[topic];
+  }
+
   const std::vector<Part>* parts_;
   EventSelection selection_;
-  std::vector<bool> wanted_;     // by topic
-  std::vector<uint64_t> taken_;  // messages so far, by topic
+  std::vector<bool> wanted_;                       // by topic
+  std::vector<uint64_t> taken_;                    // messages so far, by topic
+  std::vector<std::optional<double>> time_units_;  // s, by topic, as far as asked for
   uint64_t skipped_ = 0;
   std::size_t part_ = 0;
   const Part* current_ = nullptr;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace adit {
@@ -22,16 +23,11 @@ class OrderedStream final : public EventStream {
       : events_(std::move(events)), window_(window) {}
 
   std::optional<Event> next() override {
-    while (!ended_ && !is_due()) {
-      std::optional<Event> event = events_->next();
-      if (!event) {
-        ended_ = true;
-        break;
-      }
-      const Nanoseconds stamp = stamp_of(*event);
-      latest_ = std::max(latest_, stamp);
-      held_bytes_ += size_of(*event);
-      held_.emplace(stamp, std::move(*event));  // behind those of the same stamp
+    while (!ended_ && !damage_ && !is_due()) {
+      read();
+    }
+    if (held_.empty() && damage_) {
+      throw std::move(*std::exchange(damage_, std::nullopt));
     }
     if (held_.empty()) {
       return std::nullopt;
@@ -42,6 +38,24 @@ class OrderedStream final : public EventStream {
   }
 
  private:
+  void read() {
+    std::optional<Event> event;
+    try {
+      event = events_->next();
+    } catch (const InputError& error) {
+      damage_ = error;  // to be told once those before it are out
+      return;
+    }
+    if (!event) {
+      ended_ = true;
+      return;
+    }
+    const Nanoseconds stamp = stamp_of(*event);
+    latest_ = std::max(latest_, stamp);
+    held_bytes_ += size_of(*event);
+    held_.emplace(stamp, std::move(*event));  // behind those of the same stamp
+  }
+
   /// True where the first of those held may go.
   bool is_due() const {
     return !held_.empty() &&
@@ -53,6 +67,7 @@ class OrderedStream final : public EventStream {
   Nanoseconds latest_ = Nanoseconds::min() / 2;  // differences of stamps from it do not overflow
   uint64_t held_bytes_ = 0;
   std::multimap<Nanoseconds, Event> held_;
+  std::optional<InputError> damage_;
   bool ended_ = false;
 };
 

@@ -13,8 +13,8 @@ namespace adit {
 ///
 /// An event is held back until one was read whose stamp is `window` later, so memory holds what
 /// arrives within the window, and 256 MiB at most. What is even later comes as soon as it is read:
-/// behind events with later stamps, never lost. Events of equal stamps keep their order. Damage is
-/// reported where it is met; the events held back come after it.
+/// behind events with later stamps, never lost. Events of equal stamps keep their order. Where
+/// the recording is damaged, all that was read before comes first, then the error.
 std::unique_ptr<EventStream> order_by_stamp(std::unique_ptr<EventStream> events,
                                             Nanoseconds window = std::chrono::milliseconds(500));
 

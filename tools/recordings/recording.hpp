@@ -61,7 +61,7 @@ struct EventSelection {
   Nanoseconds begin = Nanoseconds::min();  ///< of `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< of `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
-  double point_time_unit = 0.0;  ///< s, of the times of points; 0: told from them
+  double point_time_unit = 0.0;  ///< s, of the times of points; 0: told from the first sweeps
 };
 
 class EventStream {

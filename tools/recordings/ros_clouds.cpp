@@ -6,12 +6,14 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string_view>
 
 #include "tools/recordings/cloud_columns.hpp"
 #include "tools/recordings/ros_codec.hpp"
+#include "tools/recordings/velodyne_packets.hpp"
 
 namespace adit::ros {
 namespace {
@@ -142,6 +144,45 @@ CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
     sweep.stamp += Nanoseconds(first);
   }
   return {std::move(sweep), true, PointTimeNature{.field = "offset_time", .unit = 1e-9}};
+}
+
+CloudFile to_sweep(const VelodyneScan& scan, Nanoseconds stamp) {
+  constexpr double kMostSeconds = 2.0;  // of a message, from the first point on
+  VelodyneSweeps sweeps;
+  std::vector<Sweep> parts;  // a message need not begin where a turn does
+  for (const VelodynePacket& packet : scan.packets) {
+    const Datagram datagram{.received = packet.stamp,
+                            .payload = std::as_bytes(std::span(packet.data))};
+    if (is_velodyne_data(datagram)) {
+      std::ranges::move(sweeps.take(datagram), std::back_inserter(parts));
+    }
+  }
+  if (std::optional<Sweep> last = sweeps.finish()) {
+    parts.push_back(std::move(*last));
+  }
+  if (parts.empty()) {
+    throw CodecError("none of its " + std::to_string(scan.packets.size()) +
+                     " packets is of a VLP-16 or HDL-32E");
+  }
+  Sweep sweep;
+  for (const Sweep& part : parts) {
+    const double after = std::chrono::duration<double>(part.stamp - parts.front().stamp).count();
+    if (after < 0.0 || after > kMostSeconds) {
+      throw CodecError("its packets are " + std::to_string(after) +
+                       " s apart by the sensor's clock");
+    }
+    sweep.points.insert(sweep.points.end(), part.points.begin(), part.points.end());
+    sweep.rings.insert(sweep.rings.end(), part.rings.begin(), part.rings.end());
+    for (const float time : part.times) {
+      sweep.times.push_back(time + static_cast<float>(after));
+    }
+  }
+  const Nanoseconds first = scan.packets.front().stamp;
+  sweep.stamp = first > Nanoseconds(0) ? first : stamp;
+  const bool timed = !sweep.times.empty();
+  return {
+      std::move(sweep), true,
+      timed ? std::optional(PointTimeNature{.field = "packet time", .unit = 1e-6}) : std::nullopt};
 }
 
 CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {

@@ -24,6 +24,11 @@ CloudFile to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::files
 /// header's time is taken.
 CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp);
 
+/// The sweep in the packets of a Velodyne (velodyne_packets.hpp). Times of points are the sensor's,
+/// counted from the first point; that was taken when the first packet is stamped, else at the
+/// header's time. Throws CodecError where no packet is of a model that is read.
+CloudFile to_sweep(const VelodyneScan& scan, Nanoseconds stamp);
+
 /// A cloud with the bytes that its `data` views.
 struct CloudMessage {
   std::vector<std::byte> data;

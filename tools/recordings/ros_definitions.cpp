@@ -114,6 +114,11 @@ const std::vector<Type>& types() {
        "livox_ros_driver2/CustomPoint[] points\n",
        {kHeader, kTime, "livox_ros_driver2/CustomPoint"},
        "e4d6829bdfe657cb6c21a746c86b21a6"},
+      {"velodyne_msgs/VelodynePacket", "", {}, ""},  // differs: see fields_of()
+      {"velodyne_msgs/VelodyneScan",
+       "std_msgs/Header header\nvelodyne_msgs/VelodynePacket[] packets\n",
+       {kHeader, kTime, "velodyne_msgs/VelodynePacket"},
+       "50804fc9533a0e579e6322c04ae70566"},
       {"sensor_msgs/RegionOfInterest",
        "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n",
        {},
@@ -137,6 +142,10 @@ const Type* find(std::string_view name) {
 }
 
 std::string_view fields_of(const Type& type, Encoding encoding) {
+  if (type.name == "velodyne_msgs/VelodynePacket") {
+    return encoding == Encoding::ros1 ? "time stamp\nuint8[1206] data\n"
+                                      : "builtin_interfaces/Time stamp\nuint8[1206] data\n";
+  }
   if (type.name == kCameraInfo) {
     return encoding == Encoding::ros1
                ? "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"

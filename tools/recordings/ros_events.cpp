@@ -186,7 +186,7 @@ TopicKind kind_of(const Channel& channel) {
   if (channel.encoding == Encoding::other) {
     return TopicKind::other;
   }
-  if (type == PointCloud2::kType || is_livox(type)) {
+  if (type == PointCloud2::kType || type == VelodyneScan::kType || is_livox(type)) {
     return TopicKind::sweeps;
   }
   if (type == Imu::kType) {
@@ -210,6 +210,10 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
     const auto cloud = decode<PointCloud2>(channel.encoding, message.bytes);
     return sweep(to_sweep(cloud, time_of(cloud.header, message), file, point_time_unit),
                  cloud.header.frame);
+  }
+  if (type == VelodyneScan::kType) {
+    const auto scan = decode<VelodyneScan>(channel.encoding, message.bytes);
+    return sweep(to_sweep(scan, time_of(scan.header, message)), scan.header.frame);
   }
   if (is_livox(type)) {
     const auto cloud = decode<LivoxCustomMsg>(channel.encoding, message.bytes);

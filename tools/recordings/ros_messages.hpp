@@ -133,6 +133,17 @@ struct LivoxCustomMsg {
   std::vector<LivoxPoint> points;
 };
 
+struct VelodynePacket {
+  Nanoseconds stamp{0};
+  std::array<uint8_t, 1206> data{};
+};
+
+struct VelodyneScan {
+  static constexpr std::string_view kType = "velodyne_msgs/VelodyneScan";
+  Header header;
+  std::vector<VelodynePacket> packets;
+};
+
 struct Image {
   static constexpr std::string_view kType = "sensor_msgs/Image";
   Header header;

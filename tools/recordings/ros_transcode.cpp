@@ -28,7 +28,8 @@ constexpr std::array kEntries = {entry<PointCloud2>(), entry<Imu>(),
                                  entry<NavSatFix>(),   entry<Odometry>(),
                                  entry<PoseStamped>(), entry<TransformStamped>(),
                                  entry<TFMessage>(),   entry<LivoxCustomMsg>(),
-                                 entry<Image>(),       entry<CameraInfo>()};
+                                 entry<Image>(),       entry<CameraInfo>(),
+                                 entry<VelodyneScan>()};
 
 const Entry* find(std::string_view type) {
   if (type == "tf/tfMessage") {

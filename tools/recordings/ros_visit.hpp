@@ -121,6 +121,18 @@ void visit(Archive& archive, IsA<LivoxCustomMsg> auto& message) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<VelodynePacket> auto& packet) {
+  archive.time(packet.stamp);
+  archive(packet.data);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<VelodyneScan> auto& scan) {
+  visit(archive, scan.header);
+  archive.sequence(scan.packets, 1214, [](auto& a, auto& packet) { visit(a, packet); });
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<Image> auto& image) {
   visit(archive, image.header);
   archive(image.height, image.width, image.encoding, image.is_bigendian, image.step);

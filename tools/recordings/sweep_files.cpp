@@ -16,6 +16,7 @@
 #include "tools/recordings/las_reader.hpp"
 #include "tools/recordings/pcd_reader.hpp"
 #include "tools/recordings/ply_reader.hpp"
+#include "tools/recordings/point_time_vote.hpp"
 #include "tools/recordings/sweep_times.hpp"
 
 namespace adit {
@@ -68,10 +69,32 @@ struct SweepFiles {
   bool times_assumed = false;
 };
 
+/// What the first sweeps tell of the unit of their points' times (s); 0 for nothing. Damaged ones
+/// do not count.
+double told_time_unit(const SweepFiles& sweeps) {
+  PointTimeVote vote;
+  const std::size_t count = std::min(sweeps.files.size(), PointTimeVote::kSweeps);
+  for (std::size_t i = 0; i < count; ++i) {
+    try {
+      const CloudFile cloud = sweeps.kind->read(sweeps.files[i], 0.0);
+      if (!cloud.times) {
+        break;  // none of them has any, as a rule
+      }
+      vote.add(cloud.sweep, *cloud.times);
+    } catch (const InputError&) {
+      // reported where the events are read
+    }
+  }
+  return vote.unit();
+}
+
 class SweepFileStream final : public EventStream {
  public:
   SweepFileStream(const SweepFiles& sweeps, const EventSelection& selection)
-      : sweeps_(&sweeps), end_(selection.end), time_unit_(selection.point_time_unit) {
+      : sweeps_(&sweeps), end_(selection.end) {
+    if (selection.point_time_unit > 0.0) {
+      time_unit_ = selection.point_time_unit;
+    }
     const auto& stamps = sweeps.stamps;
     const auto first = std::lower_bound(stamps.begin(), stamps.end(), selection.begin);
     const auto rest = static_cast<uint64_t>(stamps.end() - first);
@@ -97,7 +120,10 @@ class SweepFileStream final : public EventStream {
  private:
   CloudFile read(std::size_t index) {
     const fs::path& file = sweeps_->files[index];
-    CloudFile cloud = sweeps_->kind->read(file, time_unit_);
+    if (!time_unit_) {
+      time_unit_ = told_time_unit(*sweeps_);
+    }
+    CloudFile cloud = sweeps_->kind->read(file, *time_unit_);
     if (!cloud.absolute_stamp) {
       cloud.sweep.stamp += sweeps_->stamps[index];
     }
@@ -122,7 +148,7 @@ class SweepFileStream final : public EventStream {
 
   const SweepFiles* sweeps_;
   Nanoseconds end_;
-  double time_unit_;  // s
+  std::optional<double> time_unit_;  // s, of the times of points; 0 where it is not known
   std::size_t index_ = 0;
   std::optional<std::pair<std::size_t, Nanoseconds>>
       last_;  // sweep that was read last, and its stamp
