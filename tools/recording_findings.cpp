@@ -276,14 +276,28 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
 }
 
 std::vector<Finding> find_in_recording(const std::vector<Topic>& topics) {
-  const auto has = [&](TopicKind kind) {
-    return std::ranges::any_of(topics, [&](const Topic& t) { return t.kind == kind; });
-  };
-  if (has(TopicKind::sweeps)) {
-    return {};
+  std::vector<Finding> findings;
+  if (std::ranges::find(topics, TopicKind::sweeps, &Topic::kind) == topics.end()) {
+    findings.push_back(
+        {Severity::problem, "no_sweeps", "", "there are no sweeps of a range sensor in it",
+         "there is nothing to map with", "Record a topic of sensor_msgs/PointCloud2"});
   }
-  return {{Severity::problem, "no_sweeps", "", "there are no sweeps of a range sensor in it",
-           "there is nothing to map with", "Record a topic of sensor_msgs/PointCloud2"}};
+  for (const Topic& topic : topics) {
+    const bool depth = topic.name.find("depth") != std::string::npos;
+    if (topic.type == "sensor_msgs/CompressedImage" && topic.name.ends_with("/compressedDepth")) {
+      findings.push_back({Severity::notice, "compressed_depth", topic.name,
+                          "its depth images are compressed, which is not read",
+                          "they are no sweeps",
+                          "Record the topic without /compressedDepth, or let image_transport's "
+                          "republish write it"});
+    } else if (topic.type == "sensor_msgs/Image" && topic.kind == TopicKind::other && depth) {
+      findings.push_back({Severity::notice, "depth_without_camera", topic.name,
+                          "its images have no calibration that makes sense "
+                          "(sensor_msgs/CameraInfo on camera_info beside it), or are no depths",
+                          "they are no sweeps", "Record the camera's camera_info too"});
+    }
+  }
+  return findings;
 }
 
 Finding damage_finding(const InputError& error) {

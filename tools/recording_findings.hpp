@@ -36,7 +36,7 @@ struct Finding {
 std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
                                    const FrameTree& frames);
 
-/// What is wrong with the recording as a whole: no sweeps, nothing that is understood.
+/// What is wrong with the recording as a whole: no sweeps, depth images that are none.
 std::vector<Finding> find_in_recording(const std::vector<Topic>& topics);
 
 /// What is damaged, as a finding.
