@@ -75,10 +75,11 @@ TEST(MessageRecording, PacketsOfAVelodyneAreASweep) {
   EXPECT_FLOAT_EQ(sweep.times.front(), 0.0F);
   EXPECT_TRUE(std::ranges::is_sorted(sweep.times));
   EXPECT_NEAR(sweep.times.back(), 24 * 1.327e-3, 1.4e-3);
-  const Point& p = sweep.points[0];  // laser 0: 15 degrees down, azimuth 350
-  EXPECT_NEAR(std::hypot(p.x, p.y, p.z), 10.0, 1e-4);
+  // Laser 0: 15 degrees down, azimuth 350, a centimetre above the origin.
+  const Point& p = sweep.points[0];
+  EXPECT_NEAR(std::hypot(p.x, p.y), 10.0 * std::cos(15.0 * std::numbers::pi / 180.0), 1e-3);
   EXPECT_NEAR(std::atan2(p.y, p.x), 10.0 * std::numbers::pi / 180.0, 1e-4);
-  EXPECT_NEAR(std::asin(p.z / 10.0F), -15.0 * std::numbers::pi / 180.0, 1e-4);
+  EXPECT_NEAR(p.z, -10.0 * std::sin(15.0 * std::numbers::pi / 180.0) + 0.0112, 1e-3);
 }
 
 TEST(MessageRecording, PacketsOfOtherSensorsAreNamed) {

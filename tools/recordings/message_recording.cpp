@@ -134,7 +134,7 @@ class MessageEventStream final : public EventStream {
       throw InputError(file, Place::named(place + at), found, remedy);
     };
     try {
-      ros::MessageEvents events = ros::to_events(channel, message, file, selection_.point_time_unit,
+      ros::MessageEvents events = ros::to_events(channel, message, file, time_unit(topic, channel),
                                                  current_->cameras[message.channel].get());
       for (EventValue& value : events.values) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
