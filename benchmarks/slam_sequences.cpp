@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "tools/input_error.hpp"
 #include "tools/output_file.hpp"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recording) {
   SimulationOptions options;
   options.scene = entry.scene;
-  options.sensor = entry.sensor;
+  options.lidars.front().sensor = entry.sensor;
   options.trajectory = entry.trajectory;
   options.duration = entry.duration;
   options.begin = entry.begin;
@@ -38,6 +39,25 @@ std::string origin_of(const SlamEntry& entry) {
        << ", " << entry.sensor << ", " << entry.trajectory << ", " << entry.duration << " s from "
        << entry.begin << " m on, seed " << entry.seed << "\n";
   return text.str();
+}
+
+/// The angle between neighbouring beams, the wider of the two directions, as the manuals have it;
+/// for Livox's curves that between the points of a sweep on average.
+std::vector<std::string> settings_for(const std::string& sensor) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kBeamSpacings{
+      {{"VLP-16", "0.0349"},
+       {"HDL-32E", "0.0233"},
+       {"HDL-64E", "0.0087"},
+       {"OS1-64", "0.0125"},
+       {"OS1-128", "0.0062"},
+       {"OS0-128", "0.0124"},
+       {"Mid-360", "0.018"},
+       {"Avia", "0.008"}}};
+  const auto* found = std::ranges::find(kBeamSpacings, sensor,
+                                        &std::pair<std::string_view, std::string_view>::first);
+  return found == kBeamSpacings.end()
+             ? std::vector<std::string>{}
+             : std::vector<std::string>{"preprocess.beam_spacing=" + std::string(found->second)};
 }
 
 std::string content(const fs::path& file) {
@@ -116,7 +136,8 @@ SlamSequence simulated_sequence(
                               .description = described(entry),
                               .recording = files.recording,
                               .truth = files.trajectory,
-                              .truth_times = std::nullopt};
+                              .truth_times = std::nullopt,
+                              .settings = settings_for(entry.sensor)};
   if (fs::exists(files.recording) && content(origin) == origin_of(entry)) {
     return sequence;
   }

@@ -38,8 +38,8 @@ SimulationFiles simulate_mine(const DemoCommandOptions& options, std::ostream& e
   }
   SimulationOptions simulation;
   simulation.scene = "mine";
-  simulation.sensor = "OS1-64";
-  simulation.layout = CloudLayout::velodyne;  // half the size of Ouster's
+  simulation.lidars.front().sensor = "OS1-64";
+  simulation.lidars.front().layout = CloudLayout::velodyne;  // half the size of Ouster's
   simulation.compression = Compression::zstd;
   simulation.duration = options.duration;
   simulation.output = options.output / "mine.mcap";

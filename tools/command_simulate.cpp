@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/command_simulate.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -19,6 +20,7 @@
 #include "tools/simulator/gnss_model.hpp"
 #include "tools/simulator/imu_model.hpp"
 #include "tools/simulator/motion.hpp"
+#include "tools/simulator/scene_file.hpp"
 #include "tools/usage_error.hpp"
 
 namespace adit {
@@ -32,18 +34,47 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-std::optional<CloudLayout> layout_named(const std::string& name) {
-  if (name.empty()) {
-    return std::nullopt;
+/// The sensors, one after the other.
+std::string sensors_of(const SimulationOptions& options) {
+  std::string text;
+  for (const LidarOptions& lidar : options.lidars) {
+    text += (text.empty() ? "" : " and ") + lidar.sensor;
   }
-  for (const CloudLayout layout :
-       {CloudLayout::velodyne, CloudLayout::ouster, CloudLayout::hesai, CloudLayout::livox}) {
-    if (name == to_string(layout)) {
-      return layout;
+  return text;
+}
+
+/// What the command line asks for, or the scene file.
+SimulationOptions simulation_of(const SimulateCommandOptions& command) {
+  if (std::filesystem::path(command.simulation.scene).extension() == ".toml") {
+    if (!command.besides_scene_file.empty()) {
+      throw UsageError(command.besides_scene_file +
+                       ": the scene file says all but -o; write it "
+                       "there (`adit simulate --example` shows how).");
+    }
+    SimulationOptions options = read_scene_file(command.simulation.scene);
+    options.output = command.simulation.output;
+    options.picture = command.simulation.picture;
+    return options;
+  }
+  SimulationOptions options = command.simulation;
+  LidarOptions& lidar = options.lidars.front();
+  if (!command.layout.empty()) {
+    lidar.layout = cloud_layout_named(command.layout);
+  }
+  if (command.perfect) {
+    lidar.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
+  }
+  return options;
+}
+
+/// The first option on the command line that is none of those; empty where there is none.
+std::string given_besides(const CLI::App& command, const std::vector<std::string>& known) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() > 0 && std::ranges::count(known, option->get_name()) == 0) {
+      return option->get_name();
     }
   }
-  throw UsageError("--fields: there is no driver '" + name +
-                   "'. Valid are velodyne, ouster, hesai, livox.");
+  return {};
 }
 
 std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,
@@ -55,22 +86,17 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
                 "imu       %zu samples (%s, %d Hz)\n"
                 "gnss      %zu fixes\n"
                 "time      %s, %.2f x real time\n",
-                summary.sweeps, options.sensor.c_str(), options.scene.c_str(), summary.triangles,
-                summary.path, summary.fastest_turn,
+                summary.sweeps, sensors_of(options).c_str(), options.scene.c_str(),
+                summary.triangles, summary.path, summary.fastest_turn,
                 static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
                 100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
                 summary.imu_samples, options.imu.c_str(), options.imu_rate, summary.gnss_fixes,
-                format_duration(seconds).c_str(),
-                0.1 * static_cast<double>(summary.sweeps) / seconds);
+                format_duration(seconds).c_str(), options.duration / seconds);
   return text;
 }
 
 int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std::ostream& err) {
-  SimulationOptions options = command.simulation;
-  options.layout = layout_named(command.layout);
-  if (command.perfect) {
-    options.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
-  }
+  const SimulationOptions options = simulation_of(command);
   const auto start = std::chrono::steady_clock::now();
   std::optional<Progress> progress;
   const SimulationSummary summary = simulate(options, [&](std::size_t done, std::size_t total) {
@@ -89,7 +115,8 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
     out << summary_text(options, summary, elapsed.count()) << "wrote     "
         << files.recording.string() << "\n          " << files.trajectory.string()
         << " (T_world_lidar)\n          " << files.states.string()
-        << " (IMU: pose, velocity, biases)\n          " << files.scene.string() << ", "
+        << " (IMU: pose, velocity, biases)\n          " << files.loops.string()
+        << " (places that see the same)\n          " << files.scene.string() << ", "
         << files.picture.filename().string() << ", " << files.sweep.filename().string()
         << "\nnext      adit run " << files.recording.string()
         << " -o OUT\n          adit evaluate OUT/trajectory.tum " << files.trajectory.string()
@@ -118,16 +145,19 @@ CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
       "The same options give the same bytes on any machine.\n\n"
       "Examples:\n"
       "  adit simulate mine -o mine.mcap\n"
-      "  adit simulate room -o room.mcap --sensor Mid-360 --trajectory handheld --duration 30\n\n"
+      "  adit simulate room -o room.mcap --sensor Mid-360 --trajectory handheld --duration 30\n"
+      "  adit simulate --example > my.toml; adit simulate my.toml -o my.mcap\n\n"
       "Exit codes: 0 done, 1 failed, 2 usage.");
-  command->add_option("scene", simulation.scene, "Where")->required()->type_name("SCENE");
+  command->add_option("scene", simulation.scene, "Where, or a TOML file that says everything")
+      ->required()
+      ->type_name("SCENE");
   command
       ->add_option("-o,--output", simulation.output,
                    "The recording to write; the truth comes "
                    "beside it")
       ->required()
       ->type_name("FILE.mcap");
-  command->add_option("--sensor", simulation.sensor, "Range sensor")
+  command->add_option("--sensor", simulation.lidars.front().sensor, "Range sensor")
       ->type_name("NAME")
       ->capture_default_str();
   command->add_option("--trajectory", simulation.trajectory, "How the sensor is carried")
@@ -165,7 +195,15 @@ CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("DRIVER");
   command->add_flag("--perfect", options->perfect, "A range sensor without errors");
   command->add_flag("--quiet", options->quiet, "Print errors alone");
-  command->callback([options, done = std::move(done)] {
+  command->add_flag_callback(
+      "--example",
+      [] {
+        std::cout << scene_file_example() << std::flush;
+        throw CLI::Success();
+      },
+      "Print a scene file with every key and stop");
+  command->callback([command, options, done = std::move(done)] {
+    options->besides_scene_file = given_besides(*command, {"scene", "--output", "--quiet"});
     done(simulate_command(*options, std::cout, std::cerr));
   });
   return command;

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <iosfwd>
+#include <string>
 
 #include "tools/simulator/simulation.hpp"
 
@@ -17,9 +18,10 @@ namespace adit {
 
 struct SimulateCommandOptions {
   SimulationOptions simulation;
-  std::string layout;    ///< empty: the driver's
-  bool perfect = false;  ///< none of the range sensor's errors
-  bool quiet = false;    ///< errors alone
+  std::string layout;                ///< empty: the driver's
+  bool perfect = false;              ///< none of the range sensor's errors
+  bool quiet = false;                ///< errors alone
+  std::string besides_scene_file{};  ///< an option that a scene file excludes; empty: none
 };
 
 /// Simulates and tells what was written. Returns the exit code: 0 done, 1 failed, 2 usage.

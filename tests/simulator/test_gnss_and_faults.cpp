@@ -44,7 +44,7 @@ struct Statistics {
 Statistics statistics_of(const char* model, int count) {
   const SplineTrajectory rest = at_rest();
   const RayScene nothing(Mesh{});
-  GnssSimulator receiver(gnss_named(model), 1, rest, nothing, 3);
+  GnssSimulator receiver(gnss_named(model), 1, rest, antenna_mount(), nothing, 3);
   std::vector<Vector3d> errors;
   Statistics statistics;
   for (int i = 0; i < count; ++i) {
@@ -75,7 +75,7 @@ TEST(Gnss, StatedCovarianceIsHonestUnlessItIsNot) {
   const SplineTrajectory rest = at_rest();
   const RayScene nothing(Mesh{});
   for (const auto& [name, stated] : {std::pair{"rtk", 0.012}, {"overconfident", 0.0012}}) {
-    GnssSimulator receiver(gnss_named(name), 5, rest, nothing, 1);
+    GnssSimulator receiver(gnss_named(name), 5, rest, antenna_mount(), nothing, 1);
     const SimulatedFix fix = receiver.next();
     ASSERT_TRUE(fix.fix.covariance);
     EXPECT_NEAR(std::sqrt((*fix.fix.covariance)(0, 0)), stated, 1e-9);
@@ -92,7 +92,7 @@ TEST(Gnss, TheSkyDecidesOnTheFix) {
                 Material::concrete);
     }
     const RayScene scene(mesh);
-    GnssSimulator receiver(gnss_named("rtk"), 1, rest, scene, 1);
+    GnssSimulator receiver(gnss_named("rtk"), 1, rest, antenna_mount(), scene, 1);
     return receiver.next().fix.kind;
   };
   EXPECT_EQ(kind_under(0.0), GnssFixKind::ground_augmented);
@@ -106,7 +106,7 @@ TEST(Gnss, OutliersComeWhereTheSkyIsHidden) {
   Mesh mesh;
   add_block(mesh, {-6.5, -6.5, 4.0}, {6.5, 6.5, 4.2}, Material::concrete);
   const RayScene scene(mesh);
-  GnssSimulator receiver(gnss_named("rtk"), 1, rest, scene, 1);
+  GnssSimulator receiver(gnss_named("rtk"), 1, rest, antenna_mount(), scene, 1);
   int outliers = 0;
   constexpr int kCount = 5000;
   for (int i = 0; i < kCount; ++i) {

@@ -146,6 +146,19 @@ TEST(RangeSensor, LivoxPatternsFillTheirFieldOfViewWithTime) {
   }
 }
 
+TEST(RangeSensor, ADepthCameraTakesAllPixelsAtOnce) {
+  const std::vector<Firing> firings = firings_of(range_sensor_named("depth-camera"), 3);
+  ASSERT_EQ(firings.size(), 424U * 240U);
+  EXPECT_TRUE(std::ranges::all_of(firings, [](const Firing& one) { return one.time == 0; }));
+  EXPECT_GT(firings.front().direction.y(), 0.0) << "the first pixel is on the left";
+  EXPECT_GT(firings.front().direction.z(), 0.0) << "and above";
+  const Firing& left = firings[120 * 424];
+  const Firing& right = firings[120 * 424 + 423];
+  EXPECT_NEAR(azimuth_of(left) - azimuth_of(right), 87.0, 0.3);
+  EXPECT_EQ(left.ring, 120);
+  EXPECT_NEAR(elevation_of(firings[212]) - elevation_of(firings[239 * 424 + 212]), 56.2, 0.6);
+}
+
 TEST(RangeSensor, TimesGrowAndDirectionsHaveUnitLength) {
   for (const std::string& name : range_sensor_names()) {
     const RangeSensor sensor = range_sensor_named(name);

@@ -130,7 +130,7 @@ TEST_F(SimulationTest, EveryDriversLayoutIsReadBackAsTheSamePoints) {
        {CloudLayout::velodyne, CloudLayout::hesai, CloudLayout::ouster, CloudLayout::livox}) {
     SimulationOptions simulation = options(std::string(to_string(layout)));
     simulation.duration = 0.2;
-    simulation.layout = layout;
+    simulation.lidars.front().layout = layout;
     simulate(simulation, {});
     const auto recording = open_recording(simulation.output);
     const auto events =
@@ -172,7 +172,8 @@ TEST_F(SimulationTest, WhatMakesNoSenseIsRefused) {
   const auto scene = code([](auto& command) { command.simulation.scene = "moon"; });
   EXPECT_EQ(scene.first, 2);
   EXPECT_NE(scene.second.find("there is no scene 'moon'"), std::string::npos) << scene.second;
-  const auto sensor = code([](auto& command) { command.simulation.sensor = "VLP16"; });
+  const auto sensor =
+      code([](auto& command) { command.simulation.lidars.front().sensor = "VLP16"; });
   EXPECT_EQ(sensor.first, 2);
   EXPECT_NE(sensor.second.find("VLP-16"), std::string::npos) << "the nearest: " << sensor.second;
   EXPECT_EQ(code([](auto& command) { command.simulation.duration = -1; }).first, 2);

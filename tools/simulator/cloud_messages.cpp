@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <set>
 #include <utility>
 #include <vector>
@@ -149,6 +150,23 @@ ros::EncodedEvent ouster(const RangeSweep& sweep, Nanoseconds stamp, const std::
   return cloud.encode(stamp, frame, static_cast<uint32_t>(height), false);
 }
 
+/// A picture of points; its rows are the rings.
+ros::EncodedEvent camera(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
+  Cloud cloud(
+      {{"x", 0, kFloat32}, {"y", 4, kFloat32}, {"z", 8, kFloat32}, {"intensity", 12, kFloat32}},
+      16);
+  cloud.resize(sweep.firings.size());
+  for (std::size_t i = 0; i < sweep.firings.size(); ++i) {
+    const Return& back = sweep.returns[i];
+    constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+    put_position(
+        cloud, i,
+        back.range != 0.0 ? point_of(sweep.firings[i], back) : Vector3f::Constant(kNothing));
+    cloud.put(i, 12, back.intensity);
+  }
+  return cloud.encode(stamp, frame, sweep.firings.back().ring + 1U, false);
+}
+
 ros::EncodedEvent livox(const RangeSweep& sweep, Nanoseconds stamp, const std::string& frame) {
   ros::LivoxCustomMsg message;
   message.header = {.sequence = 0, .stamp = stamp, .frame = frame};
@@ -184,6 +202,8 @@ ros::EncodedEvent cloud_message(const RangeSweep& sweep, CloudLayout layout, Nan
       return hesai(sweep, stamp, frame);
     case CloudLayout::livox:
       return livox(sweep, stamp, frame);
+    case CloudLayout::camera:
+      return camera(sweep, stamp, frame);
     case CloudLayout::velodyne:
       break;
   }

@@ -121,10 +121,11 @@ Vector3d antenna_mount() {
 }
 
 GnssSimulator::GnssSimulator(GnssModel model, int rate, const SplineTrajectory& trajectory,
-                             const RayScene& scene, uint64_t seed)
+                             const Vector3d& p_imu_antenna, const RayScene& scene, uint64_t seed)
     : model_(std::move(model)),
       period_(1000000000 / rate),
       trajectory_(&trajectory),
+      p_imu_antenna_(p_imu_antenna),
       scene_(&scene),
       seed_(seed),
       drift_(CounterRandom(seed, RandomStream::gnss).gaussian_vector(~uint64_t{0} >> 2U)) {}
@@ -137,7 +138,7 @@ SimulatedFix GnssSimulator::next() {
   const double dt = 1e-9 * static_cast<double>(period_);
   SimulatedFix out;
   out.fix.stamp = Nanoseconds(index_ * period_);
-  out.p_world_antenna = trajectory_->pose(dt * static_cast<double>(index_)) * antenna_mount();
+  out.p_world_antenna = trajectory_->pose(dt * static_cast<double>(index_)) * p_imu_antenna_;
   out.sky = open_sky(*scene_, out.p_world_antenna);
   out.fix.kind = kind_of(model_, out.sky);
   const double kept = repeatable_exp(-dt / model_.correlation);

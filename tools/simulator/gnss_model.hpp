@@ -48,7 +48,7 @@ struct SimulatedFix {
   bool outlier = false;  ///< by multipath
 };
 
-/// Where the antenna sits in the IMU's frame (m).
+/// Where the antenna sits in the IMU's frame (m) unless something else is asked for.
 Eigen::Vector3d antenna_mount();
 
 /// A receiver whose fix depends on how much of the sky its antenna sees: fixed RTK from 70 %, float
@@ -56,9 +56,9 @@ Eigen::Vector3d antenna_mount();
 /// nine tenths of the variance, and white noise.
 class GnssSimulator {
  public:
-  /// Scene and trajectory must outlive it.
+  /// Scene and trajectory must outlive it; the antenna's place is in the IMU's frame (m).
   GnssSimulator(GnssModel model, int rate, const SplineTrajectory& trajectory,
-                const RayScene& scene, uint64_t seed);
+                const Eigen::Vector3d& p_imu_antenna, const RayScene& scene, uint64_t seed);
 
   SimulatedFix next();
 
@@ -66,6 +66,7 @@ class GnssSimulator {
   GnssModel model_;
   int64_t period_;  ///< ns
   const SplineTrajectory* trajectory_;
+  Eigen::Vector3d p_imu_antenna_;
   const RayScene* scene_;
   uint64_t seed_;
   int64_t index_ = 0;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/nearest_name.hpp"
 #include "tools/simulator/repeatable_math.hpp"
+#include "tools/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -95,6 +97,19 @@ void append(const TracedPattern& pattern, int64_t period, int64_t sweep,
   }
 }
 
+void append(const CameraPattern& pattern, int64_t /*period*/, int64_t /*sweep*/,
+            std::vector<Firing>& firings) {
+  for (int row = 0; row < pattern.height; ++row) {
+    for (int column = 0; column < pattern.width; ++column) {
+      const Vector3d towards(pattern.focal, 0.5 * pattern.width - column - 0.5,
+                             0.5 * pattern.height - row - 0.5);
+      firings.push_back({.time = 0,
+                         .direction = towards / std::sqrt(towards.squaredNorm()),
+                         .ring = static_cast<uint16_t>(row)});
+    }
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(CloudLayout layout) {
@@ -107,8 +122,23 @@ std::string_view to_string(CloudLayout layout) {
       return "hesai";
     case CloudLayout::livox:
       return "livox";
+    case CloudLayout::camera:
+      return "camera";
   }
   return "";
+}
+
+CloudLayout cloud_layout_named(std::string_view name) {
+  std::vector<std::string> names;
+  for (const CloudLayout layout :
+       {CloudLayout::velodyne, CloudLayout::ouster, CloudLayout::hesai, CloudLayout::livox}) {
+    if (name == to_string(layout)) {
+      return layout;
+    }
+    names.emplace_back(to_string(layout));
+  }
+  throw UsageError("there is no driver '" + std::string(name) + "'. " +
+                   suggestion(std::string(name), names) + ".");
 }
 
 std::vector<Firing> firings_of(const RangeSensor& sensor, int64_t index) {

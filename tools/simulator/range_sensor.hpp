@@ -45,24 +45,37 @@ struct TracedPattern {
   double line_spacing = 0.0;  ///< rad between lines (rosette)
 };
 
+/// A depth camera: all pixels at once, row by row from the upper left, without distortion.
+struct CameraPattern {
+  int width = 0;       ///< px
+  int height = 0;      ///< px
+  double focal = 0.0;  ///< px
+};
+
 /// How a driver lays out its clouds.
 enum class CloudLayout {
   velodyne,  ///< x y z intensity, ring uint16, time float32: s after the stamp; returns alone
   ouster,    ///< organised, (0, 0, 0) without a return; t uint32: ns after the stamp
   hesai,     ///< ring uint16, timestamp float64: s of the epoch
   livox,     ///< Livox's CustomMsg
+  camera,    ///< organised as the picture, x y z intensity, NaN without a return
 };
 std::string_view to_string(CloudLayout layout);
+
+/// velodyne, ouster, hesai, livox: layouts that any sensor's cloud can have. Throws UsageError for
+/// other names, with the nearest.
+CloudLayout cloud_layout_named(std::string_view name);
 
 struct RangeSensor {
   std::string name;
   CloudLayout layout = CloudLayout::velodyne;
-  std::variant<SpinningPattern, TracedPattern> pattern;
+  std::variant<SpinningPattern, TracedPattern, CameraPattern> pattern;
   int64_t period = 100000000;      ///< ns a sweep
   double nearest = 0.5;            ///< m
   double farthest = 100.0;         ///< m
   double range_at_tenth = 60.0;    ///< m at which a surface of reflectivity 0.1 is just detected
   double noise = 0.02;             ///< m, standard deviation of a range
+  double noise_growth = 0.0;       ///< 1/m, times the squared range: more of it, of stereo
   double resolution = 0.002;       ///< m, ranges come in multiples of it
   double divergence = 0.0015;      ///< rad, half angle of the beam
   double intensity_scale = 100.0;  ///< intensity of a white surface seen straight on
@@ -81,8 +94,8 @@ std::vector<Firing> firings_of(const RangeSensor& sensor, int64_t index);
 
 std::vector<std::string> range_sensor_names();
 
-/// VLP-16, HDL-32E, HDL-64E, OS1-64, OS1-128, OS0-128, Mid-360, Avia; at 10 Hz. Throws UsageError
-/// for other names, with the nearest.
+/// VLP-16, HDL-32E, HDL-64E, OS1-64, OS1-128, OS0-128, Mid-360, Avia, depth-camera; at 10 Hz.
+/// Throws UsageError for other names, with the nearest.
 RangeSensor range_sensor_named(std::string_view name);
 
 }  // namespace adit

@@ -154,6 +154,26 @@ RangeSensor avia() {
           .intensity_scale = 255.0};
 }
 
+/// An active stereo camera of the size of RealSense's D435: 87 x 58 degrees, a base of 50 mm,
+/// pixels matched to 0.08 of one, so that depths scatter with their square.
+RangeSensor depth_camera() {
+  constexpr int kWidth = 424;
+  constexpr double kFocal = 223.4;    // px: 87 degrees across
+  constexpr double kBase = 0.05;      // m
+  constexpr double kMatching = 0.08;  // px
+  return {.name = "depth-camera",
+          .layout = CloudLayout::camera,
+          .pattern = CameraPattern{.width = kWidth, .height = 240, .focal = kFocal},
+          .nearest = 0.2,
+          .farthest = 10.0,
+          .range_at_tenth = 10.0,
+          .noise = 0.001,
+          .noise_growth = kMatching / (2.0 * kFocal * kBase),
+          .resolution = 0.001,
+          .divergence = 0.002,
+          .intensity_scale = 255.0};
+}
+
 std::vector<RangeSensor> sensors() {
   std::vector<RangeSensor> all{vlp16(), hdl32e(), hdl64e()};
   for (const OusterModel& model : kOusters) {
@@ -161,6 +181,7 @@ std::vector<RangeSensor> sensors() {
   }
   all.push_back(mid360());
   all.push_back(avia());
+  all.push_back(depth_camera());
   return all;
 }
 

@@ -222,7 +222,7 @@ Return RangeSimulator::measure(const Pulse& pulse, const Eigen::Isometry3d& T_wo
                      static_cast<double>(optics_of(target->hit.material).reflectivity);
   if (effects_.noise) {
     const Eigen::Vector2d errors = random.gaussians(base / 2 + kNoise);
-    range += sensor_.noise * errors.x();
+    range += (sensor_.noise + sensor_.noise_growth * range * range) * errors.x();
     range = std::floor(range / sensor_.resolution + 0.5) * sensor_.resolution;
     intensity *= 1.0 + 0.03 * errors.y();
   }

@@ -29,13 +29,16 @@ std::vector<std::string> scene_names() {
   return names;
 }
 
-Scene make_scene(std::string_view name, uint64_t seed) {
-  const auto* found = std::ranges::find(kEntries, name, &Entry::name);
-  if (found == kEntries.end()) {
+void require_scene(std::string_view name) {
+  if (std::ranges::find(kEntries, name, &Entry::name) == kEntries.end()) {
     throw UsageError("there is no scene '" + std::string(name) + "'. " +
                      suggestion(std::string(name), scene_names()) + ".");
   }
-  Scene scene = found->make(seed);
+}
+
+Scene make_scene(std::string_view name, uint64_t seed) {
+  require_scene(name);
+  Scene scene = std::ranges::find(kEntries, name, &Entry::name)->make(seed);
   scene.name = name;
   return scene;
 }

@@ -38,6 +38,9 @@ struct Scene {
 /// The names that make_scene() knows.
 std::vector<std::string> scene_names();
 
+/// Throws UsageError for an unknown name, with the nearest.
+void require_scene(std::string_view name);
+
 /// Builds a scene; the seed varies what is random in it. Throws UsageError for an unknown name,
 /// with the nearest.
 Scene make_scene(std::string_view name, uint64_t seed);

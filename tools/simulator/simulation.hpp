@@ -14,6 +14,7 @@
 
 #include "slam/types.hpp"
 #include "tools/recordings/compression.hpp"
+#include "tools/simulator/gnss_model.hpp"
 #include "tools/simulator/range_simulator.hpp"
 
 namespace adit {
@@ -24,22 +25,36 @@ inline constexpr Nanoseconds kSimulationEpoch{1700000000000000000};
 /// Goes up whenever the same options give other bytes, so that kept recordings are known to be old.
 inline constexpr int kSimulatorRevision = 1;
 
+/// How a range sensor is mounted unless something else is asked for: T_imu_lidar.
+Eigen::Isometry3d lidar_mount();
+
+struct LidarOptions {
+  std::string sensor = "VLP-16";
+  std::string topic = "/points";
+  std::string frame = "lidar";
+  Eigen::Isometry3d T_imu_lidar = lidar_mount();
+  RangeEffects effects{};
+  std::optional<CloudLayout> layout{};  ///< instead of that of the sensor's driver
+};
+
 struct SimulationOptions {
   std::string scene = "mine";
-  std::string sensor = "VLP-16";
+  std::vector<LidarOptions> lidars{LidarOptions{}};  ///< the truth is that of the first
   std::string trajectory = "drive";
   std::string imu = "industrial";  ///< "none": no IMU
   int imu_rate = 200;              ///< Hz
   std::string gnss = "none";       ///< "none": no receiver
   int gnss_rate = 5;               ///< Hz
+  Eigen::Vector3d p_imu_antenna = antenna_mount();
   std::vector<std::string> faults{};
   double duration = 60.0;       ///< s
   std::optional<double> speed;  ///< m/s, instead of the scene's
   double begin = 0.0;           ///< m along the scene's route, where the motion begins
+  /// Corners on the floor (m, world) of a closed way to take instead of the scene's; empty: that.
+  std::vector<Eigen::Vector3d> waypoints{};
+  std::optional<double> corner_radius;  ///< m, of its rounding, instead of the scene's
   uint64_t seed = 1;
-  RangeEffects effects;
-  std::optional<CloudLayout> layout;  ///< instead of that of the sensor's driver
-  bool picture = true;                ///< draw the scene and a sweep in it
+  bool picture = true;  ///< draw the scene and a sweep in it
   Compression compression = Compression::none;
   std::filesystem::path output;  ///< the MCAP file
 };
@@ -52,6 +67,7 @@ struct SimulationFiles {
   std::filesystem::path trajectory;  ///< NAME.truth.tum: T_world_lidar at the IMU's rate
   std::filesystem::path states;      ///< NAME.truth.csv: pose, velocity and biases of the IMU
   std::filesystem::path antenna;     ///< NAME.truth.antenna.csv, where there is GNSS
+  std::filesystem::path loops;       ///< NAME.truth.loops.csv: places that see the same
   std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
   std::filesystem::path scene;       ///< NAME.scene.ply
   std::filesystem::path picture;     ///< NAME.scene.png
@@ -68,9 +84,6 @@ struct SimulationSummary {
   double path = 0.0;          ///< m
   double fastest_turn = 0.0;  ///< rad/s
 };
-
-/// How the range sensor is mounted: T_imu_lidar.
-Eigen::Isometry3d lidar_mount();
 
 /// Simulates and writes. The same options give the same bytes on any machine, where the compressor
 /// is the same. Throws UsageError for names that do not exist and numbers that make no sense,

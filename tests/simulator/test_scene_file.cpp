@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/scene_file.hpp"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tools/command_simulate.hpp"
+#include "tools/recordings/recording.hpp"
+#include "tools/trajectory_io.hpp"
+
+namespace adit {
+namespace {
+
+class SceneFileTest : public testing::Test {
+ protected:
+  SimulationOptions read(const std::string& text) const {
+    return read_scene_file(folder_.write("scene.toml", text));
+  }
+
+  void expect_refused(const std::string& text, const std::string& place,
+                      const std::string& part) const {
+    try {
+      read(text);
+      FAIL() << "taken: " << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place(), place) << error.what();
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(SceneFileTest, TheExampleSaysTheDefaults) {
+  const SimulationOptions told = read(scene_file_example());
+  const SimulationOptions expected;
+  EXPECT_EQ(told.scene, expected.scene);
+  EXPECT_EQ(told.seed, expected.seed);
+  EXPECT_EQ(told.duration, expected.duration);
+  EXPECT_EQ(told.trajectory, expected.trajectory);
+  EXPECT_EQ(told.speed, expected.speed);
+  EXPECT_EQ(told.begin, expected.begin);
+  EXPECT_EQ(told.imu, expected.imu);
+  EXPECT_EQ(told.imu_rate, expected.imu_rate);
+  EXPECT_EQ(told.gnss, expected.gnss);
+  EXPECT_EQ(told.gnss_rate, expected.gnss_rate);
+  EXPECT_EQ(told.p_imu_antenna, expected.p_imu_antenna);
+  EXPECT_TRUE(told.faults.empty());
+  EXPECT_TRUE(told.waypoints.empty());
+  ASSERT_EQ(told.lidars.size(), 1U);
+  const LidarOptions& lidar = told.lidars.front();
+  EXPECT_EQ(lidar.sensor, expected.lidars.front().sensor);
+  EXPECT_EQ(lidar.topic, expected.lidars.front().topic);
+  EXPECT_EQ(lidar.frame, expected.lidars.front().frame);
+  EXPECT_TRUE(lidar.T_imu_lidar.isApprox(lidar_mount()));
+  EXPECT_TRUE(lidar.effects.noise && lidar.effects.dropout && lidar.effects.mixed_pixels &&
+              lidar.effects.dust);
+}
+
+TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
+  expect_refused("scene = 'room'\nsede = 3\n", "line 2, column 1", "'seed'");
+  expect_refused("scene = 'rom'\n", "line 1, column 9", "'room'");
+  expect_refused("duration = 'long'\n", "line 1, column 12", "no number");
+  expect_refused("[[lidar]]\nsensor = 'VLP16'\n", "line 2, column 10", "'VLP-16'");
+  expect_refused("[[lidar]]\nposition = [1, 2]\n", "line 2, column 12", "three numbers");
+  expect_refused("[trajectory]\nwaypoints = [[0, 0, 0], 1]\n", "line 2, column 25", "three");
+  expect_refused("[imu]\nrate = 99.5\n", "line 2, column 8", "no whole number");
+  expect_refused("faults = ['gaps']\n", "line 1, column 10", "'gap'");
+  expect_refused("scene = \n", "line 1, column 9", "TOML");
+}
+
+TEST_F(SceneFileTest, TwoSensorsOnAWayOfOnesOwn) {
+  const auto file = folder_.write("two.toml", R"(
+scene = "room"
+duration = 1.0
+[trajectory]
+style = "moving-start"
+speed = 1.0
+waypoints = [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]
+corner_radius = 0.5
+[[lidar]]
+sensor = "VLP-16"
+topic = "/front"
+frame = "front"
+position = [0.5, 0.0, 0.2]
+yaw_pitch_roll = [0, 20, 0]
+noise = false
+mixed_pixels = false
+[[lidar]]
+sensor = "VLP-16"
+topic = "/rear"
+frame = "rear"
+position = [-0.5, 0.0, 0.2]
+yaw_pitch_roll = [180, 0, 0]
+[imu]
+model = "none"
+)");
+  SimulateCommandOptions command{.simulation = {}, .layout = {}, .quiet = true};
+  command.simulation.scene = file.string();
+  command.simulation.output = folder_ / "two.mcap";
+  command.simulation.picture = false;
+  std::ostringstream out;
+  std::ostringstream err;
+  ASSERT_EQ(simulate_command(command, out, err), 0) << err.str();
+
+  const auto recording = open_recording(command.simulation.output);
+  std::map<std::string, int> sweeps;
+  std::map<std::string, Eigen::Isometry3d> mounts;
+  const auto events = recording->events({});
+  while (const auto event = events->next()) {
+    if (std::holds_alternative<Sweep>(event->value)) {
+      ++sweeps[event->frame];
+    } else if (const auto* mount = std::get_if<StaticTransform>(&event->value)) {
+      mounts[mount->child] = mount->T_parent_child;
+    }
+  }
+  EXPECT_EQ(sweeps, (std::map<std::string, int>{{"front", 10}, {"rear", 10}}));
+  ASSERT_EQ(mounts.size(), 2U);
+  const double pitch = 20.0 * std::numbers::pi / 180.0;
+  EXPECT_TRUE(mounts["front"].linear().isApprox(
+      Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix(), 1e-12));
+  EXPECT_NEAR(mounts["rear"].linear()(0, 0), -1.0, 1e-12);
+
+  // The truth is that of the first sensor, ahead of the IMU, which comes down to the first corner.
+  const Trajectory truth = read_trajectory(SimulationFiles(command.simulation.output).trajectory);
+  const Eigen::Isometry3d& begin = truth.poses.front().pose;
+  EXPECT_NEAR(begin.translation().x(), -2.0, 0.2);
+  EXPECT_NEAR(begin.translation().y(), -1.5 - 0.5, 0.1);
+  EXPECT_NEAR(begin.translation().z(), 1.3 + 0.2, 0.05);
+  EXPECT_NEAR(begin.linear()(2, 0), -std::sin(pitch), 0.02) << "it looks down";
+
+  command.besides_scene_file = "--sensor";
+  EXPECT_EQ(simulate_command(command, out, err), 2);
+  EXPECT_NE(err.str().find("--sensor: the scene file says all"), std::string::npos) << err.str();
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,285 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/scene_file.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numbers>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "tools/input_error.hpp"
+#include "tools/nearest_name.hpp"
+#include "tools/simulator/faults.hpp"
+#include "tools/simulator/gnss_model.hpp"
+#include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/motion.hpp"
+#include "tools/simulator/repeatable_math.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A file that is being read, for its complaints.
+class Reader {
+ public:
+  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+
+  [[noreturn]] void refuse(const toml::source_position& where, const std::string& found,
+                           const std::string& remedy) const {
+    throw InputError(file_,
+                     Place::named("line " + std::to_string(where.line) + ", column " +
+                                  std::to_string(where.column)),
+                     found, remedy);
+  }
+
+  double number(const toml::node& node) const {
+    const auto value = node.value<double>();
+    if (!value || node.is_boolean()) {
+      refuse(node.source().begin, "this is no number", "Write a number, such as 0.5");
+    }
+    return *value;
+  }
+
+  int whole_number(const toml::node& node) const {
+    const auto value = node.is_integer() ? node.value<int>() : std::nullopt;
+    if (!value) {
+      refuse(node.source().begin, "this is no whole number", "Write a whole number, such as 10");
+    }
+    return *value;
+  }
+
+  bool truth(const toml::node& node) const {
+    const auto value = node.is_boolean() ? node.value<bool>() : std::nullopt;
+    if (!value) {
+      refuse(node.source().begin, "this is neither true nor false", "Write true or false");
+    }
+    return *value;
+  }
+
+  std::string text(const toml::node& node) const {
+    const auto value = node.value<std::string>();
+    if (!value) {
+      refuse(node.source().begin, "this is no text", "Write a text in quotes");
+    }
+    return *value;
+  }
+
+  Eigen::Vector3d vector(const toml::node& node) const {
+    const toml::array* values = node.as_array();
+    if (values == nullptr || values->size() != 3) {
+      refuse(node.source().begin, "these are not three numbers", "Write [1.0, 2.0, 3.0]");
+    }
+    return {number(*values->get(0)), number(*values->get(1)), number(*values->get(2))};
+  }
+
+  const toml::array& list(const toml::node& node) const {
+    if (!node.is_array()) {
+      refuse(node.source().begin, "this is no list", "Write the entries in brackets");
+    }
+    return *node.as_array();
+  }
+
+  const toml::table& table(const toml::node& node) const {
+    if (!node.is_table()) {
+      refuse(node.source().begin, "this is no section",
+             "Write its keys below its name in brackets");
+    }
+    return *node.as_table();
+  }
+
+  using Key = std::pair<std::string, std::function<void(const toml::node&)>>;
+
+  /// Hands each value to its key's function. What that throws about a name is told with the place.
+  void read(const toml::table& values, const std::vector<Key>& keys) const {
+    for (const auto& [key, node] : values) {
+      const auto found = std::ranges::find(keys, key.str(), &Key::first);
+      if (found == keys.end()) {
+        std::vector<std::string> names;
+        for (const Key& known : keys) {
+          names.push_back(known.first);
+        }
+        refuse(key.source().begin, "there is no key '" + std::string(key.str()) + "' here",
+               suggestion(key.str(), names));
+      }
+      try {
+        found->second(node);
+      } catch (const UsageError& error) {
+        refuse(node.source().begin, error.what(),
+               "Write one of the names of `adit simulate --help`");
+      }
+    }
+  }
+
+ private:
+  std::filesystem::path file_;
+};
+
+/// A pose from its two keys.
+struct MountKeys {
+  Eigen::Vector3d position;
+  Eigen::Vector3d yaw_pitch_roll = Eigen::Vector3d::Zero();  ///< degrees
+
+  Eigen::Isometry3d pose() const {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    const Eigen::Vector3d angles = kDegree * yaw_pitch_roll;
+    pose.linear() = rotation_from_yaw_pitch_roll(angles.x(), angles.y(), angles.z());
+    pose.translation() = position;
+    return pose;
+  }
+};
+
+LidarOptions read_lidar(const Reader& reader, const toml::table& table) {
+  LidarOptions lidar;
+  MountKeys mount{.position = lidar.T_imu_lidar.translation()};
+  reader.read(
+      table,
+      {{"sensor",
+        [&](const auto& node) { lidar.sensor = range_sensor_named(reader.text(node)).name; }},
+       {"topic", [&](const auto& node) { lidar.topic = reader.text(node); }},
+       {"frame", [&](const auto& node) { lidar.frame = reader.text(node); }},
+       {"fields", [&](const auto& node) { lidar.layout = cloud_layout_named(reader.text(node)); }},
+       {"position", [&](const auto& node) { mount.position = reader.vector(node); }},
+       {"yaw_pitch_roll", [&](const auto& node) { mount.yaw_pitch_roll = reader.vector(node); }},
+       {"noise", [&](const auto& node) { lidar.effects.noise = reader.truth(node); }},
+       {"dropout", [&](const auto& node) { lidar.effects.dropout = reader.truth(node); }},
+       {"mixed_pixels", [&](const auto& node) { lidar.effects.mixed_pixels = reader.truth(node); }},
+       {"dust", [&](const auto& node) { lidar.effects.dust = reader.truth(node); }}});
+  lidar.T_imu_lidar = mount.pose();
+  return lidar;
+}
+
+void read_trajectory_keys(const Reader& reader, const toml::table& table,
+                          SimulationOptions& options) {
+  reader.read(
+      table,
+      {{"style",
+        [&](const auto& node) { options.trajectory = motion_named(reader.text(node)).name; }},
+       {"speed", [&](const auto& node) { options.speed = reader.number(node); }},
+       {"begin", [&](const auto& node) { options.begin = reader.number(node); }},
+       {"corner_radius", [&](const auto& node) { options.corner_radius = reader.number(node); }},
+       {"waypoints", [&](const auto& node) {
+          for (const toml::node& corner : reader.list(node)) {
+            options.waypoints.push_back(reader.vector(corner));
+          }
+        }}});
+}
+
+void read_lidars(const Reader& reader, const toml::node& node, SimulationOptions& options) {
+  options.lidars.clear();
+  for (const toml::node& lidar : reader.list(node)) {
+    options.lidars.push_back(read_lidar(reader, reader.table(lidar)));
+  }
+}
+
+void read_imu(const Reader& reader, const toml::table& table, SimulationOptions& options) {
+  reader.read(table,
+              {{"model",
+                [&](const auto& node) {
+                  options.imu = reader.text(node);
+                  if (options.imu != "none") {
+                    imu_named(options.imu);
+                  }
+                }},
+               {"rate", [&](const auto& node) { options.imu_rate = reader.whole_number(node); }}});
+}
+
+void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions& options) {
+  reader.read(
+      table,
+      {{"receiver",
+        [&](const auto& node) {
+          options.gnss = reader.text(node);
+          if (options.gnss != "none") {
+            gnss_named(options.gnss);
+          }
+        }},
+       {"rate", [&](const auto& node) { options.gnss_rate = reader.whole_number(node); }},
+       {"position", [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }}});
+}
+
+}  // namespace
+
+SimulationOptions read_scene_file(const std::filesystem::path& file) {
+  const Reader reader(file);
+  SimulationOptions options;
+  toml::table table;
+  try {
+    table = toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    if (error.source().begin.line == 0) {
+      throw InputError(file, {}, std::string(error.description()), "Give a scene or a TOML file");
+    }
+    reader.refuse(error.source().begin, std::string(error.description()), "Write valid TOML");
+  }
+  reader.read(
+      table,
+      {{"scene",
+        [&](const auto& node) {
+          options.scene = reader.text(node);
+          require_scene(options.scene);
+        }},
+       {"seed",
+        [&](const auto& node) { options.seed = static_cast<uint64_t>(reader.whole_number(node)); }},
+       {"duration", [&](const auto& node) { options.duration = reader.number(node); }},
+       {"faults",
+        [&](const auto& node) {
+          for (const toml::node& fault : reader.list(node)) {
+            options.faults.push_back(reader.text(fault));
+            fault_named(options.faults.back());
+          }
+        }},
+       {"trajectory",
+        [&](const auto& node) { read_trajectory_keys(reader, reader.table(node), options); }},
+       {"lidar", [&](const auto& node) { read_lidars(reader, node, options); }},
+       {"imu", [&](const auto& node) { read_imu(reader, reader.table(node), options); }},
+       {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }}});
+  return options;
+}
+
+std::string scene_file_example() {
+  return R"(# What `adit simulate FILE.toml -o NAME.mcap` simulates. What is left out has the value shown here,
+# waypoints apart.
+scene = "mine"
+seed = 1
+duration = 60.0  # s
+faults = []
+
+[trajectory]
+style = "drive"
+# speed = 1.6  # m/s; the scene's
+begin = 0.0  # m along the way
+# A closed way of one's own, from the first corner on: corners on the floor (m, world), rounded.
+# waypoints = [[0, 0, 0], [25, 0, 0.7], [25, 40, 0.6], [0, 40, -0.1]]
+# corner_radius = 2.5  # m; the scene's
+
+# The truth is that of the first.
+[[lidar]]
+sensor = "VLP-16"
+topic = "/points"
+frame = "lidar"
+# fields = "velodyne"  # its driver's
+position = [0.03, -0.01, 0.08]  # m, in the IMU's frame
+yaw_pitch_roll = [0.0, 0.0, 0.0]  # degrees
+noise = true
+dropout = true
+mixed_pixels = true
+dust = true
+
+[imu]
+model = "industrial"  # or "none"
+rate = 200  # Hz
+
+[gnss]
+receiver = "none"
+rate = 5  # Hz
+position = [-0.2, 0.05, 0.35]  # m, of the antenna in the IMU's frame
+)";
+}
+
+}  // namespace adit

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulator/simulation_tracks.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tools/recordings/ros_definitions.hpp"
+#include "tools/simulator/cloud_messages.hpp"
+
+namespace adit {
+namespace {
+
+/// What a message of each topic is told apart by, for faults.
+enum TopicNumber : uint64_t { kPoints, kImu, kGnss, kFurtherPoints };
+
+/// Each range sensor has noise of its own.
+uint64_t seed_of(uint64_t seed, std::size_t index) {
+  return seed + 0x9e3779b97f4a7c15U * index;
+}
+
+}  // namespace
+
+void SimulationRecorder::write(const std::string& topic, Nanoseconds received,
+                               const ros::EncodedEvent& message) {
+  const auto [known, is_new] = channels_.try_emplace(topic, 0);
+  if (is_new) {
+    const auto definition = ros::definition_of(message.type, Encoding::cdr);
+    known->second = writer_.add_channel({.topic = topic,
+                                         .type = message.type,
+                                         .encoding = Encoding::cdr,
+                                         .definition = definition ? definition->text : "",
+                                         .messages = std::nullopt});
+  }
+  writer_.write(known->second, kSimulationEpoch + received, message.bytes);
+}
+
+void SimulationRecorder::write(const std::string& topic, Nanoseconds received,
+                               const EventValue& event, const char* frame) {
+  write(topic, received, ros::from_event(event, Encoding::cdr, frame));
+}
+
+ImuTrack::ImuTrack(const SimulationOptions& options, const SimulationFiles& files,
+                   const SplineTrajectory& trajectory, const FaultMaker& faults)
+    : readings_(imu_named(options.imu == "none" ? "perfect" : options.imu), options.imu_rate,
+                trajectory, options.seed),
+      recorded_(options.imu != "none"),
+      faults_(&faults),
+      truth_(files.trajectory, files.states, options.lidars.front().T_imu_lidar),
+      next_(readings_.next()) {}
+
+void ImuTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
+  truth_.write(kSimulationEpoch, next_);
+  if (recorded_) {
+    record(recorder, summary);
+  }
+  const Eigen::Vector3d at = next_.truth.T_world_body.translation();
+  summary.fastest_turn = std::max(summary.fastest_turn, next_.truth.angular_velocity.norm());
+  next_ = readings_.next();
+  summary.path += (next_.truth.T_world_body.translation() - at).norm();
+}
+
+void ImuTrack::record(SimulationRecorder& recorder, SimulationSummary& summary) {
+  const Nanoseconds received = time();
+  const int copies = faults_->copies(kImu, index_, received);
+  ImuSample sample = next_.sample;
+  faults_->distort(sample);
+  sample.stamp += kSimulationEpoch;
+  const bool late = faults_->comes_late(index_++);
+  std::vector<ImuSample> due(static_cast<std::size_t>(copies), sample);
+  if (late) {
+    std::swap(due, late_);
+  } else {
+    due.insert(due.end(), late_.begin(), late_.end());
+    late_.clear();
+  }
+  for (const ImuSample& one : due) {
+    recorder.write("/imu", received, one, kImuFrame);
+    ++summary.imu_samples;
+  }
+}
+
+GnssTrack::GnssTrack(const SimulationOptions& options, const SimulationFiles& files,
+                     const SplineTrajectory& trajectory, const RayScene& scene,
+                     const FaultMaker& faults)
+    : fixes_(gnss_named(options.gnss), options.gnss_rate, trajectory, options.p_imu_antenna, scene,
+             options.seed),
+      faults_(&faults),
+      truth_(files.antenna),
+      next_(fixes_.next()) {}
+
+void GnssTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
+  truth_.write(kSimulationEpoch, next_);
+  GnssFix fix = next_.fix;
+  fix.stamp += kSimulationEpoch;
+  for (int i = faults_->copies(kGnss, index_++, time()); i > 0; --i) {
+    recorder.write("/gnss", time(), fix, kAntennaFrame);
+    ++summary.gnss_fixes;
+  }
+  next_ = fixes_.next();
+}
+
+LidarTrack::LidarTrack(const SimulationOptions& options, std::size_t index, const Scene& scene,
+                       const SplineTrajectory& trajectory, const FaultMaker& faults)
+    : options_(&options.lidars[index]),
+      simulator_(std::make_unique<RangeSimulator>(
+          scene, range_sensor_named(options_->sensor),
+          RangeMount{.trajectory = &trajectory, .T_body_lidar = options_->T_imu_lidar},
+          seed_of(options.seed, index), options_->effects)),
+      faults_(&faults),
+      number_(index == 0 ? uint64_t{kPoints} : kFurtherPoints + index) {}
+
+RangeSweep LidarTrack::sweep(std::size_t index) const {
+  RangeSweep sweep = simulator_->sweep(static_cast<int64_t>(index));
+  faults_->distort(sweep);
+  return sweep;
+}
+
+void LidarTrack::write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
+                       SimulationRecorder& recorder, std::optional<OutputFile>& labels,
+                       SimulationSummary& summary) const {
+  const ros::EncodedEvent message =
+      cloud_message(sweep, options_->layout.value_or(simulator_->sensor().layout), kSimulationEpoch,
+                    options_->frame);
+  for (int copy = faults_->copies(number_, index, received); copy > 0; --copy) {
+    recorder.write(options_->topic, received, message);
+    ++summary.sweeps;
+    summary.pulses += sweep.returns.size();
+    summary.points += static_cast<std::size_t>(
+        std::ranges::count_if(sweep.returns, [](const Return& back) { return back.range > 0.0; }));
+    if (labels) {
+      write_labels(*labels, sweep);
+    }
+  }
+}
+
+}  // namespace adit

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a simulation writes message by message: each sensor with its faults and its truth.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/recordings/mcap_writer.hpp"
+#include "tools/recordings/recording.hpp"
+#include "tools/recordings/ros_events.hpp"
+#include "tools/simulator/faults.hpp"
+#include "tools/simulator/gnss_model.hpp"
+#include "tools/simulator/imu_model.hpp"
+#include "tools/simulator/range_simulator.hpp"
+#include "tools/simulator/simulation.hpp"
+#include "tools/simulator/truth_writer.hpp"
+
+namespace adit {
+
+inline constexpr const char* kImuFrame = "imu";
+inline constexpr const char* kAntennaFrame = "antenna";
+
+/// Puts messages into the recording, channel by channel as they come up. Times are counted from the
+/// start. Throws OutputError.
+class SimulationRecorder {
+ public:
+  SimulationRecorder(const std::filesystem::path& path, Compression compression)
+      : writer_(path, {.compression = compression, .profile = "ros2"}) {}
+
+  void write(const std::string& topic, Nanoseconds received, const ros::EncodedEvent& message);
+  void write(const std::string& topic, Nanoseconds received, const EventValue& event,
+             const char* frame);
+  void close() { writer_.close(); }
+
+ private:
+  McapWriter writer_;
+  std::map<std::string, std::size_t> channels_;
+};
+
+/// The IMU's readings and the truth. What it is given must outlive it.
+class ImuTrack {
+ public:
+  ImuTrack(const SimulationOptions& options, const SimulationFiles& files,
+           const SplineTrajectory& trajectory, const FaultMaker& faults);
+
+  Nanoseconds time() const { return next_.sample.stamp; }  ///< of what is written next
+  void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
+  void close() { truth_.close(); }
+
+ private:
+  void record(SimulationRecorder& recorder, SimulationSummary& summary);
+
+  ImuSimulator readings_;
+  bool recorded_;
+  const FaultMaker* faults_;
+  TruthWriter truth_;
+  SimulatedImu next_;
+  uint64_t index_ = 0;
+  std::vector<ImuSample> late_;
+};
+
+/// The receiver's fixes and the antenna's true way. What it is given must outlive it.
+class GnssTrack {
+ public:
+  GnssTrack(const SimulationOptions& options, const SimulationFiles& files,
+            const SplineTrajectory& trajectory, const RayScene& scene, const FaultMaker& faults);
+
+  Nanoseconds time() const { return next_.fix.stamp; }  ///< of what is written next
+  void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
+  void close() { truth_.close(); }
+
+ private:
+  GnssSimulator fixes_;
+  const FaultMaker* faults_;
+  AntennaTruthWriter truth_;
+  SimulatedFix next_;
+  uint64_t index_ = 0;
+};
+
+/// A range sensor and its topic. What it is given must outlive it.
+class LidarTrack {
+ public:
+  LidarTrack(const SimulationOptions& options, std::size_t index, const Scene& scene,
+             const SplineTrajectory& trajectory, const FaultMaker& faults);
+
+  const RangeSimulator& simulator() const { return *simulator_; }
+
+  /// Sweep `index`, with the faults.
+  RangeSweep sweep(std::size_t index) const;
+
+  void write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
+             SimulationRecorder& recorder, std::optional<OutputFile>& labels,
+             SimulationSummary& summary) const;
+
+ private:
+  const LidarOptions* options_;
+  std::unique_ptr<RangeSimulator> simulator_;
+  const FaultMaker* faults_;
+  uint64_t number_;  ///< of its topic, for faults
+};
+
+}  // namespace adit
