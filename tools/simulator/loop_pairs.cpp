@@ -106,7 +106,8 @@ std::vector<LoopPair> find_loops(const PoseAtTime& T_world_lidar, double duratio
         const Viewpoint& earlier = places[a];
         const double distance =
             length_of(later.T_world_lidar.translation() - earlier.T_world_lidar.translation());
-        if (later.path - earlier.path < options.apart || distance > options.reach) {
+        const double path = later.path - earlier.path;
+        if (path < options.apart || path < options.detour * distance || distance > options.reach) {
           continue;
         }
         const double overlap = std::min(share_in_sight(earlier, later, still, options.range),

@@ -22,6 +22,7 @@ using PoseAtTime = std::function<Eigen::Isometry3d(double)>;
 struct LoopOptions {
   double spacing = 1.0;     ///< m of path between the places that are compared, at least
   double apart = 15.0;      ///< m of path between the two places of a pair, at least
+  double detour = 2.0;      ///< that path over their distance, at least: not just straight on
   double reach = 20.0;      ///< m between them, at most
   double overlap = 0.3;     ///< at least
   std::size_t most = 2000;  ///< places; more are thinned out
