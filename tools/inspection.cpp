@@ -3,6 +3,7 @@
 #include "tools/inspection.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -58,11 +59,12 @@ Profiles read_all(const Recording& recording, Inspection& result) {
 
 /// The first topic of sweeps with each IMU.
 std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profiles& profiles,
-                                       const RecordingConfig& config) {
+                                       const Config& config) {
   std::vector<MotionPair> pairs;
+  const std::string& sweep_topic_name = config.recording.sweep_topic;
   const auto sweeps = std::ranges::find_if(inspection.topics, [&](const Topic& topic) {
     return topic.kind == TopicKind::sweeps &&
-           (config.sweep_topic.empty() || topic.name == config.sweep_topic);
+           (sweep_topic_name.empty() || topic.name == sweep_topic_name);
   });
   if (sweeps == inspection.topics.end()) {
     return pairs;
@@ -82,7 +84,14 @@ std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profi
                     .trust_point_times = range.point_times_fit(),
                     .R_range_gyro = std::nullopt};
     const std::string& imu_frame = inspection.statistics[topic].frame;
-    if (inspection.frames.knows(range.frame) && inspection.frames.knows(imu_frame)) {
+    const std::array<double, 7>& T_imu_lidar = config.imu.T_imu_lidar;
+    if (T_imu_lidar != ImuConfig{}.T_imu_lidar) {
+      pair.R_range_gyro =
+          Eigen::Quaterniond(T_imu_lidar[6], T_imu_lidar[3], T_imu_lidar[4], T_imu_lidar[5])
+              .inverse()
+              .toRotationMatrix();
+      pair.told_by = "imu.T_imu_lidar";
+    } else if (inspection.frames.knows(range.frame) && inspection.frames.knows(imu_frame)) {
       if (const auto T = inspection.frames.transform(range.frame, imu_frame)) {
         pair.R_range_gyro = T->linear();
       }
@@ -124,8 +133,7 @@ Inspection inspect(const std::filesystem::path& path, const Config& config,
   result.topics = recording->topics();
   result.statistics.resize(result.topics.size());
   const Profiles profiles = read_all(*recording, result);
-  compare_motion(*recording, pairs_to_check(result, profiles, config.recording), config, device,
-                 result);
+  compare_motion(*recording, pairs_to_check(result, profiles, config), config, device, result);
 
   const auto add = [&](std::vector<Finding> found) {
     std::ranges::move(found, std::back_inserter(result.findings));

@@ -203,13 +203,13 @@ Finding mounting_finding(const MotionCheck& check) {
   const bool inverted = rotation_angle(told * found.R_range_gyro) <
                         kHarmlessMisalignment + kSure * known_mounting_sigma(found);
   char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "/tf_static mounts it to the sensor of %s with %s, the motion with %s: %.1f degrees "
-      "apart (+- %.1f)%s",
-      check.pair.sweeps.name.c_str(), angles(told).c_str(), angles(found.R_range_gyro).c_str(),
-      found.misalignment * kDegrees, kSure * known_mounting_sigma(found) * kDegrees,
-      inverted ? "; the transform is the wrong way round" : "");
+  std::snprintf(text, sizeof text,
+                "%s mounts it to the sensor of %s with %s, the motion with %s: %.1f degrees apart "
+                "(+- %.1f)%s",
+                check.pair.told_by.c_str(), check.pair.sweeps.name.c_str(), angles(told).c_str(),
+                angles(found.R_range_gyro).c_str(), found.misalignment * kDegrees,
+                kSure * known_mounting_sigma(found) * kDegrees,
+                inverted ? "; the transform is the wrong way round" : "");
   return {
       Severity::problem,
       "mounting",

@@ -27,8 +27,9 @@ struct MotionPair {
   std::size_t imu_topic = 0;
   TimeSpan stretch{};             ///< of the recorder's clock
   bool trust_point_times = true;  ///< to tell when, on average, a sweep was taken
-  /// R_range_gyro by the recording's static transforms, where it has them.
+  /// R_range_gyro by the configuration or the recording's static transforms, where they tell it.
   std::optional<Eigen::Matrix3d> R_range_gyro;
+  std::string told_by = "/tf_static";  ///< for people: what tells it
 };
 
 struct MotionCheck {

@@ -44,6 +44,10 @@ std::string sweeps_text(const TopicStatistics& topic) {
 }
 
 std::string imu_text(const ImuStatistics& s) {
+  if (s.rotation.count == 0) {
+    return text_of("acceleration %.3f on average (%.2f to %.2f), no angular velocities",
+                   s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest);
+  }
   return text_of("acceleration %.3f on average (%.2f to %.2f), rotation %.3f rad/s (at most %.2f)",
                  s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest,
                  s.rotation.mean(), s.rotation.greatest);
@@ -97,9 +101,10 @@ std::optional<std::array<double, 7>> mounting_by_motion(const Inspection& inspec
     return std::nullopt;
   }
   Eigen::Isometry3d T_lidar_imu = Eigen::Isometry3d::Identity();
-  if (told) {
-    T_lidar_imu = *inspection.frames.transform(inspection.statistics[check.pair.sweep_topic].frame,
-                                               inspection.statistics[check.pair.imu_topic].frame);
+  if (const auto transform =
+          inspection.frames.transform(inspection.statistics[check.pair.sweep_topic].frame,
+                                      inspection.statistics[check.pair.imu_topic].frame)) {
+    T_lidar_imu = *transform;
   }
   T_lidar_imu.linear() = motion.R_range_gyro;
   const Eigen::Isometry3d T = T_lidar_imu.inverse();

@@ -95,6 +95,7 @@ TEST(InspectConfig, MountingByTheMotionWhereTheTransformIsWrong) {
     }
   }));
   EXPECT_EQ(result.before, Kinds{"mounting /imu"});
+  EXPECT_EQ(result.after, Kinds{});
   EXPECT_LT(rotation_imu_lidar(result.config)
                 .angularDistance(Eigen::Quaterniond(MovingRig{}.T_lidar_imu.linear()).inverse()),
             0.08);
