@@ -37,8 +37,9 @@ void feed(Encoding encoding, std::span<const std::byte> bytes) {
   try {
     adit::ros::to_events(channel, {0, adit::Nanoseconds(1), bytes, 0}, "input", 0.0, &camera);
     if constexpr (std::is_same_v<Message, adit::ros::CameraInfo>) {
-      if (message.width < 64 && message.height < 64) {
-        const adit::DepthCamera other(adit::ros::to_camera(message, false));
+      const adit::CameraModel model = adit::ros::to_camera(message, false);
+      if (model.width * model.height < 4096) {  // a real camera's millions take their time
+        const adit::DepthCamera other(model);
       }
     }
   } catch (const adit::ros::CodecError&) {

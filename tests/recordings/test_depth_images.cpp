@@ -82,6 +82,39 @@ TEST(DepthImages, ColoursAndImagesWithoutCalibrationAreNoSweeps) {
   }
 }
 
+TEST(DepthImages, CamerasOfImagesThatAreNotThereAreNotWorkedOut) {
+  // Found by libFuzzer: the rays of sixteen million pixels took a minute.
+  const test::TemporaryFolder folder;
+  McapWriter writer(folder / "large.mcap", {});
+  test::ImageExample image = test::depth_image_message(0);
+  ros::CameraInfo info = test::camera_info_message(0);
+  image.message.width = image.message.height = info.width = info.height = 4096;
+  image.message.step = 8192;
+  info.d[0] = 1e3;
+  const auto add = [&](const char* topic, std::string_view type) {
+    return writer.add_channel({.topic = topic,
+                               .type = std::string(type),
+                               .encoding = Encoding::cdr,
+                               .definition = {},
+                               .messages = std::nullopt});
+  };
+  const std::size_t images = add("/camera/image", ros::Image::kType);
+  const std::size_t infos = add("/camera/camera_info", ros::CameraInfo::kType);
+  writer.write(images, test::kStart, ros::encode(Encoding::cdr, image.message));
+  writer.write(infos, test::kStart, ros::encode(Encoding::cdr, info));
+  writer.close();
+  EXPECT_FALSE(ros::is_whole_depth(image.message));
+  EXPECT_EQ(open_recording(folder / "large.mcap")->topics()[0].kind, TopicKind::other);
+}
+
+TEST(DepthCamera, PixelsBeyondWhatTheLensShowsHaveNoRay) {
+  CameraModel model{.width = 400, .height = 1, .fx = 100.0, .fy = 100.0, .cx = 0.0, .cy = 0.0};
+  model.distortion[0] = -0.5;  // a direction is shown at 0.55 at most
+  const std::vector<Point> points = DepthCamera(model).points(std::vector<float>(400, 1.0F));
+  EXPECT_EQ(points[30].z, 1.0F);
+  EXPECT_EQ(points[300].z, 0.0F);
+}
+
 TEST(DepthImages, MetresAndTheOtherByteOrderAreRead) {
   const DepthCamera camera({.width = 2, .height = 1, .fx = 1.0, .fy = 1.0});
   ros::Image image;

@@ -26,11 +26,17 @@ Ray undistorted(const Ray& seen, const std::array<double, 8>& d) {
   constexpr int kMostSteps = 50;
   constexpr double kSmall = 1e-9;
   Ray ray = seen;
+  double last = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMostSteps; ++step) {
     const Ray error = seen - distorted(ray, d);
-    if (error.norm() < kSmall) {
+    const double size = error.norm();
+    if (size < kSmall) {
       return ray;
     }
+    if (!(size < last)) {
+      break;  // beyond what the lens shows
+    }
+    last = size;
     ray += error;
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

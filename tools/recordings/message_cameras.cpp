@@ -54,7 +54,8 @@ std::unique_ptr<DepthCamera> find_depth_camera(const MessageFile& file, std::siz
   std::unique_ptr<DepthCamera> camera;
   if (model) {
     with_first<ros::Image>(file, channel, [&](const ros::Image& image) {
-      if (ros::is_depth(image) && image.width == model->width && image.height == model->height) {
+      if (ros::is_whole_depth(image) && image.width == model->width &&
+          image.height == model->height) {
         camera = std::make_unique<DepthCamera>(*model);
       }
     });

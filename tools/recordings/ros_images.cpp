@@ -36,6 +36,13 @@ bool is_depth(const Image& image) {
   return image.encoding == "16UC1" || image.encoding == "32FC1" || image.encoding == "mono16";
 }
 
+bool is_whole_depth(const Image& image) {
+  const std::size_t pixel = image.encoding == "32FC1" ? sizeof(float) : sizeof(uint16_t);
+  const std::size_t row = pixel * image.width;
+  return is_depth(image) && image.width > 0 && image.height > 0 && image.step >= row &&
+         image.data.size() >= std::size_t{image.step} * (image.height - 1) + row;
+}
+
 CameraModel to_camera(const CameraInfo& info, bool rectified) {
   CameraModel model;
   if (rectified) {
@@ -90,16 +97,14 @@ Sweep to_sweep(const Image& image, const DepthCamera& camera, Nanoseconds stamp)
     throw CodecError("it has " + size_text(image.width, image.height) +
                      " pixels, its camera_info " + size_text(model.width, model.height));
   }
-  const bool metres = image.encoding == "32FC1";
-  const std::size_t pixel = metres ? sizeof(float) : sizeof(uint16_t);
-  const std::size_t row = pixel * model.width;
-  if (!is_depth(image) || image.step < row ||
-      image.data.size() < std::size_t{image.step} * (model.height - 1) + row) {
+  if (!is_whole_depth(image)) {
     throw CodecError("its " + std::to_string(image.data.size()) + " bytes in rows of " +
                      std::to_string(image.step) + " are no " +
                      size_text(image.width, image.height) + " depth image of the encoding '" +
                      image.encoding + "'");
   }
+  const bool metres = image.encoding == "32FC1";
+  const std::size_t pixel = metres ? sizeof(float) : sizeof(uint16_t);
   const bool swap = (image.is_bigendian != 0) == (std::endian::native == std::endian::little);
   constexpr float kMillimetre = 1e-3F;
   std::vector<float> depths(model.width * model.height);

@@ -13,6 +13,9 @@ namespace adit::ros {
 /// True for images whose pixels are distances (REP 118): 16UC1, millimetres, and 32FC1, metres.
 bool is_depth(const Image& image);
 
+/// True where the image has the bytes that its size and encoding promise.
+bool is_whole_depth(const Image& image);
+
 /// The model of a camera's raw images, or of rectified ones, which have no distortion. Knows the
 /// models plumb_bob and rational_polynomial, regions of interest and binning. Throws CodecError for
 /// other models and where the numbers make no sense.
