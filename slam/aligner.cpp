@@ -17,7 +17,10 @@ namespace {
 // found (docs/theory/registration.md).
 constexpr std::array kCoarseFactors = {16.0, 8.0, 4.0, 2.0};
 constexpr engine::RegistrationSettings kCoarseSettings = {
-    .translation_epsilon = 5e-3, .rotation_epsilon = 1e-3, .max_iterations = 15};
+    .translation_epsilon = 5e-3,
+    .rotation_epsilon = 1e-3,
+    .max_iterations = 15,
+    .robust_width = 1e3};  // far from everything else: no kernel
 
 // Levels, and their places in the buffers: 0 is the fine one.
 constexpr size_t kLevels = 1 + kCoarseFactors.size();
@@ -32,6 +35,9 @@ constexpr uint64_t kStateStride = engine::align_slice(sizeof(gpu::RegistrationSt
 constexpr uint64_t kProgressBackAt = 2 * kStateStride;
 constexpr uint64_t kMapCountersAt = kProgressBackAt + 2 * kProgressStride;
 
+// Cauchy's kernel halves the weight of a match this far off, in standard deviations of its
+// covariance: 4.5 cm along the normal where both are planes.
+constexpr double kRobustWidth = 1.0;
 constexpr double kFictitious = 0.5;  // information of a VGICP match in every direction
 
 // The alignment from an untrusted prediction must match this many times as many points as the
@@ -52,7 +58,7 @@ const RegistrationResult& better(const RegistrationResult& predicted,
 
 Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
     : config_(config),
-      kernels_(context, {}),
+      kernels_(context, {.robust = gpu::kCauchy}),
       upload_(context.make_buffer(kStateAt + sizeof(gpu::RegistrationState), engine::Memory::upload,
                                   "alignment start")),
       jobs_(context.make_buffer(kLevels * kJobStride, engine::Memory::device, "alignment jobs")),
@@ -147,7 +153,8 @@ void Aligner::record_fine(engine::Recorder& recorder,
       .rotation_epsilon = config_.rotation_epsilon,
       .max_iterations = static_cast<uint32_t>(config_.max_iterations),
       .max_constrained = trusted ? static_cast<uint32_t>(config_.max_iterations) : 0,
-      .weak_share = 0.0};  // a constant velocity knows less than a few matches
+      .weak_share = 0.0,  // a constant velocity knows less than a few matches
+      .robust_width = kRobustWidth};
   {
     const engine::Scope scope = recorder.scope("alignment");
     kernels_.record_steps(recorder, settings, arguments, scratch_);

@@ -89,9 +89,11 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.require(p.r_input < p.c_max, "preprocess.r_input", p.r_input,
                  than("less than", "preprocess.c_max", p.c_max));
   // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
-  checks.between("preprocess.beam_spacing", p.beam_spacing, 0.002, 0.2, "rad");
+  checks.require(p.beam_spacing == 0.0 || (p.beam_spacing >= 0.002 && p.beam_spacing <= 0.2),
+                 "preprocess.beam_spacing", p.beam_spacing,
+                 "0 (as the first sweep shows it), or between 0.002 and 0.2 rad");
   checks.between("preprocess.surface_size", p.surface_size, 0.0, 20.0, "m");
-  checks.between("preprocess.deskew", p.deskew, 0, 2);
+  checks.between("preprocess.deskew", p.deskew, 0, 1);
 }
 
 void check_registration(Checks& checks, const Config& config) {
@@ -139,6 +141,8 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
 
 void check_rest(Checks& checks, const Config& config) {
   checks.between("submap.l", config.submap.l, 1, 1000, "clouds");
+  checks.between("submap.delta_trans", config.submap.delta_trans, 0.0, 100.0, "m");
+  checks.between("submap.delta_rot", config.submap.delta_rot, 0.0, std::numbers::pi, "rad");
   checks.require(config.keyframe.delta_trans > 0.0, "keyframe.delta_trans",
                  config.keyframe.delta_trans, "greater than 0");
   checks.require(config.keyframe.delta_rot > 0.0 && config.keyframe.delta_rot <= std::numbers::pi,
@@ -166,6 +170,7 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
   checks.between("imu.accel_noise", imu.accel_noise, 1e-6, 10.0, "m/s^2/sqrt(Hz)");
   checks.between("imu.gyro_walk", imu.gyro_walk, 1e-9, 1.0, "rad/s^2/sqrt(Hz)");
   checks.between("imu.accel_walk", imu.accel_walk, 1e-9, 10.0, "m/s^3/sqrt(Hz)");
+  checks.between("imu.gravity_walk", imu.gravity_walk, 1e-9, 1.0, "rad/sqrt(s)");
   checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
   checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
   checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,

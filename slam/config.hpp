@@ -19,9 +19,9 @@ struct PreprocessConfig {
   double c_min = 0.5;           ///< m
   double c_max = 100.0;         ///< m
   double r_input = 0.25;        ///< m
-  double beam_spacing = 0.007;  ///< rad
+  double beam_spacing = 0.0;    ///< rad
   double surface_size = 0.625;  ///< m
-  int deskew = 1;               ///< 0, 1 or 2
+  int deskew = 1;               ///< 0 or 1
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -31,13 +31,13 @@ struct PreprocessConfig {
           "voxel size of the sweep's down-sampling (one centroid a voxel)");
     field("beam_spacing", self.beam_spacing, "rad",
           "angle between neighbouring beams, the wider of the two directions; the neighbourhood of "
-          "normal estimation grows with range times this");
+          "normal estimation grows with range times this; 0: as the first sweep shows it");
     field("surface_size", self.surface_size, "m",
           "edge of the neighbourhood that a normal is estimated from near the sensor; at least "
           "2.5 r_input");
     field("deskew", self.deskew, "",
-          "1: points that have times are moved to the sweep's start by the IMU, where it is fused; "
-          "2: without it at constant velocity; 0: they are taken as they are");
+          "1: points that have times are moved to the sweep's start, by the IMU where it is fused, "
+          "else at constant velocity; 0: they are taken as they are");
   }
 };
 
@@ -47,13 +47,14 @@ struct ImuConfig {
   std::array<double, 7> T_imu_lidar = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
   std::string sensor = "generic";
   double noise_scale = 5.0;
-  double gyro_noise = 1e-3;   ///< rad/s/√Hz
-  double accel_noise = 1e-2;  ///< m/s²/√Hz
-  double gyro_walk = 3e-5;    ///< rad/s²/√Hz
-  double accel_walk = 1e-3;   ///< m/s³/√Hz
-  double max_gap = 0.05;      ///< s
-  int lag = 20;               ///< sweeps
-  int reset = 0;              ///< sweeps
+  double gyro_noise = 1e-3;    ///< rad/s/√Hz
+  double accel_noise = 1e-2;   ///< m/s²/√Hz
+  double gyro_walk = 3e-5;     ///< rad/s²/√Hz
+  double accel_walk = 1e-3;    ///< m/s³/√Hz
+  double gravity_walk = 1e-4;  ///< rad/√s
+  double max_gap = 0.05;       ///< s
+  int lag = 20;                ///< sweeps
+  int reset = 0;               ///< sweeps
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -72,6 +73,8 @@ struct ImuConfig {
           "random walk of the bias, of a custom sensor");
     field("accel_walk", self.accel_walk, "m/s^3/sqrt(Hz)",
           "random walk of the bias, of a custom sensor");
+    field("gravity_walk", self.gravity_walk, "rad/sqrt(s)",
+          "how fast the direction of gravity may wander in the map, as the map drifts");
     field("max_gap", self.max_gap, "s",
           "a longer time without readings is not bridged: the lidar goes on alone");
     field("lag", self.lag, "sweeps", "the sliding graph optimises the states of the last sweeps");
@@ -106,11 +109,17 @@ struct RegistrationConfig {
 
 /// The rolling submap that sweeps are aligned with.
 struct SubmapConfig {
-  int l = 10;  ///< clouds
+  int l = 20;                ///< clouds
+  double delta_trans = 0.5;  ///< m
+  double delta_rot = 0.3;    ///< rad
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("l", self.l, "clouds", "the submap holds the last l aligned sweeps");
+    field("l", self.l, "clouds", "the submap holds the last l clouds that joined it");
+    field("delta_trans", self.delta_trans, "m",
+          "an aligned sweep joins the submap after this distance from the last that did; 0: every "
+          "sweep joins");
+    field("delta_rot", self.delta_rot, "rad", "or after this rotation");
   }
 };
 

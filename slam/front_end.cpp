@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/context.hpp"
+#include "slam/beam_spacing.hpp"
 
 namespace adit {
 namespace {
@@ -63,6 +64,9 @@ void FrontEnd::upload(const Sweep& sweep) {
     grow(count);
   }
   point_count_ = count;
+  if (settings_.beam_spacing == 0.0) {
+    settings_.beam_spacing = measured_beam_spacing(sweep.points).value_or(0.0);
+  }
   std::ranges::copy(sweep.points, staging_->as<Point>().begin());
   has_times_ = count > 0 && sweep.times.size() == sweep.points.size();
   if (has_times_) {

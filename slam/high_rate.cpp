@@ -12,23 +12,28 @@ namespace {
 constexpr Nanoseconds kKept = std::chrono::seconds(2);
 
 /// How a covariance grows along an increment: the error's transition, and the increment's own.
-Matrix15d propagated(const StateEstimate& base, const Preintegration& since) {
+StateMatrix propagated(const StateEstimate& base, const Preintegration& since) {
   const Eigen::Matrix3d R = base.state.T_map_body.linear();
   const MotionIncrement& increment = since.increment;
   const Eigen::Matrix3d back = increment.rotation.transpose();
   const double t = since.duration;
-  Matrix15d transition = Matrix15d::Identity();
+  StateMatrix transition = StateMatrix::Identity();
   transition.block<3, 3>(kPositionAt, kPositionAt) = back;
   transition.block<3, 3>(kPositionAt, kRotationAt) = -back * skew(increment.position);
   transition.block<3, 3>(kPositionAt, kVelocityAt) = t * back * R.transpose();
   transition.block<3, 3>(kPositionAt, kGyroBiasAt) = back * since.position_by_gyro;
   transition.block<3, 3>(kPositionAt, kAccelBiasAt) = back * since.position_by_accel;
+  const Eigen::Vector3d& gravity = base.state.gravity_map;
+  const Eigen::Matrix<double, 3, 2> gravity_turn = -skew(gravity) * across(gravity);
+  transition.block<3, 2>(kPositionAt, kGravityAt) =
+      0.5 * t * t * back * R.transpose() * gravity_turn;
+  transition.block<3, 2>(kVelocityAt, kGravityAt) = t * gravity_turn;
   transition.block<3, 3>(kRotationAt, kRotationAt) = back;
   transition.block<3, 3>(kRotationAt, kGyroBiasAt) = since.rotation_by_gyro;
   transition.block<3, 3>(kVelocityAt, kRotationAt) = -R * skew(increment.velocity);
   transition.block<3, 3>(kVelocityAt, kGyroBiasAt) = R * since.velocity_by_gyro;
   transition.block<3, 3>(kVelocityAt, kAccelBiasAt) = R * since.velocity_by_accel;
-  Eigen::Matrix<double, 15, 9> own = Eigen::Matrix<double, 15, 9>::Zero();
+  Eigen::Matrix<double, kStateSize, 9> own = Eigen::Matrix<double, kStateSize, 9>::Zero();
   own.block<3, 3>(kPositionAt, 0) = back;
   own.block<3, 3>(kRotationAt, 3).setIdentity();
   own.block<3, 3>(kVelocityAt, 6) = R;
@@ -85,7 +90,7 @@ std::optional<HighRateState> HighRateOdometry::add(const ImuSample& sample) {
 
 HighRateState HighRateOdometry::forecast(const ImuSample& at) const {
   HighRateState result;
-  result.nav = predict(base_->state, since_, gravity_);
+  result.nav = predict(base_->state, since_);
   result.nav.stamp = at.stamp;
   result.angular_velocity = at.angular_velocity - base_->state.bias.gyro;
   result.covariance = propagated(*base_, since_);

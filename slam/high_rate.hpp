@@ -14,7 +14,7 @@ namespace adit {
 struct HighRateState {
   NavState nav;
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, without its bias, body
-  Matrix15d covariance = Matrix15d::Zero();                    ///< in the order of tangent vectors
+  StateMatrix covariance = StateMatrix::Zero();                ///< in the order of tangent vectors
 };
 
 /// Odometry at the rate of the inertial sensor: the newest estimate, carried forward with each
@@ -22,9 +22,9 @@ struct HighRateState {
 /// smoothing the correction is spread over that time instead of showing as a step.
 class HighRateOdometry {
  public:
-  /// `gravity` in the map, m/s²; `smoothing` in s, 0 for none.
-  HighRateOdometry(const ImuNoise& noise, const Eigen::Vector3d& gravity, double smoothing)
-      : noise_(noise), gravity_(gravity), smoothing_(smoothing) {}
+  /// `smoothing` in s, 0 for none.
+  HighRateOdometry(const ImuNoise& noise, double smoothing)
+      : noise_(noise), smoothing_(smoothing) {}
 
   /// A new estimate, of a time that readings have passed by some tenths of a second at most.
   void correct(const StateEstimate& estimate);
@@ -36,7 +36,6 @@ class HighRateOdometry {
   HighRateState forecast(const ImuSample& at) const;
 
   ImuNoise noise_;
-  Eigen::Vector3d gravity_;
   double smoothing_;
   std::optional<StateEstimate> base_;
   Preintegration since_;

@@ -26,9 +26,10 @@ Matrix9d floored(const Matrix9d& covariance) {
 
 }  // namespace
 
-LinkFactor<9> imu_factor(const Preintegration& preintegration, const Eigen::Vector3d& gravity,
-                         const NavState& from, const NavState& to) {
+LinkFactor<9> imu_factor(const Preintegration& preintegration, const NavState& from,
+                         const NavState& to) {
   const double t = preintegration.duration;
+  const Eigen::Vector3d& gravity = from.gravity_map;
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d R_body_map = from.T_map_body.linear().transpose();
   const Eigen::Matrix3d R_from_to = R_body_map * to.T_map_body.linear();
@@ -57,6 +58,10 @@ LinkFactor<9> imu_factor(const Preintegration& preintegration, const Eigen::Vect
   factor.by_from.block<3, 3>(kVelocity, kVelocityAt) = -R_body_map;
   factor.by_from.block<3, 3>(kVelocity, kGyroBiasAt) = -preintegration.velocity_by_gyro;
   factor.by_from.block<3, 3>(kVelocity, kAccelBiasAt) = -preintegration.velocity_by_accel;
+
+  const Eigen::Matrix<double, 3, 2> gravity_turn = R_body_map * skew(gravity) * across(gravity);
+  factor.by_from.block<3, 2>(kPosition, kGravityAt) = 0.5 * t * t * gravity_turn;
+  factor.by_from.block<3, 2>(kVelocity, kGravityAt) = t * gravity_turn;
 
   factor.by_to.block<3, 3>(kPosition, kPositionAt) = R_from_to;
   factor.by_to.block<3, 3>(kRotation, kRotationAt) = turn;

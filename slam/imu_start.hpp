@@ -15,8 +15,6 @@
 
 namespace adit {
 
-constexpr double kStandardGravity = 9.80665;  // m/s²
-
 enum class ImuStartStatus {
   at_rest,      ///< started from readings at rest
   in_motion,    ///< started from poses and the readings between them

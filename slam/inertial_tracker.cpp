@@ -15,10 +15,12 @@ using std::chrono::milliseconds;
 
 // Of alignments (docs/theory/registration.md): what the matches do not know of their own errors.
 constexpr CovarianceModel kAlignmentModel{
-    .kappa = 1.0, .sigma_translation = 0.002, .sigma_rotation = 0.0003};
+    .kappa = 1.0, .sigma_translation = 0.005, .sigma_rotation = 0.001};
 
 // chi squared that 99.9 % stay below, by degrees of freedom.
 constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
+// Alignments err more than their covariances say: by three times in woods.
+constexpr double kBeyondBelief = 10.0;
 constexpr int kSurprises = 3;              // in a row are a failure
 constexpr double kFastest = 100.0;         // m/s
 constexpr double kLargestGyroBias = 0.3;   // rad/s
@@ -58,7 +60,7 @@ std::string text_of(double value) {
 }
 
 /// Standard deviations of a lidar pose, from the covariance of the body's.
-Vector6d lidar_sigma(const Matrix15d& covariance, const Eigen::Isometry3d& T_body_lidar) {
+Vector6d lidar_sigma(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
   const Matrix6d to_lidar = adjoint(T_body_lidar.inverse());
   const Matrix6d of_lidar = to_lidar * covariance.topLeftCorner<6, 6>() * to_lidar.transpose();
   Vector6d floor;
@@ -158,8 +160,8 @@ std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, do
   NavState state;
   state.stamp = stamp;
   state.v_map_body = T_body_lidar_.linear() * velocity;
-  return inertial_motion(state, interval.samples, Eigen::Vector3d::Zero(), T_body_lidar_, 0.0,
-                         duration);
+  state.gravity_map.setZero();
+  return inertial_motion(state, interval.samples, T_body_lidar_, 0.0, duration);
 }
 
 std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseconds end) const {
@@ -192,8 +194,8 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
       stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration));
   const ImuInterval within = buffer_.between(stamp, std::min(end, buffer_.back().stamp + kHeld));
   if (!within.samples.empty() && within.longest_gap <= config_.max_gap) {
-    result.motion = inertial_motion(predicted.state, scaled(within.samples), *gravity_,
-                                    T_body_lidar_, 0.0, duration);
+    result.motion =
+        inertial_motion(predicted.state, scaled(within.samples), T_body_lidar_, 0.0, duration);
   }
   return result;
 }
@@ -213,7 +215,7 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   report.state = state_;
   report.event = std::exchange(event_, {});
   report.hindrance = hindrance_;
-  report.gravity_map = gravity_.value_or(Eigen::Vector3d::Zero());
+  report.gravity_map = last_fused_ ? last_fused_->gravity_map : Eigen::Vector3d::Zero();
   return report;
 }
 
@@ -254,7 +256,7 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
     measurement = measured_pose(*alignment, kAlignmentModel, T_body_lidar_);
     report.innovation = innovation(prediction, *measurement);
     const double bound = kChiSquared999[static_cast<size_t>(measurement->known_directions)];
-    surprises_ = report.innovation.nis > bound ? surprises_ + 1 : 0;
+    surprises_ = report.innovation.nis > kBeyondBelief * bound ? surprises_ + 1 : 0;
     const Eigen::Isometry3d& found = alignment->T_target_source;
     const Eigen::Isometry3d inertial_off = found.inverse() * T_map_lidar(prediction.state);
     const Eigen::Isometry3d steady_off = found.inverse() * steady;

@@ -108,9 +108,8 @@ class InertialTracker {
   std::string hindrance_;
   double accel_scale_ = 1.0;
   std::optional<SlidingGraph> graph_;
-  std::optional<Eigen::Vector3d> gravity_;
   std::optional<Pending> pending_;
-  NavState last_fused_;
+  std::optional<NavState> last_fused_;
   bool gyro_agrees_ = true;   ///< with alignments, as far as was seen before the start
   bool after_gap_ = false;    ///< lost for want of readings alone: gravity and biases still hold
   int surprises_ = 0;         ///< innovations beyond belief in a row

@@ -71,12 +71,17 @@ void InertialTracker::try_start() {
     const std::vector<std::vector<ImuSample>> readings(readings_.begin(), readings_.end());
     how = start_in_motion(poses, readings, noise_);
   }
+  if (is_started(how.status) && last_fused_ && how.accel_scale != accel_scale_) {
+    hindrance_ = "the readings look as if their unit or sign had changed since the last start";
+    return;
+  }
   hindrance_ = is_started(how.status) ? "" : how.reason;
   if (is_started(how.status)) {
     start({.stamp = last.stamp,
            .T_map_body = last.pose,
            .v_map_body = how.v_map_body,
-           .bias = how.bias},
+           .bias = how.bias,
+           .gravity_map = how.gravity_map},
           how);
   }
 }
@@ -85,37 +90,41 @@ void InertialTracker::try_start() {
 bool InertialTracker::start_again_after_gap() {
   const StampedPose& before = poses_[poses_.size() - 2];
   const StampedPose& last = poses_.back();
-  const Preintegration between = preintegrate(scaled(readings_.back()), last_fused_.bias, noise_);
+  const Preintegration between = preintegrate(scaled(readings_.back()), last_fused_->bias, noise_);
   const double t = between.duration;
   const Eigen::Matrix3d& R = before.pose.linear();
   const Eigen::Vector3d v_before =
       (last.pose.translation() - before.pose.translation() - R * between.increment.position) / t -
-      0.5 * t * *gravity_;
+      0.5 * t * last_fused_->gravity_map;
   ImuStart how;
   how.status = ImuStartStatus::in_motion;
   how.reason = "readings are back, with the gravity and the biases from before";
   how.accel_scale = accel_scale_;
-  how.gravity_map = *gravity_;
+  how.gravity_map = last_fused_->gravity_map;
+  how.gravity_sigma = 0.005;
   how.velocity_sigma = 0.03 / t;
-  how.bias = last_fused_.bias;
+  how.bias = last_fused_->bias;
   how.bias_sigma.gyro.setConstant(0.005);
   how.bias_sigma.accel.setConstant(0.05);
   start({.stamp = last.stamp,
          .T_map_body = last.pose,
-         .v_map_body = v_before + t * *gravity_ + R * between.increment.velocity,
-         .bias = how.bias},
+         .v_map_body = v_before + t * last_fused_->gravity_map + R * between.increment.velocity,
+         .bias = how.bias,
+         .gravity_map = how.gravity_map},
         how);
   return true;
 }
 
 void InertialTracker::start(const NavState& state, const ImuStart& how) {
   accel_scale_ = how.accel_scale;
-  gravity_ = how.gravity_map;
-  graph_.emplace(GraphSettings{
-      .noise = noise_, .gravity = how.gravity_map, .lag = config_.lag, .reset = config_.reset});
-  Vector15d sigma;
+  graph_.emplace(GraphSettings{.noise = noise_,
+                               .gravity_walk = config_.gravity_walk,
+                               .lag = config_.lag,
+                               .reset = config_.reset});
+  StateVector sigma;
   sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.005),
-      Eigen::Vector3d::Constant(how.velocity_sigma), how.bias_sigma.gyro, how.bias_sigma.accel;
+      Eigen::Vector3d::Constant(how.velocity_sigma), how.bias_sigma.gyro, how.bias_sigma.accel,
+      Eigen::Vector2d::Constant(how.gravity_sigma);
   graph_->start(independent_prior(state, sigma));
   last_fused_ = state;
   state_ = InertialState::fused;

@@ -15,21 +15,23 @@ namespace adit {
 template <int kRows>
 struct StateFactor {
   Eigen::Matrix<double, kRows, 1> residual = Eigen::Matrix<double, kRows, 1>::Zero();
-  Eigen::Matrix<double, kRows, 15> by_state = Eigen::Matrix<double, kRows, 15>::Zero();
+  Eigen::Matrix<double, kRows, kStateSize> by_state =
+      Eigen::Matrix<double, kRows, kStateSize>::Zero();
 };
 
 /// A factor on two states that follow each other.
 template <int kRows>
 struct LinkFactor {
   Eigen::Matrix<double, kRows, 1> residual = Eigen::Matrix<double, kRows, 1>::Zero();
-  Eigen::Matrix<double, kRows, 15> by_from = Eigen::Matrix<double, kRows, 15>::Zero();
-  Eigen::Matrix<double, kRows, 15> by_to = Eigen::Matrix<double, kRows, 15>::Zero();
+  Eigen::Matrix<double, kRows, kStateSize> by_from =
+      Eigen::Matrix<double, kRows, kStateSize>::Zero();
+  Eigen::Matrix<double, kRows, kStateSize> by_to = Eigen::Matrix<double, kRows, kStateSize>::Zero();
 };
 
 /// cost + g' d + d' H d / 2 in the tangent vector d of one state.
 struct StateQuadratic {
-  Matrix15d h = Matrix15d::Zero();
-  Vector15d g = Vector15d::Zero();
+  StateMatrix h = StateMatrix::Zero();
+  StateVector g = StateVector::Zero();
   double cost = 0.0;
 
   StateQuadratic& operator+=(const StateQuadratic& other) {
@@ -42,11 +44,11 @@ struct StateQuadratic {
 
 /// The same in those of two states.
 struct LinkQuadratic {
-  Matrix15d h_from = Matrix15d::Zero();
-  Matrix15d h_cross = Matrix15d::Zero();  ///< rows of `from`, columns of `to`
-  Matrix15d h_to = Matrix15d::Zero();
-  Vector15d g_from = Vector15d::Zero();
-  Vector15d g_to = Vector15d::Zero();
+  StateMatrix h_from = StateMatrix::Zero();
+  StateMatrix h_cross = StateMatrix::Zero();  ///< rows of `from`, columns of `to`
+  StateMatrix h_to = StateMatrix::Zero();
+  StateVector g_from = StateVector::Zero();
+  StateVector g_to = StateVector::Zero();
   double cost = 0.0;
 
   LinkQuadratic& operator+=(const LinkQuadratic& other) {

@@ -139,7 +139,7 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   expected.steady = expected.prediction.T_map_lidar;
   const Vector6d velocity =
       expected.prediction.trusted ? motion.deskewing_twist() : Vector6d(Vector6d::Zero());
-  if (config.preprocess.deskew > 1 && expected.prediction.trusted && duration > 0.0) {
+  if (expected.prediction.trusted && duration > 0.0) {
     expected.motion = steady_motion(velocity, 0.0, duration);
   }
   if (const auto turning = inertial.turning_motion(sweep.stamp, duration, velocity.head<3>())) {
@@ -221,7 +221,9 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
   if (aligned) {
     failures_in_a_row = 0;
     motion.update(pose, true);
-    submap.push(points, pose.pose);
+    if (submap.wants(pose.pose)) {
+      submap.push(points, pose.pose);
+    }
     return OdometryState::tracking;
   }
   const bool first = submap.empty();

@@ -99,8 +99,7 @@ bool is_stale(const Preintegration& preintegration, const ImuBias& bias) {
          (bias.accel - preintegration.bias.accel).norm() > kStaleAccelBias;
 }
 
-NavState predict(const NavState& state, const Preintegration& preintegration,
-                 const Eigen::Vector3d& gravity) {
+NavState predict(const NavState& state, const Preintegration& preintegration) {
   const MotionIncrement increment = corrected(preintegration, state.bias);
   const double t = preintegration.duration;
   const Eigen::Matrix3d& R_map_body = state.T_map_body.linear();
@@ -108,8 +107,8 @@ NavState predict(const NavState& state, const Preintegration& preintegration,
   next.stamp += std::chrono::round<Nanoseconds>(std::chrono::duration<double>(t));
   next.T_map_body.linear() = R_map_body * increment.rotation;
   next.T_map_body.translation() +=
-      t * state.v_map_body + 0.5 * t * t * gravity + R_map_body * increment.position;
-  next.v_map_body += t * gravity + R_map_body * increment.velocity;
+      t * state.v_map_body + 0.5 * t * t * state.gravity_map + R_map_body * increment.position;
+  next.v_map_body += t * state.gravity_map + R_map_body * increment.velocity;
   next.T_map_body = orthonormalized(next.T_map_body);
   return next;
 }

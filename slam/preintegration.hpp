@@ -51,8 +51,7 @@ MotionIncrement corrected(const Preintegration& preintegration, const ImuBias& b
 /// 0.2 m/s².
 bool is_stale(const Preintegration& preintegration, const ImuBias& bias);
 
-/// The state at the end of the increment; `gravity` in the map's axes, (0, 0, -9.81) where z is up.
-NavState predict(const NavState& state, const Preintegration& preintegration,
-                 const Eigen::Vector3d& gravity);
+/// The state at the end of the increment.
+NavState predict(const NavState& state, const Preintegration& preintegration);
 
 }  // namespace adit

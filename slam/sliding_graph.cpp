@@ -8,8 +8,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "slam/bias_walk_factor.hpp"
 #include "slam/imu_factor.hpp"
+#include "slam/walk_factor.hpp"
 
 namespace adit {
 namespace {
@@ -22,7 +22,7 @@ constexpr double kFirstDamping = 1e-6;
 constexpr double kLargestDamping = 1e3;
 
 std::vector<NavState> moved(const std::vector<NavState>& states,
-                            const std::vector<Vector15d>& steps) {
+                            const std::vector<StateVector>& steps) {
   std::vector<NavState> result;
   for (size_t i = 0; i < states.size(); ++i) {
     result.push_back(retract(states[i], steps[i]));
@@ -31,7 +31,7 @@ std::vector<NavState> moved(const std::vector<NavState>& states,
 }
 
 // Of the whole step in its own metric: what the quadratics expect the cost to fall by.
-double expected_decrease(const ChainQuadratic& chain, const std::vector<Vector15d>& steps) {
+double expected_decrease(const ChainQuadratic& chain, const std::vector<StateVector>& steps) {
   double sum = 0.0;
   for (size_t i = 0; i < steps.size(); ++i) {
     sum -= 0.5 * chain.states[i].g.dot(steps[i]);
@@ -42,11 +42,11 @@ double expected_decrease(const ChainQuadratic& chain, const std::vector<Vector15
   return sum;
 }
 
-Matrix15d inverse(const Matrix15d& h) {
-  const Vector15d scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Matrix15d unit = scale.asDiagonal() * h * scale.asDiagonal();
-  const Matrix15d result =
-      scale.asDiagonal() * unit.ldlt().solve(Matrix15d::Identity()) * scale.asDiagonal();
+StateMatrix inverse(const StateMatrix& h) {
+  const StateVector scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const StateMatrix unit = scale.asDiagonal() * h * scale.asDiagonal();
+  const StateMatrix result =
+      scale.asDiagonal() * unit.ldlt().solve(StateMatrix::Identity()) * scale.asDiagonal();
   return 0.5 * (result + result.transpose());
 }
 
@@ -81,16 +81,15 @@ StateEstimate SlidingGraph::latest_estimate() const {
 
 StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) const {
   const Preintegration between = preintegrate(readings, latest().bias, settings_.noise);
-  StateEstimate prediction{.state = adit::predict(latest(), between, settings_.gravity)};
+  StateEstimate prediction{.state = adit::predict(latest(), between)};
   prediction.state.stamp = readings.empty() ? latest().stamp : readings.back().stamp;
   if (between.duration <= 0.0) {
     return latest_estimate();
   }
   const std::optional<StateQuadratic> marginal = marginal_of_last(linearized(states()));
-  LinkQuadratic link =
-      quadratic(imu_factor(between, settings_.gravity, latest(), prediction.state));
-  link +=
-      quadratic(bias_walk_factor(settings_.noise, between.duration, latest(), prediction.state));
+  LinkQuadratic link = quadratic(imu_factor(between, latest(), prediction.state));
+  link += quadratic(walk_factor({settings_.noise, settings_.gravity_walk}, between.duration,
+                                latest(), prediction.state));
   const auto left = marginal ? eliminated(*marginal, link) : std::nullopt;
   if (!left) {
     throw std::logic_error("the sliding graph does not determine its states");
@@ -106,7 +105,7 @@ StateEstimate SlidingGraph::add(std::vector<ImuSample> readings,
   if (node.between.duration <= 0.0) {
     throw std::logic_error("a new state of the sliding graph needs readings of some duration");
   }
-  node.state = adit::predict(latest(), node.between, settings_.gravity);
+  node.state = adit::predict(latest(), node.between);
   node.state.stamp = readings.back().stamp;
   node.readings = std::move(readings);
   node.measurement = measurement;
@@ -144,8 +143,9 @@ StateQuadratic SlidingGraph::state_quadratic(size_t i, const NavState& state) co
 LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state,
                                            const NavState& to_state) const {
   const Preintegration& between = nodes_[to].between;
-  LinkQuadratic sum = quadratic(imu_factor(between, settings_.gravity, from_state, to_state));
-  sum += quadratic(bias_walk_factor(settings_.noise, between.duration, from_state, to_state));
+  LinkQuadratic sum = quadratic(imu_factor(between, from_state, to_state));
+  sum += quadratic(walk_factor({settings_.noise, settings_.gravity_walk}, between.duration,
+                               from_state, to_state));
   return sum;
 }
 

@@ -16,7 +16,8 @@ namespace adit {
 
 struct GraphSettings {
   ImuNoise noise;
-  Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.80665);  ///< in the map, m/s²
+  /// Of gravity's direction in the map, as the map drifts: rad/√s.
+  double gravity_walk = 1e-4;
   /// Fixed lag: the oldest state is marginalised once there are more than this.
   int lag = 20;
   /// Greater than 0, instead of the lag: once there are this many, all but the newest are
@@ -29,7 +30,7 @@ struct GraphSettings {
 /// A state with its covariance, in the order of tangent vectors.
 struct StateEstimate {
   NavState state;
-  Matrix15d covariance = Matrix15d::Zero();
+  StateMatrix covariance = StateMatrix::Zero();
   int iterations = 0;  ///< of the optimisation; 0 for predictions
   bool converged = true;
 };

@@ -10,21 +10,22 @@ namespace {
 /// Cholesky factors of H with its diagonal scaled to one, since units differ by many decades.
 class ScaledCholesky {
  public:
-  explicit ScaledCholesky(const Matrix15d& h)
+  explicit ScaledCholesky(const StateMatrix& h)
       : scale_(h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
-        llt_(Matrix15d(scale_.asDiagonal() * h * scale_.asDiagonal())) {}
+        llt_(StateMatrix(scale_.asDiagonal() * h * scale_.asDiagonal())) {}
 
   bool regular() const { return llt_.info() == Eigen::Success; }
 
   template <int kColumns>
-  Eigen::Matrix<double, 15, kColumns> solve(const Eigen::Matrix<double, 15, kColumns>& b) const {
-    const Eigen::Matrix<double, 15, kColumns> scaled = scale_.asDiagonal() * b;
+  Eigen::Matrix<double, kStateSize, kColumns> solve(
+      const Eigen::Matrix<double, kStateSize, kColumns>& b) const {
+    const Eigen::Matrix<double, kStateSize, kColumns> scaled = scale_.asDiagonal() * b;
     return scale_.asDiagonal() * llt_.solve(scaled);
   }
 
  private:
-  Vector15d scale_;
-  Eigen::LLT<Matrix15d> llt_;
+  StateVector scale_;
+  Eigen::LLT<StateMatrix> llt_;
 };
 
 }  // namespace
@@ -45,9 +46,9 @@ std::optional<StateQuadratic> eliminated(const StateQuadratic& state, const Link
   if (!cholesky.regular()) {
     return std::nullopt;
   }
-  const Vector15d g = state.g + link.g_from;
-  const Matrix15d solved = cholesky.solve<15>(link.h_cross);
-  const Matrix15d h = link.h_to - link.h_cross.transpose() * solved;
+  const StateVector g = state.g + link.g_from;
+  const StateMatrix solved = cholesky.solve<kStateSize>(link.h_cross);
+  const StateMatrix h = link.h_to - link.h_cross.transpose() * solved;
   return StateQuadratic{.h = 0.5 * (h + h.transpose()),
                         .g = link.g_to - solved.transpose() * g,
                         .cost = state.cost + link.cost - 0.5 * g.dot(cholesky.solve<1>(g))};
@@ -66,13 +67,13 @@ std::optional<StateQuadratic> marginal_of_last(const ChainQuadratic& chain) {
   return sum;
 }
 
-std::optional<std::vector<Vector15d>> minimum(const ChainQuadratic& chain, double damping) {
+std::optional<std::vector<StateVector>> minimum(const ChainQuadratic& chain, double damping) {
   const size_t n = chain.states.size();
   const auto damped = [&](size_t i) {
     StateQuadratic state = chain.states[i];
-    Vector15d diagonal = state.h.diagonal();
-    diagonal += i > 0 ? Vector15d(chain.links[i - 1].h_to.diagonal()) : Vector15d::Zero();
-    diagonal += i + 1 < n ? Vector15d(chain.links[i].h_from.diagonal()) : Vector15d::Zero();
+    StateVector diagonal = state.h.diagonal();
+    diagonal += i > 0 ? StateVector(chain.links[i - 1].h_to.diagonal()) : StateVector::Zero();
+    diagonal += i + 1 < n ? StateVector(chain.links[i].h_from.diagonal()) : StateVector::Zero();
     state.h.diagonal() += damping * diagonal;
     return state;
   };
@@ -85,10 +86,10 @@ std::optional<std::vector<Vector15d>> minimum(const ChainQuadratic& chain, doubl
     forward.push_back(damped(i + 1));
     forward.back() += *left;
   }
-  std::vector<Vector15d> steps(n, Vector15d::Zero());
+  std::vector<StateVector> steps(n, StateVector::Zero());
   for (size_t i = n; i-- > 0;) {
-    Matrix15d h = forward[i].h;
-    Vector15d g = forward[i].g;
+    StateMatrix h = forward[i].h;
+    StateVector g = forward[i].g;
     if (i + 1 < n) {
       h += chain.links[i].h_from;
       g += chain.links[i].g_from + chain.links[i].h_cross * steps[i + 1];

@@ -29,6 +29,6 @@ std::optional<StateQuadratic> marginal_of_last(const ChainQuadratic& chain);
 
 /// The step of every state to the minimum of the sum, with `damping` times the diagonal added
 /// (Levenberg-Marquardt). None: the sum has no minimum.
-std::optional<std::vector<Vector15d>> minimum(const ChainQuadratic& chain, double damping);
+std::optional<std::vector<StateVector>> minimum(const ChainQuadratic& chain, double damping);
 
 }  // namespace adit

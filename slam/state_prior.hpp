@@ -10,17 +10,17 @@ namespace adit {
 /// |root (x [-] origin) + offset|² / 2. Where it was linearised stays fixed for ever.
 struct StatePrior {
   NavState origin;
-  Matrix15d root = Matrix15d::Zero();
-  Vector15d offset = Vector15d::Zero();
+  StateMatrix root = StateMatrix::Zero();
+  StateVector offset = StateVector::Zero();
 };
 
 /// A prior about `state` with these standard deviations, in the order of tangent vectors.
-StatePrior independent_prior(const NavState& state, const Vector15d& sigma);
+StatePrior independent_prior(const NavState& state, const StateVector& sigma);
 
 /// The prior that a quadratic at `state` is (marginalisation). Directions with less than 1e-12 of
 /// the information of the best, after scaling to a unit diagonal, are dropped.
 StatePrior prior_from(const NavState& state, const StateQuadratic& quadratic);
 
-StateFactor<15> prior_factor(const StatePrior& prior, const NavState& state);
+StateFactor<kStateSize> prior_factor(const StatePrior& prior, const NavState& state);
 
 }  // namespace adit

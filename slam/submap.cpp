@@ -35,7 +35,7 @@ uint32_t densest(uint32_t points, double voxel_size, double r_input) {
 Submap::Submap(engine::Context& context, const Config& config)
     : context_(&context),
       kernels_(context),
-      length_(static_cast<size_t>(config.submap.l)),
+      config_(config.submap),
       voxel_size_(config.registration.r_align),
       r_input_(config.preprocess.r_input),
       largest_table_(static_cast<uint32_t>(
@@ -82,6 +82,15 @@ engine::Slice Submap::next_cloud(uint32_t capacity) {
   return *next_;
 }
 
+bool Submap::wants(const Eigen::Isometry3d& T_map_lidar) const {
+  if (clouds_.empty()) {
+    return true;
+  }
+  const Eigen::Isometry3d moved = clouds_.back().T_map_lidar.inverse() * T_map_lidar;
+  return moved.translation().norm() >= config_.delta_trans ||
+         rotation_angle(moved.linear()) >= config_.delta_rot;
+}
+
 void Submap::push(uint32_t points, const Eigen::Isometry3d& T_map_lidar) {
   clouds_.push_back({std::move(*next_), points, T_map_lidar, {}});
   next_.reset();
@@ -106,7 +115,7 @@ void Submap::record_update(engine::Recorder& recorder) {
     record_rebuild(recorder);
     return;
   }
-  if (clouds_.size() > length_) {
+  if (clouds_.size() > static_cast<size_t>(config_.l)) {
     Cloud& oldest = clouds_.front();
     kernels_.record_remove(recorder, view_, oldest.surface_cloud, oldest.points,
                            oldest.T_submap_lidar);
@@ -118,7 +127,7 @@ void Submap::record_update(engine::Recorder& recorder) {
 }
 
 void Submap::record_rebuild(engine::Recorder& recorder) {
-  while (clouds_.size() > length_) {
+  while (clouds_.size() > static_cast<size_t>(config_.l)) {
     spare_.push_back(std::move(clouds_.front().surface_cloud));
     clouds_.pop_front();
   }

@@ -36,6 +36,8 @@ class Submap {
 
   /// Device memory for the next cloud of up to `capacity` points (uvec4 each).
   engine::Slice next_cloud(uint32_t capacity);
+  /// A cloud from here is far enough from the newest one to join.
+  bool wants(const Eigen::Isometry3d& T_map_lidar) const;
   /// The cloud just written to next_cloud() joins at this pose when record_update() is next called.
   void push(uint32_t points, const Eigen::Isometry3d& T_map_lidar);
 
@@ -70,7 +72,7 @@ class Submap {
 
   engine::Context* context_;
   engine::VoxelMapKernels kernels_;
-  size_t length_;  ///< l
+  SubmapConfig config_;
   double voxel_size_;
   double r_input_;          ///< m; a cloud has a point a voxel of this size
   uint32_t largest_table_;  ///< slots of the largest voxel map a kernel can bind

@@ -17,8 +17,8 @@ double knot_time(double first, double last, int k) {
 /// Body poses along the readings, one time after the other, later ones later.
 class Walk {
  public:
-  Walk(const NavState& state, std::span<const ImuSample> readings, const Eigen::Vector3d& gravity)
-      : state_(state), readings_(readings), gravity_(gravity), now_(readings.front()) {
+  Walk(const NavState& state, std::span<const ImuSample> readings)
+      : state_(state), readings_(readings), now_(readings.front()) {
     so_far_.bias = state.bias;
   }
 
@@ -29,7 +29,7 @@ class Walk {
     if (next_ < readings_.size() && now_.stamp < stamp) {
       step(interpolate(readings_[next_ - 1], readings_[next_], stamp));
     }
-    const NavState here = predict(state_, so_far_, gravity_);
+    const NavState here = predict(state_, so_far_);
     const double beyond = std::max(0.0, seconds(stamp - now_.stamp));
     Eigen::Isometry3d pose = here.T_map_body;
     pose.translation() += beyond * here.v_map_body;
@@ -47,7 +47,6 @@ class Walk {
 
   NavState state_;
   std::span<const ImuSample> readings_;
-  Eigen::Vector3d gravity_;
   Preintegration so_far_;
   ImuSample now_;
   size_t next_ = 1;
@@ -64,10 +63,9 @@ SweepMotion steady_motion(const Vector6d& twist, double first, double last) {
 }
 
 SweepMotion inertial_motion(const NavState& state, std::span<const ImuSample> readings,
-                            const Eigen::Vector3d& gravity, const Eigen::Isometry3d& T_body_lidar,
-                            double first, double last) {
+                            const Eigen::Isometry3d& T_body_lidar, double first, double last) {
   const Eigen::Isometry3d T_start_map = (state.T_map_body * T_body_lidar).inverse();
-  Walk walk(state, readings, gravity);
+  Walk walk(state, readings);
   SweepMotion motion{.first = first, .last = last, .T_start_lidar = {}};
   for (int k = 0; k < kMotionKnots; ++k) {
     const auto after = std::chrono::duration<double>(knot_time(first, last, k));

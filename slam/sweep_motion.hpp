@@ -27,10 +27,9 @@ SweepMotion steady_motion(const Vector6d& twist, double first, double last);
 
 /// What inertial readings say. `state` is the body's at the sweep's stamp, with the biases that are
 /// subtracted; `readings` begin at the stamp, in m/s². Past the last reading velocity and angular
-/// velocity stay as they were. `gravity` in the map, m/s².
+/// velocity stay as they were.
 SweepMotion inertial_motion(const NavState& state, std::span<const ImuSample> readings,
-                            const Eigen::Vector3d& gravity, const Eigen::Isometry3d& T_body_lidar,
-                            double first, double last);
+                            const Eigen::Isometry3d& T_body_lidar, double first, double last);
 
 /// The same for the device (float32: a sweep is local).
 std::vector<gpu::DeskewKnot> knots(const SweepMotion& motion);

@@ -90,7 +90,6 @@ TEST_F(InertialOdometry, ASwingingSensorIsFollowedToCentimetres) {
   Config config = walking_config();
   const auto with_imu = place_all(context(), drive, config);
   config.imu.use = 0;
-  config.preprocess.deskew = 2;
   const auto steady = place_all(context(), drive, config);
   const Errors a = errors_of(with_imu, drive);
   RecordProperty("imu", text_of(a));
@@ -110,7 +109,6 @@ TEST_F(InertialOdometry, ASteadyDriveIsDeskewedAtConstantVelocityAsWell) {
       test::moving_drive(test::make_street(60.0), bend, T_body_lidar(), test::Lidar{}, 40);
   Config config = walking_config();
   config.imu.use = 0;
-  config.preprocess.deskew = 2;
   const auto moved = place_all(context(), drive, config);
   config.preprocess.deskew = 0;
   const auto skewed = place_all(context(), drive, config);
@@ -153,7 +151,6 @@ TEST_F(InertialOdometry, FastSwingsAreNotLost) {
   Config config = walking_config();
   const auto with_imu = place_all(context(), drive, config);
   config.imu.use = 0;
-  config.preprocess.deskew = 2;
   const auto steady = place_all(context(), drive, config);
   RecordProperty("imu", text_of(errors_of(with_imu, drive)));
   RecordProperty("constant_velocity", text_of(errors_of(steady, drive)) + ", " +

@@ -133,8 +133,8 @@ TEST(Preintegration, PredictsTheStateAtTheEnd) {
   NavState state = motion.state(0.2);
   state.bias = bias;
   const Preintegration sum = preintegrate(readings(motion, 0.2, 0.7, 2000.0, bias), bias, kNoise);
-  const NavState predicted = predict(state, sum, kGravity);
-  const Vector15d error = difference(motion.state(0.7), predicted);
+  const NavState predicted = predict(state, sum);
+  const StateVector error = difference(motion.state(0.7), predicted);
   EXPECT_EQ(predicted.stamp, motion.state(0.7).stamp);
   EXPECT_LE(error.head<9>().norm(), 3e-5);
   EXPECT_EQ(predicted.bias.gyro, bias.gyro);
@@ -236,8 +236,8 @@ TEST(NavState, DifferenceIsTheInverseOfRetract) {
   std::normal_distribution<double> normal;
   for (int run = 0; run < 100; ++run) {
     const NavState state =
-        retract(NavState{}, Vector15d::NullaryExpr([&] { return normal(random); }));
-    Vector15d delta = Vector15d::NullaryExpr([&] { return 0.5 * normal(random); });
+        retract(NavState{}, StateVector::NullaryExpr([&] { return normal(random); }));
+    StateVector delta = StateVector::NullaryExpr([&] { return 0.5 * normal(random); });
     EXPECT_LE((difference(state, retract(state, delta)) - delta).norm(), 1e-12);
   }
 }

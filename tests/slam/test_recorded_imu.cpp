@@ -21,7 +21,6 @@ using std::chrono::milliseconds;
 
 constexpr ImuNoise kNoise{
     .gyro = 1.6968e-4, .accel = 2.0e-3, .gyro_walk = 1.9393e-5, .accel_walk = 3.0e-3};
-const Eigen::Vector3d kGravity(0.0, 0.0, -kStandardGravity);
 
 /// A stamp in nanoseconds and `n` numbers a line, separated by commas; lines with # are comments.
 template <int n>
@@ -92,7 +91,7 @@ Medians prediction_errors(const Flight& flight, size_t steps) {
     const NavState& to = flight.truth[i + steps];
     const ImuInterval interval = flight.imu.between(from.stamp, to.stamp);
     const Preintegration sum = preintegrate(interval.samples, from.bias, kNoise);
-    const Vector15d error = difference(to, predict(from, sum, kGravity));
+    const StateVector error = difference(to, predict(from, sum));
     rotation.push_back(error.segment<3>(kRotationAt).norm());
     velocity.push_back(error.segment<3>(kVelocityAt).norm());
     position.push_back(error.segment<3>(kPositionAt).norm());

@@ -20,11 +20,11 @@ constexpr double kPoseSigma = 0.02;    // m
 constexpr double kAngleSigma = 0.003;  // rad
 const ImuBias kBias{{0.02, -0.01, 0.015}, {0.08, -0.05, 0.1}};
 
-Vector15d start_sigma() {
-  Vector15d sigma;
+StateVector start_sigma() {
+  StateVector sigma;
   sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.01),
       Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(0.02),
-      Eigen::Vector3d::Constant(0.1);
+      Eigen::Vector3d::Constant(0.1), Eigen::Vector2d::Constant(0.02);
   return sigma;
 }
 
@@ -51,7 +51,7 @@ Drive drive(int sweeps, uint64_t seed) {
     truth.bias = bias;
     result.truth.push_back(truth);
     if (i == 0) {
-      const Vector15d error = start_sigma().cwiseProduct(Vector15d::NullaryExpr(draw));
+      const StateVector error = start_sigma().cwiseProduct(StateVector::NullaryExpr(draw));
       result.start = independent_prior(retract(truth, error), start_sigma());
       result.readings.emplace_back();
     } else {
@@ -74,7 +74,7 @@ Drive drive(int sweeps, uint64_t seed) {
 }
 
 GraphSettings settings(int lag, int reset = 0) {
-  return {.noise = kNoise, .lag = lag, .reset = reset};
+  return {.noise = kNoise, .gravity_walk = 1e-5, .lag = lag, .reset = reset};
 }
 
 /// The estimate after each sweep.
@@ -135,7 +135,7 @@ TEST(SlidingGraph, CovariancesAreTrueAndInnovationsWhite) {
         last = unit;
       }
       if (i + 1 == d.truth.size()) {
-        const Vector15d error = difference(d.truth[i], estimate.state);
+        const StateVector error = difference(d.truth[i], estimate.state);
         whole += error.dot(estimate.covariance.ldlt().solve(error)) / runs;
         const Matrix6d of_pose = estimate.covariance.topLeftCorner<6, 6>();
         pose += error.head<6>().dot(of_pose.ldlt().solve(error.head<6>())) / runs;
@@ -149,7 +149,7 @@ TEST(SlidingGraph, CovariancesAreTrueAndInnovationsWhite) {
   RecordProperty("nis", std::to_string(nis));
   RecordProperty("correlation", std::to_string(correlation));
   EXPECT_NEAR(pose, 6.0, 3.0 * std::sqrt(12.0 / runs));
-  EXPECT_NEAR(whole, 15.0, 3.0 * std::sqrt(30.0 / runs));
+  EXPECT_NEAR(whole, kStateSize, 3.0 * std::sqrt(2.0 * kStateSize / runs));
   EXPECT_NEAR(nis, 6.0, 0.5);
   EXPECT_NEAR(correlation, 0.0, 0.06);
 }
@@ -160,12 +160,12 @@ TEST(SlidingGraph, ALagLosesNextToNothingAgainstAllOfThePast) {
   const auto lag = run(d, settings(20));
   const auto reset = run(d, settings(0, 25));
   for (size_t i = 1; i < d.truth.size(); ++i) {
-    const Vector15d sigma = whole[i].covariance.diagonal().cwiseSqrt();
+    const StateVector sigma = whole[i].covariance.diagonal().cwiseSqrt();
     const auto off = [&](const StateEstimate& estimate) {
       return difference(whole[i].state, estimate.state).cwiseQuotient(sigma).cwiseAbs().maxCoeff();
     };
     EXPECT_LE(off(lag[i]), 0.05) << "sweep " << i;
-    EXPECT_LE(off(reset[i]), 0.1) << "sweep " << i;
+    EXPECT_LE(off(reset[i]), 0.15) << "sweep " << i;
     EXPECT_TRUE(lag[i].covariance.diagonal().isApprox(whole[i].covariance.diagonal(), 0.02))
         << "sweep " << i;
   }
@@ -202,7 +202,7 @@ TEST(SlidingGraph, AnUnknownDirectionIsTheInertialSensorsToCarry) {
         d.measurements[i].T_map_body.linear() * Eigen::Vector3d(0.5, 0.0, 0.0);
   }
   const auto estimates = run(d, settings(20));
-  const Vector15d error = difference(d.truth[59], estimates[59].state);
+  const StateVector error = difference(d.truth[59], estimates[59].state);
   const double sigma = std::sqrt(estimates[59].covariance(0, 0));
   EXPECT_GT(sigma, 2.0 * std::sqrt(estimates[29].covariance(0, 0)));
   EXPECT_LE(std::abs(error[0]), 3.0 * sigma);
@@ -236,12 +236,12 @@ TEST(SlidingGraph, WithoutAPoseItGoesOnByInertiaAndKnowsLess) {
   for (size_t i = 30; i < 40; ++i) {
     const StateEstimate prediction = graph.predict(d.readings[i]);
     const StateEstimate estimate = graph.add(d.readings[i], std::nullopt);
-    EXPECT_LE(difference(prediction.state, estimate.state).norm(), 1e-9);
+    EXPECT_LE(difference(prediction.state, estimate.state).norm(), 1e-7);
     EXPECT_TRUE(estimate.covariance.isApprox(prediction.covariance, 1e-6));
     EXPECT_GT(estimate.covariance(0, 0), last);
     last = estimate.covariance(0, 0);
   }
-  const Vector15d error = difference(d.truth[39], graph.latest());
+  const StateVector error = difference(d.truth[39], graph.latest());
   EXPECT_LE(std::abs(error[0]), 3.5 * std::sqrt(last));
 }
 
@@ -249,7 +249,7 @@ TEST(SlidingGraph, FarBiasesAreIntegratedAgain) {
   Drive d = drive(60, 15);
   // Told that there are no biases, and that this is not certain: 0.03 rad/s off, past 2 mrad.
   d.start.origin.bias = {};
-  Vector15d sigma = start_sigma();
+  StateVector sigma = start_sigma();
   sigma.segment<3>(kGyroBiasAt).setConstant(0.1);
   sigma.segment<3>(kAccelBiasAt).setConstant(0.5);
   d.start = independent_prior(d.start.origin, sigma);

@@ -10,8 +10,9 @@
 namespace adit {
 namespace {
 
+constexpr int kN = kStateSize;
 constexpr int kStates = 5;
-constexpr int kUnknowns = 15 * kStates;
+constexpr int kUnknowns = kN * kStates;
 
 /// Random quadratics: priors on the first, rank-deficient ones on the others, links between.
 ChainQuadratic random_chain(uint64_t seed) {
@@ -20,18 +21,18 @@ ChainQuadratic random_chain(uint64_t seed) {
   const auto draw = [&] { return normal(engine); };
   ChainQuadratic chain;
   for (int i = 0; i < kStates; ++i) {
-    StateFactor<15> prior;
+    StateFactor<kN> prior;
     StateFactor<6> pose;
-    prior.by_state = Matrix15d::NullaryExpr(draw);
-    prior.residual = Vector15d::NullaryExpr(draw);
+    prior.by_state = StateMatrix::NullaryExpr(draw);
+    prior.residual = StateVector::NullaryExpr(draw);
     pose.by_state.leftCols<6>() = Matrix6d::NullaryExpr(draw);
     pose.residual = Vector6d::NullaryExpr(draw);
     chain.states.push_back(i == 0 ? quadratic(prior) : quadratic(pose));
     if (i > 0) {
-      LinkFactor<15> link;
-      link.by_from = Matrix15d::NullaryExpr(draw);
-      link.by_to = Matrix15d::NullaryExpr(draw);
-      link.residual = Vector15d::NullaryExpr(draw);
+      LinkFactor<kN> link;
+      link.by_from = StateMatrix::NullaryExpr(draw);
+      link.by_to = StateMatrix::NullaryExpr(draw);
+      link.residual = StateVector::NullaryExpr(draw);
       chain.links.push_back(quadratic(link));
     }
   }
@@ -46,16 +47,16 @@ struct Dense {
 Dense dense(const ChainQuadratic& chain) {
   Dense sum;
   for (int i = 0; i < kStates; ++i) {
-    sum.h.block<15, 15>(15 * i, 15 * i) += chain.states[static_cast<size_t>(i)].h;
-    sum.g.segment<15>(15 * i) += chain.states[static_cast<size_t>(i)].g;
+    sum.h.block<kN, kN>(kN * i, kN * i) += chain.states[static_cast<size_t>(i)].h;
+    sum.g.segment<kN>(kN * i) += chain.states[static_cast<size_t>(i)].g;
     if (i > 0) {
       const LinkQuadratic& link = chain.links[static_cast<size_t>(i) - 1];
-      sum.h.block<15, 15>(15 * i - 15, 15 * i - 15) += link.h_from;
-      sum.h.block<15, 15>(15 * i - 15, 15 * i) += link.h_cross;
-      sum.h.block<15, 15>(15 * i, 15 * i - 15) += link.h_cross.transpose();
-      sum.h.block<15, 15>(15 * i, 15 * i) += link.h_to;
-      sum.g.segment<15>(15 * i - 15) += link.g_from;
-      sum.g.segment<15>(15 * i) += link.g_to;
+      sum.h.block<kN, kN>(kN * i - kN, kN * i - kN) += link.h_from;
+      sum.h.block<kN, kN>(kN * i - kN, kN * i) += link.h_cross;
+      sum.h.block<kN, kN>(kN * i, kN * i - kN) += link.h_cross.transpose();
+      sum.h.block<kN, kN>(kN * i, kN * i) += link.h_to;
+      sum.g.segment<kN>(kN * i - kN) += link.g_from;
+      sum.g.segment<kN>(kN * i) += link.g_to;
     }
   }
   return sum;
@@ -72,7 +73,7 @@ TEST(StateChain, TheMinimumIsTheDenseSolutions) {
       const auto steps = minimum(chain, damping);
       ASSERT_TRUE(steps);
       for (int i = 0; i < kStates; ++i) {
-        EXPECT_LE(((*steps)[static_cast<size_t>(i)] - expected.segment<15>(15 * i)).norm(),
+        EXPECT_LE(((*steps)[static_cast<size_t>(i)] - expected.segment<kN>(kN * i)).norm(),
                   1e-9 * expected.norm())
             << "state " << i;
       }
@@ -83,11 +84,12 @@ TEST(StateChain, TheMinimumIsTheDenseSolutions) {
 TEST(StateChain, MarginalisationIsExactOnALinearProblem) {
   const ChainQuadratic chain = random_chain(3);
   const Dense whole = dense(chain);
-  const int m = kUnknowns - 15;
+  const int m = kUnknowns - kN;
   const Eigen::MatrixXd solved =
-      whole.h.topLeftCorner(m, m).ldlt().solve(whole.h.topRightCorner(m, 15));
-  const Matrix15d h = whole.h.bottomRightCorner(15, 15) - whole.h.bottomLeftCorner(15, m) * solved;
-  const Vector15d g = whole.g.tail(15) - solved.transpose() * whole.g.head(m);
+      whole.h.topLeftCorner(m, m).ldlt().solve(whole.h.topRightCorner(m, kN));
+  const StateMatrix h =
+      whole.h.bottomRightCorner(kN, kN) - whole.h.bottomLeftCorner(kN, m) * solved;
+  const StateVector g = whole.g.tail(kN) - solved.transpose() * whole.g.head(m);
   const auto marginal = marginal_of_last(chain);
   ASSERT_TRUE(marginal);
   EXPECT_LE((marginal->h - h).norm(), 1e-9 * h.norm());
@@ -95,9 +97,9 @@ TEST(StateChain, MarginalisationIsExactOnALinearProblem) {
   // Its inverse is the dense covariance's corner, and its minimum the dense solution's end.
   const Eigen::MatrixXd covariance = whole.h.inverse();
   EXPECT_TRUE(
-      Matrix15d(marginal->h.inverse()).isApprox(covariance.bottomRightCorner(15, 15), 1e-7));
+      StateMatrix(marginal->h.inverse()).isApprox(covariance.bottomRightCorner(kN, kN), 1e-7));
   const Eigen::VectorXd solution = -whole.h.ldlt().solve(whole.g);
-  EXPECT_LE((-marginal->h.ldlt().solve(marginal->g) - solution.tail(15)).norm(), 1e-8);
+  EXPECT_LE((-marginal->h.ldlt().solve(marginal->g) - solution.tail(kN)).norm(), 1e-8);
   // And the least cost with the last state at its minimum is that of the whole.
   const double least = chain.cost() + 0.5 * whole.g.dot(solution);
   EXPECT_NEAR(marginal->cost - 0.5 * marginal->g.dot(marginal->h.ldlt().solve(marginal->g)), least,

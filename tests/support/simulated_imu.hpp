@@ -44,6 +44,7 @@ struct WavyMotion {
   NavState state(double t) const {
     NavState state;
     state.stamp = at_seconds(t);
+    state.gravity_map = gravity;
     for (int i = 0; i < 3; ++i) {
       state.T_map_body.translation()[i] = position[static_cast<size_t>(i)].value(t);
       state.v_map_body[i] = position[static_cast<size_t>(i)].rate(t);
