@@ -68,8 +68,6 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   run.recording = sequence.recording;
   run.output = folder;
   run.config = variant.config;
-  run.config.overrides.insert(run.config.overrides.begin(), sequence.settings.begin(),
-                              sequence.settings.end());
   run.device = device;
   run.map.enabled = false;
   run.json = true;

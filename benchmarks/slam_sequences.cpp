@@ -41,25 +41,6 @@ std::string origin_of(const SlamEntry& entry) {
   return text.str();
 }
 
-/// The angle between neighbouring beams, the wider of the two directions, as the manuals have it;
-/// for Livox's curves that between the points of a sweep on average.
-std::vector<std::string> settings_for(const std::string& sensor) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kBeamSpacings{
-      {{"VLP-16", "0.0349"},
-       {"HDL-32E", "0.0233"},
-       {"HDL-64E", "0.0087"},
-       {"OS1-64", "0.0125"},
-       {"OS1-128", "0.0062"},
-       {"OS0-128", "0.0124"},
-       {"Mid-360", "0.018"},
-       {"Avia", "0.008"}}};
-  const auto* found = std::ranges::find(kBeamSpacings, sensor,
-                                        &std::pair<std::string_view, std::string_view>::first);
-  return found == kBeamSpacings.end()
-             ? std::vector<std::string>{}
-             : std::vector<std::string>{"preprocess.beam_spacing=" + std::string(found->second)};
-}
-
 std::string content(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
@@ -136,8 +117,7 @@ SlamSequence simulated_sequence(
                               .description = described(entry),
                               .recording = files.recording,
                               .truth = files.trajectory,
-                              .truth_times = std::nullopt,
-                              .settings = settings_for(entry.sensor)};
+                              .truth_times = std::nullopt};
   if (fs::exists(files.recording) && content(origin) == origin_of(entry)) {
     return sequence;
   }

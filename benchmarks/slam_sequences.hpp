@@ -36,8 +36,6 @@ struct SlamSequence {
   std::filesystem::path recording{};
   std::filesystem::path truth{};                       ///< TUM or KITTI format
   std::optional<std::filesystem::path> truth_times{};  ///< of a truth in KITTI format
-  /// What one sets for such a sensor, "section.key=value"; a setting of the user's comes after it.
-  std::vector<std::string> settings{};
 };
 
 /// The sequence of an entry, in `folder`. Simulates it unless what lies there is of the same entry

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -14,6 +16,7 @@
 #include "tools/command_config.hpp"
 #include "tools/command_guard.hpp"
 #include "tools/configured_recording.hpp"
+#include "tools/imu_mounting.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_mapping.hpp"
 #include "tools/run_statistics.hpp"
@@ -67,6 +70,43 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
   const std::size_t rest = size - start;
   const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
   return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
+}
+
+/// The IMU to use: the one that is named, else the first. None where there is none or
+/// imu.use is 0.
+std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
+  const std::string& name = config.recording.imu_topic;
+  const std::vector<Topic>& topics = recording.topics();
+  if (config.imu.use == 0) {
+    return std::nullopt;
+  }
+  const auto found = std::ranges::find_if(topics, [&](const Topic& topic) {
+    return topic.kind == TopicKind::imu && (name.empty() || topic.name == name);
+  });
+  if (found == topics.end() && !name.empty()) {
+    throw UsageError("recording.imu_topic: the recording has no IMU on '" + name +
+                     "'; adit inspect lists its topics.");
+  }
+  return found == topics.end() ? std::nullopt
+                               : std::optional(static_cast<std::size_t>(found - topics.begin()));
+}
+
+/// The settings with the recording's own mounting of the IMU, where they leave it at the default;
+/// says so where nothing tells it.
+Config with_recorded_mounting(Config config, const Recording& recording, std::size_t sweep_topic,
+                              std::optional<std::size_t> imu_topic, std::ostream* notes) {
+  if (!imu_topic || config.imu.T_imu_lidar != ImuConfig{}.T_imu_lidar) {
+    return config;
+  }
+  if (const auto T = recorded_mounting(recording, sweep_topic, *imu_topic)) {
+    const Eigen::Quaterniond q(T->linear());
+    const Eigen::Vector3d& t = T->translation();
+    config.imu.T_imu_lidar = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+  } else if (notes != nullptr) {
+    *notes << "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
+              "(imu.T_imu_lidar; imu.use=0 leaves it out)\n";
+  }
+  return config;
 }
 
 RunDescription describe_run(const RunCommandOptions& options, const Config& config,
@@ -145,11 +185,14 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
 
 int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
-  const Config config = load_config(options.config);
-  const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
+  const Config given = load_config(options.config);
+  const std::unique_ptr<Recording> recording = open_recording(options.recording, given.recording);
   const SweepChoice sweeps = choose_sweeps(
-      *recording, options, options.topic.empty() ? config.recording.sweep_topic : options.topic);
+      *recording, options, options.topic.empty() ? given.recording.sweep_topic : options.topic);
   require_clear_point_times(*recording, sweeps.topic, options.recording);
+  const std::optional<std::size_t> imu_topic = choose_imu(*recording, given);
+  const Config config = with_recorded_mounting(given, *recording, sweeps.topic, imu_topic,
+                                               options.quiet ? nullptr : &err);
   check_writable(options.output, options.map);
   engine::Context context = open_device(options.device);
   if (context.software_fallback() && !options.quiet) {
@@ -170,6 +213,8 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
       map_and_close({.recording = *recording,
                      .topic = sweeps.topic,
                      .range = sweeps.range,
+                     .imu_topic = imu_topic,
+                     .reading = [&](const ImuSample& sample) { return odometry.add(sample); },
                      .place = [&](const Sweep& sweep) { return odometry.step(sweep); },
                      .stop = [] { return StopSignal::received() != 0; },
                      .outputs = outputs,

@@ -17,7 +17,6 @@ struct Preset {
   std::string_view name;
   std::string_view sweep_topic;  ///< empty: the only one
   std::string_view imu_topic;
-  double beam_spacing;  ///< rad, the wider of the two directions
   /// imu.T_imu_lidar; nothing where the recordings' own transforms, or the user, must tell it.
   std::optional<std::array<double, 7>> T_imu_lidar{};
 };
@@ -29,17 +28,15 @@ constexpr std::array<double, 7> kNewerCollege2021 = {0.014, -0.012, -0.015, 0.0,
 constexpr std::array<double, 7> kHilti2022 = {-0.001,      -0.00855, 0.055, 0.70710678,
                                               -0.70710678, 0.0,      0.0};
 
-// Beams: OS0-128 90 degrees, OS1-64 33.2, HDL-64E 26.8, PandarXT-32 31, VLP-16 30; each over the
-// number of beams less one.
 constexpr std::array<Preset, 7> kPresets = {{
-    {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0249},
-    {"hilti-2022", "/hesai/pandar", "/alphasense/imu", 0.0175, kHilti2022},
-    {"kitti", "", "", 0.0074},
-    {"mulran", "", "", 0.0092},
-    {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", 0.0092, kOusterLidar},
-    {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu", 0.0124,
+    {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu"},
+    {"hilti-2022", "/hesai/pandar", "/alphasense/imu", kHilti2022},
+    {"kitti", "", ""},
+    {"mulran", "", ""},
+    {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", kOusterLidar},
+    {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu",
      kNewerCollege2021},
-    {"subt-mrs", "", "", 0.0349},
+    {"subt-mrs", "", ""},
 }};
 
 }  // namespace
@@ -60,7 +57,6 @@ void apply_preset(const std::string& name, Config& config) {
   }
   config.recording.sweep_topic = preset->sweep_topic;
   config.recording.imu_topic = preset->imu_topic;
-  config.preprocess.beam_spacing = preset->beam_spacing;
   config.imu.T_imu_lidar = preset->T_imu_lidar.value_or(config.imu.T_imu_lidar);
 }
 

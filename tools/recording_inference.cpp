@@ -83,9 +83,6 @@ void correct_sweeps(const Inspection& inspection, std::size_t topic, Config& con
   if (!s.point_times_fit() && s.better_time_unit()) {
     config.recording.point_time_unit = *s.better_time_unit();
   }
-  if (const double spacing = s.sweeps.beam_spacing(); spacing > 0.0) {
-    config.preprocess.beam_spacing = std::clamp(spacing, 0.002, 0.2);
-  }
 }
 
 /// imu.T_imu_lidar by the motion, where that tells it and the recording does not or is wrong.

@@ -10,6 +10,7 @@
 
 #include "engine/error.hpp"
 #include "tools/input_error.hpp"
+#include "tools/sweep_feed.hpp"
 
 namespace adit {
 namespace {
@@ -35,9 +36,9 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
 }
 
 /// One turn of the loop. Returns false where there is no further sweep.
-bool map_sweep(const Mapping& mapping, EventStream& events, std::size_t index) {
+bool map_sweep(const Mapping& mapping, SweepFeed& feed, std::size_t index) {
   const auto start = Clock::now();
-  const std::optional<Event> event = events.next();
+  const std::optional<Event> event = feed.next();
   if (!event) {
     return false;
   }
@@ -50,6 +51,11 @@ bool map_sweep(const Mapping& mapping, EventStream& events, std::size_t index) {
   mapping.outputs.write(result);
   times.write = ms_since(placed);
   const auto failure = mapping.statistics.add(index, sweep, result, times);
+  if (!result.inertial.event.empty() && !mapping.quiet) {
+    mapping.progress.note("sweep " + std::to_string(index) + ": IMU " +
+                          std::string(to_string(result.inertial.state)) + ": " +
+                          result.inertial.event);
+  }
   if (failure && !mapping.quiet) {
     note_failure(mapping.progress, *failure, mapping.statistics.failures().size());
   }
@@ -76,14 +82,16 @@ std::string_view to_string(RunEnd end) {
 
 MappingResult map_recording(const Mapping& mapping) {
   try {
-    const std::unique_ptr<EventStream> events =
-        mapping.recording.events({.topics = {mapping.topic}, .skip = mapping.range.first});
+    SweepFeed feed(
+        mapping.recording,
+        {.sweeps = mapping.topic, .imu = mapping.imu_topic, .first = mapping.range.first},
+        [&](const ImuSample& sample) { mapping.statistics.add(mapping.reading(sample)); });
     for (std::size_t done = 0; done < mapping.range.count; ++done) {
       if (mapping.stop()) {
         return {RunEnd::interrupted,
                 "stopped by a signal after " + std::to_string(done) + " sweeps"};
       }
-      if (!map_sweep(mapping, *events, mapping.range.first + done)) {
+      if (!map_sweep(mapping, feed, mapping.range.first + done)) {
         break;
       }
       mapping.progress.update(done + 1, mapping.statistics.failures().size());
@@ -91,7 +99,7 @@ MappingResult map_recording(const Mapping& mapping) {
     // Behind the last sweep that could be counted, a recording that was cut off says so.
     const std::size_t behind = mapping.range.first + mapping.range.count;
     if (behind == mapping.recording.topics()[mapping.topic].messages) {
-      events->next();
+      feed.next();
     }
   } catch (const InputError& error) {
     return {RunEnd::input_error, error.what()};

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -44,8 +45,10 @@ struct Mapping {
   const Recording& recording;
   std::size_t topic;  ///< of the sweeps
   SweepRange range;
-  std::function<SweepResult(const Sweep&)> place;  ///< Odometry::step
-  std::function<bool()> stop;                      ///< asked before each sweep
+  std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
+  std::function<ImuArrival(const ImuSample&)> reading{};  ///< Odometry::add
+  std::function<SweepResult(const Sweep&)> place;         ///< Odometry::step
+  std::function<bool()> stop;                             ///< asked before each sweep
   RunOutputs& outputs;
   RunStatistics& statistics;
   Progress& progress;

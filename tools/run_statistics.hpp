@@ -13,6 +13,7 @@
 
 #include "slam/config.hpp"
 #include "slam/odometry.hpp"
+#include "tools/inertial_statistics.hpp"
 
 namespace adit {
 
@@ -62,7 +63,12 @@ class RunStatistics {
   std::optional<SweepFailure> add(std::size_t index, const Sweep& sweep, const SweepResult& result,
                                   const HostTimes& times);
 
+  /// Takes the next reading of the inertial sensor.
+  void add(ImuArrival arrival) { inertial_.add(arrival); }
+
   std::size_t sweeps() const { return sweeps_; }
+  std::size_t deskewed() const { return deskewed_; }  ///< sweeps
+  const InertialStatistics& inertial() const { return inertial_; }
   std::size_t keyframes() const { return keyframes_; }
   std::size_t count(OdometryState state) const { return states_[static_cast<std::size_t>(state)]; }
   std::size_t count(RegistrationStatus status) const {
@@ -83,7 +89,9 @@ class RunStatistics {
   void add_device_times(const std::vector<StageTime>& stages);
 
   Config config_;
+  InertialStatistics inertial_;
   std::size_t sweeps_ = 0;
+  std::size_t deskewed_ = 0;
   std::size_t keyframes_ = 0;
   std::size_t lost_points_ = 0;
   std::array<std::size_t, 4> states_{};

@@ -96,6 +96,10 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   ordered_json json = describe_run(run, to_string(outcome.result.end), outcome.result.reason);
   json["device"]["memory_peak_bytes"] = outcome.device_peak_bytes;
   json["sweeps"] = describe_sweeps(statistics);
+  json["sweeps"]["deskewed"] = statistics.deskewed();
+  if (statistics.inertial().any()) {
+    json["imu"] = statistics.inertial().to_json();
+  }
   json["distance_m"] = statistics.distance();
   json["time"] = {{"wall_s", outcome.wall_s},
                   {"recorded_s", statistics.recorded_seconds()},

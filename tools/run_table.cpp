@@ -77,6 +77,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
       line("mapped   %zu of %zu sweeps, %.1f m, in %s (%.1f sweeps/s)\n", statistics.sweeps(),
            run.range.count, statistics.distance(), format_duration(outcome.wall_s).c_str(), rate);
   text += "sweeps   " + counts(statistics) + "\n";
+  if (statistics.inertial().any()) {
+    text += "imu      " + statistics.inertial().text() + "\n";
+  }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
           line("; %.1f MiB at most\n",

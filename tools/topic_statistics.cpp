@@ -31,14 +31,6 @@ void take(TopicStatistics& topic, const Sweep& sweep) {
       std::ranges::count_if(sweep.points, [](const Point& p) { return !is_finite(p); }));
   s.empty += returns == 0 ? 1U : 0U;
   s.with_rings += sweep.rings.empty() ? 0U : 1U;
-  constexpr uint64_t kSweepsForBeams = 20;
-  for (std::size_t i = 0; s.with_rings <= kSweepsForBeams && i < sweep.rings.size(); ++i) {
-    const Point& p = sweep.points[i];
-    if (is_return(p)) {
-      s.greatest_ring = std::max(s.greatest_ring, sweep.rings[i]);
-      s.elevation.add(std::atan2(static_cast<double>(p.z), std::hypot(p.x, p.y)));
-    }
-  }
   constexpr std::size_t kStride = 7;  // shares no factor with usual numbers of beams
   for (std::size_t i = 0; i < sweep.points.size(); i += kStride) {
     const Point& p = sweep.points[i];
@@ -127,15 +119,6 @@ double TopicStatistics::span() const {
 
 double TopicStatistics::rate() const {
   return span() > 0.0 ? static_cast<double>(events - 1) / span() : 0.0;
-}
-
-double SweepStatistics::beam_spacing() const {
-  if (greatest_ring < 7 || points.mean() <= 0.0) {
-    return 0.0;
-  }
-  const double upwards = (elevation.greatest - elevation.least) / greatest_ring;
-  const double around = 2.0 * std::numbers::pi * (greatest_ring + 1.0) / points.mean();
-  return std::max(upwards, around);
 }
 
 std::optional<Sector> SweepStatistics::blocked_sector() const {

@@ -48,14 +48,9 @@ struct SweepStatistics {
   uint64_t with_times = 0;  ///< sweeps
   uint64_t empty = 0;       ///< sweeps without a return
   uint64_t with_rings = 0;  ///< sweeps
-  uint16_t greatest_ring = 0;
   /// Of some points of each sweep, by azimuth from 0 on, 5 degrees each.
   std::array<uint64_t, 72> returns_by_azimuth{};
-  Extent elevation;  ///< rad, of returns of the first sweeps with rings
 
-  /// rad between neighbouring beams, the wider of the two directions, of a sensor that turns with
-  /// eight beams or more; 0 where it cannot be told.
-  double beam_spacing() const;
   /// The widest sector of 15 degrees or more without returns, of a sensor that sees most directions
   /// about it; a sensor that does not has a field of view.
   std::optional<Sector> blocked_sector() const;
