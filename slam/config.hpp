@@ -88,7 +88,7 @@ struct ImuConfig {
 struct RegistrationConfig {
   double r_align = 0.5;  ///< m
   double d_max = 0.5;    ///< m
-  int max_iterations = 30;
+  int max_iterations = 60;
   double translation_epsilon = 2e-3;  ///< m
   double rotation_epsilon = 5e-4;     ///< rad
   int min_inliers = 100;

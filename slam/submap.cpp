@@ -13,6 +13,8 @@
 namespace adit {
 namespace {
 
+// So many sweeps join wherever they are: one alone is too sparse to be aligned with.
+constexpr size_t kFirstClouds = 10;
 constexpr uint32_t kSmallestTable = 1U << 16U;
 constexpr uint32_t kCoarseTable = 1U << 16U;
 // A table this full is rebuilt: its slots are taken by voxels that every cloud has left.
@@ -83,7 +85,7 @@ engine::Slice Submap::next_cloud(uint32_t capacity) {
 }
 
 bool Submap::wants(const Eigen::Isometry3d& T_map_lidar) const {
-  if (clouds_.empty()) {
+  if (clouds_.size() < kFirstClouds) {
     return true;
   }
   const Eigen::Isometry3d moved = clouds_.back().T_map_lidar.inverse() * T_map_lidar;
