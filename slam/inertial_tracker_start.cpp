@@ -75,15 +75,21 @@ void InertialTracker::try_start() {
     hindrance_ = "the readings look as if their unit or sign had changed since the last start";
     return;
   }
-  hindrance_ = is_started(how.status) ? "" : how.reason;
-  if (is_started(how.status)) {
-    start({.stamp = last.stamp,
-           .T_map_body = last.pose,
-           .v_map_body = how.v_map_body,
-           .bias = how.bias,
-           .gravity_map = how.gravity_map},
-          how);
+  hindrance_ = how.reason;
+  if (!is_started(how.status)) {
+    return;
   }
+  const NavState state{.stamp = last.stamp,
+                       .T_map_body = last.pose,
+                       .v_map_body = how.v_map_body,
+                       .bias = how.bias,
+                       .gravity_map = how.gravity_map};
+  hindrance_.clear();
+  if (const std::string failed = failed_check({.state = state}); !failed.empty()) {
+    lose(failed);
+    return;
+  }
+  start(state, how);
 }
 
 // Gravity, unit and biases are known; the velocity follows from the last two poses.

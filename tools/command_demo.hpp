@@ -17,7 +17,7 @@ class App;
 namespace adit {
 
 /// The demo fails above this absolute trajectory error (m, rmse after alignment).
-inline constexpr double kDemoErrorBound = 0.15;
+inline constexpr double kDemoErrorBound = 0.03;
 
 struct DemoCommandOptions {
   std::filesystem::path output = "adit-demo";

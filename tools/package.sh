@@ -75,6 +75,8 @@ done
 for file in "$stage"/bin/* "$stage"/lib/*; do
   while read -r library _ path _; do
     is_glibc "${library##*/}" && continue
+    # What a bundled library loads is found by the program's DT_RPATH, which ldd of it alone ignores.
+    [[ $file == "$stage"/lib/* && -e $stage/lib/${library##*/} ]] && continue
     [[ $(realpath "$path") == "$stage"/* ]] || die "${file##*/}: $library would come from $path, outside the package"
   done < <(ldd "$file")
   needs=$(objdump -T "$file" | grep -o 'GLIBC_[0-9.]*' | sed 's/GLIBC_//' | sort -uV | tail -n 1)
