@@ -275,6 +275,7 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   losses_ = ++fused_sweeps_ > kLongFusion ? 0 : losses_;
   last_fused_ = estimate.state;
   report.nav = estimate.state;
+  report.nav_covariance = estimate.covariance;
 }
 
 }  // namespace adit

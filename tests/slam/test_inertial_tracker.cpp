@@ -12,6 +12,7 @@
 #include <numbers>
 #include <random>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include "tests/support/simulated_imu.hpp"
@@ -124,6 +125,10 @@ TEST(InertialTracker, StartsInMotionAndFuses) {
   EXPECT_LE(good.error_after(2.0), 0.05);
   const NavState& nav = *good.reports.back().nav;
   EXPECT_LE((nav.bias.gyro - kBias.gyro).norm(), 5e-3);
+  const StateMatrix& covariance = good.reports.back().nav_covariance;
+  EXPECT_EQ(Eigen::LLT<StateMatrix>(covariance).info(), Eigen::Success);
+  EXPECT_LT((nav.bias.gyro - kBias.gyro).norm(), 5.0 * std::sqrt(covariance(9, 9)));
+  EXPECT_TRUE(good.reports.front().nav_covariance.isZero());
   int turns = 0;
   int travels = 0;
   for (size_t i = 30; i < 100; ++i) {
