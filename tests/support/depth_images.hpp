@@ -39,9 +39,10 @@ inline std::string depth_png(uint32_t width, const std::vector<uint16_t>& values
     if (i % width == 0) {
       rows += '\2';  // each row is told as its difference from the one above
     }
-    const uint16_t above = i < width ? uint16_t{0} : values[i - width];
+    const unsigned value = values[i];
+    const unsigned above = i < width ? 0U : values[i - width];
     for (const unsigned shift : {8U, 0U}) {
-      const unsigned difference = (values[i] >> shift & 0xffU) - (above >> shift & 0xffU);
+      const unsigned difference = (value >> shift & 0xffU) - (above >> shift & 0xffU);
       rows += static_cast<char>(difference & 0xffU);
     }
   }
