@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "slam/beam_spacing.hpp"
 #include "slam/config.hpp"
 #include "tools/input_error.hpp"
 #include "tools/recordings/recording.hpp"
@@ -69,7 +70,7 @@ Bench::Bench(engine::Context& context, const std::vector<std::filesystem::path>&
   given_->preprocess = {.c_min = defaults.c_min,
                         .c_max = defaults.c_max,
                         .r_input = r_input,
-                        .beam_spacing = defaults.beam_spacing,
+                        .beam_spacing = measured_beam_spacing(sweeps.front()).value_or(0.0),
                         .surface_size = defaults.surface_size};
   truth_known_ = sweeps.size() == 1;
   if (truth_known_) {

@@ -61,6 +61,7 @@ SurfaceCloud AlignmentClouds::make_cloud(std::span<const Point> points,
     point.y = static_cast<float>(static_cast<double>(point.y) - viewpoint.y());
     point.z = static_cast<float>(static_cast<double>(point.z) - viewpoint.z());
   }
+  front_end_.measure_beam_spacing(sweep.points);
   front_end_.upload(sweep);
   const engine::Buffer whole =
       context_->make_buffer(std::max<uint64_t>(points.size(), 1) * sizeof(gpu::uvec4),

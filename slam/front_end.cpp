@@ -25,6 +25,7 @@ FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
                 .r_input = config.r_input,
                 .beam_spacing = config.beam_spacing,
                 .surface_size = config.surface_size},
+      measures_beams_(config.beam_spacing == 0.0),
       direct_(context.device().software),
       knots_(context.make_buffer(kMotionKnots * sizeof(gpu::DeskewKnot), engine::Memory::upload,
                                  "motion within the sweep")),
@@ -53,6 +54,12 @@ void FrontEnd::grow(uint32_t points) {
   capacity_ = capacity;
 }
 
+void FrontEnd::measure_beam_spacing(std::span<const Point> points) {
+  if (measures_beams_) {
+    settings_.beam_spacing = measured_beam_spacing(points).value_or(0.0);
+  }
+}
+
 void FrontEnd::upload(const Sweep& sweep) {
   if (sweep.points.size() > kLargestSweep) {
     throw engine::Error("sweep " + sweep.source + " has " + std::to_string(sweep.points.size()) +
@@ -64,9 +71,6 @@ void FrontEnd::upload(const Sweep& sweep) {
     grow(count);
   }
   point_count_ = count;
-  if (settings_.beam_spacing == 0.0) {
-    settings_.beam_spacing = measured_beam_spacing(sweep.points).value_or(0.0);
-  }
   std::ranges::copy(sweep.points, staging_->as<Point>().begin());
   has_times_ = count > 0 && sweep.times.size() == sweep.points.size();
   if (has_times_) {

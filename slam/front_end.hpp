@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/buffer.hpp"
@@ -32,6 +33,11 @@ class FrontEnd {
   /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws
   /// engine::Error if the device has no room for it.
   void upload(const Sweep& sweep);
+  /// The angle between neighbouring beams is set or has been measured.
+  bool knows_beam_spacing() const { return settings_.beam_spacing > 0.0; }
+  /// Measures the angle between neighbouring beams in these points, unless the configuration sets
+  /// it. What is recorded from here on uses it; too few returns leave it unknown.
+  void measure_beam_spacing(std::span<const Point> points);
   /// The sweep's points have times, so that they can be de-skewed.
   bool has_times() const { return has_times_; }
   /// Points the buffers are sized for.
@@ -61,7 +67,8 @@ class FrontEnd {
   engine::Deskew deskew_;
   engine::Preprocess preprocess_;
   engine::PreprocessSettings settings_;
-  bool direct_;  ///< kernels read uploads, and the host reads results, where they are
+  bool measures_beams_;  ///< the configuration leaves the angle between beams to be measured
+  bool direct_;          ///< kernels read uploads, and the host reads results, where they are
   uint32_t capacity_ = 0;
   uint32_t point_count_ = 0;
   bool reset_scratch_ = true;

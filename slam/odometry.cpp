@@ -48,15 +48,6 @@ struct Expectation {
   std::optional<SweepMotion> motion;  ///< to de-skew with
 };
 
-/// From a sweep's stamp to the last of its points' times, s; 0 without times.
-double duration_of(const Sweep& sweep) {
-  float last = 0.0F;
-  for (const float time : sweep.times) {
-    last = std::isfinite(time) ? std::max(last, time) : last;
-  }
-  return static_cast<double>(last);
-}
-
 }  // namespace
 
 std::string_view to_string(OdometryState state) {
@@ -108,6 +99,9 @@ SweepResult Odometry::step(const Sweep& sweep) {
   SweepResult result;
   result.stamp = sweep.stamp;
   result.raw_points = static_cast<int>(sweep.points.size());
+  if (!impl_->front_end.knows_beam_spacing()) {
+    impl_->front_end.measure_beam_spacing(sweep.points);
+  }
   impl_->front_end.upload(sweep);
   const Expectation expected = impl_->expect(sweep);
   impl_->run_on_device(expected, result);

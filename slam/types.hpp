@@ -4,7 +4,9 @@
 // The data that enters the system. Frames and units: docs/conventions.md.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -38,6 +40,15 @@ struct Sweep {
   std::vector<uint16_t> rings;  ///< beam index, one a point, or empty
   std::string source;           ///< file or message it came from, for messages to people
 };
+
+/// From a sweep's stamp to the last of its points' times, s; 0 without times.
+inline double duration_of(const Sweep& sweep) {
+  float last = 0.0F;
+  for (const float time : sweep.times) {
+    last = std::isfinite(time) ? std::max(last, time) : last;
+  }
+  return static_cast<double>(last);
+}
 
 /// One reading of an inertial sensor, in the sensor's own axes. A sensor at rest with z up reads
 /// +9.8 along z. What it does not measure is NaN.

@@ -15,11 +15,8 @@ namespace {
 constexpr Nanoseconds kLongestWait = std::chrono::milliseconds(300);
 
 Nanoseconds end_of(const Sweep& sweep) {
-  float last = 0.0F;
-  for (const float time : sweep.times) {
-    last = std::isfinite(time) ? std::max(last, time) : last;
-  }
-  return sweep.stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(last));
+  return sweep.stamp +
+         std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration_of(sweep)));
 }
 
 std::unique_ptr<EventStream> open_events(const Recording& recording,
