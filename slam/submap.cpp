@@ -85,7 +85,7 @@ engine::Slice Submap::next_cloud(uint32_t capacity) {
 }
 
 bool Submap::wants(const Eigen::Isometry3d& T_map_lidar) const {
-  if (clouds_.size() < kFirstClouds) {
+  if (clouds_.size() < std::min(kFirstClouds, static_cast<size_t>(config_.l))) {
     return true;
   }
   const Eigen::Isometry3d moved = clouds_.back().T_map_lidar.inverse() * T_map_lidar;

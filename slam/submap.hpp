@@ -36,7 +36,8 @@ class Submap {
 
   /// Device memory for the next cloud of up to `capacity` points (uvec4 each).
   engine::Slice next_cloud(uint32_t capacity);
-  /// A cloud from here is far enough from the newest one to join, or one of the first ten.
+  /// A cloud from here is far enough from the newest one to join, or one of the first ten
+  /// (of the first l).
   bool wants(const Eigen::Isometry3d& T_map_lidar) const;
   /// The cloud just written to next_cloud() joins at this pose when record_update() is next called.
   void push(uint32_t points, const Eigen::Isometry3d& T_map_lidar);

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -141,6 +142,26 @@ TEST_F(SubmapTest, HoldsTheLastCloudsAndNoTraceOfThoseBefore) {
       last.erase(last.begin());
     }
     ASSERT_EQ(voxels_in(submap), from_scratch(submap, last)) << "after cloud " << i;
+  }
+}
+
+TEST_F(SubmapTest, WantsTheFirstTenAndThenWhatIsSeenFromElsewhere) {
+  for (const int l : {4, 10, 20}) {
+    Config config = config_of(l);
+    config.submap.delta_trans = 0.5;
+    config.submap.delta_rot = 0.3;
+    Submap submap(context(), config);
+    for (int i = 0; i < std::min(l, 10); ++i) {
+      EXPECT_TRUE(submap.wants(pose_after(0.0))) << "cloud " << i << " of " << l;
+      add(submap, some_cloud(1, pose_after(0.0), 10));
+    }
+    EXPECT_FALSE(submap.wants(pose_after(0.0)));
+    EXPECT_FALSE(submap.wants(pose_after(0.49, 0.29)));
+    EXPECT_TRUE(submap.wants(pose_after(0.51)));
+    EXPECT_TRUE(submap.wants(pose_after(0.0, -0.31)));
+    add(submap, some_cloud(1, pose_after(0.6), 10));
+    EXPECT_FALSE(submap.wants(pose_after(0.7))) << "from the newest on";
+    EXPECT_TRUE(submap.wants(pose_after(0.0)));
   }
 }
 
