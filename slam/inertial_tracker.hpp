@@ -34,7 +34,8 @@ struct InertialReport {
   std::string event;
   std::string hindrance;        ///< for people: what keeps a sensor from being started
   std::optional<NavState> nav;  ///< of the body, where this sweep was fused
-  /// Of nav, in the order of its tangent vectors: what the sliding graph leaves on its newest state.
+  /// Of nav, in the order of its tangent vectors: what the sliding graph leaves on its newest
+  /// state.
   StateMatrix nav_covariance = StateMatrix::Zero();
   Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
   Innovation innovation;       ///< of the alignment; 0 degrees where there was none

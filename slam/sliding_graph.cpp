@@ -88,8 +88,8 @@ StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) cons
   }
   const std::optional<StateQuadratic> marginal = marginal_of_last(linearized(states()));
   LinkQuadratic link = quadratic(imu_factor(between, latest(), prediction.state));
-  link += quadratic(walk_factor({settings_.noise, settings_.gravity_walk}, between.duration,
-                                latest(), prediction.state));
+  link += quadratic(walk_factor(settings_.noise, settings_.gravity_walk, between.duration, latest(),
+                                prediction.state));
   const auto left = marginal ? eliminated(*marginal, link) : std::nullopt;
   if (!left) {
     throw std::logic_error("the sliding graph does not determine its states");
@@ -144,8 +144,8 @@ LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state
                                            const NavState& to_state) const {
   const Preintegration& between = nodes_[to].between;
   LinkQuadratic sum = quadratic(imu_factor(between, from_state, to_state));
-  sum += quadratic(walk_factor({settings_.noise, settings_.gravity_walk}, between.duration,
-                               from_state, to_state));
+  sum += quadratic(
+      walk_factor(settings_.noise, settings_.gravity_walk, between.duration, from_state, to_state));
   return sum;
 }
 

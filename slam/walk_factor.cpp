@@ -14,13 +14,12 @@ Eigen::Matrix<double, 3, 2> by_turn(const Eigen::Vector3d& unit) {
 
 }  // namespace
 
-LinkFactor<9> walk_factor(const WalkNoise& noise, double duration, const NavState& from,
-                          const NavState& to) {
+LinkFactor<9> walk_factor(const ImuNoise& noise, double gravity_walk, double duration,
+                          const NavState& from, const NavState& to) {
   Vector6d sigma;
-  sigma << Eigen::Vector3d::Constant(noise.imu.gyro_walk),
-      Eigen::Vector3d::Constant(noise.imu.accel_walk);
+  sigma << Eigen::Vector3d::Constant(noise.gyro_walk), Eigen::Vector3d::Constant(noise.accel_walk);
   const Vector6d weight = (std::sqrt(duration) * sigma).cwiseInverse();
-  const double gravity_weight = 1.0 / (std::sqrt(duration) * noise.gravity);
+  const double gravity_weight = 1.0 / (std::sqrt(duration) * gravity_walk);
   const Eigen::Vector3d down_from = from.gravity_map.normalized();
   const Eigen::Vector3d down_to = to.gravity_map.normalized();
   Vector6d change;

@@ -16,6 +16,14 @@
 namespace adit {
 namespace {
 
+std::size_t add_channel(McapWriter& writer, const char* topic, std::string_view type) {
+  return writer.add_channel({.topic = topic,
+                             .type = std::string(type),
+                             .encoding = Encoding::cdr,
+                             .definition = {},
+                             .messages = std::nullopt});
+}
+
 /// A recording of three depth images with their calibration.
 std::filesystem::path record(const test::TemporaryFolder& folder, const std::string& topic,
                              Encoding encoding = Encoding::cdr) {
@@ -63,16 +71,9 @@ TEST(DepthImages, ColoursAndImagesWithoutCalibrationAreNoSweeps) {
     if (colours) {
       image.message.encoding = "rgb8";
     }
-    const auto add = [&](const char* topic, std::string_view type) {
-      return writer.add_channel({.topic = topic,
-                                 .type = std::string(type),
-                                 .encoding = Encoding::cdr,
-                                 .definition = {},
-                                 .messages = std::nullopt});
-    };
-    const std::size_t images = add("/camera/image", ros::Image::kType);
-    const std::size_t info =
-        add(colours ? "/camera/camera_info" : "/other/camera_info", ros::CameraInfo::kType);
+    const std::size_t images = add_channel(writer, "/camera/image", ros::Image::kType);
+    const std::size_t info = add_channel(
+        writer, colours ? "/camera/camera_info" : "/other/camera_info", ros::CameraInfo::kType);
     writer.write(images, test::kStart, ros::encode(Encoding::cdr, image.message));
     writer.write(info, test::kStart, ros::encode(Encoding::cdr, test::camera_info_message(0)));
     writer.close();
@@ -91,15 +92,8 @@ TEST(DepthImages, CamerasOfImagesThatAreNotThereAreNotWorkedOut) {
   image.message.width = image.message.height = info.width = info.height = 4096;
   image.message.step = 8192;
   info.d[0] = 1e3;
-  const auto add = [&](const char* topic, std::string_view type) {
-    return writer.add_channel({.topic = topic,
-                               .type = std::string(type),
-                               .encoding = Encoding::cdr,
-                               .definition = {},
-                               .messages = std::nullopt});
-  };
-  const std::size_t images = add("/camera/image", ros::Image::kType);
-  const std::size_t infos = add("/camera/camera_info", ros::CameraInfo::kType);
+  const std::size_t images = add_channel(writer, "/camera/image", ros::Image::kType);
+  const std::size_t infos = add_channel(writer, "/camera/camera_info", ros::CameraInfo::kType);
   writer.write(images, test::kStart, ros::encode(Encoding::cdr, image.message));
   writer.write(infos, test::kStart, ros::encode(Encoding::cdr, info));
   writer.close();

@@ -12,8 +12,8 @@
 #include <numbers>
 #include <random>
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
 
 #include "tests/support/simulated_imu.hpp"
 
