@@ -71,6 +71,12 @@ void HighRateOdometry::correct(const StateEstimate& estimate) {
   }
 }
 
+void HighRateOdometry::stop() {
+  base_.reset();
+  readings_.clear();
+  correction_.setZero();
+}
+
 std::optional<HighRateState> HighRateOdometry::add(const ImuSample& sample) {
   if (!readings_.empty() && sample.stamp <= readings_.back().stamp) {
     return std::nullopt;

@@ -29,6 +29,9 @@ class HighRateOdometry {
   /// A new estimate, of a time that readings have passed by some tenths of a second at most.
   void correct(const StateEstimate& estimate);
 
+  /// Forgets the estimate and the readings: nothing is known until the next correct().
+  void stop();
+
   /// The next reading, m/s². None before the first estimate, or where its stamp does not rise.
   std::optional<HighRateState> add(const ImuSample& sample);
 

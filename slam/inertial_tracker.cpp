@@ -43,14 +43,6 @@ Eigen::Isometry3d pose_of(const std::array<double, 7>& v) {
   return pose;
 }
 
-ImuNoise noise_of(const ImuConfig& config) {
-  return imu_preset(config.sensor, config.noise_scale)
-      .value_or(ImuNoise{.gyro = config.gyro_noise,
-                         .accel = config.accel_noise,
-                         .gyro_walk = config.gyro_walk,
-                         .accel_walk = config.accel_walk});
-}
-
 std::string text_of(double value) {
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
@@ -86,8 +78,16 @@ std::string_view to_string(InertialState state) {
   return "unknown";
 }
 
+ImuNoise imu_noise(const ImuConfig& config) {
+  return imu_preset(config.sensor, config.noise_scale)
+      .value_or(ImuNoise{.gyro = config.gyro_noise,
+                         .accel = config.accel_noise,
+                         .gyro_walk = config.gyro_walk,
+                         .accel_walk = config.accel_walk});
+}
+
 InertialTracker::InertialTracker(const ImuConfig& config)
-    : config_(config), noise_(noise_of(config)), T_body_lidar_(pose_of(config.T_imu_lidar)) {}
+    : config_(config), noise_(imu_noise(config)), T_body_lidar_(pose_of(config.T_imu_lidar)) {}
 
 ImuArrival InertialTracker::add(const ImuSample& sample) {
   const ImuArrival arrival = buffer_.push(sample);
@@ -215,6 +215,8 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   report.state = state_;
   report.event = std::exchange(event_, {});
   report.hindrance = hindrance_;
+  report.accel_scale = accel_scale_;
+  report.T_body_lidar = T_body_lidar_;
   report.gravity_map = last_fused_ ? last_fused_->gravity_map : Eigen::Vector3d::Zero();
   return report;
 }
@@ -255,8 +257,9 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   if (alignment != nullptr) {
     measurement = measured_pose(*alignment, kAlignmentModel, T_body_lidar_);
     report.innovation = innovation(prediction, *measurement);
-    const double bound = kChiSquared999[static_cast<size_t>(measurement->known_directions)];
-    surprises_ = report.innovation.nis > kBeyondBelief * bound ? surprises_ + 1 : 0;
+    const auto degrees = static_cast<size_t>(measurement->known_directions);
+    report.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
+    surprises_ = report.innovation.nis > report.innovation_gate ? surprises_ + 1 : 0;
     const Eigen::Isometry3d& found = alignment->T_target_source;
     const Eigen::Isometry3d inertial_off = found.inverse() * T_map_lidar(prediction.state);
     const Eigen::Isometry3d steady_off = found.inverse() * steady;

@@ -38,11 +38,17 @@ struct InertialReport {
   /// state.
   StateMatrix nav_covariance = StateMatrix::Zero();
   Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
-  Innovation innovation;       ///< of the alignment; 0 degrees where there was none
-  bool compared = false;       ///< prediction and constant velocity, against the alignment:
-  bool better_turn = false;    ///< the inertial prediction's rotation was nearer
-  bool better_travel = false;  ///< its translation was
+  Innovation innovation;         ///< of the alignment; 0 degrees where there was none
+  double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed
+  bool compared = false;         ///< prediction and constant velocity, against the alignment:
+  bool better_turn = false;      ///< the inertial prediction's rotation was nearer
+  bool better_travel = false;    ///< its translation was
+  double accel_scale = 1.0;      ///< from the accelerometer's own unit and sign to m/s²
+  Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();
 };
+
+/// The noise that the settings assume: a sensor's by name, or their own.
+ImuNoise imu_noise(const ImuConfig& config);
 
 /// What the readings say of the next sweep.
 struct InertialPrediction {

@@ -46,6 +46,7 @@ struct Expectation {
   Prediction prediction;
   Eigen::Isometry3d steady;           ///< T_map_lidar at constant velocity
   std::optional<SweepMotion> motion;  ///< to de-skew with
+  double inertial_ms = 0.0;           ///< host time of the inertial prediction
 };
 
 }  // namespace
@@ -143,10 +144,12 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   if (const auto turn = last ? inertial.turn(last->stamp, sweep.stamp) : std::nullopt) {
     expected.prediction.T_map_lidar.linear() = last->pose.linear() * *turn;
   }
+  const auto start = std::chrono::steady_clock::now();
   if (const auto predicted = inertial.predict(sweep.stamp, duration)) {
     expected.prediction = predicted->lidar;
     expected.motion = predicted->motion;
   }
+  expected.inertial_ms = milliseconds_since(start);
   if (config.preprocess.deskew == 0 || !front_end.has_times()) {
     expected.motion.reset();
   }
@@ -199,7 +202,9 @@ void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
     return;
   }
   const RegistrationResult* alignment = aligned ? &result.registration : nullptr;
+  const auto start = std::chrono::steady_clock::now();
   result.inertial = inertial.update({result.stamp, result.T_map_lidar}, alignment, expected.steady);
+  result.inertial_ms = expected.inertial_ms + milliseconds_since(start);
   if (result.inertial.nav) {
     result.T_map_lidar = inertial.T_map_lidar(*result.inertial.nav);
   }

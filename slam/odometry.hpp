@@ -51,6 +51,7 @@ struct SweepResult {
   std::vector<Point> cloud;       ///< keyframes only: the down-sampled sweep, lidar frame
   std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
   double host_ms = 0.0;           ///< host work: copy into staging, record, read back
+  double inertial_ms = 0.0;       ///< part of host_ms: preintegration and the sliding graph
   double wait_ms = 0.0;           ///< host time spent waiting for the device
 };
 

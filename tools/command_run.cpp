@@ -46,6 +46,13 @@ void check_options(const RunCommandOptions& options) {
   if (map.resolution && !map.enabled) {
     throw UsageError("--map-resolution and --no-map exclude each other.");
   }
+  const HighRateOptions& high_rate = options.high_rate;
+  if (!(high_rate.smoothing >= 0.0 && high_rate.smoothing <= 10.0)) {
+    throw UsageError("--high-rate-smoothing: must be between 0 and 10 s.");
+  }
+  if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
+    throw UsageError("--high-rate-smoothing needs --high-rate.");
+  }
   if (options.start < 0 || options.count.value_or(1) < 1) {
     throw UsageError("--start must be at least 0, --count at least 1.");
   }
@@ -119,6 +126,7 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
           .range = sweeps.range,
           .output = options.output,
           .map = options.map,
+          .high_rate = options.high_rate,
           .config = config,
           .device = context.device(),
           .device_requested = requested_device(options.device.device),
@@ -153,12 +161,18 @@ RunOutcome map_and_close(const Mapping& mapping) {
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   try {
     mapping.outputs.close();
+    if (mapping.high_rate != nullptr) {
+      mapping.high_rate->close();
+    }
   } catch (const OutputError& error) {
     if (outcome.result.end == RunEnd::completed) {
       outcome.result = {RunEnd::output_error, error.what()};
     }
   }
   outcome.map_points = mapping.outputs.map_points();
+  if (mapping.high_rate != nullptr) {
+    outcome.high_rate = mapping.high_rate->statistics();
+  }
   return outcome;
 }
 
@@ -193,7 +207,10 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const std::optional<std::size_t> imu_topic = choose_imu(*recording, given);
   const Config config = with_recorded_mounting(given, *recording, sweeps.topic, imu_topic,
                                                options.quiet ? nullptr : &err);
-  check_writable(options.output, options.map);
+  const HighRateFiles high_rate_files(options.output);
+  check_writable(options.output, options.map,
+                 options.high_rate.enabled ? std::vector{high_rate_files.tum, high_rate_files.csv}
+                                           : std::vector<std::filesystem::path>());
   engine::Context context = open_device(options.device);
   if (context.software_fallback() && !options.quiet) {
     err << software_note(context.device()) << std::endl;
@@ -202,6 +219,10 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   Odometry odometry(context, config);
 
   RunOutputs outputs(options.output, options.map);
+  std::optional<HighRateOutput> high_rate;
+  if (options.high_rate.enabled) {
+    high_rate.emplace(options.output, config.imu, options.high_rate.smoothing);
+  }
   const RunFiles files(options.output);
   write_text_file(files.summary,
                   running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
@@ -218,6 +239,7 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
                      .place = [&](const Sweep& sweep) { return odometry.step(sweep); },
                      .stop = [] { return StopSignal::received() != 0; },
                      .outputs = outputs,
+                     .high_rate = high_rate ? &*high_rate : nullptr,
                      .statistics = statistics,
                      .progress = progress,
                      .quiet = options.quiet});
@@ -262,7 +284,8 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "(pcap, pcapng); or a folder of "
       "sweeps:\n"
       "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
-      "OUT gets trajectory.tum, trajectory.kitti, map.ply and summary.json.\n\n"
+      "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
+      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n\n"
       "Examples:\n"
       "  adit run drive/ -o out\n"
       "  adit run drive.mcap --topic /points -o out\n"
@@ -285,6 +308,12 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("M");
   command->add_flag_callback(
       "--no-map", [options] { options->map.enabled = false; }, "Write no map.ply");
+  command->add_flag("--high-rate", options->high_rate.enabled,
+                    "Write odometry_highrate.tum and .csv: the pose at every IMU reading");
+  command
+      ->add_option("--high-rate-smoothing", options->high_rate.smoothing,
+                   "Spread the corrections that sweeps bring over this time; 0: steps")
+      ->type_name("S");
   command
       ->add_option("--topic", options->topic,
                    "The topic of the sweeps, where the recording has several")

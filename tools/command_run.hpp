@@ -13,6 +13,7 @@
 
 #include "tools/config_file.hpp"
 #include "tools/device_session.hpp"
+#include "tools/high_rate_output.hpp"
 #include "tools/run_outputs.hpp"
 
 namespace CLI {
@@ -27,6 +28,7 @@ struct RunCommandOptions {
   ConfigSource config{};
   DeviceOptions device{};
   MapOptions map{};
+  HighRateOptions high_rate{};
   std::string topic{};             ///< of the sweeps; empty: the only one
   int64_t start = 0;               ///< the first sweep, counted from 0
   std::optional<int64_t> count{};  ///< none: to the end

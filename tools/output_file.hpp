@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
+#include "slam/types.hpp"
 #include "tools/input_error.hpp"
 
 namespace adit {
@@ -47,5 +49,11 @@ class OutputFile {
 
 /// Writes a whole text file. Throws OutputError.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
+
+/// Appends a number: the shortest text that reads back to the same double, whatever the locale.
+void append_number(std::string& line, double value);
+
+/// Appends "SECONDS.NNNNNNNNN", exact.
+void append_stamp(std::string& line, Nanoseconds stamp);
 
 }  // namespace adit

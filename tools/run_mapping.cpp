@@ -35,6 +35,14 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
   }
 }
 
+void take_reading(const Mapping& mapping, const ImuSample& sample) {
+  const ImuArrival arrival = mapping.reading(sample);
+  mapping.statistics.add(arrival);
+  if (mapping.high_rate != nullptr) {
+    mapping.high_rate->add(sample, arrival);
+  }
+}
+
 /// One turn of the loop. Returns false where there is no further sweep.
 bool map_sweep(const Mapping& mapping, SweepFeed& feed, std::size_t index) {
   const auto start = Clock::now();
@@ -46,9 +54,13 @@ bool map_sweep(const Mapping& mapping, SweepFeed& feed, std::size_t index) {
   HostTimes times{.read = ms_since(start)};
   const SweepResult result = mapping.place(sweep);
   times.host = result.host_ms;
+  times.inertial = result.inertial_ms;
   times.wait = result.wait_ms;
   const auto placed = Clock::now();
-  mapping.outputs.write(result);
+  mapping.outputs.write(result, index);
+  if (mapping.high_rate != nullptr) {
+    mapping.high_rate->update(result.inertial);
+  }
   times.write = ms_since(placed);
   const auto failure = mapping.statistics.add(index, sweep, result, times);
   if (!result.inertial.event.empty() && !mapping.quiet) {
@@ -85,7 +97,7 @@ MappingResult map_recording(const Mapping& mapping) {
     SweepFeed feed(
         mapping.recording,
         {.sweeps = mapping.topic, .imu = mapping.imu_topic, .first = mapping.range.first},
-        [&](const ImuSample& sample) { mapping.statistics.add(mapping.reading(sample)); });
+        [&](const ImuSample& sample) { take_reading(mapping, sample); });
     for (std::size_t done = 0; done < mapping.range.count; ++done) {
       if (mapping.stop()) {
         return {RunEnd::interrupted,

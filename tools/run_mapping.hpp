@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "slam/odometry.hpp"
+#include "tools/high_rate_output.hpp"
 #include "tools/progress.hpp"
 #include "tools/recordings/recording.hpp"
 #include "tools/run_outputs.hpp"
@@ -50,6 +51,7 @@ struct Mapping {
   std::function<SweepResult(const Sweep&)> place;         ///< Odometry::step
   std::function<bool()> stop;                             ///< asked before each sweep
   RunOutputs& outputs;
+  HighRateOutput* high_rate = nullptr;  ///< none: not asked for
   RunStatistics& statistics;
   Progress& progress;
   bool quiet = false;  ///< no note on each failed sweep

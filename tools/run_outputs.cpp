@@ -55,10 +55,12 @@ void cut_half_line(const fs::path& file) {
 RunFiles::RunFiles(const fs::path& folder)
     : tum(folder / "trajectory.tum"),
       kitti(folder / "trajectory.kitti"),
+      sweeps(folder / "sweeps.csv"),
       map(folder / "map.ply"),
       summary(folder / "summary.json") {}
 
-void check_writable(const fs::path& folder, const MapOptions& map) {
+void check_writable(const fs::path& folder, const MapOptions& map,
+                    const std::vector<fs::path>& others) {
   std::error_code error;
   fs::create_directories(folder, error);
   std::error_code unknown;
@@ -69,18 +71,22 @@ void check_writable(const fs::path& folder, const MapOptions& map) {
                                   ". Choose another one with -o.");
   }
   const RunFiles files(folder);
-  for (const fs::path& file : {files.tum, files.kitti, files.summary}) {
+  for (const fs::path& file : {files.tum, files.kitti, files.sweeps, files.summary}) {
     check_file(file);
   }
   if (map.enabled) {
     check_file(files.map);
+  }
+  for (const fs::path& file : others) {
+    check_file(file);
   }
 }
 
 RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map)
     : files_(folder),
       tum_(std::in_place, files_.tum, TrajectoryFormat::tum),
-      kitti_(std::in_place, files_.kitti, TrajectoryFormat::kitti) {
+      kitti_(std::in_place, files_.kitti, TrajectoryFormat::kitti),
+      sweeps_(std::in_place, files_.sweeps) {
   if (map.enabled) {
     map_.emplace(files_.map);
   }
@@ -89,12 +95,14 @@ RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map)
   }
 }
 
-void RunOutputs::write(const SweepResult& sweep) {
+void RunOutputs::write(const SweepResult& sweep, std::size_t index) {
   const StampedPose pose{.stamp = sweep.stamp, .pose = sweep.T_map_lidar};
   tum_->write(pose);
   tum_->flush();
   kitti_->write(pose);
   kitti_->flush();
+  sweeps_->write(sweep_record(index, sweep));
+  sweeps_->flush();
   if (map_ && sweep.keyframe) {
     write_map(sweep);
   }
@@ -125,13 +133,16 @@ void RunOutputs::close() {
       }
     }
   };
-  for (auto [writer, file] : {std::pair(&tum_, &files_.tum), std::pair(&kitti_, &files_.kitti)}) {
-    if (*writer) {
-      attempt(*writer);
-      writer->reset();  // so that nothing is written after the cut
-      cut_half_line(*file);
+  const auto end = [&](auto& writer, const fs::path& file) {
+    if (writer) {
+      attempt(writer);
+      writer.reset();  // so that nothing is written after the cut
+      cut_half_line(file);
     }
-  }
+  };
+  end(tum_, files_.tum);
+  end(kitti_, files_.kitti);
+  end(sweeps_, files_.sweeps);
   if (map_) {
     attempt(map_);
   }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The folder that `adit run` writes: trajectory.tum, trajectory.kitti, map.ply, summary.json. Other
-// files in it are left alone.
+// The folder that `adit run` writes: trajectory.tum, trajectory.kitti, sweeps.csv, map.ply,
+// summary.json. Other files in it are left alone.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@
 #include "slam/odometry.hpp"
 #include "tools/map_thinning.hpp"
 #include "tools/ply_writer.hpp"
+#include "tools/sweep_table.hpp"
 #include "tools/trajectory_io.hpp"
 
 namespace adit {
@@ -30,23 +31,26 @@ struct RunFiles {
 
   std::filesystem::path tum;
   std::filesystem::path kitti;
+  std::filesystem::path sweeps;
   std::filesystem::path map;
   std::filesystem::path summary;
 };
 
-/// Makes the folder and makes sure that each file in it can be written, without touching what an
-/// earlier run left there. Throws OutputError naming the file.
-void check_writable(const std::filesystem::path& folder, const MapOptions& map);
+/// Makes the folder and makes sure that each file in it can be written, and the `others`, without
+/// touching what an earlier run left there. Throws OutputError naming the file.
+void check_writable(const std::filesystem::path& folder, const MapOptions& map,
+                    const std::vector<std::filesystem::path>& others = {});
 
-/// Writes trajectories and map as the sweeps come. What is written of a sweep is with the operating
-/// system before the next sweep: it survives the end of the process, whatever ends it.
+/// Writes trajectories, table and map as the sweeps come. What is written of a sweep is with the
+/// operating system before the next sweep: it survives the end of the process, whatever ends it.
 class RunOutputs {
  public:
-  /// Empties the trajectories and, where there is to be one, the map. Throws OutputError.
+  /// Empties trajectories and table and, where there is to be one, the map. Throws OutputError.
   RunOutputs(const std::filesystem::path& folder, const MapOptions& map);
 
-  /// Throws OutputError (a full disk); what earlier sweeps wrote stays as it was.
-  void write(const SweepResult& sweep);
+  /// Sweep `index` of the recording. Throws OutputError (a full disk); what earlier sweeps wrote
+  /// stays as it was.
+  void write(const SweepResult& sweep, std::size_t index);
 
   /// Closes every file, then throws OutputError if one of them could not be completed. Cuts
   /// half-written lines off.
@@ -60,6 +64,7 @@ class RunOutputs {
   RunFiles files_;
   std::optional<TrajectoryWriter> tum_;
   std::optional<TrajectoryWriter> kitti_;
+  std::optional<SweepTableWriter> sweeps_;
   std::optional<PlyWriter> map_;
   std::optional<MapThinning> thinning_;
   std::vector<Point> points_;  ///< of the current keyframe, map frame

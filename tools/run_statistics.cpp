@@ -102,6 +102,9 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   }
   host_.back().ms.push_back(
       static_cast<float>(std::accumulate(by_stage.begin(), by_stage.end(), 0.0)));
+  if (result.inertial.nav) {
+    inertial_times_.ms.push_back(static_cast<float>(times.inertial));
+  }
   add_device_times(result.stages);
 
   const auto reason = failure_reason(result, config_);

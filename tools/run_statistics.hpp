@@ -30,10 +30,11 @@ Distribution distribution(std::vector<float> values);
 
 /// Host time of one sweep by what it was spent on, ms.
 struct HostTimes {
-  double read = 0.0;   ///< reading and decoding the file
-  double host = 0.0;   ///< host work of the odometry
-  double wait = 0.0;   ///< waiting for the device
-  double write = 0.0;  ///< writing trajectory and map
+  double read = 0.0;      ///< reading and decoding the file
+  double host = 0.0;      ///< host work of the odometry
+  double wait = 0.0;      ///< waiting for the device
+  double write = 0.0;     ///< writing the results
+  double inertial = 0.0;  ///< of `host`: preintegration and the sliding graph
 };
 
 /// A sweep that could not be placed.
@@ -82,6 +83,8 @@ class RunStatistics {
   double recorded_seconds() const;               ///< s between the first and the last stamp
   /// "read", "host", "wait", "write", and "total", their sum.
   const std::array<StageTimes, 5>& host_stages() const { return host_; }
+  /// Preintegration and the sliding graph, a part of "host"; the sweeps that the IMU was fused in.
+  const StageTimes& inertial_stage() const { return inertial_times_; }
   /// In the order in which the device ran them, then "total", their sum; empty unless profiled.
   const std::vector<StageTimes>& device_stages() const { return device_; }
 
@@ -103,6 +106,7 @@ class RunStatistics {
   std::array<StageTimes, 5> host_{StageTimes{"read", {}}, StageTimes{"host", {}},
                                   StageTimes{"wait", {}}, StageTimes{"write", {}},
                                   StageTimes{"total", {}}};
+  StageTimes inertial_times_{"imu and graph", {}};
   std::vector<StageTimes> device_;
 };
 

@@ -53,16 +53,20 @@ ordered_json describe_sweeps(const RunStatistics& statistics) {
   return json;
 }
 
+ordered_json describe_stage(const StageTimes& stage) {
+  const Distribution times = distribution(stage.ms);
+  return {{"sweeps", times.count},
+          {"mean", times.mean},
+          {"p50", times.p50},
+          {"p95", times.p95},
+          {"max", times.max}};
+}
+
 template <class Stages>
 ordered_json describe_stages(const Stages& stages) {
   ordered_json json = ordered_json::object();
   for (const StageTimes& stage : stages) {
-    const Distribution times = distribution(stage.ms);
-    json[stage.stage] = {{"sweeps", times.count},
-                         {"mean", times.mean},
-                         {"p50", times.p50},
-                         {"p95", times.p95},
-                         {"max", times.max}};
+    json[stage.stage] = describe_stage(stage);
   }
   return json;
 }
@@ -70,12 +74,21 @@ ordered_json describe_stages(const Stages& stages) {
 ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outcome) {
   const RunFiles files(run.output);
   ordered_json json = {{"folder", run.output.string()},
-                       {"files", {files.tum.filename().string(), files.kitti.filename().string()}}};
+                       {"files",
+                        {files.tum.filename().string(), files.kitti.filename().string(),
+                         files.sweeps.filename().string()}}};
   if (run.map.enabled) {
     json["files"].push_back(files.map.filename().string());
     json["map_points"] = outcome.map_points;
     json["map_resolution_m"] =
         run.map.resolution ? ordered_json(*run.map.resolution) : ordered_json();
+  }
+  if (outcome.high_rate) {
+    const HighRateFiles high_rate(run.output);
+    json["files"].push_back(high_rate.tum.filename().string());
+    json["files"].push_back(high_rate.csv.filename().string());
+    json["high_rate"] = to_json(*outcome.high_rate);
+    json["high_rate"]["smoothing_s"] = run.high_rate.smoothing;
   }
   return json;
 }
@@ -99,6 +112,7 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   json["sweeps"]["deskewed"] = statistics.deskewed();
   if (statistics.inertial().any()) {
     json["imu"] = statistics.inertial().to_json();
+    json["imu"]["host_ms"] = describe_stage(statistics.inertial_stage());
   }
   json["distance_m"] = statistics.distance();
   json["time"] = {{"wall_s", outcome.wall_s},

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct RunDescription {
   SweepRange range;
   std::filesystem::path output;
   MapOptions map;
+  HighRateOptions high_rate;
   Config config;
   engine::DeviceInfo device;
   std::string device_requested;  ///< empty: nothing was asked for
@@ -44,6 +46,7 @@ struct RunOutcome {
       0.0;  ///< s, mapping alone, from the first sweep's reading to the last one's writing
   uint64_t map_points = 0;
   uint64_t device_peak_bytes = 0;
+  std::optional<HighRateStatistics> high_rate;  ///< none: not asked for
   std::vector<std::string> validation_messages;
 };
 

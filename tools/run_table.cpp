@@ -50,6 +50,15 @@ std::string host_times(const RunStatistics& statistics) {
   return text;
 }
 
+std::string inertial_text(const RunStatistics& statistics) {
+  std::string text = statistics.inertial().text();
+  const Distribution times = distribution(statistics.inertial_stage().ms);
+  if (times.count > 0) {
+    text += line("; preintegration and graph %.2f ms a sweep, %.2f at most", times.mean, times.max);
+  }
+  return text;
+}
+
 std::string stage_table(const RunStatistics& statistics) {
   std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
   const auto row = [&](const char* where, const StageTimes& stage) {
@@ -59,6 +68,9 @@ std::string stage_table(const RunStatistics& statistics) {
   };
   for (const StageTimes& stage : statistics.host_stages()) {
     row("host", stage);
+  }
+  if (!statistics.inertial_stage().ms.empty()) {
+    row("host", statistics.inertial_stage());
   }
   for (const StageTimes& stage : statistics.device_stages()) {
     row("device", stage);
@@ -78,16 +90,22 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
            run.range.count, statistics.distance(), format_duration(outcome.wall_s).c_str(), rate);
   text += "sweeps   " + counts(statistics) + "\n";
   if (statistics.inertial().any()) {
-    text += "imu      " + statistics.inertial().text() + "\n";
+    text += "imu      " + inertial_text(statistics) + "\n";
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
           line("; %.1f MiB at most\n",
                static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
-  text += "wrote    " + files.tum.string() + "\n         " + files.kitti.string() + "\n";
+  text += "wrote    " + files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
+          files.sweeps.string() + "\n";
   if (run.map.enabled) {
     text += "         " + files.map.string() +
             line(" (%llu points)\n", static_cast<unsigned long long>(outcome.map_points));
+  }
+  if (outcome.high_rate) {
+    text += "         " + HighRateFiles(run.output).tum.string() + " (" +
+            describe(*outcome.high_rate) + ")\n         " + HighRateFiles(run.output).csv.string() +
+            " (velocities, covariances)\n";
   }
   text += "         " + files.summary.string() + "\n";
   return stages ? text + stage_table(statistics) : text;

@@ -3,7 +3,6 @@
 #include "tools/trajectory_io.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -92,23 +91,6 @@ StampedPose kitti_pose(const std::filesystem::path& file, uint64_t line,
   throw InputError(file, Place::line(line),
                    "columns found: " + std::to_string(columns) + ", expected " + wanted,
                    "Correct or delete the line");
-}
-
-void append_number(std::string& line, double value) {
-  std::array<char, 32> text{};
-  const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value);
-  line.append(text.data(), end.ptr);
-}
-
-/// "SECONDS.NNNNNNNNN", exact.
-void append_stamp(std::string& line, Nanoseconds stamp) {
-  const int64_t count = stamp.count();
-  const uint64_t magnitude =
-      count < 0 ? uint64_t{0} - static_cast<uint64_t>(count) : static_cast<uint64_t>(count);
-  const std::string fraction = std::to_string(magnitude % 1'000'000'000U);
-  line += count < 0 ? "-" : "";
-  line += std::to_string(magnitude / 1'000'000'000U) + "." + std::string(9 - fraction.size(), '0') +
-          fraction;
 }
 
 }  // namespace

@@ -122,7 +122,9 @@ TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
         estimate.poses[i].pose.translation() - truth.poses[i].pose.translation();
     EXPECT_LT(error.norm(), 0.15) << "sweep " << i;
   }
-  for (const char* file : {"trajectory.tum", "trajectory.kitti", "map.ply", "summary.json"}) {
+  EXPECT_EQ(test::lines(out_ / "out/sweeps.csv"), kSweeps + 1);
+  for (const char* file :
+       {"trajectory.tum", "trajectory.kitti", "sweeps.csv", "map.ply", "summary.json"}) {
     EXPECT_NE(printed_.str().find(file), std::string::npos) << printed_.str();
   }
   EXPECT_FALSE(fs::exists(out_ / "out/summary.json.part"));
@@ -278,6 +280,21 @@ TEST_F(RunCommand, MistakesOnTheCommandLineAreUsageErrors) {
   setting.config.overrides = {"submap.l=0"};
   EXPECT_EQ(run(setting), 2);
   EXPECT_FALSE(fs::exists(out_ / "out/trajectory.tum")) << "nothing was done";
+}
+
+TEST_F(RunCommand, HighRateWithoutAnImuHasNoPosesAndSaysWhy) {
+  RunCommandOptions high_rate = options();
+  high_rate.high_rate.enabled = true;
+  ASSERT_EQ(run(high_rate), 0) << said_.str();
+  EXPECT_NE(printed_.str().find("odometry_highrate.tum (0 poses: the IMU was never fused)"),
+            std::string::npos)
+      << printed_.str();
+  EXPECT_EQ(test::lines(out_ / "out/odometry_highrate.tum"), 0U);
+  EXPECT_EQ(test::lines(out_ / "out/odometry_highrate.csv"), 1U);
+  EXPECT_EQ(summary()["output"]["high_rate"]["poses"], 0);
+  RunCommandOptions smoothing = options();
+  smoothing.high_rate.smoothing = 0.1;
+  EXPECT_EQ(run(smoothing), 2) << "needs --high-rate";
 }
 
 TEST_F(RunCommand, TooSmallAMemoryBudgetIsReported) {

@@ -58,7 +58,7 @@ TEST(RunOutputs, EveryLineIsOnTheDiskBeforeTheNextSweep) {
   test::MemoryRecording recording(3);
   RunOutputs outputs(folder.path(), {});
   for (std::size_t i = 0; i < 3; ++i) {
-    outputs.write(test::placed(recording.read(i)));
+    outputs.write(test::placed(recording.read(i)), i);
     EXPECT_EQ(test::lines(folder / "trajectory.tum"), i + 1);
     EXPECT_EQ(test::lines(folder / "trajectory.kitti"), i + 1);
     EXPECT_EQ(read_ply(folder / "map.ply").sweep.points.size(), 3 * (i + 1))
@@ -80,10 +80,10 @@ TEST(RunOutputs, MapHoldsKeyframesInTheMapFrame) {
   SweepResult keyframe = test::placed(recording.read(2));
   keyframe.T_map_lidar.linear() =
       Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  outputs.write(keyframe);
+  outputs.write(keyframe, 2);
   SweepResult other = test::placed(recording.read(1));
   other.keyframe = false;
-  outputs.write(other);
+  outputs.write(other, 1);
   outputs.close();
   const std::vector<Point> points = read_ply(folder / "map.ply").sweep.points;
   ASSERT_EQ(points.size(), 3U);
@@ -97,8 +97,8 @@ TEST(RunOutputs, MapResolutionKeepsTheFirstPointOfEachVoxel) {
   const test::TemporaryFolder folder;
   test::MemoryRecording recording(2);
   RunOutputs outputs(folder.path(), {.enabled = true, .resolution = 0.5});
-  outputs.write(test::placed(recording.read(0)));
-  outputs.write(test::placed(recording.read(0)));
+  outputs.write(test::placed(recording.read(0)), 0);
+  outputs.write(test::placed(recording.read(0)), 0);
   outputs.close();
   const std::vector<Point> points = read_ply(folder / "map.ply").sweep.points;
   ASSERT_EQ(points.size(), 2U)
@@ -123,7 +123,7 @@ TEST(RunOutputs, NoMapMeansThatAnEarlierMapStays) {
   folder.write("map.ply", "earlier");
   test::MemoryRecording recording(1);
   RunOutputs outputs(folder.path(), {.enabled = false, .resolution = {}});
-  outputs.write(test::placed(recording.read(0)));
+  outputs.write(test::placed(recording.read(0)), 0);
   outputs.close();
   EXPECT_EQ(test::content(folder / "map.ply"), "earlier");
 }
@@ -134,7 +134,7 @@ TEST(RunOutputs, FullDiskIsReportedAndTheOtherFilesAreWhole) {
   test::MemoryRecording recording(1);
   RunOutputs outputs(folder.path(), {});
   try {
-    outputs.write(test::placed(recording.read(0)));
+    outputs.write(test::placed(recording.read(0)), 0);
     FAIL() << "the disk is full";
   } catch (const OutputError& error) {
     EXPECT_NE(std::string(error.what()).find("trajectory.kitti"), std::string::npos)
