@@ -13,7 +13,8 @@ namespace adit {
 
 /// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, and, where
 /// the prediction is not to be trusted, a second time from coarse voxels down to fine ones: the
-/// better one counts.
+/// better one counts. A lost sensor is searched for with several headings and from several places,
+/// and the result tells how well the best other place fits.
 class Aligner {
  public:
   Aligner(engine::Context& context, const RegistrationConfig& config);
@@ -27,28 +28,29 @@ class Aligner {
   gpu::VoxelMapCounters read_map_counters() const;
 
  private:
-  /// One alignment with several levels: what it starts from and its slices on the device.
-  engine::RegistrationArguments arguments(size_t alignment, size_t level,
-                                          engine::Slice surface_cloud,
+  /// A level of the alignment from the prediction, or of the search from all its starts.
+  engine::RegistrationArguments arguments(bool search, size_t level, engine::Slice surface_cloud,
                                           const engine::VoxelMapView& target) const;
+  void record_starts(engine::Recorder& recorder, const Prediction& prediction,
+                     const Submap& submap);
   void record_search(engine::Recorder& recorder, engine::Slice surface_cloud,
                      engine::Slice counters, Submap& submap);
   /// A trusted prediction decides in directions that no match holds.
   void record_fine(engine::Recorder& recorder, const engine::RegistrationArguments& arguments,
                    bool trusted);
-  void record_job(engine::Recorder& recorder, size_t level, const engine::VoxelMapView& target,
-                  double d_max, engine::Slice counters);
+  void record_jobs(engine::Recorder& recorder, size_t level, const engine::VoxelMapView& target,
+                   double d_max, engine::Slice counters);
 
   RegistrationConfig config_;
   engine::RegistrationKernels kernels_;
-  engine::Buffer upload_;    ///< jobs of all levels, the start of an alignment, its initial state
+  engine::Buffer upload_;    ///< jobs of all levels, starts, initial states
   engine::Buffer jobs_;      ///< of all levels, with the number of points that the device knows
-  engine::Buffer progress_;  ///< of the alignment from the prediction, then of the search
+  engine::Buffer progress_;  ///< of the alignment from the prediction, then of the search's
   engine::Buffer states_;    ///< the same
   engine::Buffer scratch_;
   engine::Buffer readback_;  ///< states, progress, then the voxel map's counters
   uint32_t groups_ = 0;      ///< of the last alignment recorded
-  bool searched_ = false;    ///< the last alignment recorded has a second state
+  uint32_t starts_ = 0;      ///< that its search had; 0: there was none
 };
 
 }  // namespace adit

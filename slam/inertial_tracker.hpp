@@ -85,6 +85,10 @@ class InertialTracker {
   InertialReport update(const StampedPose& T_map_lidar, const RegistrationResult* alignment,
                         const Eigen::Isometry3d& steady);
 
+  /// The submap starts anew: where no inertial prediction led there, the attitude is not the one
+  /// from before, nor is gravity's direction in the map.
+  void note_restart() { after_gap_ = false; }
+
   /// What nav says of the lidar.
   Eigen::Isometry3d T_map_lidar(const NavState& nav) const {
     return nav.T_map_body * T_body_lidar_;

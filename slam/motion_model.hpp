@@ -14,12 +14,18 @@ struct Prediction {
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   /// The velocity is known from aligned sweeps. If not, the alignment has to search.
   bool trusted = false;
+  /// Nothing tells how the sensor moved since it was last aligned: it may be anywhere nearby.
+  bool lost = false;
+  /// Where the last velocity would have led in all that time: of a lost sensor another place to
+  /// look at.
+  Eigen::Isometry3d T_map_onward = Eigen::Isometry3d::Identity();
   /// How well the pose is known where no match holds it: standard deviations of [rho, phi], m and
   /// rad, lidar axes. A constant velocity's by default.
   Vector6d sigma = (Vector6d() << 0.1, 0.1, 0.1, 0.02, 0.02, 0.02).finished();
 };
 
-/// Constant velocity: the last motion, scaled by the time since then.
+/// Constant velocity: the last motion from one aligned sweep to the next, scaled by the time since
+/// then, for a second at most.
 class MotionModel {
  public:
   Prediction predict(Nanoseconds stamp) const;
@@ -35,7 +41,11 @@ class MotionModel {
   const std::optional<StampedPose>& last() const { return last_; }
 
  private:
+  /// The velocity of long ago says nothing of now's.
+  void stop();
+
   std::optional<StampedPose> last_;
+  std::optional<StampedPose> seen_;       ///< the last that was aligned, or started from
   Vector6d velocity_ = Vector6d::Zero();  ///< twist in the body frame, m/s and rad/s
   Vector6d velocity_before_ = Vector6d::Zero();
   int aligned_in_a_row_ = 0;

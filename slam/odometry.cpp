@@ -10,6 +10,7 @@
 
 #include "engine/context.hpp"
 #include "slam/aligner.hpp"
+#include "slam/doubt.hpp"
 #include "slam/front_end.hpp"
 #include "slam/inertial_tracker.hpp"
 #include "slam/motion_model.hpp"
@@ -76,6 +77,7 @@ struct Odometry::Impl {
 
   Expectation expect(const Sweep& sweep);
   void run_on_device(const Expectation& expected, SweepResult& result);
+  void judge(const Prediction& prediction, SweepResult& result);
   void fuse(const Expectation& expected, SweepResult& result);
   OdometryState decide(SweepResult& result);
   bool is_keyframe(const SweepResult& result);
@@ -87,6 +89,7 @@ struct Odometry::Impl {
   Aligner aligner;
   MotionModel motion;
   InertialTracker inertial;
+  UsualFit usual_fit;
   int failures_in_a_row = 0;
   std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
 };
@@ -188,6 +191,20 @@ void Odometry::Impl::run_on_device(const Expectation& expected, SweepResult& res
     const gpu::VoxelMapCounters map_counters = aligner.read_map_counters();
     result.lost_points += static_cast<int>(submap.note_counters(map_counters));
     result.registration = aligner.read_result(result.cloud_points, submap);
+    judge(expected.prediction, result);
+  }
+}
+
+// What a search has found must be worth believing.
+void Odometry::Impl::judge(const Prediction& prediction, SweepResult& result) {
+  if (!is_usable(result.registration.status)) {
+    return;
+  }
+  if (const auto doubt = usual_fit.doubt(result.registration, prediction)) {
+    result.registration.status = RegistrationStatus::doubtful;
+    result.doubt = *doubt;
+  } else if (prediction.trusted) {
+    usual_fit.add(result.registration);
   }
 }
 
@@ -231,6 +248,8 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
     failures_in_a_row = 0;
     motion.restart(pose);
     submap.clear();
+    usual_fit.forget();
+    inertial.note_restart();
     submap.push(points, pose.pose);
     return first ? OdometryState::initializing : OdometryState::restarted;
   }

@@ -40,6 +40,7 @@ struct SweepResult {
   OdometryState state = OdometryState::initializing;
   RegistrationResult
       registration;       ///< T_target_source is T_map_lidar; all default at the first sweep
+  std::string doubt;      ///< for people: why an alignment is not believed (slam/doubt)
   bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
   int raw_points = 0;     ///< points of the sweep as it came
   int valid_points = 0;   ///< left after NaN, no-return and range clipping

@@ -25,6 +25,8 @@ std::string_view to_string(RegistrationStatus status) {
       return "too few points";
     case RegistrationStatus::diverged:
       return "diverged";
+    case RegistrationStatus::doubtful:
+      return "doubtful";
   }
   return "unknown";
 }

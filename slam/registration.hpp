@@ -26,6 +26,7 @@ enum class RegistrationStatus {
   too_little_overlap,  ///< matched fraction below min_overlap
   too_few_points,      ///< matched points below min_inliers, or an empty source or target
   diverged,            ///< the step or the pose is not finite, or left the target's extent
+  doubtful,            ///< found by a search, with too little to tell the place (slam/doubt)
 };
 std::string_view to_string(RegistrationStatus status);
 
@@ -74,6 +75,9 @@ struct RegistrationResult {
   int matches = 0;       ///< of all points; more than inliers where neighbours are looked at
   int source_points = 0;
   int iterations = 0;
+  /// Matched points at the best other place that a search found, as a share of these; 0 where it
+  /// found none.
+  double rival = 0.0;
 };
 
 /// From information to a covariance that holds what the matches do not know of their own errors

@@ -32,6 +32,8 @@ std::string status_reason(const SweepResult& sweep, const Config& config) {
              " iterations (registration.max_iterations)";
     case RegistrationStatus::diverged:
       return "the alignment diverged";
+    case RegistrationStatus::doubtful:
+      return sweep.doubt;
     case RegistrationStatus::converged:
     case RegistrationStatus::degenerate:
       break;

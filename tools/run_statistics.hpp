@@ -98,7 +98,7 @@ class RunStatistics {
   std::size_t keyframes_ = 0;
   std::size_t lost_points_ = 0;
   std::array<std::size_t, 4> states_{};
-  std::array<std::size_t, 6> statuses_{};
+  std::array<std::size_t, 7> statuses_{};
   std::vector<SweepFailure> failures_;
   double distance_ = 0.0;
   std::optional<StampedPose> first_;
@@ -116,6 +116,7 @@ inline constexpr std::array kOdometryStates{OdometryState::initializing, Odometr
 inline constexpr std::array kRegistrationStatuses{
     RegistrationStatus::converged,      RegistrationStatus::degenerate,
     RegistrationStatus::not_converged,  RegistrationStatus::too_little_overlap,
-    RegistrationStatus::too_few_points, RegistrationStatus::diverged};
+    RegistrationStatus::too_few_points, RegistrationStatus::diverged,
+    RegistrationStatus::doubtful};
 
 }  // namespace adit

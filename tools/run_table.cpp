@@ -29,6 +29,9 @@ std::string counts(const RunStatistics& statistics) {
     text += line(" (%zu bridged by the predicted motion, %zu new starts; see summary.json)",
                  coasting, restarted);
   }
+  if (restarted > 0) {
+    text += "; how the pieces before and after a new start lie to each other is a guess";
+  }
   text += line(", %zu keyframes", statistics.keyframes());
   if (statistics.lost_points() > 0) {
     text += line("; %zu points found no place on the device", statistics.lost_points());

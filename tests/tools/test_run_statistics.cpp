@@ -56,6 +56,9 @@ TEST(RunStatistics, FailuresAreExplainedWithTheNumbersAndTheSettingsThatDecided)
   expect(failed(RegistrationStatus::too_few_points), {"42", "100", "registration.min_inliers"});
   expect(failed(RegistrationStatus::not_converged), {"20 iterations"});
   expect(failed(RegistrationStatus::diverged), {"diverged"});
+  SweepResult doubtful = failed(RegistrationStatus::doubtful);
+  doubtful.doubt = "a search found two places";
+  expect(doubtful, {"a search found two places"});
   SweepResult thin = failed(RegistrationStatus::too_few_points);
   thin.cloud_points = 7;
   expect(thin, {"only 7 points", "registration.min_inliers"});

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two seconds of which nothing at all was recorded, and nobody knows what the sensor did then.
+#include <algorithm>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/slam/odometry_fixture.hpp"
+
+namespace adit {
+namespace {
+
+using test::Drive;
+using test::run_odometry;
+
+class OdometryGapTest : public test::DeviceTest {};
+
+constexpr size_t kGap = 25;  // sweeps before it
+constexpr double kStep = 0.15;
+
+/// On foot: straight on, a gap of two seconds in which the sensor moves by `jump`, then `forward` m
+/// a sweep again.
+std::vector<StampedPose> walk(const Eigen::Isometry3d& jump, size_t after) {
+  std::vector<StampedPose> poses;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation().z() = 1.8;
+  Nanoseconds stamp = std::chrono::seconds(1000);
+  for (size_t i = 0; i < kGap + after; ++i) {
+    poses.push_back({stamp, pose});
+    const bool gap = i + 1 == kGap;
+    pose = gap ? pose * jump : pose * Eigen::Translation3d(kStep, 0.0, 0.0);
+    stamp += gap ? std::chrono::milliseconds(2000) : std::chrono::milliseconds(100);
+  }
+  return poses;
+}
+
+Eigen::Isometry3d jump(double x, double y, double yaw) {
+  Eigen::Isometry3d motion(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  motion.translation() << x, y, 0.0;
+  return motion;
+}
+
+size_t count(const std::vector<SweepResult>& results, OdometryState state) {
+  return static_cast<size_t>(std::ranges::count(results, state, &SweepResult::state));
+}
+
+TEST_F(OdometryGapTest, ASensorThatHasTurnedIsFoundAgain) {
+  const test::World world = test::make_street(100.0);
+  for (const double degrees : {-160.0, -90.0, 0.0, 60.0, 130.0}) {
+    Drive drive;
+    drive.truth = walk(jump(1.2, 0.8, degrees * std::numbers::pi / 180.0), 10);
+    drive.sweeps = test::scan_all(world, drive.truth, test::Lidar{});
+    const auto results = run_odometry(context(), drive.sweeps);
+    EXPECT_EQ(count(results, OdometryState::restarted), 0U) << degrees;
+    EXPECT_LE(count(results, OdometryState::coasting), 2U) << degrees;
+    for (size_t i = kGap; i < drive.size(); ++i) {
+      if (results[i].state == OdometryState::tracking) {
+        EXPECT_LE(drive.error(results[i], i).translation, 0.1) << degrees << ", sweep " << i;
+      }
+    }
+  }
+}
+
+TEST_F(OdometryGapTest, InAnotherPlaceTheMapStartsAnewAndNothingIsPretendedBefore) {
+  Drive drive;
+  drive.truth = walk(jump(0.0, 0.0, 0.5), 20);
+  drive.sweeps = test::scan_all(test::make_street(100.0, 1), drive.truth, test::Lidar{});
+  const std::vector<Sweep> elsewhere =
+      test::scan_all(test::make_street(100.0, 7), drive.truth, test::Lidar{});
+  std::copy(elsewhere.begin() + kGap, elsewhere.end(), drive.sweeps.begin() + kGap);
+  const auto results = run_odometry(context(), drive.sweeps);
+  const auto anew = std::ranges::find(results, OdometryState::restarted, &SweepResult::state);
+  ASSERT_NE(anew, results.end());
+  const auto at = static_cast<size_t>(anew - results.begin());
+  EXPECT_EQ(at, kGap + 5);
+  for (size_t i = kGap; i < at; ++i) {
+    EXPECT_EQ(results[i].state, OdometryState::coasting) << i;
+    // The last velocity is given a second and no more.
+    const double gone =
+        (results[i].T_map_lidar.translation() - results[kGap - 1].T_map_lidar.translation()).norm();
+    EXPECT_LE(gone, 10 * kStep + 0.1) << i;
+  }
+  for (size_t i = at + 1; i < drive.size(); ++i) {
+    EXPECT_EQ(results[i].state, OdometryState::tracking) << i;
+    const Eigen::Isometry3d moved = anew->T_map_lidar.inverse() * results[i].T_map_lidar;
+    const Eigen::Isometry3d truth = drive.truth[at].pose.inverse() * drive.truth[i].pose;
+    EXPECT_LE((moved.translation() - truth.translation()).norm(), 0.1) << i;
+  }
+}
+
+TEST_F(OdometryGapTest, InASmoothTunnelNobodyKnowsHowFarItWent) {
+  test::World tunnel;
+  tunnel.blocks = {{{-200.0, -6.0, 0.0}, {300.0, -3.0, 6.0}},
+                   {{-200.0, 3.0, 0.0}, {300.0, 6.0, 6.0}}};
+  Drive drive;
+  drive.truth = walk(jump(6.0, 0.0, 0.0), 8);
+  drive.sweeps = test::scan_all(tunnel, drive.truth, test::Lidar{});
+  const auto results = run_odometry(context(), drive.sweeps);
+  EXPECT_EQ(results[kGap].registration.status, RegistrationStatus::doubtful);
+  EXPECT_FALSE(results[kGap].doubt.empty());
+  EXPECT_EQ(count(results, OdometryState::restarted), 1U);
+}
+
+}  // namespace
+}  // namespace adit
