@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/cases.hpp"
+#include "benchmarks/command_bench_consistency.hpp"
 #include "benchmarks/command_bench_slam.hpp"
 #include "benchmarks/inputs.hpp"
 #include "benchmarks/report.hpp"
@@ -148,7 +149,8 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
       "  adit bench --input sweep.pcd downsample      on your own cloud\n"
       "  adit bench --compare a.json b.json\n"
       "  adit bench slam                              how accurate, see `adit bench slam "
-      "--help`\n\n"
+      "--help`\n"
+      "  adit bench consistency                       whether it knows how accurate it is\n\n"
       "Exit codes: 0 done, 1 a case is wrong or the device failed, 2 usage.");
   command->add_option("cases", options->cases, "Names of cases, or how they begin")
       ->type_name("CASE");
@@ -181,6 +183,7 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("BEFORE AFTER");
   command->add_option("--device", options->device.device, "Index, UUID or part of the name");
   add_bench_slam_command(*command, done);
+  add_bench_consistency_command(*command, done);
   command->callback([command, options, done = std::move(done)] {
     if (command->get_subcommands().empty()) {
       done(bench_command(*options, std::cout, std::cerr));

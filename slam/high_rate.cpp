@@ -38,7 +38,7 @@ StateMatrix propagated(const StateEstimate& base, const Preintegration& since) {
   own.block<3, 3>(kRotationAt, 3).setIdentity();
   own.block<3, 3>(kVelocityAt, 6) = R;
   return transition * base.covariance * transition.transpose() +
-         own * since.covariance * own.transpose();
+         own * whole_covariance(since) * own.transpose();
 }
 
 }  // namespace

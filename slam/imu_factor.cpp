@@ -67,7 +67,7 @@ LinkFactor<9> imu_factor(const Preintegration& preintegration, const NavState& f
   factor.by_to.block<3, 3>(kRotation, kRotationAt) = turn;
   factor.by_to.block<3, 3>(kVelocity, kVelocityAt) = R_body_map;
 
-  const Eigen::LLT<Matrix9d> whitening(floored(preintegration.covariance));
+  const Eigen::LLT<Matrix9d> whitening(floored(whole_covariance(preintegration)));
   whitening.matrixL().solveInPlace(factor.residual);
   whitening.matrixL().solveInPlace(factor.by_from);
   whitening.matrixL().solveInPlace(factor.by_to);

@@ -15,6 +15,8 @@ struct ImuNoise {
   double accel = 1e-2;       ///< m/s²/√Hz, white
   double gyro_walk = 3e-5;   ///< rad/s²/√Hz, of the bias
   double accel_walk = 1e-3;  ///< m/s³/√Hz, of the bias
+  /// Share of what is measured: errors of scale, and axes that are not square.
+  double scale = 0.0;
 };
 
 /// A sensor by name with the densities of its manufacturer.

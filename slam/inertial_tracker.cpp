@@ -13,9 +13,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Of alignments (docs/theory/registration.md): what the matches do not know of their own errors.
-constexpr CovarianceModel kAlignmentModel{
-    .kappa = 1.0, .sigma_translation = 0.005, .sigma_rotation = 0.001};
+// Errors of alignments, as measured (docs/theory/inertial.md, section 9): all of them, and what is
+// new with each sweep. The rest stays for some sweeps, as surfaces are cut into the same cells.
+constexpr CovarianceModel kAlignmentModel{.kappa = 0.3,
+                                          .area = 0.016,
+                                          .sigma_translation = 0.002,
+                                          .sigma_rotation = 0.0003,
+                                          .sigma_unknown_translation = 0.1,
+                                          .sigma_unknown_rotation = 0.02};
+constexpr CovarianceModel kWhiteModel{
+    .kappa = 0.1, .area = 0.016, .sigma_translation = 0.002, .sigma_rotation = 0.0003};
 
 // chi squared that 99.9 % stay below, by degrees of freedom.
 constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
@@ -28,6 +35,7 @@ constexpr double kLargestAccelBias = 3.0;  // m/s²
 constexpr double kLongestAlone = 3.0;      // s by inertia alone
 constexpr int kLosses = 5;                 // without a long time of fusion in between
 constexpr int kLongFusion = 100;           // sweeps
+constexpr double kScaleError = 0.005;      // of readings: scale, axes that are not square
 // Readings stand for this long after the last one; then velocities stay as they were.
 constexpr Nanoseconds kHeld = milliseconds(20);
 // Before the start: readings that turn faster are not believed.
@@ -51,10 +59,15 @@ std::string text_of(double value) {
   return {buffer.data(), end};
 }
 
-/// Standard deviations of a lidar pose, from the covariance of the body's.
-Vector6d lidar_sigma(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
+/// Of a lidar pose, from that of the body's.
+Matrix6d lidar_covariance(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
   const Matrix6d to_lidar = adjoint(T_body_lidar.inverse());
-  const Matrix6d of_lidar = to_lidar * covariance.topLeftCorner<6, 6>() * to_lidar.transpose();
+  return to_lidar * covariance.topLeftCorner<6, 6>() * to_lidar.transpose();
+}
+
+/// Standard deviations of a lidar pose.
+Vector6d lidar_sigma(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
+  const Matrix6d of_lidar = lidar_covariance(covariance, T_body_lidar);
   Vector6d floor;
   floor << 0.005, 0.005, 0.005, 0.001, 0.001, 0.001;
   return (of_lidar.diagonal().cwiseMax(0.0) + floor.cwiseAbs2()).cwiseSqrt();
@@ -79,11 +92,13 @@ std::string_view to_string(InertialState state) {
 }
 
 ImuNoise imu_noise(const ImuConfig& config) {
-  return imu_preset(config.sensor, config.noise_scale)
-      .value_or(ImuNoise{.gyro = config.gyro_noise,
-                         .accel = config.accel_noise,
-                         .gyro_walk = config.gyro_walk,
-                         .accel_walk = config.accel_walk});
+  ImuNoise noise = imu_preset(config.sensor, config.noise_scale)
+                       .value_or(ImuNoise{.gyro = config.gyro_noise,
+                                          .accel = config.accel_noise,
+                                          .gyro_walk = config.gyro_walk,
+                                          .accel_walk = config.accel_walk});
+  noise.scale = kScaleError;
+  return noise;
 }
 
 InertialTracker::InertialTracker(const ImuConfig& config)
@@ -204,6 +219,9 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
                                        const RegistrationResult* alignment,
                                        const Eigen::Isometry3d& steady) {
   InertialReport report;
+  if (alignment != nullptr) {
+    report.lidar_covariance = covariance(*alignment, kAlignmentModel);
+  }
   if (pending_) {
     fuse(alignment, steady, report);
   } else if (state_ == InertialState::starting || state_ == InertialState::lost) {
@@ -255,7 +273,7 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   alone_since_ = alignment != nullptr ? 0.0 : alone_since_ + elapsed;
   std::optional<PoseMeasurement> measurement;
   if (alignment != nullptr) {
-    measurement = measured_pose(*alignment, kAlignmentModel, T_body_lidar_);
+    measurement = measured_pose(*alignment, kWhiteModel, T_body_lidar_);
     report.innovation = innovation(prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
     report.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
@@ -279,6 +297,7 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   last_fused_ = estimate.state;
   report.nav = estimate.state;
   report.nav_covariance = estimate.covariance;
+  report.lidar_covariance += lidar_covariance(estimate.covariance, T_body_lidar_);
 }
 
 }  // namespace adit

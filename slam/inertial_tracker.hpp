@@ -37,6 +37,9 @@ struct InertialReport {
   /// Of nav, in the order of its tangent vectors: what the sliding graph leaves on its newest
   /// state.
   StateMatrix nav_covariance = StateMatrix::Zero();
+  /// Of T_map_lidar relative to the submap, lidar axes, [rho, phi]: of nav and of the alignment,
+  /// whose errors are partly those of the sweeps before; zero where there is neither.
+  Matrix6d lidar_covariance = Matrix6d::Zero();
   Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
   Innovation innovation;         ///< of the alignment; 0 degrees where there was none
   double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed

@@ -73,12 +73,14 @@ struct Odometry::Impl {
         front_end(context_, config_.preprocess),
         submap(context_, config_),
         aligner(context_, config_.registration),
-        inertial(config_.imu) {}
+        inertial(config_.imu),
+        drift(config_.submap.l) {}
 
   Expectation expect(const Sweep& sweep);
   void run_on_device(const Expectation& expected, SweepResult& result);
   void judge(const Prediction& prediction, SweepResult& result);
   void fuse(const Expectation& expected, SweepResult& result);
+  void assess(const Expectation& expected, SweepResult& result);
   OdometryState decide(SweepResult& result);
   bool is_keyframe(const SweepResult& result);
 
@@ -90,6 +92,9 @@ struct Odometry::Impl {
   MotionModel motion;
   InertialTracker inertial;
   UsualFit usual_fit;
+  DriftModel drift;
+  Matrix6d coasting = Matrix6d::Zero();  ///< covariance of predictions in a row
+  bool joined = false;                   ///< the last sweep's cloud, the submap
   int failures_in_a_row = 0;
   std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
 };
@@ -111,6 +116,7 @@ SweepResult Odometry::step(const Sweep& sweep) {
   impl_->run_on_device(expected, result);
   impl_->fuse(expected, result);
   result.state = impl_->decide(result);
+  impl_->assess(expected, result);
   if (impl_->is_keyframe(result)) {
     result.keyframe = true;
     result.cloud = impl_->front_end.read_cloud();
@@ -233,11 +239,13 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
   const bool can_start = result.cloud_points >= config.registration.min_inliers;
   const bool aligned = is_usable(result.registration.status);
   const StampedPose pose{result.stamp, result.T_map_lidar};
+  joined = false;
 
   if (aligned) {
     failures_in_a_row = 0;
     motion.update(pose, true);
-    if (submap.wants(pose.pose)) {
+    joined = submap.wants(pose.pose);
+    if (joined) {
       submap.push(points, pose.pose);
     }
     return OdometryState::tracking;
@@ -256,6 +264,23 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
   ++failures_in_a_row;
   motion.update(pose, false);
   return OdometryState::coasting;
+}
+
+// How well the pose is known. A sweep that coasts, or restarts, is known as its prediction is; what
+// a restart misses stays missed.
+void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
+  Matrix6d local = result.inertial.lidar_covariance;
+  const bool predicted = local.isZero() && result.state != OdometryState::initializing;
+  if (predicted) {
+    coasting += expected.prediction.sigma.cwiseAbs2().asDiagonal();
+    local = coasting;
+  } else {
+    coasting.setZero();
+  }
+  result.uncertainty = drift.update(result.T_map_lidar, local, joined);
+  if (result.state == OdometryState::restarted) {
+    result.uncertainty = drift.restart(local);
+  }
 }
 
 bool Odometry::Impl::is_keyframe(const SweepResult& result) {

@@ -9,6 +9,7 @@
 
 #include "slam/config.hpp"
 #include "slam/inertial_tracker.hpp"
+#include "slam/pose_uncertainty.hpp"
 #include "slam/registration.hpp"
 #include "slam/types.hpp"
 
@@ -37,6 +38,7 @@ struct StageTime {
 struct SweepResult {
   Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
+  PoseUncertainty uncertainty;  ///< of that pose
   OdometryState state = OdometryState::initializing;
   RegistrationResult
       registration;       ///< T_target_source is T_map_lidar; all default at the first sweep

@@ -66,7 +66,26 @@ Preintegration advanced(const Preintegration& so_far, const ImuSample& from, con
       Eigen::Vector3d::Constant(noise.accel * noise.accel / dt);
   next.covariance = transition * so_far.covariance * transition.transpose() +
                     input * variance.asDiagonal() * input.transpose();
+  next.scale = noise.scale;
   return next;
+}
+
+// An error S with independent entries of variance s^2 moves a vector a by S a: cov(S a, S b) =
+// s^2 (a . b) I.
+Matrix9d whole_covariance(const Preintegration& preintegration) {
+  const MotionIncrement& increment = preintegration.increment;
+  const double variance = preintegration.scale * preintegration.scale;
+  const Eigen::Vector3d turn = so3_log(increment.rotation);
+  const auto add = [&](Matrix9d& sum, int i, int j, double product) {
+    sum.block<3, 3>(i, j).diagonal().array() += variance * product;
+  };
+  Matrix9d sum = preintegration.covariance;
+  add(sum, kRotation, kRotation, turn.squaredNorm());
+  add(sum, kVelocity, kVelocity, increment.velocity.squaredNorm());
+  add(sum, kPosition, kPosition, increment.position.squaredNorm());
+  add(sum, kVelocity, kPosition, increment.velocity.dot(increment.position));
+  add(sum, kPosition, kVelocity, increment.velocity.dot(increment.position));
+  return sum;
 }
 
 Preintegration preintegrate(std::span<const ImuSample> samples, const ImuBias& bias,

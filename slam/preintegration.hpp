@@ -27,6 +27,7 @@ struct Preintegration {
   ImuBias bias;  ///< subtracted from each reading
   /// Of [position, rotation, velocity]: m², rad², (m/s)²; right perturbation of the rotation.
   Matrix9d covariance = Matrix9d::Zero();
+  double scale = 0.0;  ///< ImuNoise::scale, which the covariance leaves out: whole_covariance()
   Eigen::Matrix3d rotation_by_gyro = Eigen::Matrix3d::Zero();   ///< d rotation / d b_g, s
   Eigen::Matrix3d velocity_by_gyro = Eigen::Matrix3d::Zero();   ///< d velocity / d b_g, m/rad
   Eigen::Matrix3d velocity_by_accel = Eigen::Matrix3d::Zero();  ///< d velocity / d b_a, s
@@ -43,6 +44,10 @@ Preintegration advanced(const Preintegration& so_far, const ImuSample& from, con
 /// a duration of 0.
 Preintegration preintegrate(std::span<const ImuSample> samples, const ImuBias& bias,
                             const ImuNoise& noise);
+
+/// The covariance with what errors of scale do to the whole increment. They are the same from
+/// reading to reading, so no sum of white noise grows as they do.
+Matrix9d whole_covariance(const Preintegration& preintegration);
 
 /// The increment with other biases, to first order.
 MotionIncrement corrected(const Preintegration& preintegration, const ImuBias& bias);

@@ -225,11 +225,18 @@ RegistrationResult read_registration(const DeviceAlignment& device, int source_p
   return result;
 }
 
+double surface_of_match(const RegistrationResult& result) {
+  const double translation = result.information.topLeftCorner<3, 3>().trace();
+  const double rotation = result.information.bottomRightCorner<3, 3>().trace();
+  return translation > 0.0 ? rotation / translation / std::max(result.inliers, 1) : 0.0;
+}
+
 double inflation(const RegistrationResult& result, const CovarianceModel& model) {
   const double worse = std::max(0.0, result.residual_rms / model.rms_expected - 1.0);
   const double overlap = std::max(result.overlap, 0.3);
   const double each = static_cast<double>(result.matches) / std::max(result.inliers, 1);
-  return model.kappa * each * (1.0 + worse) / (overlap * overlap);
+  const double sparse = model.area > 0.0 ? surface_of_match(result) / model.area : 1.0;
+  return model.kappa * each * (1.0 + worse) / (overlap * overlap) * sparse * sparse;
 }
 
 Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model) {

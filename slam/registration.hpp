@@ -83,9 +83,12 @@ struct RegistrationResult {
 /// From information to a covariance that holds what the matches do not know of their own errors
 /// (docs/theory/registration.md): kappa (matches / inliers) (1 + max(0, rms / rms_expected - 1)) /
 /// max(overlap, 0.3)^2 times the inverse of the information, plus floors. Matches of one point are
-/// one measurement.
+/// one measurement. With an `area`, times (surface of a match / area)^2 besides.
 struct CovarianceModel {
   double kappa = 1.0;
+  /// m²; 0: whatever the surface of a match. Normals of sparse clouds are those of large patches,
+  /// and wrong together (docs/theory/inertial.md, section 9).
+  double area = 0.0;
   double rms_expected = 0.03;               ///< m
   double sigma_translation = 0.0;           ///< m, of what every alignment has in common
   double sigma_rotation = 0.0;              ///< rad
@@ -93,6 +96,9 @@ struct CovarianceModel {
   double sigma_unknown_rotation = 1.0;      ///< rad
 };
 Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model);
+/// The surface that stands behind a match, m²: the mean squared lever over which matches hold
+/// rotations, over their number.
+double surface_of_match(const RegistrationResult& result);
 /// The factor on the inverse of the information in it.
 double inflation(const RegistrationResult& result, const CovarianceModel& model);
 

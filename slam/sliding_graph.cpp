@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "slam/imu_factor.hpp"
 #include "slam/walk_factor.hpp"
@@ -42,6 +43,18 @@ double expected_decrease(const ChainQuadratic& chain, const std::vector<StateVec
   return sum;
 }
 
+// The symmetric root of the information times the error, with metres and radians in comparable
+// units.
+Vector6d whitened(const Vector6d& error, const Matrix6d& information) {
+  Vector6d unit;
+  unit << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(0.1);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(unit.asDiagonal() * information *
+                                                      unit.asDiagonal());
+  const Vector6d roots = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return eigen.eigenvectors() * roots.asDiagonal() * eigen.eigenvectors().transpose() *
+         unit.cwiseInverse().asDiagonal() * error;
+}
+
 StateMatrix inverse(const StateMatrix& h) {
   const StateVector scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const StateMatrix unit = scale.asDiagonal() * h * scale.asDiagonal();
@@ -58,9 +71,12 @@ Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& me
       Matrix6d::Identity() + factor.by_state * prediction.covariance * factor.by_state.transpose();
   NavState measured;
   measured.T_map_body = measurement.T_map_body;
-  return {.error = difference(measured, prediction.state).head<6>(),
+  const Vector6d error = difference(measured, prediction.state).head<6>();
+  const Matrix6d& root = measurement.root_information;
+  return {.error = error,
           .nis = factor.residual.dot(covariance.ldlt().solve(factor.residual)),
-          .degrees = measurement.known_directions};
+          .degrees = measurement.known_directions,
+          .whitened = whitened(error, root.transpose() * covariance.ldlt().solve(root))};
 }
 
 void SlidingGraph::start(const StatePrior& prior) {

@@ -40,6 +40,9 @@ struct Innovation {
   Vector6d error = Vector6d::Zero();  ///< prediction from measurement, [rho, phi], body axes
   double nis = 0.0;                   ///< normalised: chi squared with this many degrees of freedom
   int degrees = 0;
+  /// The error in units of its own standard deviations, along axes that stay: its squared norm is
+  /// nis, to first order. White where the filter's model holds.
+  Vector6d whitened = Vector6d::Zero();
 };
 Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& measurement);
 

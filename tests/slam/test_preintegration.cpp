@@ -217,6 +217,36 @@ TEST(Preintegration, CovarianceIsThatOfAThousandNoisyRuns) {
   }
 }
 
+// Sensors whose axes are neither as long nor as square as they should be, each in its own way.
+TEST(Preintegration, ErrorsOfScaleAreInTheWholeCovariance) {
+  constexpr double kScale = 0.01;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal(0.0, kScale);
+  const std::vector<ImuSample> samples = readings(hand_held_motion(), 1.0, 1.1, 200.0, {});
+  const Preintegration exact = preintegrate(samples, {}, {.scale = kScale});
+  Matrix9d sum = Matrix9d::Zero();
+  constexpr int kRuns = 1000;
+  for (int run = 0; run < kRuns; ++run) {
+    const Eigen::Matrix3d gyro = Eigen::Matrix3d::NullaryExpr([&] { return normal(random); });
+    const Eigen::Matrix3d accel = Eigen::Matrix3d::NullaryExpr([&] { return normal(random); });
+    std::vector<ImuSample> wrong = samples;
+    for (ImuSample& sample : wrong) {
+      sample.angular_velocity += gyro * sample.angular_velocity;
+      sample.linear_acceleration += accel * sample.linear_acceleration;
+    }
+    const Vector9d error = error_of(preintegrate(wrong, {}, {}).increment, exact.increment);
+    sum += error * error.transpose();
+  }
+  const Vector9d found = (sum / kRuns).diagonal().cwiseSqrt();
+  const Matrix9d own = whole_covariance(exact) - exact.covariance;
+  const Vector9d told = own.diagonal().cwiseSqrt();
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_NEAR(found[i] / told[i], 1.0, 0.25) << i;
+  }
+  EXPECT_TRUE(whole_covariance(preintegrate(samples, {}, kNoise))
+                  .isApprox(preintegrate(samples, {}, kNoise).covariance));
+}
+
 TEST(Preintegration, ReadingsWithoutATimeBetweenThemChangeNothing) {
   const std::vector<ImuSample> samples = readings(hand_held_motion(), 0.0, 0.1, 100.0);
   std::vector<ImuSample> doubled;

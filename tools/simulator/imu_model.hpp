@@ -8,13 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "slam/nav_state.hpp"
 #include "slam/types.hpp"
 #include "tools/simulator/spline.hpp"
 
 namespace adit {
-
-/// m/s², downwards along world -z.
-inline constexpr double kStandardGravity = 9.80665;
 
 /// A sensor's noise as its Allan deviation shows it. In the unit of the sensor: rad/s or m/s².
 struct AllanParameters {

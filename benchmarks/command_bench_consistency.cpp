@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "benchmarks/command_bench_consistency.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/consistency.hpp"
+#include "tools/command_config.hpp"
+#include "tools/command_guard.hpp"
+#include "tools/nearest_name.hpp"
+#include "tools/output_file.hpp"
+#include "tools/usage_error.hpp"
+
+namespace adit::bench {
+namespace {
+
+std::vector<ConsistencyCase> chosen(const BenchConsistencyOptions& options) {
+  std::vector<ConsistencyCase> cases = consistency_cases();
+  std::vector<std::string> names;
+  for (ConsistencyCase& one : cases) {
+    names.push_back(one.name);
+    one.duration = options.duration;
+    one.sensor = options.sensor.empty() ? one.sensor : options.sensor;
+  }
+  for (const std::string& wanted : options.only) {
+    if (std::ranges::find(names, wanted) == names.end()) {
+      throw UsageError("there is no case '" + wanted + "'. " + suggestion(wanted, names));
+    }
+  }
+  std::erase_if(cases, [&](const ConsistencyCase& one) {
+    return !options.only.empty() && std::ranges::find(options.only, one.name) == options.only.end();
+  });
+  return cases;
+}
+
+int bench_consistency(const BenchConsistencyOptions& options, std::ostream& out,
+                      std::ostream& err) {
+  const std::vector<ConsistencyCase> cases = chosen(options);
+  const Config config = load_config(options.config);
+  engine::Context context = open_device(options.device);
+  if (context.software_fallback()) {
+    err << software_note(context.device()) << std::endl;
+  }
+  ConsistencyReport report{.setting = setting_of(context.device())};
+  print_consistency_head(report, out);
+  out << std::flush;
+  const int runs_each = std::max(1, options.runs / static_cast<int>(cases.size()));
+  std::vector<std::vector<ConsistencySweep>> all;
+  for (const ConsistencyCase& what : cases) {
+    std::vector<std::vector<ConsistencySweep>> runs;
+    for (int i = 0; i < runs_each; ++i) {
+      runs.push_back(consistency_run(context, config, what, i, runs_each));
+    }
+    report.rows.push_back({.what = what, .found = consistency_of(runs)});
+    print_consistency_row(what.name, report.rows.back().found, out);
+    out << std::flush;
+    std::ranges::move(runs, std::back_inserter(all));
+  }
+  report.all = consistency_of(all);
+  print_consistency_row("all", report.all, out);
+  print_consistency_verdict(report.all, out);
+  if (!options.json.empty()) {
+    write_text_file(options.json, to_json(report).dump(1) + "\n");
+    out << "wrote    " << options.json.string() << "\n";
+  }
+  return 0;
+}
+
+}  // namespace
+
+int bench_consistency_command(const BenchConsistencyOptions& options, std::ostream& out,
+                              std::ostream& err) {
+  return guarded("adit bench consistency", err,
+                 [&] { return bench_consistency(options, out, err); });
+}
+
+CLI::App* add_bench_consistency_command(CLI::App& bench, std::function<void(int)> done) {
+  const auto options = std::make_shared<BenchConsistencyOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "consistency", "How honest: simulated runs, their errors beside what covariances say");
+  command->footer(
+      "Each run begins elsewhere on its scene's route, with other noise. Nothing is written but "
+      "--json.\n\n"
+      "Examples:\n"
+      "  adit bench consistency                       50 runs, some minutes\n"
+      "  adit bench consistency --only mine --runs 5 --sensor OS0-128\n"
+      "  adit bench consistency --json consistency.json\n\n"
+      "Exit codes: 0 done, whatever the figures are; 1 the device or a file failed, 2 usage.");
+  command->add_option("--only", options->only, "Names of cases: room, office, mine, city, forest")
+      ->type_name("NAME");
+  command->add_option("--sensor", options->sensor, "This range sensor instead of the cases' own")
+      ->type_name("NAME");
+  command->add_option("--runs", options->runs, "Runs in all, shared evenly among the cases")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  command->add_option("--duration", options->duration, "Time of a run, s")
+      ->check(CLI::Range(2.0, 600.0))
+      ->capture_default_str();
+  add_config_options(*command, options->config);
+  command->add_option("--device", options->device.device, "Index, UUID or part of the name");
+  command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
+  command->callback([options, done = std::move(done)] {
+    done(bench_consistency_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit::bench

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit bench consistency`: whether the odometry errs as much as its covariances say.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/config_file.hpp"
+#include "tools/device_session.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit::bench {
+
+struct BenchConsistencyOptions {
+  std::vector<std::string> only{};  ///< names of cases; empty: all
+  std::string sensor{};             ///< instead of the cases' own; empty: those
+  int runs = 50;                    ///< in all, shared evenly among the cases
+  double duration = 6.0;            ///< s of a run
+  ConfigSource config{};
+  std::filesystem::path json{};  ///< empty: not written
+  DeviceOptions device{};
+};
+
+/// Returns the exit code: 0, whatever the figures are; 1 where nothing can be measured; 2 usage.
+int bench_consistency_command(const BenchConsistencyOptions& options, std::ostream& out,
+                              std::ostream& err);
+
+/// Adds the sub-command to `bench`. It runs on std::cout and std::cerr at the end of CLI parsing;
+/// `done` gets the exit code.
+CLI::App* add_bench_consistency_command(CLI::App& bench, std::function<void(int)> done);
+
+}  // namespace adit::bench
