@@ -260,7 +260,8 @@ std::string to_html(const Report& report) {
          "#ddd;padding:2px 8px;text-align:right;white-space:nowrap}td:first-child,th:first-child,"
          "td:nth-last-child(-n+2),th:nth-last-child(-n+2){text-align:left}small{color:#777}"
          ".wrong{color:#b00;text-align:left}.wide{overflow-x:auto}dt{float:left;width:9em;color:#"
-         "777}dd{margin-left:9em}svg{max-width:100%;height:auto}</style>\n<h1>"
+         "777}dd{margin-left:9em}svg{max-width:100%;height:auto}"
+         "@media(prefers-color-scheme:dark){body{background:#15181c;color:#eceff3}}</style>\n<h1>"
       << escape_markup(s.device) << "</h1>\n<dl><dt>driver<dd>" << escape_markup(s.driver) << " "
       << escape_markup(s.driver_version) << ", Vulkan " << escape_markup(s.vulkan)
       << (s.software ? ", software" : "") << "<dt>host<dd>" << escape_markup(s.host) << ", "

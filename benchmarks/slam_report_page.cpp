@@ -19,6 +19,7 @@ td:first-child, th:first-child, td.left, th.left { text-align: left; }
 .wrong { color: #b00; } .best { font-weight: bold; } .wide { overflow-x: auto; }
 dt { float: left; width: 9em; color: #777; } dd { margin-left: 9em; }
 svg { max-width: 100%; height: auto; } small { color: #777; }
+@media (prefers-color-scheme: dark) { body { background: #15181c; color: #eceff3; } }
 )";
 
 std::string number(double value, const char* format) {

@@ -10,9 +10,12 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tools/evaluation_plot.hpp"
 #include "tools/evaluation_report.hpp"
+#include "tools/run_outputs.hpp"
+#include "tools/run_page.hpp"
 
 namespace adit {
 namespace {
@@ -41,26 +44,68 @@ void add_choice(CLI::App& command, const std::string& name, const std::string& d
       ->default_str(words.front());
 }
 
+void write_report(std::ostream& out, const std::string& text) {
+  out << text;
+  if (!out.flush()) {
+    throw OutputError("standard output", "the report cannot be written to the standard output.");
+  }
+}
+
+void write_plot(const EvaluateCommandOptions& options, const Evaluation& evaluation) {
+  if (options.plot) {
+    const std::string title =
+        options.estimate.filename().string() + " against " + options.truth.filename().string();
+    write_text_file(*options.plot, plot_evaluation(evaluation, title));
+  }
+}
+
+Evaluation evaluate_files(const EvaluateCommandOptions& options,
+                          const std::filesystem::path& estimate) {
+  return evaluate(read_trajectory(estimate, options.estimate_times),
+                  read_trajectory(options.truth, options.truth_times), options.evaluation);
+}
+
+void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& out) {
+  const Evaluation evaluation = evaluate_files(options, options.estimate);
+  write_report(out, options.json ? evaluation_json(evaluation, options.estimate, options.truth)
+                                 : format_evaluation(evaluation, options.estimate, options.truth));
+  write_plot(options, evaluation);
+}
+
+/// The run's own figures, those against the truth if there is one, and the page with both.
+void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
+  const std::filesystem::path estimate = RunFiles(options.estimate).tum;
+  const std::filesystem::path page = options.html.value_or(options.estimate / "evaluation.html");
+  const RunReview review = review_run(options.estimate);
+  std::optional<Evaluation> evaluation;
+  if (!options.truth.empty()) {
+    evaluation = evaluate_files(options, estimate);
+  }
+  std::string report = describe(review);
+  report += evaluation ? "\n" + format_evaluation(*evaluation, estimate, options.truth) : "";
+  nlohmann::ordered_json json =
+      evaluation
+          ? nlohmann::ordered_json::parse(evaluation_json(*evaluation, estimate, options.truth))
+          : nlohmann::ordered_json::object();
+  json["run"] = to_json(review);
+  write_text_file(page, run_page(options.estimate.string(), report, review,
+                                 evaluation ? &*evaluation : nullptr));
+  write_report(
+      out, options.json ? json.dump(2) + "\n" : report + "\nlook at      " + page.string() + "\n");
+  if (evaluation) {
+    write_plot(options, *evaluation);
+  }
+}
+
 }  // namespace
 
 int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
   try {
-    const Trajectory estimate = read_trajectory(options.estimate, options.estimate_times);
-    const Trajectory truth = read_trajectory(options.truth, options.truth_times);
-    const Evaluation evaluation = evaluate(estimate, truth, options.evaluation);
-    if (options.json) {
-      out << evaluation_json(evaluation, options.estimate, options.truth);
+    std::error_code unknown;
+    if (std::filesystem::is_directory(options.estimate, unknown)) {
+      evaluate_run(options, out);
     } else {
-      out << format_evaluation(evaluation, options.estimate, options.truth);
-    }
-    if (options.plot) {
-      const std::string title =
-          options.estimate.filename().string() + " against " + options.truth.filename().string();
-      write_text_file(*options.plot, plot_evaluation(evaluation, title));
-    }
-    if (!out.flush()) {
-      err << "adit evaluate: the report cannot be written to the standard output.\n";
-      return 1;
+      evaluate_trajectory(options, out);
     }
     return 0;
   } catch (const FileError& error) {
@@ -74,11 +119,20 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
       "evaluate", "How far a trajectory is from the truth: ATE, RPE, KITTI segments");
   const auto options = std::make_shared<EvaluateCommandOptions>();
   RpeOptions& rpe = options->evaluation.rpe;
-  command->add_option("estimate", options->estimate, "Trajectory to judge, TUM or KITTI format")
+  command->footer(
+      "OUT, the folder of a run, can stand for ESTIMATE: then states, weakly held directions,\n"
+      "innovations, biases and gravity are told as well and drawn on a page, with or without a "
+      "truth.\n\n"
+      "Examples:\n"
+      "  adit evaluate out/trajectory.tum truth.tum --plot error.svg\n"
+      "  adit evaluate out\n"
+      "  adit evaluate out truth.tum --html page.html");
+  command
+      ->add_option("estimate", options->estimate,
+                   "Trajectory to judge, TUM or KITTI format, or the folder of a run")
       ->required()
       ->type_name("ESTIMATE");
   command->add_option("truth", options->truth, "True trajectory, TUM or KITTI format")
-      ->required()
       ->type_name("TRUTH");
   add_choice<Alignment>(*command, "--align", "How the estimate is moved onto the truth",
                         options->evaluation.alignment,
@@ -108,6 +162,10 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
   command->add_flag("--json", options->json, "Report as JSON");
   command->add_option("--plot", options->plot,
                       "Write both trajectories and the error as an SVG file");
+  command
+      ->add_option("--html", options->html,
+                   "Where the page of a run goes; otherwise to its folder, as evaluation.html")
+      ->type_name("FILE");
   command->callback([options, delta, done = std::move(done)]() {
     RpeOptions& chosen = options->evaluation.rpe;
     if (chosen.unit == DeltaUnit::frames) {
@@ -115,6 +173,14 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
       if (chosen.delta != std::floor(chosen.delta) || chosen.delta > 1e9) {
         throw CLI::ValidationError("--delta", "must be a whole number of frames");
       }
+    }
+    std::error_code unknown;
+    const bool run = std::filesystem::is_directory(options->estimate, unknown);
+    if (options->truth.empty() && (!run || options->plot)) {
+      throw CLI::RequiredError("TRUTH");
+    }
+    if (options->html && !run) {
+      throw CLI::ValidationError("--html", "needs the folder of a run instead of a trajectory");
     }
     done(evaluate_command(*options, std::cout, std::cerr));
   });

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit evaluate ESTIMATE TRUTH`.
+// `adit evaluate ESTIMATE TRUTH`, `adit evaluate OUT [TRUTH]`.
 #pragma once
 
 #include <filesystem>
@@ -19,13 +19,15 @@ class App;
 namespace adit {
 
 struct EvaluateCommandOptions {
-  std::filesystem::path estimate;
-  std::filesystem::path truth;
+  std::filesystem::path estimate;  ///< or the folder of a run
+  std::filesystem::path truth;     ///< empty: none, which only the folder of a run can do without
   std::optional<std::filesystem::path> estimate_times;  ///< for a KITTI estimate
   std::optional<std::filesystem::path> truth_times;     ///< for a KITTI truth
   EvaluationOptions evaluation;
   bool json = false;                          ///< JSON on `out` instead of the table
-  std::optional<std::filesystem::path> plot;  ///< SVG to write
+  std::optional<std::filesystem::path> plot;  ///< SVG to write, of an estimate and a truth
+  /// HTML to write, of a run; none: evaluation.html in its folder.
+  std::optional<std::filesystem::path> html{};
 };
 
 /// Evaluates, prints the report on `out` and what went wrong on `err`. Returns the exit code: 0

@@ -4,7 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <optional>
+
+#include <Eigen/Eigenvalues>
 
 namespace adit {
 namespace {
@@ -28,6 +33,43 @@ std::vector<std::string> find_warnings(const Trajectory& estimate, const Traject
         " possible pairs lie within the tolerance: the figures stand for these alone");
   }
   return warnings;
+}
+
+/// Standard deviations of the positions along their principal axes, m, smallest first.
+Eigen::Vector3d spread_of(const std::vector<Eigen::Isometry3d>& poses) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Isometry3d& pose : poses) {
+    mean += pose.translation() / static_cast<double>(poses.size());
+  }
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Isometry3d& pose : poses) {
+    const Eigen::Vector3d off = pose.translation() - mean;
+    scatter += off * off.transpose() / static_cast<double>(poses.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+}
+
+/// On a nearly straight path, aligned by positions, errors of these turn the estimate about it.
+std::optional<std::string> find_free_rotation(const Evaluation& evaluation) {
+  constexpr double kStraight = 0.1;     // of the length, across it
+  constexpr double kHarmless = 0.0087;  // rad, half a degree
+  const Alignment alignment = evaluation.options.alignment;
+  const Eigen::Vector3d spread = spread_of(evaluation.truth);
+  const double turn = std::atan2(evaluation.ate.rmse, spread[1]);
+  if ((alignment != Alignment::se3 && alignment != Alignment::sim3) ||
+      spread[1] > kStraight * spread[2] || turn < kHarmless) {
+    return std::nullopt;
+  }
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "the path is nearly straight (%.2f m rms off a line, %.1f m along it) and aligned by "
+      "positions alone, which tell how the estimate is turned about that line to some %.1f "
+      "degrees only: the rotation of the ATE says little; that of the RPE does, or --align "
+      "origin",
+      spread[1], spread[2], turn * 180.0 / std::numbers::pi);
+  return text;
 }
 
 }  // namespace
@@ -70,6 +112,10 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
   result.all_segments = result.segments.back();
   result.segments.pop_back();
   result.warnings = find_warnings(estimate, truth, result.association);
+  if (const auto free = find_free_rotation(result)) {
+    result.rotation_determined = false;
+    result.warnings.push_back(*free);
+  }
   return result;
 }
 

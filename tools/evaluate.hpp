@@ -38,7 +38,10 @@ struct Evaluation {
   std::vector<double> position_errors;  ///< m, after alignment, one a pair
   Statistics ate;                       ///< m, after alignment
   Statistics ate_rotation;              ///< deg, after alignment
-  Statistics ate_unaligned;             ///< m
+  /// False where the path is so straight that its positions do not tell how the estimate is turned
+  /// about it: then ate_rotation says little.
+  bool rotation_determined = true;
+  Statistics ate_unaligned;  ///< m
   RelativeErrors rpe;
   std::vector<SegmentErrors> segments;  ///< KITTI, one a length that fits into the truth
   SegmentErrors all_segments;           ///< KITTI, mean over all; count 0 where none fits

@@ -159,7 +159,8 @@ std::string format_evaluation(const Evaluation& evaluation, const std::filesyste
   out << "\nabsolute trajectory error (ATE)\n";
   write_head(out);
   write_row(out, "position (m)", evaluation.ate);
-  write_row(out, "rotation (deg)", evaluation.ate_rotation);
+  write_row(out, evaluation.rotation_determined ? "rotation (deg)" : "rotation (deg), free",
+            evaluation.ate_rotation);
   if (evaluation.options.alignment != Alignment::none) {
     write_row(out, "position, unaligned (m)", evaluation.ate_unaligned);
   }
@@ -203,6 +204,7 @@ std::string evaluation_json(const Evaluation& evaluation, const std::filesystem:
       {"ate",
        {{"position_m", to_json(evaluation.ate)},
         {"rotation_deg", to_json(evaluation.ate_rotation)},
+        {"rotation_determined", evaluation.rotation_determined},
         {"position_unaligned_m", to_json(evaluation.ate_unaligned)}}},
       {"rpe",
        {{"delta", rpe.delta},

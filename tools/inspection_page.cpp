@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/html_page.hpp"
 #include "tools/markup.hpp"
 #include "tools/recording_inference.hpp"
 #include "tools/svg.hpp"
@@ -23,18 +24,6 @@ constexpr std::string_view kLineColor = "#0a6ebd";
 constexpr std::string_view kGapColor = "#d1352b";
 constexpr std::string_view kAxisColor = "#555555";
 constexpr std::string_view kGridColor = "#e4e4e4";
-
-constexpr std::string_view kStyle = R"(
-body { font: 14px/1.45 system-ui, sans-serif; max-width: 1000px; margin: 2em auto; padding: 0 1em; color: #222; }
-h1 { font-size: 1.3em; } h2 { font-size: 1.1em; margin-top: 1.8em; }
-table { border-collapse: collapse; width: 100%; }
-th, td { text-align: right; padding: 0.2em 0.6em; border-bottom: 1px solid #e4e4e4; white-space: nowrap; }
-th:first-child, td:first-child, th:nth-child(2), td:nth-child(2), th:nth-child(3), td:nth-child(3) { text-align: left; }
-.finding { border-left: 4px solid #d98000; background: #fdf6ea; padding: 0.5em 0.8em; margin: 0.6em 0; }
-.problem { border-color: #d1352b; background: #fcefee; }
-.good { border-color: #2a9d3a; background: #eef8ef; }
-.finding p { margin: 0.1em 0; } svg { max-width: 100%; height: auto; }
-)";
 
 std::string number(double value, const char* format = "%.2f") {
   char text[64];
@@ -207,11 +196,8 @@ std::string topics_part(const Inspection& inspection) {
 }  // namespace
 
 std::string inspection_page(const Inspection& inspection) {
-  std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
-                     escape_markup(inspection.description) + "</title><style>" +
-                     std::string(kStyle) + "</style></head><body>\n<h1>" +
-                     escape_markup(inspection.description) + "</h1>\n" + findings_part(inspection) +
-                     "<h2>Topics</h2>\n" + topics_part(inspection) +
+  std::string html = "<h1>" + escape_markup(inspection.description) + "</h1>\n" +
+                     findings_part(inspection) + "<h2>Topics</h2>\n" + topics_part(inspection) +
                      "<h2>What was inferred</h2>\n<ul>\n";
   for (const Inference& one : infer(inspection)) {
     html += "<li>" + escape_markup(one.topic + ": " + one.text) + "</li>\n";
@@ -223,7 +209,8 @@ std::string inspection_page(const Inspection& inspection) {
               drawing(inspection.statistics[i]) + "\n";
     }
   }
-  return html + "<p>Times in seconds after the topic's first event.</p>\n</body></html>\n";
+  return html_page(inspection.description,
+                   html + "<p>Times in seconds after the topic's first event.</p>\n");
 }
 
 }  // namespace adit

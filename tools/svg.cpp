@@ -14,6 +14,30 @@ namespace {
 
 constexpr double kVisibleStep = 1.0 / 3.0;  // px
 
+// What the colours of our drawings become where the reader prefers dark pages. Programs that know
+// no style sheets show the light ones.
+constexpr std::array<std::array<std::string_view, 2>, 10> kDarkColors = {{{"#ffffff", "#15181c"},
+                                                                          {"#000000", "#eceff3"},
+                                                                          {"#555555", "#a7adb5"},
+                                                                          {"#e4e4e4", "#2d3238"},
+                                                                          {"#3c3c3c", "#cfd3d8"},
+                                                                          {"#0a6ebd", "#4ba6ee"},
+                                                                          {"#d1352b", "#f2695f"},
+                                                                          {"#2a9d3a", "#49b95a"},
+                                                                          {"#d98000", "#f0a33c"},
+                                                                          {"#8a8f96", "#767c84"}}};
+
+std::string dark_style() {
+  std::string style = "<style>@media (prefers-color-scheme: dark) {";
+  for (const auto& [light, dark] : kDarkColors) {
+    for (const std::string_view what : {"fill", "stroke"}) {
+      style += " [" + std::string(what) + "=\"" + std::string(light) + "\"] { " +
+               std::string(what) + ": " + std::string(dark) + "; }";
+    }
+  }
+  return style + " }</style>\n";
+}
+
 /// A number as SVG wants it, whatever the locale; one hundredth of a pixel is enough.
 std::string number(double value) {
   std::array<char, 64> text{};
@@ -54,7 +78,8 @@ std::string point_list(std::span<const Eigen::Vector2d> points) {
 SvgDocument::SvgDocument(double width, double height)
     : head_("<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) +
             attribute("height", height) + " viewBox=\"0 0 " + number(width) + " " + number(height) +
-            "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n<rect width=\"100%\" "
+            "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n" + dark_style() +
+            "<rect width=\"100%\" "
             "height=\"100%\" "
             "fill=\"#ffffff\"/>\n") {}
 

@@ -27,10 +27,11 @@ struct SvgFont {
   SvgAnchor anchor = SvgAnchor::start;
   bool bold = false;
   bool upwards = false;  ///< turned by 90 degrees, reads from bottom to top
-  bool halo = false;     ///< a white edge, to stand out from lines
+  bool halo = false;     ///< an edge of the ground, to stand out from lines
 };
 
-/// A drawing on white, put together element by element. Coordinates in px, x right, y down.
+/// A drawing on white, put together element by element; on black for readers who prefer dark pages
+/// and whose program knows style sheets. Coordinates in px, x right, y down.
 class SvgDocument {
  public:
   SvgDocument(double width, double height);

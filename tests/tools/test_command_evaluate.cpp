@@ -87,6 +87,50 @@ TEST_F(CommandEvaluate, JsonOfAShortPathHasNulls) {
   EXPECT_TRUE(nlohmann::json::parse(out_.str())["rpe"]["translation_m"].is_null());
 }
 
+/// Along x, or along a bow, with errors of some centimetres and an attitude that is off by a
+/// degree.
+std::string drive(double bow, double error) {
+  std::string text;
+  for (int i = 0; i < 120; ++i) {
+    const double x = 0.5 * i;
+    const double y = bow * std::sin(0.05 * i) + error * std::sin(1.7 * i);
+    text += std::to_string(100.0 + 0.1 * i) + " " + std::to_string(x) + " " + std::to_string(y) +
+            " " + std::to_string(error * std::cos(2.3 * i)) + " 0 0 0 1\n";
+  }
+  return text;
+}
+
+TEST_F(CommandEvaluate, AStraightPathSaysThatItsRotationIsFree) {
+  options_.estimate = folder_.write("straight.tum", drive(0.0, 0.05));
+  options_.truth = folder_.write("straight_truth.tum", drive(0.05, 0.0));
+  EXPECT_EQ(run(), 0);
+  EXPECT_NE(out_.str().find("the path is nearly straight"), std::string::npos) << out_.str();
+  EXPECT_NE(out_.str().find("rotation (deg), free"), std::string::npos) << out_.str();
+  out_.str("");
+  options_.json = true;
+  EXPECT_EQ(run(), 0);
+  EXPECT_EQ(nlohmann::json::parse(out_.str())["ate"]["rotation_determined"], false);
+  out_.str("");
+  options_.estimate = folder_.write("bow.tum", drive(10.0, 0.05));
+  options_.truth = folder_.write("bow_truth.tum", drive(10.0, 0.0));
+  EXPECT_EQ(run(), 0);
+  EXPECT_EQ(nlohmann::json::parse(out_.str())["ate"]["rotation_determined"], true);
+  out_.str("");
+  options_.estimate = folder_ / "straight.tum";
+  options_.truth = folder_ / "straight_truth.tum";
+  options_.evaluation.alignment = Alignment::origin;
+  EXPECT_EQ(run(), 0);
+  EXPECT_EQ(nlohmann::json::parse(out_.str())["ate"]["rotation_determined"], true)
+      << "aligned by the first pose, its rotation is what it is";
+}
+
+TEST_F(CommandEvaluate, OnlyTheFolderOfARunDoesWithoutATruth) {
+  EXPECT_THROW(parse({"evaluate", options_.estimate.string()}), CLI::ParseError);
+  EXPECT_THROW(parse({"evaluate", options_.estimate.string(), options_.truth.string(), "--html",
+                      (folder_ / "a.html").string()}),
+               CLI::ParseError);
+}
+
 TEST_F(CommandEvaluate, PlotIsAnSvgWithBothPaths) {
   options_.plot = folder_ / "plot.svg";
   EXPECT_EQ(run(), 0);

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/run_review.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/tools/run_support.hpp"
+#include "tools/command_evaluate.hpp"
+#include "tools/input_error.hpp"
+#include "tools/run_page.hpp"
+
+namespace adit {
+namespace {
+
+std::size_t count(std::string_view text, std::string_view part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) {
+    ++found;
+  }
+  return found;
+}
+
+/// 100 sweeps, a tenth of a second apart. From sweep 40 to 59 nothing holds the movement along x;
+/// sweep 70 coasts; innovations are as large as they should be, but one beyond the gate.
+std::vector<SweepRecord> corridor() {
+  std::vector<SweepRecord> sweeps;
+  for (int i = 0; i < 100; ++i) {
+    SweepRecord sweep;
+    sweep.index = i;
+    sweep.stamp = std::chrono::seconds(1'700'000'000) + std::chrono::milliseconds(100 * i);
+    sweep.state = i == 0 ? "initializing" : i == 70 ? "coasting" : "tracking";
+    sweep.imu = i < 10 ? "starting" : "fused";
+    sweep.overlap = 0.9;
+    const bool weak = i >= 40 && i < 60;
+    for (std::size_t k = 0; k < 3; ++k) {
+      sweep.translation[k] = {
+          .localizability = weak && k == 0 ? "none" : "full",
+          .support = 100.0,
+          .sigma = 0.01,
+          .axis = (i % 2 == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(k))};
+      sweep.rotation[k] = sweep.translation[k];
+      sweep.rotation[k].localizability = "full";
+    }
+    if (i >= 10) {
+      sweep.gyro_bias = {0.01, -0.02, 0.003};
+      sweep.gyro_bias_sigma = Eigen::Vector3d::Constant(1e-3);
+      sweep.accel_bias = {0.1, 0.0, -0.1};
+      sweep.accel_bias_sigma = Eigen::Vector3d::Constant(0.02);
+      sweep.gravity = 9.81 * Eigen::Vector3d(0.01, 0.0, -1.0).normalized();
+      sweep.gravity_sigma = 1e-3;
+      sweep.innovation_squared = i == 50 ? 1000.0 : 6.0;
+      sweep.innovation_degrees = 6.0;
+      sweep.innovation_gate = 224.6;
+    }
+    sweeps.push_back(sweep);
+  }
+  return sweeps;
+}
+
+class RunFolder : public testing::Test {
+ protected:
+  RunFolder() {
+    SweepTableWriter table(folder_ / "sweeps.csv");
+    std::vector<StampedPose> poses;
+    for (const SweepRecord& sweep : corridor()) {
+      table.write(sweep);
+      StampedPose pose{.stamp = sweep.stamp};
+      pose.pose.translation() << 0.1 * sweep.index, 0.002 * sweep.index * sweep.index, 0.0;
+      poses.push_back(pose);
+    }
+    table.close();
+    write_trajectory(folder_ / "trajectory.tum", TrajectoryFormat::tum, poses);
+    write_trajectory(folder_ / "truth.tum", TrajectoryFormat::tum, poses);
+    folder_.write("summary.json", R"({"configuration": {"registration": {"min_overlap": 0.3}}})");
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(RunFolder, NamesStretchesThatNothingHolds) {
+  const RunReview review = review_run(folder_.path());
+  ASSERT_EQ(review.weak.size(), 1U);
+  const WeakStretch& weak = review.weak[0];
+  EXPECT_NEAR(weak.begin, 4.0, 1e-9);
+  EXPECT_NEAR(weak.end, 5.9, 1e-9);
+  EXPECT_EQ(weak.sweeps, 20U);
+  EXPECT_EQ(weak.unheld, 20U);
+  EXPECT_FALSE(weak.rotation);
+  EXPECT_NEAR(std::abs(weak.axis.x()), 1.0, 1e-9) << "signs of axes mean nothing";
+  const std::string text = describe(review);
+  EXPECT_NE(text.find("4.0 to 5.9 s, moving along (1.00, 0.00, 0.00) of the map: 20 sweeps, 20 of "
+                      "them by no match"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("1 initializing, 98 tracking, 1 coasting"), std::string::npos) << text;
+}
+
+TEST_F(RunFolder, ComparesInnovationsWithTheirBounds) {
+  const InnovationReview found = review_run(folder_.path()).innovations;
+  EXPECT_EQ(found.count, 90U);
+  EXPECT_NEAR(found.per_degree, (89.0 * 6.0 + 1000.0) / (90.0 * 6.0), 1e-9);
+  EXPECT_NEAR(found.beyond_95, 1.0 / 90.0, 1e-12);
+  EXPECT_EQ(found.beyond_gate, 1U);
+}
+
+TEST_F(RunFolder, TellsBiasesAndTilt) {
+  const RunReview review = review_run(folder_.path());
+  EXPECT_NEAR(tilt_of(review.sweeps.back()), std::atan(0.01), 1e-9);
+  EXPECT_NE(describe(review).find("0.57 degrees (+- 0.06) off the map's -z"), std::string::npos)
+      << describe(review);
+  EXPECT_EQ(to_json(review)["gyro_bias_rad_per_s"][1], -0.02);
+  EXPECT_EQ(review.min_overlap, 0.3);
+}
+
+TEST_F(RunFolder, IsEvaluatedWithAndWithoutATruth) {
+  EvaluateCommandOptions options;
+  options.estimate = folder_.path();
+  std::ostringstream out;
+  std::ostringstream err;
+  EXPECT_EQ(evaluate_command(options, out, err), 0) << err.str();
+  EXPECT_NE(out.str().find("weakly held"), std::string::npos);
+  EXPECT_EQ(out.str().find("ATE"), std::string::npos);
+  const std::string alone = test::content(folder_ / "evaluation.html");
+  EXPECT_EQ(count(alone, "<svg"), 1U);
+  options.truth = folder_ / "truth.tum";
+  options.html = folder_ / "page.html";
+  options.json = true;
+  out.str("");
+  EXPECT_EQ(evaluate_command(options, out, err), 0) << err.str();
+  const nlohmann::json json = nlohmann::json::parse(out.str());
+  EXPECT_LT(json["ate"]["position_m"]["rmse"].get<double>(), 1e-6);
+  EXPECT_EQ(json["run"]["weakly_held"].size(), 1U);
+  EXPECT_EQ(count(test::content(folder_ / "page.html"), "<svg"), 2U);
+}
+
+TEST_F(RunFolder, ThePageDrawsEveryQuantityItsGatesAndNothingThatIsNoNumber) {
+  const RunReview review = review_run(folder_.path());
+  const std::string page = run_page("out", describe(review), review, nullptr);
+  EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
+  EXPECT_EQ(count(page, "src="), 0U);
+  EXPECT_NE(page.find("prefers-color-scheme: dark"), std::string::npos);
+  for (const char* part : {"Bias of the gyroscope (mrad/s", "Bias of the accelerometer (m/s^2",
+                           "Gravity off the map", "Innovation, squared and normalised", ">gate<",
+                           "95 % of chi squared", "registration.min_overlap",
+                           "Directions held by matches", "time since the first sweep (s)"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(count(page, "Velocity (m/s"), 0U) << "there is none in this table";
+  for (const char* bad : {"nan", "inf"}) {
+    EXPECT_EQ(count(page, std::string("=\"") + bad), 0U) << bad;
+    EXPECT_EQ(count(page, std::string(",") + bad), 0U) << bad;
+  }
+}
+
+TEST_F(RunFolder, WithoutItsTableIsRefused) {
+  std::filesystem::remove(folder_ / "sweeps.csv");
+  EXPECT_THROW(review_run(folder_.path()), InputError);
+}
+
+}  // namespace
+}  // namespace adit
