@@ -175,6 +175,8 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
   checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
   checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,
                  "0, or at least 2 sweeps");
+  checks.between("imu.refine_time_offset", imu.refine_time_offset, 0, 1);
+  checks.between("imu.refine_rotation", imu.refine_rotation, 0, 1);
 }
 
 }  // namespace

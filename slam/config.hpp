@@ -55,6 +55,8 @@ struct ImuConfig {
   double max_gap = 0.05;       ///< s
   int lag = 20;                ///< sweeps
   int reset = 0;               ///< sweeps
+  int refine_time_offset = 0;  ///< 0 or 1
+  int refine_rotation = 0;     ///< 0 or 1
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -81,6 +83,11 @@ struct ImuConfig {
     field("reset", self.reset, "sweeps",
           "greater than 0: instead of the lag, the graph is reduced to its newest state every so "
           "many sweeps (the paper: 100)");
+    field("refine_time_offset", self.refine_time_offset, "",
+          "1: the IMU's clock is corrected by what its turns and the sweeps' have in common; 0: a "
+          "clock that is off is told, and the IMU left out");
+    field("refine_rotation", self.refine_rotation, "",
+          "1: so is the rotation of T_imu_lidar, as far as the motion tells it");
   }
 };
 

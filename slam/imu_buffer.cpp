@@ -103,6 +103,12 @@ ImuInterval ImuBuffer::between(Nanoseconds begin, Nanoseconds end) const {
   return interval;
 }
 
+void ImuBuffer::shift(Nanoseconds by) {
+  for (ImuSample& sample : samples_) {
+    sample.stamp += by;
+  }
+}
+
 void ImuBuffer::forget_before(Nanoseconds stamp) {
   while (samples_.size() >= 2 && samples_[1].stamp <= stamp) {
     samples_.pop_front();

@@ -46,6 +46,9 @@ class ImuBuffer {
   /// Drops samples that no interval from `stamp` on needs.
   void forget_before(Nanoseconds stamp);
 
+  /// Adds to the stamps of all that is kept: the clock turned out to be off.
+  void shift(Nanoseconds by);
+
   bool empty() const { return samples_.empty(); }
   std::size_t size() const { return samples_.size(); }
   /// The oldest and the newest reading; the buffer is not empty.

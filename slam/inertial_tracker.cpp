@@ -105,7 +105,12 @@ InertialTracker::InertialTracker(const ImuConfig& config)
     : config_(config), noise_(imu_noise(config)), T_body_lidar_(pose_of(config.T_imu_lidar)) {}
 
 ImuArrival InertialTracker::add(const ImuSample& sample) {
-  const ImuArrival arrival = buffer_.push(sample);
+  ImuSample corrected = sample;
+  corrected.stamp -= std::chrono::round<Nanoseconds>(std::chrono::duration<double>(clock_offset_));
+  const ImuArrival arrival = buffer_.push(corrected);
+  if (arrival == ImuArrival::appended || arrival == ImuArrival::restarted) {
+    monitor_.add(sample);
+  }
   if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use != 0) {
     state_ = InertialState::starting;
   }
@@ -143,11 +148,16 @@ std::string InertialTracker::complaint(const ImuInterval& interval) const {
 void InertialTracker::lose(const std::string& why) {
   ++losses_;
   const bool again = losses_ >= kLosses;
-  state_ = again ? InertialState::refused : InertialState::lost;
-  event_ = why + (again ? "; lost " + std::to_string(losses_) +
-                              " times, so it is not used any more: check its mounting "
-                              "(imu.T_imu_lidar), its clock and its units with adit inspect"
-                        : "");
+  leave(again ? InertialState::refused : InertialState::lost,
+        why + (again ? "; lost " + std::to_string(losses_) +
+                           " times, so it is not used any more: check its mounting "
+                           "(imu.T_imu_lidar), its clock and its units with adit inspect"
+                     : ""));
+}
+
+void InertialTracker::leave(InertialState state, const std::string& why) {
+  state_ = state;
+  event_ = why;
   graph_.reset();
   pending_.reset();
   poses_.clear();
@@ -187,6 +197,7 @@ std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseco
 
 std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, double duration) {
   pending_.reset();
+  timed_ = duration > 0.0;
   if (state_ != InertialState::fused || stamp <= graph_->latest().stamp) {
     return std::nullopt;
   }
@@ -228,6 +239,14 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
     collect(T_map_lidar, alignment != nullptr);
     try_start();
   }
+  if (alignment != nullptr) {
+    watch({T_map_lidar.stamp, alignment->T_target_source}, true);
+  } else {
+    watch(T_map_lidar, false);
+  }
+  if (state_ != InertialState::fused) {
+    report.nav.reset();
+  }
   const Nanoseconds oldest = poses_.empty() ? T_map_lidar.stamp : poses_.front().stamp;
   buffer_.forget_before(oldest - milliseconds(100));
   report.state = state_;
@@ -235,6 +254,8 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   report.hindrance = hindrance_;
   report.accel_scale = accel_scale_;
   report.T_body_lidar = T_body_lidar_;
+  report.clock_offset = clock_offset_;
+  report.comparison = comparison_;
   report.gravity_map = last_fused_ ? last_fused_->gravity_map : Eigen::Vector3d::Zero();
   return report;
 }

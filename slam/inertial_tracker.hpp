@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slam/config.hpp"
+#include "slam/gyro_monitor.hpp"
 #include "slam/imu_buffer.hpp"
 #include "slam/imu_start.hpp"
 #include "slam/motion_model.hpp"
@@ -47,7 +48,10 @@ struct InertialReport {
   bool better_turn = false;      ///< the inertial prediction's rotation was nearer
   bool better_travel = false;    ///< its translation was
   double accel_scale = 1.0;      ///< from the accelerometer's own unit and sign to m/s²
-  Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();  ///< refined, if it is to be
+  double clock_offset = 0.0;  ///< s, taken off the stamps of readings; 0 unless it is refined
+  /// The gyroscope against the sweeps, as they come: the latest that the motion told.
+  std::optional<RotationComparison> comparison;
 };
 
 /// The noise that the settings assume: a sensor's by name, or their own.
@@ -108,6 +112,12 @@ class InertialTracker {
   std::string complaint(const ImuInterval& interval) const;
   std::string failed_check(const StateEstimate& estimate) const;
   void lose(const std::string& why);
+  /// Stops fusing, to start anew or not at all.
+  void leave(InertialState state, const std::string& why);
+  /// Holds the gyroscope against the sweeps; refuses the sensor where they contradict it, twice.
+  void watch(const StampedPose& T_map_lidar, bool aligned);
+  /// Corrects what is to be refined; whether it did.
+  bool refine(const RotationComparison& found);
   void fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
   void collect(const StampedPose& T_map_lidar, bool aligned);
@@ -119,6 +129,11 @@ class InertialTracker {
   ImuNoise noise_;
   Eigen::Isometry3d T_body_lidar_;
   ImuBuffer buffer_;
+  GyroMonitor monitor_;
+  GyroFault suspected_ = GyroFault::none;  ///< by the last check
+  std::optional<RotationComparison> comparison_;
+  double clock_offset_ = 0.0;  ///< s
+  bool timed_ = false;         ///< points have times: a sweep's stamp is when it began
   InertialState state_ = InertialState::absent;
   std::string event_;
   std::string hindrance_;

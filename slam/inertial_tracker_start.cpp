@@ -52,7 +52,8 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
 }
 
 void InertialTracker::try_start() {
-  if (poses_.size() < 2 || (after_gap_ && start_again_after_gap())) {
+  if (suspected_ != GyroFault::none || poses_.size() < 2 ||
+      (after_gap_ && start_again_after_gap())) {
     return;
   }
   const StampedPose& first = poses_.front();

@@ -131,7 +131,7 @@ ImuArrival Odometry::add(const ImuSample& sample) {
 
 // By inertia where that is known, at constant velocity otherwise.
 Expectation Odometry::Impl::expect(const Sweep& sweep) {
-  const double duration = duration_of(sweep);
+  const double duration = config.preprocess.deskew == 0 ? 0.0 : duration_of(sweep);
   Expectation expected;
   expected.prediction = motion.predict(sweep.stamp);
   if (submap.empty()) {

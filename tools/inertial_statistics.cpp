@@ -3,6 +3,7 @@
 #include "tools/inertial_statistics.hpp"
 
 #include <cstdio>
+#include <numbers>
 #include <numeric>
 
 #include <nlohmann/json.hpp>
@@ -22,6 +23,36 @@ ordered_json json_of(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json();
 }
 
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// In the lidar's axes; null where the motion does not tell it.
+ordered_json json_of(const RotationComparison& found) {
+  const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
+  ordered_json json = {{"clock_offset_s", found.offset},
+                       {"clock_offset_sigma_s", found.offset_sigma},
+                       {"correlation", found.correlation},
+                       {"rotation_imu_lidar", {q.x(), q.y(), q.z(), q.w()}},
+                       {"misalignment_deg", kDegrees * found.misalignment}};
+  for (const double sigma : found.mounting_sigma) {
+    json["rotation_sigma_deg"].push_back(std::isfinite(sigma) ? ordered_json(kDegrees * sigma)
+                                                              : ordered_json());
+  }
+  json["not_observed"] = unobserved_axes(found);
+  return json;
+}
+
+std::string text_of(const RotationComparison& found) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "against the sweeps its clock is %+.1f ms off (+- %.1f), its mounting %.1f degrees "
+                "(+- %.1f",
+                1e3 * found.offset, 1e3 * kSureSigmas * found.offset_sigma,
+                kDegrees * found.misalignment,
+                kDegrees * kSureSigmas * known_mounting_sigma(found));
+  const std::string hidden = unobserved_axes(found);
+  return text + (hidden.empty() ? ")" : "; the motion does not tell " + hidden + ")");
+}
+
 }  // namespace
 
 void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
@@ -37,6 +68,9 @@ void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
   degrees_ += static_cast<std::size_t>(report.innovation.degrees);
   last_ = report.nav ? report.nav : last_;
   gravity_ = report.gravity_map.norm() > 0.0 ? report.gravity_map : gravity_;
+  comparison_ = report.comparison ? report.comparison : comparison_;
+  clock_offset_ = report.clock_offset;
+  T_imu_lidar_ = report.T_body_lidar;
 }
 
 std::size_t InertialStatistics::readings() const {
@@ -77,6 +111,10 @@ ordered_json InertialStatistics::to_json() const {
     json["gyro_bias_rad_per_s"] = json_of(last_->bias.gyro);
     json["accel_bias_m_per_s2"] = json_of(last_->bias.accel);
   }
+  json["clock_offset_taken_off_s"] = clock_offset_;
+  const Eigen::Quaterniond used(T_imu_lidar_.linear());
+  json["rotation_imu_lidar_used"] = {used.x(), used.y(), used.z(), used.w()};
+  json["gyroscope_against_sweeps"] = comparison_ ? json_of(*comparison_) : ordered_json();
   return json;
 }
 
@@ -90,6 +128,9 @@ std::string InertialStatistics::text() const {
                   100.0 * *turns);
     text += share;
     text += *turns < 0.5 ? " only: check imu.T_imu_lidar and the clocks (adit inspect)" : "";
+  }
+  if (comparison_) {
+    text += "; " + text_of(*comparison_);
   }
   if (count(InertialState::fused) < sweeps && !changes_.empty() &&
       changes_.back().state != InertialState::fused) {

@@ -61,6 +61,9 @@ class InertialStatistics {
   std::size_t degrees_ = 0;
   std::optional<NavState> last_;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
+  std::optional<RotationComparison> comparison_;
+  double clock_offset_ = 0.0;
+  Eigen::Isometry3d T_imu_lidar_ = Eigen::Isometry3d::Identity();
 };
 
 }  // namespace adit

@@ -16,8 +16,6 @@ namespace {
 constexpr double kMostOffset = 0.5;             // s
 constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
-// Standard deviations. Errors of neighbouring sweeps are alike, which their residuals do not tell.
-constexpr double kSure = 8.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 double seconds(Nanoseconds time) {
@@ -167,15 +165,6 @@ std::string quaternion(const Eigen::Matrix3d& rotation) {
   return text;
 }
 
-/// The greatest standard deviation of the mounting about an axis that the motion tells.
-double known_mounting_sigma(const RotationComparison& comparison) {
-  double sigma = 0.0;
-  for (const double one : comparison.mounting_sigma) {
-    sigma = std::isfinite(one) ? std::max(sigma, one) : sigma;
-  }
-  return sigma;
-}
-
 Finding offset_finding(const MotionCheck& check) {
   const RotationComparison& found = *check.comparison;
   const std::string other = check.pair.sweeps.name;
@@ -184,7 +173,7 @@ Finding offset_finding(const MotionCheck& check) {
                 "the same rotation has a time %.4f s %s here than on %s (+- %.4f s; correlation "
                 "%.3f over %zu sweeps)",
                 std::abs(found.offset), found.offset > 0.0 ? "later" : "earlier", other.c_str(),
-                kSure * found.offset_sigma, found.correlation, check.sweeps);
+                kSureSigmas * found.offset_sigma, found.correlation, check.sweeps);
   char effect[200];
   std::snprintf(effect, sizeof effect,
                 "while it turns at 1 rad/s, sweeps are corrected by %.1f degrees too much or too "
@@ -201,14 +190,14 @@ Finding mounting_finding(const MotionCheck& check) {
   const RotationComparison& found = *check.comparison;
   const Eigen::Matrix3d& told = *check.pair.R_range_gyro;
   const bool inverted = rotation_angle(told * found.R_range_gyro) <
-                        kHarmlessMisalignment + kSure * known_mounting_sigma(found);
+                        kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(found);
   char text[400];
   std::snprintf(text, sizeof text,
                 "%s mounts it to the sensor of %s with %s, the motion with %s: %.1f degrees apart "
                 "(+- %.1f)%s",
                 check.pair.told_by.c_str(), check.pair.sweeps.name.c_str(), angles(told).c_str(),
                 angles(found.R_range_gyro).c_str(), found.misalignment * kDegrees,
-                kSure * known_mounting_sigma(found) * kDegrees,
+                kSureSigmas * known_mounting_sigma(found) * kDegrees,
                 inverted ? "; the transform is the wrong way round" : "");
   return {
       Severity::problem,
@@ -243,11 +232,11 @@ std::vector<Finding> find_in_motion(const MotionCheck& check) {
   const RotationComparison& found = *check.comparison;
   // Without times of points a sweep's stamp may be its start, its middle or its end.
   const double hidden = check.point_times ? kHarmlessOffset : 1.1 * check.period;
-  if (std::abs(found.offset) > hidden + kSure * found.offset_sigma) {
+  if (std::abs(found.offset) > hidden + kSureSigmas * found.offset_sigma) {
     findings.push_back(offset_finding(check));
   }
   if (check.pair.R_range_gyro &&
-      found.misalignment > kHarmlessMisalignment + kSure * known_mounting_sigma(found)) {
+      found.misalignment > kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(found)) {
     findings.push_back(mounting_finding(check));
   }
   return findings;
@@ -264,7 +253,7 @@ std::string describe(const MotionCheck& check) {
   }
   const RotationComparison& found = *check.comparison;
   std::snprintf(text, sizeof text, "offset to %s %+.4f s (+- %.4f); mounting by the motion: ",
-                check.pair.sweeps.name.c_str(), found.offset, kSure * found.offset_sigma);
+                check.pair.sweeps.name.c_str(), found.offset, kSureSigmas * found.offset_sigma);
   std::string line = text + angles(found.R_range_gyro);
   const auto known = std::ranges::count_if(found.mounting_sigma,
                                            [](double sigma) { return std::isfinite(sigma); });

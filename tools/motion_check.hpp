@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "slam/odometry.hpp"
+#include "slam/rotation_comparison.hpp"
 #include "tools/frame_tree.hpp"
 #include "tools/recording_findings.hpp"
 #include "tools/recordings/recording.hpp"
-#include "tools/rotation_comparison.hpp"
 
 namespace adit {
 

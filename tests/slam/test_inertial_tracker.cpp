@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The tracker with alignments that are made up from the truth, and everything that can be wrong
-// with an inertial sensor.
+// The tracker with alignments that are made up from the truth.
 #include "slam/inertial_tracker.hpp"
 
 #include <algorithm>
@@ -15,106 +14,22 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-#include "tests/support/simulated_imu.hpp"
+#include "tests/slam/tracker_runs.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kRate = 200.0;
-constexpr double kSweep = 0.1;  // s
-const ImuBias kBias{{0.02, -0.01, 0.015}, {0.05, -0.03, 0.04}};
+using test::each;
+using test::kBias;
+using test::kRate;
+using test::Outcome;
+using test::T_body_lidar;
+using test::without;
 
-/// The lidar is not where the IMU is, and looks elsewhere.
-ImuConfig config() {
-  ImuConfig config;
-  const Eigen::Quaterniond q(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()));
-  config.T_imu_lidar = {0.1, -0.05, 0.2, q.x(), q.y(), q.z(), q.w()};
-  return config;
-}
+constexpr auto config = test::tracker_config;
 
-Eigen::Isometry3d T_body_lidar() {
-  const auto v = config().T_imu_lidar;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).toRotationMatrix();
-  pose.translation() << v[0], v[1], v[2];
-  return pose;
-}
-
-struct Outcome {
-  std::vector<InertialReport> reports;
-  std::vector<double> errors;  ///< m, of the lidar's position after each sweep
-  double error_after(double time) const {
-    const auto from = static_cast<std::ptrdiff_t>(time / kSweep);
-    return *std::max_element(errors.begin() + from, errors.end());
-  }
-  InertialState state_at(double time) const {
-    return reports[static_cast<size_t>(time / kSweep)].state;
-  }
-  std::string events() const {
-    std::string text;
-    for (size_t i = 0; i < reports.size(); ++i) {
-      text += reports[i].event.empty() ? "" : std::to_string(i) + ": " + reports[i].event + "\n";
-    }
-    return text;
-  }
-};
-
-/// Changes the readings before they are handed on.
-using Fault = std::function<void(std::vector<ImuSample>&)>;
-
-/// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
-Outcome run(const Fault& fault, double duration = 10.0, const ImuConfig& imu = config()) {
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  const test::WavyMotion motion = test::hand_held_motion();
-  std::vector<ImuSample> samples = test::readings(motion, -0.1, duration + 0.2, kRate, kBias);
-  test::add_noise(samples, {.gyro = 5e-4, .accel = 5e-3}, kRate, random);
-  fault(samples);
-
-  InertialTracker tracker(imu);
-  MotionModel steady;
-  Outcome outcome;
-  size_t fed = 0;
-  for (int i = 0; i * kSweep < duration; ++i) {
-    const double time = kSweep * i;
-    for (; fed < samples.size() && samples[fed].stamp <= test::at_seconds(time + kSweep); ++fed) {
-      tracker.add(samples[fed]);
-    }
-    const Nanoseconds stamp = test::at_seconds(time);
-    const Eigen::Isometry3d truth = motion.state(time).T_map_body * T_body_lidar();
-    const Eigen::Isometry3d guess = steady.predict(stamp).T_map_lidar;
-    tracker.predict(stamp, kSweep);
-    Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });
-    error.head<3>() *= 0.002;
-    error.tail<3>() *= 0.0003;
-    RegistrationResult alignment;
-    alignment.status = RegistrationStatus::converged;
-    alignment.T_target_source = retract(truth, error);
-    alignment.information = 1e6 * Matrix6d::Identity();
-    alignment.overlap = 1.0;
-    alignment.inliers = alignment.matches = alignment.source_points = 1000;
-    const StampedPose pose{stamp, alignment.T_target_source};
-    outcome.reports.push_back(tracker.update(pose, i == 0 ? nullptr : &alignment, guess));
-    const InertialReport& report = outcome.reports.back();
-    const Eigen::Isometry3d result = report.nav ? tracker.T_map_lidar(*report.nav) : pose.pose;
-    EXPECT_TRUE(result.matrix().allFinite());
-    outcome.errors.push_back((result.translation() - truth.translation()).norm());
-    steady.update({stamp, result}, true);
-  }
-  return outcome;
-}
-
-/// Removes the readings of a time (s).
-Fault without(double begin, double end) {
-  return [=](std::vector<ImuSample>& samples) {
-    std::erase_if(samples, [&](const ImuSample& sample) {
-      return sample.stamp > test::at_seconds(begin) && sample.stamp < test::at_seconds(end);
-    });
-  };
-}
-
-Fault each(const std::function<void(ImuSample&)>& change) {
-  return [=](std::vector<ImuSample>& samples) { std::ranges::for_each(samples, change); };
+Outcome run(const test::Fault& fault, double duration = 10.0, const ImuConfig& imu = config()) {
+  return test::run_tracker(fault, duration, imu);
 }
 
 TEST(InertialTracker, StartsInMotionAndFuses) {
@@ -213,53 +128,6 @@ TEST(InertialTracker, AnImuThatStartsLateOrEndsEarlyIsUsedWhileItIsThere) {
   EXPECT_EQ(outcome.state_at(6.0), InertialState::fused) << outcome.events();
   EXPECT_EQ(outcome.state_at(9.0), InertialState::lost) << outcome.events();
   EXPECT_LE(outcome.error_after(0.0), 0.06);
-}
-
-/// What must hold where the sensor cannot be right: never fused for long, or at least no harm, and
-/// a reason with what to look at.
-void expect_noticed(const Outcome& outcome, const char* what) {
-  EXPECT_NE(outcome.reports.back().state, InertialState::absent) << what;
-  EXPECT_LE(outcome.error_after(0.0), 0.15) << what << "\n" << outcome.events();
-  const bool refused = std::ranges::any_of(outcome.reports, [](const InertialReport& report) {
-    return report.state == InertialState::lost || report.state == InertialState::refused;
-  });
-  const bool never = std::ranges::none_of(outcome.reports, [](const InertialReport& report) {
-    return report.state == InertialState::fused;
-  });
-  int compared = 0;
-  int better = 0;
-  for (const InertialReport& report : outcome.reports) {
-    compared += report.compared ? 1 : 0;
-    better += report.better_turn ? 1 : 0;
-  }
-  EXPECT_TRUE(refused || never || 2 * better < compared) << what << "\n" << outcome.events();
-}
-
-TEST(InertialTracker, AConstantImuIsNoticedAndDoesNoHarm) {
-  expect_noticed(run(each([](ImuSample& sample) {
-                   sample.angular_velocity << 0.0, 0.0, 0.0;
-                   sample.linear_acceleration << 0.0, 0.0, kStandardGravity;
-                 })),
-                 "constant");
-}
-
-TEST(InertialTracker, AGyroscopeInDegreesIsNoticedAndDoesNoHarm) {
-  expect_noticed(
-      run(each([](ImuSample& sample) { sample.angular_velocity *= 180.0 / std::numbers::pi; })),
-      "degrees");
-}
-
-TEST(InertialTracker, AClockThatIsATenthOfASecondOffIsNoticedAndDoesNoHarm) {
-  expect_noticed(run(each([](ImuSample& sample) { sample.stamp += test::at_seconds(0.1); })),
-                 "late");
-  expect_noticed(run(each([](ImuSample& sample) { sample.stamp -= test::at_seconds(0.1); })),
-                 "early");
-}
-
-TEST(InertialTracker, AWrongMountingIsNoticedAndDoesNoHarm) {
-  ImuConfig wrong = config();
-  wrong.T_imu_lidar = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
-  expect_noticed(run([](auto&) {}, 10.0, wrong), "mounting");
 }
 
 TEST(InertialTracker, SaturationForASecondIsRecoveredFrom) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/rotation_comparison.hpp"
+#include "slam/rotation_comparison.hpp"
 
 #include <cmath>
 #include <functional>

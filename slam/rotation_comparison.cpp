@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/rotation_comparison.hpp"
+#include "slam/rotation_comparison.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -245,6 +246,25 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
   result.offset_sigma = std::sqrt(noise / change);
   find_mounting(sums, noise, n, R_range_gyro_expected, result);
   return result;
+}
+
+double known_mounting_sigma(const RotationComparison& found) {
+  double sigma = 0.0;
+  for (const double one : found.mounting_sigma) {
+    sigma = std::isfinite(one) ? std::max(sigma, one) : sigma;
+  }
+  return sigma;
+}
+
+std::string unobserved_axes(const RotationComparison& comparison) {
+  constexpr std::array kNames = {"roll", "pitch", "yaw"};
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isfinite(comparison.mounting_sigma(i))) {
+      text += (text.empty() ? "" : ", ") + std::string(kNames[static_cast<size_t>(i)]);
+    }
+  }
+  return text;
 }
 
 }  // namespace adit

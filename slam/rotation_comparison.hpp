@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -43,5 +44,16 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
                                                     std::span<const ImuSample> gyroscope,
                                                     const Eigen::Matrix3d& R_range_gyro_expected,
                                                     double most_offset);
+
+/// How far the estimates of a comparison may be off: errors of neighbouring sweeps are alike, which
+/// their residuals do not tell.
+inline constexpr double kSureSigmas = 8.0;
+
+/// The greatest standard deviation (rad) of the mounting about an axis that the motion tells.
+double known_mounting_sigma(const RotationComparison& comparison);
+
+/// For people: roll, pitch and yaw about the lidar's axes that the motion does not tell; empty if
+/// it tells all.
+std::string unobserved_axes(const RotationComparison& comparison);
 
 }  // namespace adit

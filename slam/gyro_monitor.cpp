@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "slam/gyro_monitor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "slam/lie.hpp"
+
+namespace adit {
+namespace {
+
+constexpr size_t kFewestTurns = 30;
+constexpr size_t kMostTurns = 150;
+constexpr int kBetweenChecks = 20;
+constexpr double kLongestTurn = 0.35;  // s; over longer ones the rotation vector is no integral
+constexpr double kMostOffset = 0.3;    // s
+constexpr Nanoseconds kKept = std::chrono::seconds(1);  // of samples before the first turn
+// Less turning than this, root mean square, tells nothing. rad a turn
+constexpr double kLively = 0.008;
+constexpr double kStill = 0.02;                 // of the sweeps' turning: a constant gyroscope
+constexpr double kOtherUnit = 2.0;              // times as much, or as little
+constexpr double kHarmlessMisalignment = 0.09;  // rad
+constexpr double kClockSigmas = 4.0;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+std::string text_of(double value, int digits) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::fixed, digits);
+  return {buffer.data(), end.ptr};
+}
+
+/// Root mean square of turns about their mean, rad.
+double spread(const std::vector<Eigen::Vector3d>& turns) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& turn : turns) {
+    mean += turn / static_cast<double>(turns.size());
+  }
+  double squares = 0.0;
+  for (const Eigen::Vector3d& turn : turns) {
+    squares += (turn - mean).squaredNorm();
+  }
+  return turns.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(turns.size()));
+}
+
+/// How much a gyroscope's mean rates vary over such intervals: its spread, rad.
+double gyro_spread(std::span<const RotationInterval> turns, std::span<const ImuSample> samples) {
+  std::vector<Eigen::Vector3d> rotations;
+  for (const RotationInterval& turn : turns) {
+    const auto begin = std::ranges::lower_bound(samples, turn.begin, {}, &ImuSample::stamp);
+    const auto end = std::ranges::lower_bound(samples, turn.end, {}, &ImuSample::stamp);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (auto sample = begin; sample != end; ++sample) {
+      sum += sample->angular_velocity;
+    }
+    if (begin != end) {
+      const double duration = std::chrono::duration<double>(turn.end - turn.begin).count();
+      rotations.push_back(duration / static_cast<double>(end - begin) * sum);
+    }
+  }
+  return spread(rotations);
+}
+
+std::string clock_evidence(const RotationComparison& found, size_t turns) {
+  const bool late = found.offset > 0.0;
+  return "the gyroscope turns as the sweeps do, but " + text_of(1e3 * std::abs(found.offset), 0) +
+         " ms " + (late ? "later" : "earlier") + " (+- " +
+         text_of(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " + std::to_string(turns) +
+         " sweeps): its clock is " + (late ? "late" : "early") +
+         "; recording.imu_time_offset = " + text_of(-found.offset, 3) +
+         " would mend that, imu.refine_time_offset = 1 does so by itself";
+}
+
+std::string mounting_evidence(const RotationComparison& found, size_t turns) {
+  const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
+  return "the gyroscope turns as the sweeps do, but about axes that are " +
+         text_of(kDegrees * found.misalignment, 1) + " degrees off (over " + std::to_string(turns) +
+         " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
+         "whose rotation should be qx " + text_of(q.x(), 4) + ", qy " + text_of(q.y(), 4) +
+         ", qz " + text_of(q.z(), 4) + ", qw " + text_of(q.w(), 4) +
+         "; imu.refine_rotation = 1 corrects it by itself";
+}
+
+std::string unit_evidence(double factor) {
+  const bool degrees = std::abs(factor / kDegrees - 1.0) < 0.3;
+  return "the gyroscope turns " + text_of(factor, factor < 1.0 ? 3 : 1) +
+         " times as much as the sweeps: " +
+         (degrees ? "it is in degrees a second (recording.gyroscope_scale = 0.0174533)"
+                  : "is its unit another (recording.gyroscope_scale)?");
+}
+
+}  // namespace
+
+void GyroMonitor::add(const ImuSample& sample) {
+  if (samples_.empty() || sample.stamp > samples_.back().stamp) {
+    samples_.push_back(sample);
+  } else if (samples_.back().stamp - sample.stamp > std::chrono::seconds(1)) {
+    *this = {};  // the clock was set back
+  }
+}
+
+void GyroMonitor::add(const StampedPose& alignment) {
+  if (last_ && alignment.stamp > last_->stamp &&
+      alignment.stamp - last_->stamp < Nanoseconds(static_cast<int64_t>(1e9 * kLongestTurn))) {
+    turns_.push_back({last_->stamp, alignment.stamp,
+                      so3_log(last_->pose.linear().transpose() * alignment.pose.linear())});
+    ++unchecked_;
+  } else if (last_ && alignment.stamp <= last_->stamp) {
+    turns_.clear();
+  }
+  last_ = alignment;
+  if (turns_.size() > kMostTurns) {
+    turns_.pop_front();
+  }
+  const Nanoseconds oldest = (turns_.empty() ? alignment.stamp : turns_.front().begin) - kKept;
+  while (!samples_.empty() && samples_.front().stamp < oldest) {
+    samples_.pop_front();
+  }
+}
+
+std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
+  if (turns_.size() < kFewestTurns || unchecked_ < kBetweenChecks) {
+    return std::nullopt;
+  }
+  unchecked_ = 0;
+  const std::vector<RotationInterval> turns(turns_.begin(), turns_.end());
+  const std::vector<ImuSample> samples(samples_.begin(), samples_.end());
+  std::vector<Eigen::Vector3d> rotations;
+  for (const RotationInterval& turn : turns) {
+    rotations.push_back(turn.rotation);
+  }
+  const double lively = spread(rotations);
+  GyroCheck result;
+  if (lively < kLively || samples.empty()) {
+    return result;
+  }
+  const double factor = gyro_spread(turns, samples) / lively;
+  result.comparison = compare_rotations(turns, samples, expected.R_lidar_imu, kMostOffset);
+  const std::string over = " over " + std::to_string(turns.size()) + " sweeps";
+  if (factor < kStill) {
+    result = {GyroFault::constant,
+              "the gyroscope stays as it is while the sweeps turn" + over +
+                  ": is it broken, or a message filled in?",
+              std::nullopt};
+  } else if (!result.comparison) {
+    result.fault = GyroFault::unrelated;
+    result.evidence = "the gyroscope's turns have little to do with those of the sweeps" + over +
+                      ": is it of another recording, its clock off by more than 0.3 s, or "
+                      "saturated?";
+  } else if (factor > kOtherUnit || factor < 1.0 / kOtherUnit) {
+    result.fault = GyroFault::unit;
+    result.evidence = unit_evidence(factor);
+  } else if (std::abs(result.comparison->offset - expected.offset) >
+             expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
+    result.fault = GyroFault::clock;
+    result.evidence = clock_evidence(*result.comparison, turns.size());
+  } else if (result.comparison->misalignment >
+             kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {
+    result.fault = GyroFault::mounting;
+    result.evidence = mounting_evidence(*result.comparison, turns.size());
+  }
+  return result;
+}
+
+}  // namespace adit

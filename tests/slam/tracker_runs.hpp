@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The tracker with alignments that are made up from the truth, and readings that anything can be
+// done to.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slam/inertial_tracker.hpp"
+#include "tests/support/simulated_imu.hpp"
+
+namespace adit::test {
+
+inline constexpr double kRate = 200.0;
+inline constexpr double kSweep = 0.1;  // s
+inline const ImuBias kBias{{0.02, -0.01, 0.015}, {0.05, -0.03, 0.04}};
+
+/// The lidar is not where the IMU is, and looks elsewhere.
+inline ImuConfig tracker_config() {
+  ImuConfig config;
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()));
+  config.T_imu_lidar = {0.1, -0.05, 0.2, q.x(), q.y(), q.z(), q.w()};
+  return config;
+}
+
+inline Eigen::Isometry3d T_body_lidar() {
+  const auto v = tracker_config().T_imu_lidar;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).toRotationMatrix();
+  pose.translation() << v[0], v[1], v[2];
+  return pose;
+}
+
+struct Outcome {
+  std::vector<InertialReport> reports;
+  std::vector<double> errors;  ///< m, of the lidar's position after each sweep
+  double error_after(double time) const {
+    const auto from = static_cast<std::ptrdiff_t>(time / kSweep);
+    return *std::max_element(errors.begin() + from, errors.end());
+  }
+  InertialState state_at(double time) const {
+    return reports[static_cast<size_t>(time / kSweep)].state;
+  }
+  std::string events() const {
+    std::string text;
+    for (size_t i = 0; i < reports.size(); ++i) {
+      text += reports[i].event.empty() ? "" : std::to_string(i) + ": " + reports[i].event + "\n";
+    }
+    return text;
+  }
+};
+
+/// Changes the readings before they are handed on.
+using Fault = std::function<void(std::vector<ImuSample>&)>;
+
+/// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
+inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
+                           const ImuConfig& imu = tracker_config(),
+                           const WavyMotion& motion = hand_held_motion()) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  std::vector<ImuSample> samples = readings(motion, -0.1, duration + 0.2, kRate, kBias);
+  add_noise(samples, {.gyro = 5e-4, .accel = 5e-3}, kRate, random);
+  fault(samples);
+
+  InertialTracker tracker(imu);
+  MotionModel steady;
+  Outcome outcome;
+  size_t fed = 0;
+  for (int i = 0; i * kSweep < duration; ++i) {
+    const double time = kSweep * i;
+    for (; fed < samples.size() && samples[fed].stamp <= at_seconds(time + kSweep); ++fed) {
+      tracker.add(samples[fed]);
+    }
+    const Nanoseconds stamp = at_seconds(time);
+    const Eigen::Isometry3d truth = motion.state(time).T_map_body * T_body_lidar();
+    const Eigen::Isometry3d guess = steady.predict(stamp).T_map_lidar;
+    tracker.predict(stamp, kSweep);
+    Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });
+    error.head<3>() *= 0.002;
+    error.tail<3>() *= 0.0003;
+    RegistrationResult alignment;
+    alignment.status = RegistrationStatus::converged;
+    alignment.T_target_source = retract(truth, error);
+    alignment.information = 1e6 * Matrix6d::Identity();
+    alignment.overlap = 1.0;
+    alignment.inliers = alignment.matches = alignment.source_points = 1000;
+    const StampedPose pose{stamp, alignment.T_target_source};
+    outcome.reports.push_back(tracker.update(pose, i == 0 ? nullptr : &alignment, guess));
+    const InertialReport& report = outcome.reports.back();
+    const Eigen::Isometry3d result = report.nav ? tracker.T_map_lidar(*report.nav) : pose.pose;
+    EXPECT_TRUE(result.matrix().allFinite());
+    outcome.errors.push_back((result.translation() - truth.translation()).norm());
+    steady.update({stamp, result}, true);
+  }
+  return outcome;
+}
+
+/// Removes the readings of a time (s).
+inline Fault without(double begin, double end) {
+  return [=](std::vector<ImuSample>& samples) {
+    std::erase_if(samples, [&](const ImuSample& sample) {
+      return sample.stamp > at_seconds(begin) && sample.stamp < at_seconds(end);
+    });
+  };
+}
+
+inline Fault each(const std::function<void(ImuSample&)>& change) {
+  return [=](std::vector<ImuSample>& samples) { std::ranges::for_each(samples, change); };
+}
+
+}  // namespace adit::test
