@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "slam/inertial_tracker.hpp"
+#include "slam/lie.hpp"
 
 namespace adit {
 namespace {
@@ -17,16 +18,29 @@ namespace {
 // stamp is a sweep's begin or its end.
 constexpr double kHarmlessOffset = 0.02;  // s
 constexpr double kSweepPeriod = 0.11;     // s
-// Refinement: changes beyond so much, and so many standard deviations, are worth a new start.
-constexpr double kLeastClock = 0.003;  // s
-constexpr double kLeastTurn = 0.006;   // rad
-constexpr double kSigmas = 4.0;
+// Refinement: changes beyond so much, and so many standard deviations, are worth a new start. Less
+// than that, sweeps feign: what they are de-skewed with shows in their turns, and a small
+// correction would ask for the next.
+constexpr double kLeastClock = 0.008;  // s
+constexpr double kLeastTurn = 0.01;    // rad
+constexpr double kSigmas = 3.0;
 
 std::string text_of(double value, int digits) {
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
                                  std::chars_format::fixed, digits);
   return {buffer.data(), end.ptr};
+}
+
+/// From the mounting R_lidar_imu to the one that was found, about the lidar's axes: those of its
+/// components that the motion tells apart from nothing.
+Eigen::Vector3d significant_turn(const RotationComparison& found, const Eigen::Matrix3d& R) {
+  Eigen::Vector3d turn = so3_log(found.R_range_gyro * R.transpose());
+  for (int i = 0; i < 3; ++i) {
+    const double bound = kLeastTurn + kSigmas * found.mounting_sigma(i);
+    turn(i) = std::abs(turn(i)) > bound ? turn(i) : 0.0;
+  }
+  return turn;
 }
 
 }  // namespace
@@ -72,12 +86,12 @@ bool InertialTracker::refine(const RotationComparison& found) {
     buffer_.shift(-std::chrono::round<Nanoseconds>(std::chrono::duration<double>(late)));
     what = "its clock is corrected by " + text_of(-1e3 * clock_offset_, 1) + " ms";
   }
-  if (config_.refine_rotation != 0 &&
-      found.misalignment > kLeastTurn + kSigmas * known_mounting_sigma(found)) {
-    T_body_lidar_.linear() = found.R_range_gyro.transpose();
+  const Eigen::Vector3d turn = significant_turn(found, T_body_lidar_.linear().transpose());
+  if (config_.refine_rotation != 0 && turn.norm() > 0.0) {
+    T_body_lidar_.linear() = T_body_lidar_.linear() * so3_exp(-turn);
     const std::string hidden = unobserved_axes(found);
     what += (what.empty() ? "" : ", ") + std::string("its mounting is turned by ") +
-            text_of(found.misalignment * 180.0 / std::numbers::pi, 2) + " degrees" +
+            text_of(turn.norm() * 180.0 / std::numbers::pi, 2) + " degrees" +
             (hidden.empty() ? "" : " (the motion does not tell " + hidden + ")");
   }
   if (what.empty()) {

@@ -142,7 +142,7 @@ TEST(Refinement, AMountingThatIsThreeDegreesOffIsCorrected) {
   config.T_imu_lidar[6] = wrong.w();
   const Outcome outcome = run_tracker([](auto&) {}, 20.0, config);
   EXPECT_NEAR(mounting_error(outcome.reports.front()), 0.0524, 0.001);
-  EXPECT_LE(mounting_error(outcome.reports.back()), 0.008) << outcome.events();
+  EXPECT_LE(mounting_error(outcome.reports.back()), 0.015) << outcome.events();
   EXPECT_EQ(outcome.reports.back().state, InertialState::fused) << outcome.events();
 }
 
