@@ -82,17 +82,22 @@ Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& me
 void SlidingGraph::start(const StatePrior& prior) {
   prior_ = prior;
   nodes_.clear();
-  nodes_.push_back({.state = prior.origin, .measurement = {}, .readings = {}, .between = {}});
+  chain_ = {};
+  append({.state = prior.origin, .measurement = {}, .readings = {}, .between = {}});
+  marginal_ = chain_.states.front();
+}
+
+void SlidingGraph::append(Node node) {
+  nodes_.push_back(std::move(node));
+  const size_t i = nodes_.size() - 1;
+  chain_.states.push_back(state_quadratic(i, nodes_[i].state));
+  if (i > 0) {
+    chain_.links.push_back(link_quadratic(i, nodes_[i - 1].state, nodes_[i].state));
+  }
 }
 
 StateEstimate SlidingGraph::latest_estimate() const {
-  StateEstimate estimate{.state = latest()};
-  const std::optional<StateQuadratic> marginal = marginal_of_last(linearized(states()));
-  if (!marginal) {
-    throw std::logic_error("the sliding graph does not determine its states");
-  }
-  estimate.covariance = inverse(marginal->h);
-  return estimate;
+  return {.state = latest(), .covariance = inverse(marginal_.h)};
 }
 
 StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) const {
@@ -102,11 +107,10 @@ StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) cons
   if (between.duration <= 0.0) {
     return latest_estimate();
   }
-  const std::optional<StateQuadratic> marginal = marginal_of_last(linearized(states()));
   LinkQuadratic link = quadratic(imu_factor(between, latest(), prediction.state));
   link += quadratic(walk_factor(settings_.noise, settings_.gravity_walk, between.duration, latest(),
                                 prediction.state));
-  const auto left = marginal ? eliminated(*marginal, link) : std::nullopt;
+  const std::optional<StateQuadratic> left = eliminated(marginal_, link);
   if (!left) {
     throw std::logic_error("the sliding graph does not determine its states");
   }
@@ -125,7 +129,7 @@ StateEstimate SlidingGraph::add(std::vector<ImuSample> readings,
   node.state.stamp = readings.back().stamp;
   node.readings = std::move(readings);
   node.measurement = measurement;
-  nodes_.push_back(std::move(node));
+  append(std::move(node));
 
   StateEstimate estimate = optimize();
   const bool resets = settings_.reset > 0 && size() >= settings_.reset;
@@ -176,63 +180,72 @@ ChainQuadratic SlidingGraph::linearized(const std::vector<NavState>& states) con
   return chain;
 }
 
-// Levenberg-Marquardt; undamped steps are Gauss-Newton's, and damping begins where one fails.
+// Levenberg-Marquardt; undamped steps are Gauss-Newton's, and damping begins where one fails. A
+// step too short to matter is not made: so the chain stays linearised where its states are.
 StateEstimate SlidingGraph::optimize() {
   StateEstimate estimate;
   estimate.converged = false;
   integrate_stale_again();
   std::vector<NavState> best = states();
-  ChainQuadratic chain = linearized(best);
+  std::optional<StateQuadratic> marginal;
   double damping = 0.0;
   while (estimate.iterations < settings_.max_iterations && !estimate.converged &&
          damping <= kLargestDamping) {
     ++estimate.iterations;
-    const auto steps = minimum(chain, damping);
-    if (steps) {
-      const std::vector<NavState> candidate = moved(best, *steps);
+    marginal.reset();
+    if (const auto found = minimum(chain_, damping)) {
+      marginal = damping > 0.0 ? std::nullopt : std::optional(found->last);
+      estimate.converged = expected_decrease(chain_, found->steps) < 0.5 * kSmallStep * kSmallStep;
+      if (estimate.converged) {
+        break;
+      }
+      const std::vector<NavState> candidate = moved(best, found->steps);
       ChainQuadratic there = linearized(candidate);
-      const double cost = chain.cost();
+      const double cost = chain_.cost();
       if (there.cost() <= cost) {
-        estimate.converged = expected_decrease(chain, *steps) < 0.5 * kSmallStep * kSmallStep ||
-                             cost - there.cost() < kSmallDecrease * cost;
+        estimate.converged = cost - there.cost() < kSmallDecrease * cost;
         best = candidate;
-        chain = std::move(there);
+        chain_ = std::move(there);
+        marginal.reset();
         damping *= 0.1;
         continue;
       }
-      estimate.converged = expected_decrease(chain, *steps) < 0.5 * kSmallStep * kSmallStep;
     }
     damping = std::max(10.0 * damping, kFirstDamping);
   }
   for (size_t i = 0; i < best.size(); ++i) {
     nodes_[i].state = best[i];
   }
+  marginal = marginal ? marginal : marginal_of_last(chain_);
   estimate.state = latest();
-  if (const auto marginal = marginal_of_last(chain)) {
-    estimate.covariance = inverse(marginal->h);
+  if (marginal) {
+    marginal_ = *marginal;
+    estimate.covariance = inverse(marginal_.h);
   }
   return estimate;
 }
 
 void SlidingGraph::integrate_stale_again() {
   for (size_t i = 1; i < nodes_.size(); ++i) {
-    const ImuBias& bias = nodes_[i - 1].state.bias;
-    if (is_stale(nodes_[i].between, bias)) {
-      nodes_[i].between = preintegrate(nodes_[i].readings, bias, settings_.noise);
+    const NavState& before = nodes_[i - 1].state;
+    if (is_stale(nodes_[i].between, before.bias)) {
+      nodes_[i].between = preintegrate(nodes_[i].readings, before.bias, settings_.noise);
+      chain_.links[i - 1] = link_quadratic(i, before, nodes_[i].state);
     }
   }
 }
 
 void SlidingGraph::marginalize_first() {
-  const NavState& first = nodes_[0].state;
-  const NavState& second = nodes_[1].state;
-  const auto left = eliminated(state_quadratic(0, first), link_quadratic(1, first, second));
+  const auto left = eliminated(chain_.states[0], chain_.links[0]);
   if (!left) {
     throw std::logic_error("the sliding graph does not determine its first state");
   }
-  prior_ = prior_from(second, *left);
+  prior_ = prior_from(nodes_[1].state, *left);
   nodes_.pop_front();
   nodes_.front().readings.clear();
+  chain_.states.erase(chain_.states.begin());
+  chain_.links.erase(chain_.links.begin());
+  chain_.states.front() = state_quadratic(0, nodes_.front().state);
 }
 
 }  // namespace adit

@@ -81,6 +81,7 @@ class SlidingGraph {
                                const NavState& to_state) const;
   ChainQuadratic linearized(const std::vector<NavState>& states) const;
   std::vector<NavState> states() const;
+  void append(Node node);
   StateEstimate optimize();
   void integrate_stale_again();
   void marginalize_first();
@@ -88,6 +89,8 @@ class SlidingGraph {
   GraphSettings settings_;
   StatePrior prior_;  ///< on the first node
   std::deque<Node> nodes_;
+  ChainQuadratic chain_;     ///< of the nodes, where they are
+  StateQuadratic marginal_;  ///< of it, on the newest node
 };
 
 }  // namespace adit

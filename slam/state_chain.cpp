@@ -28,6 +28,16 @@ class ScaledCholesky {
   Eigen::LLT<StateMatrix> llt_;
 };
 
+StateQuadratic left_by(const ScaledCholesky& cholesky, const StateQuadratic& state,
+                       const LinkQuadratic& link) {
+  const StateVector g = state.g + link.g_from;
+  const StateMatrix solved = cholesky.solve<kStateSize>(link.h_cross);
+  const StateMatrix h = link.h_to - link.h_cross.transpose() * solved;
+  return {.h = 0.5 * (h + h.transpose()),
+          .g = link.g_to - solved.transpose() * g,
+          .cost = state.cost + link.cost - 0.5 * g.dot(cholesky.solve<1>(g))};
+}
+
 }  // namespace
 
 double ChainQuadratic::cost() const {
@@ -43,15 +53,7 @@ double ChainQuadratic::cost() const {
 
 std::optional<StateQuadratic> eliminated(const StateQuadratic& state, const LinkQuadratic& link) {
   const ScaledCholesky cholesky(state.h + link.h_from);
-  if (!cholesky.regular()) {
-    return std::nullopt;
-  }
-  const StateVector g = state.g + link.g_from;
-  const StateMatrix solved = cholesky.solve<kStateSize>(link.h_cross);
-  const StateMatrix h = link.h_to - link.h_cross.transpose() * solved;
-  return StateQuadratic{.h = 0.5 * (h + h.transpose()),
-                        .g = link.g_to - solved.transpose() * g,
-                        .cost = state.cost + link.cost - 0.5 * g.dot(cholesky.solve<1>(g))};
+  return cholesky.regular() ? std::optional(left_by(cholesky, state, link)) : std::nullopt;
 }
 
 std::optional<StateQuadratic> marginal_of_last(const ChainQuadratic& chain) {
@@ -67,7 +69,7 @@ std::optional<StateQuadratic> marginal_of_last(const ChainQuadratic& chain) {
   return sum;
 }
 
-std::optional<std::vector<StateVector>> minimum(const ChainQuadratic& chain, double damping) {
+std::optional<ChainMinimum> minimum(const ChainQuadratic& chain, double damping) {
   const size_t n = chain.states.size();
   const auto damped = [&](size_t i) {
     StateQuadratic state = chain.states[i];
@@ -77,30 +79,31 @@ std::optional<std::vector<StateVector>> minimum(const ChainQuadratic& chain, dou
     state.h.diagonal() += damping * diagonal;
     return state;
   };
-  std::vector<StateQuadratic> forward = {damped(0)};
-  for (size_t i = 0; i + 1 < n; ++i) {
-    const std::optional<StateQuadratic> left = eliminated(forward[i], chain.links[i]);
-    if (!left) {
+  std::vector<ScaledCholesky> factors;  // of each state, with what those before it left
+  std::vector<StateVector> gradients;
+  StateQuadratic state = damped(0);
+  for (size_t i = 0; i < n; ++i) {
+    const bool last = i + 1 == n;
+    factors.emplace_back(last ? state.h : StateMatrix(state.h + chain.links[i].h_from));
+    if (!factors.back().regular()) {
       return std::nullopt;
     }
-    forward.push_back(damped(i + 1));
-    forward.back() += *left;
+    gradients.push_back(last ? state.g : StateVector(state.g + chain.links[i].g_from));
+    if (!last) {
+      const StateQuadratic left = left_by(factors.back(), state, chain.links[i]);
+      state = damped(i + 1);
+      state += left;
+    }
   }
-  std::vector<StateVector> steps(n, StateVector::Zero());
+  ChainMinimum result{.steps = std::vector<StateVector>(n, StateVector::Zero()), .last = state};
   for (size_t i = n; i-- > 0;) {
-    StateMatrix h = forward[i].h;
-    StateVector g = forward[i].g;
+    StateVector g = gradients[i];
     if (i + 1 < n) {
-      h += chain.links[i].h_from;
-      g += chain.links[i].g_from + chain.links[i].h_cross * steps[i + 1];
+      g += chain.links[i].h_cross * result.steps[i + 1];
     }
-    const ScaledCholesky cholesky(h);
-    if (!cholesky.regular()) {
-      return std::nullopt;
-    }
-    steps[i] = -cholesky.solve<1>(g);
+    result.steps[i] = -factors[i].solve<1>(g);
   }
-  return steps;
+  return result;
 }
 
 }  // namespace adit

@@ -27,8 +27,13 @@ std::optional<StateQuadratic> eliminated(const StateQuadratic& state, const Link
 /// The marginal on the last state.
 std::optional<StateQuadratic> marginal_of_last(const ChainQuadratic& chain);
 
-/// The step of every state to the minimum of the sum, with `damping` times the diagonal added
-/// (Levenberg-Marquardt). None: the sum has no minimum.
-std::optional<std::vector<StateVector>> minimum(const ChainQuadratic& chain, double damping);
+struct ChainMinimum {
+  std::vector<StateVector> steps;  ///< of every state, from where it is
+  StateQuadratic last;             ///< the marginal on the last state
+};
+
+/// The minimum of the sum, with `damping` times the diagonal added (Levenberg-Marquardt). None:
+/// the sum has no minimum.
+std::optional<ChainMinimum> minimum(const ChainQuadratic& chain, double damping);
 
 }  // namespace adit

@@ -70,10 +70,10 @@ TEST(StateChain, TheMinimumIsTheDenseSolutions) {
       Eigen::MatrixXd h = whole.h;
       h.diagonal() *= 1.0 + damping;
       const Eigen::VectorXd expected = -h.ldlt().solve(whole.g);
-      const auto steps = minimum(chain, damping);
-      ASSERT_TRUE(steps);
+      const auto found = minimum(chain, damping);
+      ASSERT_TRUE(found);
       for (int i = 0; i < kStates; ++i) {
-        EXPECT_LE(((*steps)[static_cast<size_t>(i)] - expected.segment<kN>(kN * i)).norm(),
+        EXPECT_LE((found->steps[static_cast<size_t>(i)] - expected.segment<kN>(kN * i)).norm(),
                   1e-9 * expected.norm())
             << "state " << i;
       }
@@ -94,6 +94,10 @@ TEST(StateChain, MarginalisationIsExactOnALinearProblem) {
   ASSERT_TRUE(marginal);
   EXPECT_LE((marginal->h - h).norm(), 1e-9 * h.norm());
   EXPECT_LE((marginal->g - g).norm(), 1e-9 * g.norm());
+  const auto found = minimum(chain, 0.0);
+  ASSERT_TRUE(found);
+  EXPECT_LE((found->last.h - h).norm(), 1e-9 * h.norm());
+  EXPECT_LE((found->last.g - g).norm(), 1e-9 * g.norm());
   // Its inverse is the dense covariance's corner, and its minimum the dense solution's end.
   const Eigen::MatrixXd covariance = whole.h.inverse();
   EXPECT_TRUE(
