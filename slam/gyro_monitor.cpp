@@ -150,6 +150,8 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
               "the gyroscope stays as it is while the sweeps turn" + over +
                   ": is it broken, or a message filled in?",
               std::nullopt};
+  } else if (!result.comparison && factor < 1.0 / kOtherUnit) {
+    return result;  // it is the sweeps' turns that are noise
   } else if (!result.comparison) {
     result.fault = GyroFault::unrelated;
     result.evidence = "the gyroscope's turns have little to do with those of the sweeps" + over +

@@ -235,7 +235,8 @@ double inflation(const RegistrationResult& result, const CovarianceModel& model)
   const double worse = std::max(0.0, result.residual_rms / model.rms_expected - 1.0);
   const double overlap = std::max(result.overlap, 0.3);
   const double each = static_cast<double>(result.matches) / std::max(result.inliers, 1);
-  const double sparse = model.area > 0.0 ? surface_of_match(result) / model.area : 1.0;
+  const double sparse =
+      model.area > 0.0 ? std::min(surface_of_match(result) / model.area, model.most_sparse) : 1.0;
   return model.kappa * each * (1.0 + worse) / (overlap * overlap) * sparse * sparse;
 }
 

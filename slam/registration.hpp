@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string_view>
 
 #include "slam/config.hpp"
@@ -83,12 +84,14 @@ struct RegistrationResult {
 /// From information to a covariance that holds what the matches do not know of their own errors
 /// (docs/theory/registration.md): kappa (matches / inliers) (1 + max(0, rms / rms_expected - 1)) /
 /// max(overlap, 0.3)^2 times the inverse of the information, plus floors. Matches of one point are
-/// one measurement. With an `area`, times (surface of a match / area)^2 besides.
+/// one measurement. With an `area`, times (surface of a match / area)^2 besides,
+/// the quotient at most `most_sparse`.
 struct CovarianceModel {
   double kappa = 1.0;
   /// m²; 0: whatever the surface of a match. Normals of sparse clouds are those of large patches,
   /// and wrong together (docs/theory/inertial.md, section 9).
   double area = 0.0;
+  double most_sparse = std::numeric_limits<double>::infinity();
   double rms_expected = 0.03;               ///< m
   double sigma_translation = 0.0;           ///< m, of what every alignment has in common
   double sigma_rotation = 0.0;              ///< rad
