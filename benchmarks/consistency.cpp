@@ -5,46 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 namespace adit::bench {
 namespace {
 
 constexpr Nanoseconds kHorizon = std::chrono::seconds(1);
 
-UncertainPose pose_of(const SweepResult& result) {
-  return {.T_map_lidar = result.T_map_lidar, .uncertainty = result.uncertainty};
-}
-
-/// How the motion between two sweeps differs from the truth, [rho, phi] at its end.
-Vector6d motion_error(const ConsistencySweep& from, const ConsistencySweep& to) {
-  const Eigen::Isometry3d truth = from.T_world_lidar.inverse() * to.T_world_lidar;
-  const Eigen::Isometry3d estimate = from.result.T_map_lidar.inverse() * to.result.T_map_lidar;
-  const Eigen::Isometry3d off = truth.inverse() * estimate;
-  Vector6d error;
-  error << off.translation(), so3_log(off.linear());
-  return error;
-}
-
-template <int kSize>
-double squared(const Matrix6d& covariance, const Vector6d& error, int at) {
-  const Eigen::Matrix<double, kSize, kSize> block = covariance.block<kSize, kSize>(at, at);
-  const Eigen::Matrix<double, kSize, 1> part = error.segment<kSize>(at);
-  return part.dot(block.ldlt().solve(part)) / kSize;
-}
-
-void add(Nees& sum, const ConsistencySweep& from, const ConsistencySweep& to) {
-  const Matrix6d covariance = motion_covariance(pose_of(from.result), pose_of(to.result));
-  const Vector6d error = motion_error(from, to);
-  sum.pose += squared<6>(covariance, error, 0);
-  sum.translation += squared<3>(covariance, error, 0);
-  sum.rotation += squared<3>(covariance, error, 3);
-  ++sum.samples;
-}
-
-Nees mean(Nees sum) {
-  const double n = static_cast<double>(std::max<std::size_t>(sum.samples, 1));
-  return {sum.pose / n, sum.translation / n, sum.rotation / n, sum.samples};
+JudgedPose judged(const ConsistencySweep& sweep) {
+  return {.estimate = {sweep.result.T_map_lidar, sweep.result.uncertainty},
+          .T_world_lidar = sweep.T_world_lidar};
 }
 
 bool is_bridged(const ConsistencySweep& sweep) {
@@ -76,8 +44,7 @@ void add(Products& products, const std::vector<ConsistencySweep>& run) {
 }
 
 void add(Consistency& found, const std::vector<ConsistencySweep>& run) {
-  const ConsistencySweep& first = run.front();
-  const ConsistencySweep& last = run.back();
+  const JudgedPose first = judged(run.front());
   std::size_t before = 0;  // the newest sweep a second or more before
   for (std::size_t i = 1; i < run.size(); ++i) {
     found.bridged += is_bridged(run[i]) ? 1U : 0U;
@@ -88,16 +55,16 @@ void add(Consistency& found, const std::vector<ConsistencySweep>& run) {
     }
     if (run[i].result.inertial.nav) {
       ++found.sweeps;
-      add(found.all, first, run[i]);
+      found.all.add(motion_error(first, judged(run[i])));
       if (run[before].result.stamp + kHorizon <= run[i].result.stamp) {
-        add(found.motion, run[before], run[i]);
+        found.motion.add(motion_error(judged(run[before]), judged(run[i])));
       }
     }
   }
-  add(found.last, first, last);
-  const Vector6d error = motion_error(first, last);
-  found.error += error.head<3>().squaredNorm();
-  found.turn += error.tail<3>().squaredNorm();
+  const MotionError last = motion_error(first, judged(run.back()));
+  found.last.add(last);
+  found.error += last.error.head<3>().squaredNorm();
+  found.turn += last.error.tail<3>().squaredNorm();
 }
 
 }  // namespace
@@ -113,9 +80,6 @@ Consistency consistency_of(std::span<const std::vector<ConsistencySweep>> runs) 
     }
   }
   const double n = static_cast<double>(std::max<std::size_t>(found.runs, 1));
-  found.last = mean(found.last);
-  found.all = mean(found.all);
-  found.motion = mean(found.motion);
   found.error = std::sqrt(found.error / n);
   found.turn = std::sqrt(found.turn / n);
   found.path /= n;

@@ -16,16 +16,9 @@
 
 #include "benchmarks/consistency_run.hpp"
 #include "benchmarks/setting.hpp"
+#include "tools/pose_consistency.hpp"
 
 namespace adit::bench {
-
-/// Normalised estimation error squared, means a degree of freedom: 1 where the covariance is right.
-struct Nees {
-  double pose = 0.0;
-  double translation = 0.0;
-  double rotation = 0.0;
-  std::size_t samples = 0;
-};
 
 /// The errors of some runs.
 struct Consistency {

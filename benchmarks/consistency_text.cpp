@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/consistency.hpp"
+#include "tools/printed.hpp"
 
 namespace adit::bench {
 namespace {
@@ -18,13 +18,6 @@ constexpr int kFormat = 1;
 constexpr int kPoseDegrees = 6;
 // What a covariance may be wrong by: the squared error is half to twice what it says.
 constexpr double kFactor = 2.0;
-
-template <class... Values>
-std::string told(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 Json to_json(const Nees& nees) {
   return {{"pose", nees.pose},
@@ -96,14 +89,14 @@ void print_consistency_head(const ConsistencyReport& report, std::ostream& out) 
 void print_consistency_row(const std::string& name, const Consistency& found, std::ostream& out) {
   const MeanBounds bounds = chi_squared_bounds(found.runs, kPoseDegrees);
   const auto& rho = found.correlation;
-  out << told("%-9s %4zu %8.1f %6.1f %6.2f %11.2f  (%.2f-%.2f) %6.2f %6.2f %7.2f %6.2f %6.2f",
-              name.c_str(), found.runs, found.path, 1e3 * found.error, 1e3 * found.turn,
-              found.last.pose, bounds.low, bounds.high, found.last.translation, found.last.rotation,
-              found.all.pose, found.motion.pose, found.nis)
-      << told("  %5.2f %5.2f %5.2f %5.2f %5.2f  %6.3f", rho[0], rho[1], rho[2], rho[3], rho[4],
-              white_bound(found));
+  out << printed("%-9s %4zu %8.1f %6.1f %6.2f %11.2f  (%.2f-%.2f) %6.2f %6.2f %7.2f %6.2f %6.2f",
+                 name.c_str(), found.runs, found.path, 1e3 * found.error, 1e3 * found.turn,
+                 found.last.pose, bounds.low, bounds.high, found.last.translation,
+                 found.last.rotation, found.all.pose, found.motion.pose, found.nis)
+      << printed("  %5.2f %5.2f %5.2f %5.2f %5.2f  %6.3f", rho[0], rho[1], rho[2], rho[3], rho[4],
+                 white_bound(found));
   if (found.bridged > 0) {
-    out << told("  %zu sweeps bridged", found.bridged);
+    out << printed("  %zu sweeps bridged", found.bridged);
   }
   out << "\n";
 }
@@ -112,12 +105,12 @@ void print_consistency_verdict(const Consistency& all, std::ostream& out) {
   const bool honest = all.last.pose >= 1.0 / kFactor && all.last.pose <= kFactor;
   const double largest = std::abs(
       *std::ranges::max_element(all.correlation, {}, [](double rho) { return std::abs(rho); }));
-  out << "\npose     NEES " << told("%.2f", kPoseDegrees * all.last.pose) << " for " << kPoseDegrees
-      << " degrees of freedom over " << all.runs << " runs: " << (honest ? "within" : "outside")
-      << " [0.5, 2] times that\n"
+  out << "\npose     NEES " << printed("%.2f", kPoseDegrees * all.last.pose) << " for "
+      << kPoseDegrees << " degrees of freedom over " << all.runs
+      << " runs: " << (honest ? "within" : "outside") << " [0.5, 2] times that\n"
       << "white    " << (largest <= white_bound(all) ? "innovations are" : "innovations are not")
-      << told(": they correlate by up to %.2f, white ones by less than %.3f", largest,
-              white_bound(all))
+      << printed(": they correlate by up to %.2f, white ones by less than %.3f", largest,
+                 white_bound(all))
       << "\n";
 }
 

@@ -3,9 +3,10 @@
 #include "benchmarks/slam_report.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
+
+#include "tools/printed.hpp"
 
 namespace adit::bench {
 namespace {
@@ -13,13 +14,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
-
-template <class... Values>
-std::string told(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 Json to_json(const SlamErrors& errors) {
   return {{"ate_rmse_m", errors.ate},
@@ -57,16 +51,16 @@ std::string complaint(const SlamResult& result, const SlamLimits& limits) {
     const auto sweeps = static_cast<double>(result.effort->sweeps);
     const std::size_t lost = result.effort->sweeps - result.effort->placed;
     if (static_cast<double>(lost) > limits.lost_share * sweeps) {
-      return told("%zu of %zu sweeps could not be placed", lost, result.effort->sweeps);
+      return printed("%zu of %zu sweeps could not be placed", lost, result.effort->sweeps);
     }
   }
   const SlamErrors& errors = *result.errors;
   if (errors.covered < limits.covered_share * errors.path) {
-    return told("it covers %.1f of %.1f m", errors.covered, errors.path);
+    return printed("it covers %.1f of %.1f m", errors.covered, errors.path);
   }
   if (errors.ate > std::max(limits.error_least, limits.error_share * errors.path)) {
-    return told("an error of %.2f m, %.1f %% of the path", errors.ate,
-                100.0 * errors.ate / errors.path);
+    return printed("an error of %.2f m, %.1f %% of the path", errors.ate,
+                   100.0 * errors.ate / errors.path);
   }
   return {};
 }

@@ -1,20 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdio>
 #include <ostream>
 
 #include "benchmarks/slam_report.hpp"
+#include "tools/printed.hpp"
 
 namespace adit::bench {
 namespace {
-
-template <class... Values>
-std::string told(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 std::string right(const std::string& text, std::size_t width) {
   return std::string(width > text.size() ? width - text.size() : 0, ' ') + text;
@@ -47,7 +40,7 @@ std::string cell(const SlamRow& row, std::size_t system) {
       break;
   }
   return (best_of(row) == system && row.results.size() > 1 ? "*" : "") +
-         told("%.3f", result.errors->ate);
+         printed("%.3f", result.errors->ate);
 }
 
 }  // namespace
@@ -62,7 +55,7 @@ void print_setting(const SlamReport& report, std::size_t sequences, std::ostream
     out << "system   " << system.name << ": " << system.origin << "\n";
   }
   out << "failed   error above "
-      << told(
+      << printed(
              "%.3g %% of the path and %.3g m, more than %.3g %% of the sweeps lost, or less than "
              "%.3g %% of "
              "the path",
@@ -84,7 +77,7 @@ void print_result(const SlamReport& report, const SlamRow& row, std::size_t syst
   const bool first = system == 0;
   out << left(first ? row.sequence : "", kSequence)
       << left(first ? row.description : "", kDescription)
-      << right(first && result.errors ? told("%.1f", result.errors->path) : "", 8) << "  "
+      << right(first && result.errors ? printed("%.1f", result.errors->path) : "", 8) << "  "
       << left(report.systems[system].name, system_width(report));
   if (result.verdict == SlamVerdict::missing) {
     out << right("-", 9) << "  no trajectory\n";
@@ -92,15 +85,15 @@ void print_result(const SlamReport& report, const SlamRow& row, std::size_t syst
   }
   if (result.errors) {
     const SlamErrors& errors = *result.errors;
-    out << right(told("%.3f", errors.ate), 9) << right(told("%.3f", errors.ate_largest), 9)
-        << right(told("%.2f", errors.ate_rotation), 8)
-        << right(errors.drift ? told("%.2f", 100.0 * *errors.drift) : "-", 9);
+    out << right(printed("%.3f", errors.ate), 9) << right(printed("%.3f", errors.ate_largest), 9)
+        << right(printed("%.2f", errors.ate_rotation), 8)
+        << right(errors.drift ? printed("%.2f", 100.0 * *errors.drift) : "-", 9);
   } else {
     out << right("-", 9) << right("-", 9) << right("-", 8) << right("-", 9);
   }
   if (result.effort) {
-    out << right(told("%zu/%zu", result.effort->placed, result.effort->sweeps), 11)
-        << right(told("%.1f", result.effort->ms_a_sweep), 8);
+    out << right(printed("%zu/%zu", result.effort->placed, result.effort->sweeps), 11)
+        << right(printed("%.1f", result.effort->ms_a_sweep), 8);
   } else {
     out << right("", 19);
   }
@@ -125,9 +118,9 @@ void print_table(const SlamReport& report, std::ostream& out) {
   }
   const SlamTotals totals = totals_of(report);
   if (!totals.mean_ate.empty()) {
-    out << left(told("mean of %zu without x", totals.mastered_by_all), kSequence);
+    out << left(printed("mean of %zu without x", totals.mastered_by_all), kSequence);
     for (std::size_t i = 0; i < totals.mean_ate.size(); ++i) {
-      out << right(told("%.3f", totals.mean_ate[i]), widths[i]);
+      out << right(printed("%.3f", totals.mean_ate[i]), widths[i]);
     }
     out << "\n";
   }

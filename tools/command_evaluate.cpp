@@ -59,17 +59,23 @@ void write_plot(const EvaluateCommandOptions& options, const Evaluation& evaluat
   }
 }
 
-Evaluation evaluate_files(const EvaluateCommandOptions& options,
-                          const std::filesystem::path& estimate) {
-  return evaluate(read_trajectory(estimate, options.estimate_times),
-                  read_trajectory(options.truth, options.truth_times), options.evaluation);
+Trajectory read_truth(const EvaluateCommandOptions& options) {
+  return read_trajectory(options.truth, options.truth_times);
 }
 
 void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& out) {
-  const Evaluation evaluation = evaluate_files(options, options.estimate);
+  const Evaluation evaluation = evaluate(read_trajectory(options.estimate, options.estimate_times),
+                                         read_truth(options), options.evaluation);
   write_report(out, options.json ? evaluation_json(evaluation, options.estimate, options.truth)
                                  : format_evaluation(evaluation, options.estimate, options.truth));
   write_plot(options, evaluation);
+}
+
+RunTruth beside_truth(const EvaluateCommandOptions& options, const RunReview& review) {
+  const Trajectory estimate = read_trajectory(RunFiles(options.estimate).tum);
+  const Trajectory truth = read_truth(options);
+  return {.evaluation = evaluate(estimate, truth, options.evaluation),
+          .consistency = pose_consistency(review, estimate, truth, options.evaluation.tolerance)};
 }
 
 /// The run's own figures, those against the truth if there is one, and the page with both.
@@ -77,23 +83,26 @@ void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
   const std::filesystem::path estimate = RunFiles(options.estimate).tum;
   const std::filesystem::path page = options.html.value_or(options.estimate / "evaluation.html");
   const RunReview review = review_run(options.estimate);
-  std::optional<Evaluation> evaluation;
-  if (!options.truth.empty()) {
-    evaluation = evaluate_files(options, estimate);
-  }
   std::string report = describe(review);
-  report += evaluation ? "\n" + format_evaluation(*evaluation, estimate, options.truth) : "";
-  nlohmann::ordered_json json =
-      evaluation
-          ? nlohmann::ordered_json::parse(evaluation_json(*evaluation, estimate, options.truth))
-          : nlohmann::ordered_json::object();
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  std::optional<RunTruth> truth;
+  if (!options.truth.empty()) {
+    truth = beside_truth(options, review);
+    report += truth->consistency ? describe(*truth->consistency) : "";
+    report += "\n" + format_evaluation(truth->evaluation, estimate, options.truth);
+    json =
+        nlohmann::ordered_json::parse(evaluation_json(truth->evaluation, estimate, options.truth));
+    if (truth->consistency) {
+      json["consistency"] = to_json(*truth->consistency);
+    }
+  }
   json["run"] = to_json(review);
-  write_text_file(page, run_page(options.estimate.string(), report, review,
-                                 evaluation ? &*evaluation : nullptr));
+  write_text_file(page,
+                  run_page(options.estimate.string(), report, review, truth ? &*truth : nullptr));
   write_report(
       out, options.json ? json.dump(2) + "\n" : report + "\nlook at      " + page.string() + "\n");
-  if (evaluation) {
-    write_plot(options, *evaluation);
+  if (truth) {
+    write_plot(options, truth->evaluation);
   }
 }
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/high_rate_output.hpp"
 
-#include <array>
 #include <cstdio>
 #include <string_view>
 
@@ -13,16 +12,13 @@ namespace {
 
 constexpr double kInterruption = 0.1;  // s
 
-constexpr std::array<std::string_view, 9> kTangent = {"x",  "y",  "z",  "rx", "ry",
-                                                      "rz", "vx", "vy", "vz"};
-
 std::string header() {
   std::string line =
       "stamp_s,x_m,y_m,z_m,qx,qy,qz,qw,vx_m_per_s,vy_m_per_s,vz_m_per_s,wx_rad_per_s,wy_rad_per_s,"
       "wz_rad_per_s";
-  for (std::size_t i = 0; i < kTangent.size(); ++i) {
-    for (std::size_t j = i; j < kTangent.size(); ++j) {
-      line += ",cov_" + std::string(kTangent[i]) + "_" + std::string(kTangent[j]);
+  for (std::size_t i = 0; i < kTangentNames.size(); ++i) {
+    for (std::size_t j = i; j < kTangentNames.size(); ++j) {
+      line += ",cov_" + std::string(kTangentNames[i]) + "_" + std::string(kTangentNames[j]);
     }
   }
   return line + "\n";

@@ -162,6 +162,46 @@ TimePanel tilt(const Sweeps& sweeps) {
           .curves = {towards(0, kPlotRed, "towards x"), towards(1, kPlotGreen, "towards y")}};
 }
 
+/// Roots of the traces of the covariances: `at` 0 of the position, 3 of the attitude.
+TimePanel uncertainty(const Sweeps& sweeps, const std::string& title, double unit,
+                      Eigen::Index at) {
+  const auto sigma = [unit, at](const Matrix6d& covariance) {
+    const double trace = covariance.diagonal().segment<3>(at).sum();
+    return trace > 0.0 ? unit * std::sqrt(trace) : kUnknown;
+  };
+  return {.title = title,
+          .curves = {{.name = "relative to the submap",
+                      .color = kPlotGreen,
+                      .values = values_of(
+                          sweeps, [&](const auto& s) { return sigma(s.uncertainty.local); })},
+                     {.name = "in the map",
+                      .values = values_of(
+                          sweeps, [&](const auto& s) { return sigma(s.uncertainty.in_map()); })}},
+          .low = 0.0};
+}
+
+/// One of the six errors, in the bounds that three sigma of it make.
+TimePanel bounded_error(const PoseConsistency& found, Eigen::Index at) {
+  const bool turn = at >= 3;
+  const double unit = turn ? 1e3 : 100.0;
+  const auto axis = static_cast<std::size_t>(at % 3);
+  Curve error{.name = "error", .color = kAxisColors[axis], .values = {}};
+  Curve bound{.name = "3 sigma", .color = kPlotGrey, .values = {}};
+  double largest = 0.0;
+  for (std::size_t i = 0; i < found.errors.size(); ++i) {
+    error.values.push_back(unit * found.errors[i][at]);
+    bound.sigma.push_back(unit * 3.0 * found.sigmas[i][at]);
+    bound.values.push_back(0.0 * bound.sigma.back());  // unknown where that is
+    largest = std::fmax(largest, std::fmax(std::abs(error.values.back()), bound.sigma.back()));
+  }
+  return {
+      .title = std::string(turn ? "Error of the attitude about " : "Error of the position along ") +
+               std::string(kAxisNames[axis]) + (turn ? " (mrad" : " (cm") + ", axes of the lidar)",
+      .curves = {std::move(bound), std::move(error)},
+      .low = -1.08 * std::fmax(largest, 1e-6),
+      .high = 1.08 * std::fmax(largest, 1e-6)};
+}
+
 }  // namespace
 
 std::string draw_run(const RunReview& review) {
@@ -184,12 +224,22 @@ std::string draw_run(const RunReview& review) {
        .curves = axes_of(sweeps, 1.0, &SweepRecord::accel_bias, &SweepRecord::accel_bias_sigma)},
       tilt(sweeps),
       {.title = "Velocity (m/s, axes of the map)",
-       .curves = axes_of(sweeps, 1.0, &SweepRecord::velocity)}};
+       .curves = axes_of(sweeps, 1.0, &SweepRecord::velocity)},
+      uncertainty(sweeps, "How well the position is known (cm, one sigma of all axes)", 100.0, 0),
+      uncertainty(sweeps, "How well the attitude is known (mrad, one sigma of all axes)", 1e3, 3)};
+  return draw_time_panels(review.times, panels);
+}
+
+std::string draw_consistency(const RunReview& review, const PoseConsistency& consistency) {
+  std::vector<TimePanel> panels;
+  for (Eigen::Index at = 0; at < 6; ++at) {
+    panels.push_back(bounded_error(consistency, at));
+  }
   return draw_time_panels(review.times, panels);
 }
 
 std::string run_page(const std::string& title, const std::string& report, const RunReview& review,
-                     const Evaluation* evaluation) {
+                     const RunTruth* truth) {
   std::string body = "<h1>" + escape_markup(title) + "</h1>\n<pre>";
   // Line by line: what escapes markup has no line ends.
   for (std::size_t begin = 0; begin < report.size();) {
@@ -198,8 +248,12 @@ std::string run_page(const std::string& title, const std::string& report, const 
     begin = end + 1;
   }
   body += "</pre>\n";
-  if (evaluation != nullptr) {
-    body += "<h2>Against the truth</h2>\n" + plot_evaluation(*evaluation, title);
+  if (truth != nullptr) {
+    body += "<h2>Against the truth</h2>\n" + plot_evaluation(truth->evaluation, title);
+    if (truth->consistency) {
+      body += "<h2>Errors since the first sweep, and what the run said of them</h2>\n" +
+              draw_consistency(review, *truth->consistency);
+    }
   }
   return html_page(title, body + "<h2>Over time</h2>\n" + draw_run(review));
 }

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <map>
 #include <numbers>
 
@@ -14,6 +12,7 @@
 
 #include "slam/nav_state.hpp"
 #include "tools/input_file.hpp"
+#include "tools/printed.hpp"
 #include "tools/run_outputs.hpp"
 
 namespace adit {
@@ -25,15 +24,6 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kJoined = 0.5;     // s between weak sweeps of one stretch
 constexpr std::size_t kFewest = 3;  // sweeps of a stretch
 constexpr std::size_t kNamed = 5;   // stretches in the text; all are in the JSON
-
-[[gnu::format(printf, 1, 2)]] std::string line(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 bool is_weak(const SweepDirection& direction) {
   return direction.localizability == "partial" || direction.localizability == "none";
@@ -126,8 +116,23 @@ const SweepRecord* last_fused(const std::vector<SweepRecord>& sweeps) {
   return found == sweeps.rend() ? nullptr : &*found;
 }
 
+/// Roots of the traces of a pose's covariance, "0.012 m and 1.3 mrad".
+std::string sigmas_text(const Matrix6d& covariance) {
+  return printed("%.3f m and %.1f mrad", std::sqrt(covariance.diagonal().head<3>().sum()),
+                 1e3 * std::sqrt(covariance.diagonal().tail<3>().sum()));
+}
+
+ordered_json json_of_sigmas(const Matrix6d& covariance) {
+  return {{"position_m", std::sqrt(covariance.diagonal().head<3>().sum())},
+          {"attitude_rad", std::sqrt(covariance.diagonal().tail<3>().sum())}};
+}
+
+bool knows_uncertainty(const RunReview& review) {
+  return !review.sweeps.empty() && review.sweeps.back().uncertainty.in_map().allFinite();
+}
+
 std::string weak_text(const WeakStretch& weak) {
-  return line(
+  return printed(
       "%.1f to %.1f s, %s (%.2f, %.2f, %.2f) of the map: %zu sweeps, %zu of them by no match",
       weak.begin, weak.end, weak.rotation ? "turning about" : "moving along", weak.axis.x(),
       weak.axis.y(), weak.axis.z(), weak.sweeps, weak.unheld);
@@ -174,10 +179,10 @@ std::string describe(const RunReview& review) {
   }
   text += review.weak.empty() ? "no direction for longer\n" : "";
   text += review.weak.size() > kNamed
-              ? line("             and %zu more stretches\n", review.weak.size() - kNamed)
+              ? printed("             and %zu more stretches\n", review.weak.size() - kNamed)
               : "";
   if (const InnovationReview& found = review.innovations; found.count > 0) {
-    text += line(
+    text += printed(
         "innovations  %zu; squared %.2f per degree of freedom (1: as their covariances promise), "
         "%.1f %% beyond the 95 %% bound, %zu not believed\n",
         found.count, found.per_degree, 100.0 * found.beyond_95, found.beyond_gate);
@@ -185,13 +190,18 @@ std::string describe(const RunReview& review) {
   if (const SweepRecord* last = last_fused(review.sweeps)) {
     const Eigen::Vector3d& g = last->gyro_bias;
     const Eigen::Vector3d& a = last->accel_bias;
-    text += line(
+    text += printed(
         "biases       gyroscope %.2f, %.2f, %.2f mrad/s (+- %.2f), accelerometer "
         "%.3f, %.3f, %.3f m/s^2 (+- %.3f) at the end\n",
         1e3 * g.x(), 1e3 * g.y(), 1e3 * g.z(), 1e3 * last->gyro_bias_sigma.maxCoeff(), a.x(), a.y(),
         a.z(), last->accel_bias_sigma.maxCoeff());
-    text += line("gravity      %.2f degrees (+- %.2f) off the map's -z at the end\n",
-                 kDegrees * tilt_of(*last), kDegrees * last->gravity_sigma);
+    text += printed("gravity      %.2f degrees (+- %.2f) off the map's -z at the end\n",
+                    kDegrees * tilt_of(*last), kDegrees * last->gravity_sigma);
+  }
+  if (knows_uncertainty(review)) {
+    const PoseUncertainty& last = review.sweeps.back().uncertainty;
+    text += "known to     " + sigmas_text(last.local) + " relative to the submap, " +
+            sigmas_text(last.in_map()) + " in the map at the end (one sigma of all axes)\n";
   }
   return text;
 }
@@ -222,6 +232,11 @@ ordered_json to_json(const RunReview& review) {
     json["accel_bias_sigma_m_per_s2"] = json_of(last->accel_bias_sigma);
     json["tilt_rad"] = tilt_of(*last);
     json["tilt_sigma_rad"] = last->gravity_sigma;
+  }
+  if (knows_uncertainty(review)) {
+    const PoseUncertainty& last = review.sweeps.back().uncertainty;
+    json["sigma_at_the_end"] = {{"local", json_of_sigmas(last.local)},
+                                {"in_map", json_of_sigmas(last.in_map())}};
   }
   return json;
 }

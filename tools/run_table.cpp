@@ -1,40 +1,28 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdarg>
-#include <cstdio>
-
 #include "tools/device_session.hpp"
+#include "tools/printed.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_summary.hpp"
 
 namespace adit {
 namespace {
 
-/// One line by printf's rules.
-[[gnu::format(printf, 1, 2)]] std::string line(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
 std::string counts(const RunStatistics& statistics) {
   const std::size_t failed = statistics.failures().size();
-  std::string text = line("%zu placed, %zu failed", statistics.sweeps() - failed, failed);
+  std::string text = printed("%zu placed, %zu failed", statistics.sweeps() - failed, failed);
   const std::size_t coasting = statistics.count(OdometryState::coasting);
   const std::size_t restarted = statistics.count(OdometryState::restarted);
   if (failed > 0) {
-    text += line(" (%zu bridged by the predicted motion, %zu new starts; see summary.json)",
-                 coasting, restarted);
+    text += printed(" (%zu bridged by the predicted motion, %zu new starts; see summary.json)",
+                    coasting, restarted);
   }
   if (restarted > 0) {
     text += "; how the pieces before and after a new start lie to each other is a guess";
   }
-  text += line(", %zu keyframes", statistics.keyframes());
+  text += printed(", %zu keyframes", statistics.keyframes());
   if (statistics.lost_points() > 0) {
-    text += line("; %zu points found no place on the device", statistics.lost_points());
+    text += printed("; %zu points found no place on the device", statistics.lost_points());
   }
   return text;
 }
@@ -44,11 +32,11 @@ std::string host_times(const RunStatistics& statistics) {
     return distribution(statistics.host_stages().at(stage).ms).mean;
   };
   std::string text =
-      line("%.1f ms a sweep: read %.1f, host %.1f, device %.1f (waiting for it), write %.1f",
-           mean(4), mean(0), mean(1), mean(2), mean(3));
+      printed("%.1f ms a sweep: read %.1f, host %.1f, device %.1f (waiting for it), write %.1f",
+              mean(4), mean(0), mean(1), mean(2), mean(3));
   if (!statistics.device_stages().empty()) {
-    text += line("; %.1f by the device's own clock",
-                 distribution(statistics.device_stages().back().ms).mean);
+    text += printed("; %.1f by the device's own clock",
+                    distribution(statistics.device_stages().back().ms).mean);
   }
   return text;
 }
@@ -57,7 +45,8 @@ std::string inertial_text(const RunStatistics& statistics) {
   std::string text = statistics.inertial().text();
   const Distribution times = distribution(statistics.inertial_stage().ms);
   if (times.count > 0) {
-    text += line("; preintegration and graph %.2f ms a sweep, %.2f at most", times.mean, times.max);
+    text +=
+        printed("; preintegration and graph %.2f ms a sweep, %.2f at most", times.mean, times.max);
   }
   return text;
 }
@@ -66,8 +55,8 @@ std::string stage_table(const RunStatistics& statistics) {
   std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
   const auto row = [&](const char* where, const StageTimes& stage) {
     const Distribution d = distribution(stage.ms);
-    text += line("  %-6s %-18s %7zu  %7.3f  %7.3f  %7.3f  %7.3f\n", where, stage.stage.c_str(),
-                 d.count, d.mean, d.p50, d.p95, d.max);
+    text += printed("  %-6s %-18s %7zu  %7.3f  %7.3f  %7.3f  %7.3f\n", where, stage.stage.c_str(),
+                    d.count, d.mean, d.p50, d.p95, d.max);
   };
   for (const StageTimes& stage : statistics.host_stages()) {
     row("host", stage);
@@ -88,22 +77,22 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   const RunFiles files(run.output);
   const double rate =
       outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
-  std::string text =
-      line("mapped   %zu of %zu sweeps, %.1f m, in %s (%.1f sweeps/s)\n", statistics.sweeps(),
-           run.range.count, statistics.distance(), format_duration(outcome.wall_s).c_str(), rate);
+  std::string text = printed("mapped   %zu of %zu sweeps, %.1f m, in %s (%.1f sweeps/s)\n",
+                             statistics.sweeps(), run.range.count, statistics.distance(),
+                             format_duration(outcome.wall_s).c_str(), rate);
   text += "sweeps   " + counts(statistics) + "\n";
   if (statistics.inertial().any()) {
     text += "imu      " + inertial_text(statistics) + "\n";
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
-          line("; %.1f MiB at most\n",
-               static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
+          printed("; %.1f MiB at most\n",
+                  static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
   text += "wrote    " + files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
           files.sweeps.string() + "\n";
   if (run.map.enabled) {
     text += "         " + files.map.string() +
-            line(" (%llu points)\n", static_cast<unsigned long long>(outcome.map_points));
+            printed(" (%llu points)\n", static_cast<unsigned long long>(outcome.map_points));
   }
   if (outcome.high_rate) {
     text += "         " + HighRateFiles(run.output).tum.string() + " (" +

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tools/input_file.hpp"
+#include "tools/trajectory_io.hpp"
 
 namespace adit {
 namespace {
@@ -33,6 +34,19 @@ void visit_directions(Directions& directions, const std::string& name, const std
     field(which + "_support", directions[i].support);
     field(which + "_sigma" + unit, directions[i].sigma);
     visit_vector(directions[i].axis, which + "_axis", "", field);
+  }
+}
+
+/// The upper triangle, row by row.
+template <class Matrix, class Visitor>
+void visit_covariance(Matrix& covariance, const std::string& name, Visitor&& field) {
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    for (Eigen::Index j = i; j < covariance.cols(); ++j) {
+      const auto row = static_cast<std::size_t>(i);
+      const auto column = static_cast<std::size_t>(j);
+      field(name + "_" + std::string(kTangentNames[row]) + "_" + std::string(kTangentNames[column]),
+            covariance(i, j));
+    }
   }
 }
 
@@ -66,6 +80,8 @@ void visit(Record& record, Visitor&& field) {
   field("innovation_squared", record.innovation_squared);
   field("innovation_degrees", record.innovation_degrees);
   field("innovation_gate", record.innovation_gate);
+  visit_covariance(record.uncertainty.local, "local_cov", field);
+  visit_covariance(record.uncertainty.drift, "drift_cov", field);
 }
 
 void append(std::string& line, double value) {
@@ -173,6 +189,7 @@ SweepRecord sweep_record(std::size_t index, const SweepResult& sweep) {
     describe_alignment(sweep, record);
   }
   describe_inertial(sweep.inertial, record);
+  record.uncertainty = sweep.uncertainty;
   return record;
 }
 
@@ -217,7 +234,8 @@ std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
                            std::to_string(names.size()) + " as in the first line",
                        "Run `adit run` again, or delete the line");
     }
-    visit(records.emplace_back(), [&](std::string_view name, auto& value) {
+    SweepRecord& record = records.emplace_back();
+    visit(record, [&](std::string_view name, auto& value) {
       const auto column = columns.find(name);
       if (column != columns.end() && !parse(cells[column->second], value)) {
         throw InputError(file, Place::line(lines.number()),
@@ -225,6 +243,9 @@ std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
                          "Run `adit run` again, or delete the line");
       }
     });
+    for (Matrix6d* covariance : {&record.uncertainty.local, &record.uncertainty.drift}) {
+      *covariance = Matrix6d(covariance->selfadjointView<Eigen::Upper>());
+    }
   }
   return records;
 }

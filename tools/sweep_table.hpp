@@ -18,6 +18,8 @@ namespace adit {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 inline const Eigen::Vector3d kUnknownVector = Eigen::Vector3d::Constant(kUnknown);
+inline const PoseUncertainty kUnknownUncertainty = {.local = Matrix6d::Constant(kUnknown),
+                                                    .drift = Matrix6d::Constant(kUnknown)};
 
 /// A direction of translation or rotation that an alignment was assessed in.
 struct SweepDirection {
@@ -56,7 +58,8 @@ struct SweepRecord {
   Eigen::Vector3d innovation_rotation = kUnknownVector;     ///< rad, body axes
   double innovation_squared = kUnknown;                     ///< normalised
   double innovation_degrees = kUnknown;
-  double innovation_gate = kUnknown;  ///< of its square
+  double innovation_gate = kUnknown;                  ///< of its square
+  PoseUncertainty uncertainty = kUnknownUncertainty;  ///< of the pose, lidar axes, m and rad
 };
 
 /// What the odometry told of sweep `index`.

@@ -108,19 +108,20 @@ void draw_values_axis(SvgDocument& svg, const Frame& frame, const TimePanel& pan
   }
 }
 
-void draw_times_axis(SvgDocument& svg, const Frame& frame, bool labelled) {
+/// `name` is empty where another panel below has the labels.
+void draw_times_axis(SvgDocument& svg, const Frame& frame, std::string_view name) {
   const std::vector<double> ticks = round_ticks(frame.time.low, frame.time.high, 10);
   const double bottom = frame.top + frame.height;
   for (const double tick : ticks) {
     const double x = frame.x(tick);
     svg.line({x, frame.top}, {x, bottom}, {.color = kGridColor});
-    if (labelled) {
+    if (!name.empty()) {
       svg.text({x, bottom + 16.0}, tick_label(tick, step_of(ticks)),
                {.size = 11.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
     }
   }
-  if (labelled) {
-    svg.text({0.5 * (kLeft + kWidth - kRight), bottom + 34.0}, "time since the first sweep (s)",
+  if (!name.empty()) {
+    svg.text({0.5 * (kLeft + kWidth - kRight), bottom + 34.0}, name,
              {.size = 12.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
   }
 }
@@ -238,7 +239,8 @@ void draw_gates(SvgDocument& svg, const Frame& frame, const TimePanel& panel) {
 
 }  // namespace
 
-std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels) {
+std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels,
+                             std::string_view axis) {
   std::vector<const TimePanel*> shown;
   double height = kFoot;
   for (const TimePanel& panel : panels) {
@@ -254,7 +256,6 @@ std::string draw_time_panels(std::span<const double> times, std::span<const Time
   const double last = std::max(times.back(), times.front() + 1e-3);
   double top = 0.0;
   for (const TimePanel* panel : shown) {
-    const bool last_one = panel == shown.back();
     const Frame frame{.top = top + kTitle,
                       .height = height_of(*panel),
                       .time = {times.front(), last},
@@ -262,7 +263,7 @@ std::string draw_time_panels(std::span<const double> times, std::span<const Time
     svg.text({kLeft, top + kTitle - 8.0}, panel->title,
              {.size = 12.0, .color = kTextColor, .bold = true});
     draw_legend(svg, top + kTitle - 8.0, *panel);
-    draw_times_axis(svg, frame, last_one);
+    draw_times_axis(svg, frame, panel == shown.back() ? axis : "");
     if (panel->bands.empty()) {
       draw_values_axis(svg, frame, *panel);
       for (const Curve& curve : panel->curves) {

@@ -59,7 +59,9 @@ struct TimePanel {
 };
 
 /// The panels as an SVG document. `times` in s, rising; every curve and band has as many values.
-/// Panels without a single value are left out; none left gives an empty text.
-std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels);
+/// Panels without a single value are left out; none left gives an empty text. `axis` names the
+/// times.
+std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels,
+                             std::string_view axis = "time since the first sweep (s)");
 
 }  // namespace adit

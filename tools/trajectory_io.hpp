@@ -6,6 +6,7 @@
 //   KITTI  the 12 numbers of the upper 3x4 of the pose, row by row, one pose a line, no times.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -16,6 +17,10 @@
 #include "tools/output_file.hpp"
 
 namespace adit {
+
+/// How columns name the parts of a tangent vector [rho, phi, v] (m, rad, m/s).
+inline constexpr std::array<std::string_view, 9> kTangentNames = {"x",  "y",  "z",  "rx", "ry",
+                                                                  "rz", "vx", "vy", "vz"};
 
 enum class TrajectoryFormat { tum, kitti };
 std::string_view to_string(TrajectoryFormat format);

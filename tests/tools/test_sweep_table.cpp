@@ -31,6 +31,8 @@ SweepResult fused_sweep() {
   sweep.inertial.nav_covariance.diagonal().setConstant(0.25);
   sweep.inertial.innovation = {.error = Vector6d::LinSpaced(1.0, 6.0), .nis = 7.5, .degrees = 5};
   sweep.inertial.innovation_gate = 205.2;
+  const Vector6d any = Vector6d::LinSpaced(0.1, 0.6);
+  sweep.uncertainty = {.local = any * any.transpose(), .drift = 0.5 * Matrix6d::Identity()};
   return sweep;
 }
 
@@ -64,6 +66,19 @@ TEST(SweepTable, ComesBackAsItWasWritten) {
   EXPECT_EQ(record.innovation_rotation, Eigen::Vector3d(4.0, 5.0, 6.0));
   EXPECT_EQ(record.innovation_degrees, 5.0);
   EXPECT_EQ(record.innovation_gate, 205.2);
+  EXPECT_EQ(record.uncertainty.local, fused_sweep().uncertainty.local) << "both triangles";
+  EXPECT_EQ(record.uncertainty.drift, fused_sweep().uncertainty.drift);
+}
+
+TEST(SweepTable, NamesTheColumnsOfCovariances) {
+  const test::TemporaryFolder folder;
+  written_and_read({}, folder / "sweeps.csv");
+  const std::string header = test::content(folder / "sweeps.csv");
+  for (const char* name : {",local_cov_x_x,", ",local_cov_x_rz,", ",drift_cov_y_z,"}) {
+    EXPECT_NE(header.find(name), std::string::npos) << name;
+  }
+  EXPECT_TRUE(header.ends_with(",drift_cov_rz_rz\n")) << header;
+  EXPECT_EQ(header.find("_cov_y_x"), std::string::npos) << "the upper triangle alone";
 }
 
 TEST(SweepTable, WhatIsNotKnownIsAnEmptyCell) {
