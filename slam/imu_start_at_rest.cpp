@@ -5,19 +5,15 @@
 #include <charconv>
 #include <cmath>
 
+#include "slam/imu_rest.hpp"
 #include "slam/imu_start.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kShortest = 0.5;         // s of readings
-constexpr size_t kFewest = 20;            // readings
-constexpr double kLargestGyroBias = 0.2;  // rad/s; more than that is a rotation
-// At rest, the norm of the standard deviations of the three axes, with motors running; somebody who
-// walks makes ten times as much ...
-constexpr double kRestGyro = 0.02;  // rad/s
-constexpr double kRestAccel = 0.3;  // m/s²
-// ... and how far the means of the two halves may be apart.
+constexpr double kShortest = 0.5;  // s of readings
+constexpr size_t kFewest = 20;     // readings
+// How far the means of the two halves may be apart.
 constexpr double kDriftGyro = 0.01;  // rad/s
 constexpr double kDriftAccel = 0.1;  // m/s²
 constexpr double kGravityTolerance = 0.5;
@@ -127,7 +123,7 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
                        " m/s^2; at rest they stay below " + text_of(kRestGyro) + " and " +
                        text_of(kRestAccel));
   }
-  if (all.gyro.norm() > kLargestGyroBias) {
+  if (all.gyro.norm() > kRestGyroBias) {
     return refused(ImuStartStatus::not_at_rest,
                    "the gyroscope reads a steady " + text_of(all.gyro.norm()) +
                        " rad/s, too much for a bias: a rotation, or degrees per second");

@@ -7,81 +7,22 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "slam/gyroscope_integral.hpp"
 #include "slam/lie.hpp"
+#include "slam/nav_state.hpp"
 
 namespace adit {
 namespace {
 
 constexpr std::size_t kLeastIntervals = 20;
 constexpr double kLeastCorrelation = 0.8;
-constexpr double kLongestGap = 0.1;  // s between samples; over longer ones nothing is integrated
 constexpr double kGridStep = 0.01;   // s
 constexpr double kUnobserved = 4.0;  // times the noise: less motion about an axis tells nothing
-
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
-
-/// The integral of a gyroscope's rates over time. Over the tenths of a second between sweeps it is
-/// the rotation vector, to the second order of the angle.
-class GyroscopeIntegral {
- public:
-  GyroscopeIntegral(std::span<const ImuSample> samples, Nanoseconds origin) {
-    for (const ImuSample& sample : samples) {
-      const double time = seconds(sample.stamp - origin);
-      if (!times_.empty() && time <= times_.back()) {
-        continue;  // repeated, or out of order
-      }
-      Eigen::Vector3d integral = Eigen::Vector3d::Zero();
-      if (!times_.empty()) {
-        const double step = time - times_.back();
-        integral = integrals_.back() + 0.5 * step * (rates_.back() + sample.angular_velocity);
-        if (step > kLongestGap) {
-          gaps_.emplace_back(times_.back(), time);
-        }
-      }
-      times_.push_back(time);
-      rates_.push_back(sample.angular_velocity);
-      integrals_.push_back(integral);
-    }
-  }
-
-  bool covers(double begin, double end) const {
-    return times_.size() > 1 && begin >= times_.front() && end <= times_.back() &&
-           std::ranges::none_of(
-               gaps_, [&](const auto& gap) { return gap.first < end && gap.second > begin; });
-  }
-
-  /// From the first sample to a time that is covered.
-  Eigen::Vector3d at(double time) const {
-    const std::size_t i = before(time);
-    const double step = time - times_[i];
-    return integrals_[i] + step * 0.5 * (rates_[i] + rate(time));
-  }
-  Eigen::Vector3d rate(double time) const {
-    const std::size_t i = before(time);
-    const double part = (time - times_[i]) / (times_[i + 1] - times_[i]);
-    return rates_[i] + part * (rates_[i + 1] - rates_[i]);
-  }
-
- private:
-  /// The last sample that has one behind it and is not after the time.
-  std::size_t before(double time) const {
-    const auto above = std::upper_bound(times_.begin() + 1, times_.end() - 1, time);
-    return static_cast<std::size_t>(above - times_.begin()) - 1;
-  }
-
-  std::vector<double> times_;
-  std::vector<Eigen::Vector3d> rates_;
-  std::vector<Eigen::Vector3d> integrals_;
-  std::vector<std::pair<double, double>> gaps_;
-};
 
 /// An interval in seconds from the first one's begin.
 struct Turn {

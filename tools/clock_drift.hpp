@@ -7,8 +7,8 @@
 
 #include "tools/recording_findings.hpp"
 #include "tools/recordings/recording.hpp"
+#include "tools/timeline.hpp"
 #include "tools/topic_statistics.hpp"
-#include "tools/topic_timeline.hpp"
 
 namespace adit {
 

@@ -20,6 +20,9 @@
 #include "tools/inspection_page.hpp"
 #include "tools/output_file.hpp"
 #include "tools/recording_inference.hpp"
+#include "tools/run_outputs.hpp"
+#include "tools/run_page.hpp"
+#include "tools/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -116,6 +119,15 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
   } else if (topic.kind == TopicKind::imu) {
     json["acceleration"] = to_json(s.imu.acceleration);
     json["rotation_rad_s"] = to_json(s.imu.rotation);
+    json["at_rest"] = ordered_json::array();
+    for (const RestStretch& rest : rest_stretches(s.imu.timeline)) {
+      const Eigen::Vector3d& up = rest.acceleration;
+      json["at_rest"].push_back(
+          {{"begin_s", rest.begin},
+           {"end_s", rest.end},
+           {"gyroscope_rad_s", {rest.gyro_bias.x(), rest.gyro_bias.y(), rest.gyro_bias.z()}},
+           {"acceleration", {up.x(), up.y(), up.z()}}});
+    }
   }
   return json;
 }
@@ -160,10 +172,33 @@ ordered_json to_json(const Inspection& inspection) {
   return json;
 }
 
+/// The folder that `adit run` wrote: how the run went, without a truth.
+int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
+  if (options.write_config) {
+    throw UsageError("--write-config needs a recording, and " + options.recording.string() +
+                     " is the folder of a run.");
+  }
+  const RunReview review = review_run(options.recording);
+  const std::string report = describe(review);
+  if (options.json) {
+    out << to_json(review).dump(2) << std::endl;
+  } else {
+    out << report << std::flush;
+  }
+  if (options.html) {
+    write_text_file(*options.html, run_page(options.recording.string(), report, review, nullptr));
+  }
+  return 0;
+}
+
 }  // namespace
 
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit inspect", err, [&] {
+    std::error_code unknown;
+    if (std::filesystem::is_regular_file(RunFiles(options.recording).sweeps, unknown)) {
+      return inspect_run(options, out);
+    }
     const Config config = load_config(options.config);
     const Inspection inspection = inspect(options.recording, config, options.device);
     if (options.json) {
@@ -188,17 +223,28 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       app.add_subcommand("inspect", "What is in a recording, and what is wrong with it");
   command->footer(
       "Reads all of it. A problem says what it does to mapping, and what to do about it.\n\n"
+      "OUT, the folder of a run, can stand for RECORDING: then it is told how the run went, and\n"
+      "--html draws it: states, innovations with their gates, biases, gravity, weakly held\n"
+      "directions, how well the pose is known. `adit evaluate` does so beside a truth.\n\n"
       "Examples:\n"
       "  adit inspect drive.mcap\n"
       "  adit inspect drive.bag --json\n"
+      "  adit inspect drive.mcap --html drive.html\n"
+      "  adit inspect out --html run.html\n"
       "  adit inspect drive.mcap --write-config drive.toml\n"
       "  adit run drive.mcap --config drive.toml -o out\n\n"
-      "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage.");
-  command->add_option("recording", options->recording, "Any recording that `adit run` reads")
+      "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage; of a run 0 "
+      "where it can be read.");
+  command
+      ->add_option("recording", options->recording,
+                   "Any recording that `adit run` reads, or the folder of a run")
       ->required()
       ->type_name("RECORDING");
   command->add_flag("--json", options->json, "Print JSON instead of text");
-  command->add_option("--html", options->html, "Write a page with plots of rates, gaps and clocks")
+  command
+      ->add_option(
+          "--html", options->html,
+          "Write a page with plots of rates, gaps, clocks, the IMU and the motion, or of a run")
       ->type_name("FILE");
   command
       ->add_option("--write-config", options->write_config,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit inspect RECORDING`.
+// `adit inspect RECORDING`, `adit inspect OUT`.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ class App;
 namespace adit {
 
 struct InspectCommandOptions {
-  std::filesystem::path recording;
+  std::filesystem::path recording;                      ///< or the folder of a run
   DeviceOptions device{};                               ///< to compare the sensors' rotations on
   ConfigSource config{};                                ///< how the recording is to be understood
   std::optional<std::filesystem::path> html{};          ///< for a page with plots
@@ -28,7 +28,8 @@ struct InspectCommandOptions {
 };
 
 /// Reads all of a recording and tells on `out` what is in it and what is wrong with it. Returns the
-/// exit code: 0 nothing is wrong, 1 something is, or it cannot be opened.
+/// exit code: 0 nothing is wrong, 1 something is, or it cannot be opened. Of the folder of a run it
+/// tells how that went; 0 where that can be read.
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err);
 
 /// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets

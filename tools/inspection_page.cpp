@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <string_view>
@@ -12,7 +11,10 @@
 
 #include "tools/html_page.hpp"
 #include "tools/markup.hpp"
+#include "tools/motion_plots.hpp"
+#include "tools/printed.hpp"
 #include "tools/recording_inference.hpp"
+#include "tools/run_page.hpp"
 #include "tools/svg.hpp"
 
 namespace adit {
@@ -24,12 +26,6 @@ constexpr std::string_view kLineColor = "#0a6ebd";
 constexpr std::string_view kGapColor = "#d1352b";
 constexpr std::string_view kAxisColor = "#555555";
 constexpr std::string_view kGridColor = "#e4e4e4";
-
-std::string number(double value, const char* format = "%.2f") {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 /// A rectangle on the drawing and the ranges of the data that it shows.
 struct Panel {
@@ -186,11 +182,45 @@ std::string topics_part(const Inspection& inspection) {
               "</td><td></td><td></td><td></td><td></td></tr>\n";
       continue;
     }
-    html += "<td>" + std::to_string(s.events) + "</td><td>" + number(s.rate()) + "</td><td>" +
-            number(s.span()) + "</td><td>" + number(s.largest_interval, "%.3f") + "</td><td>" +
-            number(static_cast<double>(s.bytes) / 1048576.0) + "</td></tr>\n";
+    html += "<td>" + std::to_string(s.events) + "</td><td>" + printed("%.2f", s.rate()) +
+            "</td><td>" + printed("%.2f", s.span()) + "</td><td>" +
+            printed("%.3f", s.largest_interval) + "</td><td>" +
+            printed("%.2f", static_cast<double>(s.bytes) / 1048576.0) + "</td></tr>\n";
   }
   return html + "</table>\n";
+}
+
+/// How the range sensor lies to an IMU, as far as something tells.
+std::optional<Eigen::Matrix3d> mounting_of(const Inspection& inspection, std::size_t imu_topic) {
+  for (const MotionCheck& check : inspection.motion) {
+    if (check.pair.imu_topic == imu_topic) {
+      return check.pair.R_range_gyro;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The stretch that was mapped to compare the turns: how well it is held, and the comparison.
+std::string motion_part(const Inspection& inspection) {
+  std::string html;
+  for (const MotionCheck& check : inspection.motion) {
+    if (check.mapped.empty()) {
+      continue;
+    }
+    const double begin =
+        seconds(check.mapped.front().stamp -
+                inspection.statistics[check.pair.sweep_topic].stamps.value_or(TimeSpan{}).begin);
+    html += "<h2>" + escape_markup(check.pair.sweeps.name + " and " + check.pair.imu.name) +
+            "</h2>\n<p>" +
+            printed(
+                "%zu sweeps from %.1f s after the first one on, in which the IMU turns most, each "
+                "aligned with those before, without the IMU and not de-skewed. <code>adit "
+                "run</code> shows "
+                "the same of all sweeps, and the IMU's innovations.",
+                check.mapped.size(), begin) +
+            "</p>\n" + draw_run(review_sweeps(check.mapped)) + draw_turns(check) + "\n";
+  }
+  return html;
 }
 
 }  // namespace
@@ -206,11 +236,12 @@ std::string inspection_page(const Inspection& inspection) {
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     if (inspection.statistics[i].events > 1) {
       html += "<h2>" + escape_markup(inspection.topics[i].name) + "</h2>\n" +
-              drawing(inspection.statistics[i]) + "\n";
+              drawing(inspection.statistics[i]) +
+              "\n<p>Times in seconds after the topic's first event.</p>\n";
+      html += draw_imu(inspection.statistics[i].imu, mounting_of(inspection, i));
     }
   }
-  return html_page(inspection.description,
-                   html + "<p>Times in seconds after the topic's first event.</p>\n");
+  return html_page(inspection.description, html + motion_part(inspection));
 }
 
 }  // namespace adit

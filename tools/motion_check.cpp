@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "slam/gyroscope_integral.hpp"
 #include "slam/lie.hpp"
 
 namespace adit {
@@ -17,10 +18,6 @@ constexpr double kMostOffset = 0.5;             // s
 constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
 
 /// Calls take(event) for each event that can be read.
 template <class Take>
@@ -106,6 +103,7 @@ std::vector<RotationInterval> rotations_of(const Recording& recording,
     const bool timed = check.pair.trust_point_times && !sweep.times.empty();
     check.point_times = check.point_times || timed;
     const SweepResult result = place(sweep);
+    check.mapped.push_back(sweep_record(check.mapped.size(), result));
     const StampedPose pose{timed ? middle_of(sweep) : sweep.stamp, result.T_map_lidar};
     if (result.state != OdometryState::tracking) {
       last = result.state == OdometryState::coasting ? std::nullopt : std::optional(pose);
@@ -144,6 +142,33 @@ std::vector<ImuSample> gyroscope_of(const Recording& recording, const MotionPair
     sample.stamp += shift.value();
   }
   return samples;
+}
+
+/// The gyroscope's bias is what its turns and those of the sweeps differ by on average.
+std::vector<ComparedTurn> compared_turns(const std::vector<RotationInterval>& rotations,
+                                         const std::vector<ImuSample>& gyroscope,
+                                         const RotationComparison& found) {
+  std::vector<ComparedTurn> turns;
+  const GyroscopeIntegral integral(gyroscope, rotations.front().begin);
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // rad/s, axes of the range sensor
+  for (const RotationInterval& one : rotations) {
+    const double begin = seconds(one.begin - rotations.front().begin);
+    const double end = seconds(one.end - rotations.front().begin);
+    if (!integral.covers(begin + found.offset, end + found.offset)) {
+      continue;
+    }
+    const Eigen::Vector3d turn =
+        integral.at(end + found.offset) - integral.at(begin + found.offset);
+    turns.push_back({.end = end,
+                     .duration = end - begin,
+                     .range = one.rotation,
+                     .gyroscope = found.R_range_gyro * turn});
+    bias += (turns.back().gyroscope - one.rotation) / (end - begin);
+  }
+  for (ComparedTurn& turn : turns) {
+    turn.gyroscope -= turn.duration * bias / static_cast<double>(turns.size());
+  }
+  return turns;
 }
 
 /// Roll, pitch and yaw (degrees, R = Rz Ry Rx), as people give mountings.
@@ -221,6 +246,9 @@ MotionCheck check_motion(const Recording& recording, const MotionPair& pair,
   const std::vector<ImuSample> gyroscope = gyroscope_of(recording, pair);
   check.comparison = compare_rotations(
       rotations, gyroscope, pair.R_range_gyro.value_or(Eigen::Matrix3d::Identity()), kMostOffset);
+  if (check.comparison) {
+    check.turns = compared_turns(rotations, gyroscope, *check.comparison);
+  }
   return check;
 }
 

@@ -16,6 +16,7 @@
 #include "tools/frame_tree.hpp"
 #include "tools/recording_findings.hpp"
 #include "tools/recordings/recording.hpp"
+#include "tools/sweep_table.hpp"
 
 namespace adit {
 
@@ -32,6 +33,14 @@ struct MotionPair {
   std::string told_by = "/tf_static";  ///< for people: what tells it
 };
 
+/// How both sensors turned between two sweeps, rad, axes of the range sensor.
+struct ComparedTurn {
+  double end = 0.0;       ///< s after the first sweep of the stretch
+  double duration = 0.0;  ///< s
+  Eigen::Vector3d range = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gyroscope = Eigen::Vector3d::Zero();  ///< at the offset found, without its bias
+};
+
 struct MotionCheck {
   MotionPair pair;
   std::size_t sweeps = 0;   ///< of the stretch
@@ -41,6 +50,8 @@ struct MotionCheck {
   /// Nothing where the motion does not tell. Whole seconds between the clocks are left out of the
   /// offset: they are told from the recorder's clock.
   std::optional<RotationComparison> comparison;
+  std::vector<SweepRecord> mapped{};  ///< the sweeps of the stretch, aligned without an IMU
+  std::vector<ComparedTurn> turns{};  ///< where there is a comparison
 };
 
 /// Reads the stretch twice, sweeps first. `place` is Odometry::step. Damaged places are passed

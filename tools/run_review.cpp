@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -154,10 +155,9 @@ double tilt_of(const SweepRecord& sweep) {
   return std::atan2(std::hypot(g.x(), g.y()), -g.z());
 }
 
-RunReview review_run(const std::filesystem::path& folder) {
-  const RunFiles files(folder);
+RunReview review_sweeps(std::vector<SweepRecord> sweeps) {
   RunReview review;
-  review.sweeps = read_sweep_table(files.sweeps);
+  review.sweeps = std::move(sweeps);
   for (const SweepRecord& sweep : review.sweeps) {
     review.times.push_back(seconds(sweep.stamp - review.sweeps.front().stamp));
   }
@@ -165,6 +165,12 @@ RunReview review_run(const std::filesystem::path& folder) {
   const std::vector<WeakStretch> turns = weak_stretches(review, true);
   review.weak.insert(review.weak.end(), turns.begin(), turns.end());
   review.innovations = review_innovations(review.sweeps);
+  return review;
+}
+
+RunReview review_run(const std::filesystem::path& folder) {
+  const RunFiles files(folder);
+  RunReview review = review_sweeps(read_sweep_table(files.sweeps));
   review.min_overlap = read_min_overlap(files.summary);
   return review;
 }

@@ -43,6 +43,9 @@ struct RunReview {
   std::optional<double> min_overlap;  ///< that the run's settings asked for
 };
 
+/// Of sweeps in the order of time; without min_overlap.
+RunReview review_sweeps(std::vector<SweepRecord> sweeps);
+
 /// Of the folder of a run. Throws InputError where there is no sweeps.csv.
 RunReview review_run(const std::filesystem::path& folder);
 

@@ -22,7 +22,7 @@ bool is_return(const Point& p) {
   return is_finite(p) && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
 }
 
-void take(TopicStatistics& topic, const Sweep& sweep) {
+void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
   SweepStatistics& s = topic.sweeps;
   const auto returns = std::ranges::count_if(sweep.points, is_return);
   s.points.add(static_cast<double>(sweep.points.size()));
@@ -46,7 +46,7 @@ void take(TopicStatistics& topic, const Sweep& sweep) {
   }
 }
 
-void take(TopicStatistics& topic, const ImuSample& sample) {
+void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received) {
   ImuStatistics& s = topic.imu;
   const bool turns = sample.angular_velocity.allFinite();
   const bool no_gyroscope = sample.angular_velocity.array().isNaN().all();
@@ -54,6 +54,7 @@ void take(TopicStatistics& topic, const ImuSample& sample) {
     ++s.not_finite;
     return;
   }
+  s.timeline.add(received, one_reading(sample));
   s.acceleration.add(sample.linear_acceleration.norm());
   if (turns) {
     s.rotation.add(sample.angular_velocity.norm());
@@ -62,13 +63,13 @@ void take(TopicStatistics& topic, const ImuSample& sample) {
                          static_cast<double>(s.acceleration.count);
 }
 
-void take(TopicStatistics& topic, const GnssFix& fix) {
+void take(TopicStatistics& topic, const GnssFix& fix, Nanoseconds) {
   topic.gnss.without_fix += fix.kind == GnssFixKind::none ? 1U : 0U;
   topic.gnss.without_covariance += fix.covariance ? 0U : 1U;
 }
 
-void take(TopicStatistics&, const ReferencePose&) {}
-void take(TopicStatistics&, const StaticTransform&) {}
+void take(TopicStatistics&, const ReferencePose&, Nanoseconds) {}
+void take(TopicStatistics&, const StaticTransform&, Nanoseconds) {}
 
 }  // namespace
 
@@ -107,10 +108,10 @@ void TopicStatistics::add(const Event& event) {
       largest_interval_at = *last_;
     }
   }
-  timeline.add(event.received, last_ ? std::max(0.0, seconds(stamp - *last_)) : 0.0,
-               seconds(event.received - stamp));
+  timeline.add(event.received, one_event(last_ ? std::max(0.0, seconds(stamp - *last_)) : 0.0,
+                                         seconds(event.received - stamp)));
   last_ = stamp;
-  std::visit([this](const auto& value) { take(*this, value); }, event.value);
+  std::visit([&](const auto& value) { take(*this, value, event.received); }, event.value);
 }
 
 double TopicStatistics::span() const {

@@ -10,9 +10,10 @@
 #include <string>
 
 #include "slam/types.hpp"
+#include "tools/imu_timeline.hpp"
 #include "tools/interval_histogram.hpp"
 #include "tools/recordings/recording.hpp"
-#include "tools/topic_timeline.hpp"
+#include "tools/timeline.hpp"
 
 namespace adit {
 
@@ -32,6 +33,7 @@ struct ImuStatistics {
   Extent rotation;      ///< norm, rad/s
   Eigen::Vector3d mean_acceleration = Eigen::Vector3d::Zero();
   uint64_t not_finite = 0;  ///< samples with a number that is none
+  ImuTimeline timeline;     ///< of the others
 };
 
 /// Directions about the sensor's z axis.

@@ -19,7 +19,8 @@ TopicStatistics topic(const std::function<double(double)>& delay, double seconds
   for (int i = 0; i < static_cast<int>(100.0 * seconds); ++i) {
     const double t = 0.01 * i;
     const double late = delay(t) + random.uniform(0.0, 1e-3);
-    statistics.timeline.add(Nanoseconds(static_cast<int64_t>(1e9 * (t + late))), 0.01, late);
+    statistics.timeline.add(Nanoseconds(static_cast<int64_t>(1e9 * (t + late))),
+                            one_event(0.01, late));
   }
   return statistics;
 }

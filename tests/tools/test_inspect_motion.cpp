@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tests/tools/inspect_support.hpp"
+#include "tools/inspection.hpp"
 
 namespace adit {
 namespace {
@@ -106,6 +107,32 @@ TEST(InspectMotion, WithoutTurningNothingIsSaid) {
   const nlohmann::json found = report(rig.record());
   EXPECT_EQ(found["findings"].size(), 0U) << found["findings"];
   EXPECT_FALSE(found["motion"][0].contains("imu_offset_s"));
+}
+
+TEST(InspectMotion, KeepsHowBothTurnedFromSweepToSweep) {
+  const test::TemporaryFolder folder;
+  std::vector<Recorded> events = clean_recording();
+  for (Recorded& event : events) {
+    if (auto* imu = std::get_if<ImuSample>(&event.value)) {
+      imu->stamp += std::chrono::milliseconds(60);
+      imu->angular_velocity += Eigen::Vector3d(0.1, 0.0, -0.1);
+    }
+  }
+  const Inspection inspection = inspect(test::write(folder, events), {}, {});
+  ASSERT_EQ(inspection.motion.size(), 1U);
+  const MotionCheck& check = inspection.motion[0];
+  EXPECT_EQ(check.mapped.size(), check.sweeps);
+  EXPECT_EQ(check.mapped.back().state, "tracking");
+  EXPECT_NE(check.mapped.back().translation[0].localizability, "");
+  ASSERT_GT(check.turns.size(), 45U);
+  double turned = 0.0;
+  double apart = 0.0;
+  for (const ComparedTurn& turn : check.turns) {
+    EXPECT_NEAR(turn.duration, 0.1, 0.02);
+    turned += turn.range.squaredNorm();
+    apart += (turn.gyroscope - turn.range).squaredNorm();
+  }
+  EXPECT_LT(apart, 0.02 * turned) << "without the offset and the bias they are the same turns";
 }
 
 }  // namespace

@@ -13,13 +13,7 @@
 namespace adit {
 namespace {
 
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) {
-    ++found;
-  }
-  return found;
-}
+using test::count;
 
 std::string page_of(const std::vector<test::Recorded>& events) {
   const test::TemporaryFolder folder;
@@ -33,15 +27,27 @@ std::string page_of(const std::vector<test::Recorded>& events) {
   return test::content(folder / "page.html");
 }
 
+std::size_t gaps_marked(const std::string& page) {
+  return count(page, " r=\"3.5");
+}
+
 TEST(InspectionPage, NeedsNothingElseAndDrawsEveryTopic) {
   const std::string page = page_of(test::clean_recording());
   EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
-  EXPECT_EQ(count(page, "<svg"), 4U) << "four topics have two events or more";
+  EXPECT_EQ(count(page, "<svg"), 7U)
+      << "four topics have two events or more; the IMU, the stretch that was mapped, and the turns";
+  for (const char* part :
+       {"At rest, or moving evenly", "Angular velocity (rad/s", ">gravity<",
+        "Up by the accelerometer, off the z of the range sensor", "Directions held by matches",
+        "Turned by the sweeps (mrad", "Turned by the gyroscope", "Their difference (mrad"}) {
+    EXPECT_EQ(count(page, part), 1U) << part;
+  }
+  EXPECT_EQ(count(page, "the gyroscope's bias"), 0U) << "it is never at rest";
   EXPECT_EQ(count(page, "<svg"), count(page, "</svg>"));
   EXPECT_EQ(count(page, "src="), 0U);
   EXPECT_EQ(count(page, "href="), 0U);
   EXPECT_EQ(count(page, "Nothing is wrong with it"), 1U);
-  EXPECT_EQ(count(page, "<circle"), 0U) << "there are no gaps";
+  EXPECT_EQ(gaps_marked(page), 0U);
   for (const char* bad : {"NaN", "nan", "inf"}) {
     const std::size_t at = page.find(std::string("=\"") + bad);
     EXPECT_EQ(at, std::string::npos) << page.substr(at == page.npos ? 0 : at - 100, 200);
@@ -57,7 +63,7 @@ TEST(InspectionPage, GapsAreMarkedAndNamed) {
            at < std::chrono::milliseconds(2200);
   });
   const std::string page = page_of(events);
-  EXPECT_EQ(count(page, "<circle"), 1U);
+  EXPECT_EQ(gaps_marked(page), 1U);
   EXPECT_EQ(count(page, "1 gap, the longest of 0.2"), 1U);
   EXPECT_EQ(count(page, "Nothing is wrong with it"), 0U);
 }
@@ -65,7 +71,8 @@ TEST(InspectionPage, GapsAreMarkedAndNamed) {
 TEST(TopicTimeline, KeepsAllEventsInFewBins) {
   TopicTimeline timeline;
   for (int i = 0; i < 100000; ++i) {
-    timeline.add(std::chrono::milliseconds(50LL * i), i == 5000 ? 3.0 : 0.05, 0.001 * (i % 7));
+    timeline.add(std::chrono::milliseconds(50LL * i),
+                 one_event(i == 5000 ? 3.0 : 0.05, 0.001 * (i % 7)));
   }
   EXPECT_LE(timeline.bins().size(), 1000U);
   EXPECT_GE(timeline.bins().size(), 500U);

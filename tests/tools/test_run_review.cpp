@@ -8,19 +8,14 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tests/tools/run_support.hpp"
 #include "tools/command_evaluate.hpp"
+#include "tools/command_inspect.hpp"
 #include "tools/input_error.hpp"
 #include "tools/run_page.hpp"
 
 namespace adit {
 namespace {
 
-std::size_t count(std::string_view text, std::string_view part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) {
-    ++found;
-  }
-  return found;
-}
+using test::count;
 
 /// 100 sweeps, a tenth of a second apart. From sweep 40 to 59 nothing holds the movement along x;
 /// sweep 70 coasts; innovations are as large as they should be, but one beyond the gate.
@@ -152,6 +147,26 @@ TEST_F(RunFolder, ThePageDrawsEveryQuantityItsGatesAndNothingThatIsNoNumber) {
     EXPECT_EQ(count(page, std::string("=\"") + bad), 0U) << bad;
     EXPECT_EQ(count(page, std::string(",") + bad), 0U) << bad;
   }
+}
+
+TEST_F(RunFolder, IsInspectedWithoutATruth) {
+  InspectCommandOptions options;
+  options.recording = folder_.path();
+  options.html = folder_ / "run.html";
+  std::ostringstream out;
+  std::ostringstream err;
+  EXPECT_EQ(inspect_command(options, out, err), 0) << err.str();
+  const RunReview review = review_run(folder_.path());
+  EXPECT_EQ(out.str(), describe(review));
+  EXPECT_EQ(test::content(folder_ / "run.html"),
+            run_page(folder_.path().string(), describe(review), review, nullptr));
+  options.json = true;
+  out.str("");
+  EXPECT_EQ(inspect_command(options, out, err), 0) << err.str();
+  EXPECT_EQ(nlohmann::ordered_json::parse(out.str()), to_json(review));
+  options.write_config = folder_ / "drive.toml";
+  EXPECT_EQ(inspect_command(options, out, err), 2);
+  EXPECT_NE(err.str().find("--write-config needs a recording"), std::string::npos) << err.str();
 }
 
 TEST_F(RunFolder, WithoutItsTableIsRefused) {
