@@ -35,7 +35,10 @@ void HighRateStream::stop() {
   estimate_.reset();
 }
 
-std::optional<LidarMotion> HighRateStream::add(const ImuSample& sample, ImuArrival arrival) {
+std::optional<LidarMotion> HighRateStream::add(const ImuSample& reading, ImuArrival arrival) {
+  ImuSample sample = reading;
+  sample.stamp -= clock_offset_;
+  sample.linear_acceleration *= accel_scale_;
   if (arrival == ImuArrival::restarted) {
     stop();
     newest_.reset();
@@ -47,9 +50,7 @@ std::optional<LidarMotion> HighRateStream::add(const ImuSample& sample, ImuArriv
     whole_since_ = sample.stamp;
   }
   newest_ = sample.stamp;
-  ImuSample scaled = sample;
-  scaled.linear_acceleration *= accel_scale_;
-  const std::optional<HighRateState> state = odometry_.add(scaled);
+  const std::optional<HighRateState> state = odometry_.add(sample);
   if (!state || sample.stamp > *estimate_ + kLongestAlone || (given_ && sample.stamp <= *given_)) {
     return std::nullopt;
   }
@@ -58,15 +59,18 @@ std::optional<LidarMotion> HighRateStream::add(const ImuSample& sample, ImuArriv
 }
 
 void HighRateStream::update(const InertialReport& report) {
-  const bool other_unit = report.accel_scale != accel_scale_;
-  if (other_unit || (estimate_ && !report.nav)) {
+  const Nanoseconds clock_offset =
+      std::chrono::round<Nanoseconds>(std::chrono::duration<double>(report.clock_offset));
+  const bool read_otherwise = report.accel_scale != accel_scale_ || clock_offset != clock_offset_;
+  if (read_otherwise || (estimate_ && !report.nav)) {
     stop();
   }
-  if (other_unit) {
-    newest_.reset();  // what was kept is in another unit: the next reading begins anew
+  if (read_otherwise) {
+    newest_.reset();  // what was kept has another unit or clock: the next reading begins anew
     whole_since_ = Nanoseconds::max();
   }
   accel_scale_ = report.accel_scale;
+  clock_offset_ = clock_offset;
   T_body_lidar_ = report.T_body_lidar;
   if (report.nav && report.nav->stamp >= whole_since_) {
     odometry_.correct({.state = *report.nav, .covariance = report.nav_covariance});

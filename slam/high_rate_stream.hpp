@@ -26,7 +26,8 @@ LidarMotion lidar_motion(const HighRateState& state, const Eigen::Isometry3d& T_
 
 /// Odometry at the rate of the inertial sensor, beside an Odometry: takes the readings that it took
 /// and the reports that it gave. Each pose is what was known when its reading came: the newest
-/// fused sweep, carried on. Stamps only rise.
+/// fused sweep, carried on, by the clock and the mounting that the reports have refined. Stamps
+/// only rise.
 ///
 /// There are none while the sensor is not fused, behind a gap in the readings (imu.max_gap) until
 /// the next fused sweep, and beyond a second after the last one.
@@ -35,8 +36,8 @@ class HighRateStream {
   /// `smoothing` in s: corrections are spread over this time; 0: they show as steps.
   HighRateStream(const ImuConfig& config, double smoothing);
 
-  /// The next reading, in the sensor's own unit, and what became of it.
-  std::optional<LidarMotion> add(const ImuSample& sample, ImuArrival arrival);
+  /// The next reading, in the sensor's own unit and clock, and what became of it.
+  std::optional<LidarMotion> add(const ImuSample& reading, ImuArrival arrival);
 
   /// What the next sweep told.
   void update(const InertialReport& report);
@@ -48,6 +49,7 @@ class HighRateStream {
   HighRateOdometry odometry_;
   Eigen::Isometry3d T_body_lidar_ = Eigen::Isometry3d::Identity();
   double accel_scale_ = 1.0;
+  Nanoseconds clock_offset_{0};          ///< taken off the stamps of readings
   std::optional<Nanoseconds> estimate_;  ///< stamp of the newest
   std::optional<Nanoseconds> newest_;    ///< reading
   Nanoseconds whole_since_{0};           ///< no gap since this reading

@@ -122,6 +122,60 @@ TEST(HighRateStream, TakesTheUnitThatTheStartFound) {
   EXPECT_TRUE(stream.add(motion.sample(0.505), ImuArrival::appended));
 }
 
+/// Readings of a clock that is late.
+std::vector<LidarMotion> feed_late(HighRateStream& stream, const test::WavyMotion& motion,
+                                   double begin, double end, Nanoseconds late) {
+  std::vector<LidarMotion> given;
+  for (ImuSample sample : test::readings(motion, begin, end, 200.0)) {
+    sample.stamp += late;
+    if (const auto pose = stream.add(sample, ImuArrival::appended)) {
+      given.push_back(*pose);
+    }
+  }
+  return given;
+}
+
+TEST(HighRateStream, FollowsTheClockThatWasRefined) {
+  const test::WavyMotion motion = test::hand_held_motion();
+  const Nanoseconds late = std::chrono::milliseconds(40);
+  HighRateStream stream({}, 0.0);
+  feed_late(stream, motion, 0.0, 0.2, late);
+  stream.update(fused_at(motion, 0.1));
+  const auto before = feed_late(stream, motion, 0.205, 0.3, late);
+  ASSERT_FALSE(before.empty());
+  EXPECT_GT(error_of(before.back(), motion), 5e-3) << "as the clock says, it is elsewhere";
+  InertialReport refined;
+  refined.state = InertialState::lost;
+  refined.clock_offset = seconds(late);
+  stream.update(refined);
+  EXPECT_TRUE(feed_late(stream, motion, 0.305, 0.5, late).empty());
+  refined = fused_at(motion, 0.4);
+  refined.clock_offset = seconds(late);
+  stream.update(refined);
+  const auto after = feed_late(stream, motion, 0.505, 0.6, late);
+  ASSERT_EQ(after.size(), 20U);
+  for (const LidarMotion& pose : after) {
+    EXPECT_LE(error_of(pose, motion), 1e-3);
+  }
+  EXPECT_LE(std::abs(seconds(after.front().stamp) - 0.505), 1e-6) << "in the clock of the sweeps";
+}
+
+TEST(HighRateStream, FollowsTheMountingThatWasRefined) {
+  const test::WavyMotion motion = test::hand_held_motion();
+  HighRateStream stream({}, 0.0);
+  feed(stream, motion, 0.0, 0.2);
+  InertialReport report = fused_at(motion, 0.1);
+  report.T_body_lidar.linear() = report.T_body_lidar.linear() * so3_exp({0.0, 0.0, 0.05});
+  stream.update(report);
+  const auto turned = [&](const LidarMotion& given) {
+    const Eigen::Isometry3d truth = motion.state(seconds(given.stamp)).T_map_body * T_body_lidar();
+    return rotation_angle((truth.inverse() * given.T_map_lidar).linear());
+  };
+  EXPECT_NEAR(turned(feed(stream, motion, 0.205, 0.3).back()), 0.05, 2e-3);
+  stream.update(fused_at(motion, 0.2));
+  EXPECT_LE(turned(feed(stream, motion, 0.305, 0.4).back()), 2e-3);
+}
+
 TEST(HighRateStream, TheCovarianceOfTheLidarIsTheBodysPassedOn) {
   HighRateState state;
   state.nav = test::hand_held_motion().state(0.7);
