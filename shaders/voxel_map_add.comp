@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Adds a cloud to a Gaussian voxel map, or takes it out again, exactly: all sums are integers. One
-// thread takes points strided over all threads. Written: count and mean of their voxels, and the
-// sums of their surface constraints or, with kMoments, of the second moments of their offsets.
+// thread takes points strided over all threads. Written: count and mean of their voxels, and number
+// and constraints of their surfaces or, with kMoments, the second moments of their offsets.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -65,6 +65,12 @@ void main() {
     atomicAdd(voxels[slot].sum_x, offset.x * push.sign);
     atomicAdd(voxels[slot].sum_y, offset.y * push.sign);
     atomicAdd(voxels[slot].sum_z, offset.z * push.sign);
+    if (!kMoments) {
+      if ((point.w >> 30) == kIsotropic) {
+        continue;
+      }
+      atomicAdd(voxels[slot].surfaces, push.sign);
+    }
     atomicAdd(voxels[slot].xx, x.x * push.sign);
     atomicAdd(voxels[slot].xy, x.y * push.sign);
     atomicAdd(voxels[slot].xz, x.z * push.sign);

@@ -7,6 +7,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/include/constraint.glsl"
 #include "shaders/include/hash.glsl"
 #include "shaders/include/jacobi.glsl"
 #include "shaders/include/texels.glsl"
@@ -62,12 +63,8 @@ void main() {
                           area * (float(tail.y) * scale - mean.y * mean.z),
                           area * (float(tail.z) * scale - mean.z * mean.z)));
     } else {
-      const float scale = per_point / 32768.0;
       vec4 pairs[3];
-      eigen(Sym3(float(middle.y) * scale - 1.0, float(middle.z) * scale - 1.0,
-                 float(middle.w) * scale - 1.0, float(tail.x) * scale - 1.0,
-                 float(tail.y) * scale - 1.0, float(tail.z) * scale - 1.0),
-            pairs);
+      eigen(mean_constraint(head, middle, tail), pairs);
       const vec3 n = pairs[2].xyz;
       valid = valid && pairs[2].w > kPlanar * max(pairs[0].w + pairs[1].w + pairs[2].w, 0.5);
       form = Sym3(n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z);

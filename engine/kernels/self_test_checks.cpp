@@ -83,7 +83,7 @@ uint64_t planes_of(const KnownScene& scene) {
 
 bool is_empty(const gpu::GaussianCell& cell) {
   return (cell.count | cell.sum_x | cell.sum_y | cell.sum_z | cell.xx | cell.xy | cell.xz |
-          cell.yy | cell.yz | cell.zz) == 0;
+          cell.yy | cell.yz | cell.zz | cell.surfaces) == 0;
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ SelfTestCase check_voxel_map(const KnownScene& scene, const FoundVoxelMap& map) 
     trace += (static_cast<double>(cell.xx) + static_cast<double>(cell.yy) +
               static_cast<double>(cell.zz)) /
                  32768.0 -
-             3.0 * n;
+             3.0 * static_cast<double>(cell.surfaces);
   }
   Vector expected_mass{};
   const gpu::mat3x4 pose = known_pose();

@@ -6,6 +6,7 @@
 // voxel_map_finish.comp makes of it for the other methods.
 #ifndef ADIT_REGISTRATION_MATCH_GLSL
 #define ADIT_REGISTRATION_MATCH_GLSL
+#include "shaders/include/constraint.glsl"
 #include "shaders/include/surface.glsl"
 #include "shaders/include/sym3.glsl"
 #include "shaders/include/texels.glsl"
@@ -122,10 +123,7 @@ Voxel find_voxel(vec3 corner, uint begin, uint mask, float cell) {
   if (kMethod == kVgicp) {
     const float per_point = v.found ? 1.0 / float(head.y) : 0.0;
     v.mean = (corner + vec3(head.zw, middle.x) * (per_point / 65536.0)) * cell;
-    const float scale = per_point / 32768.0;
-    v.form = Sym3(float(middle.y) * scale - 1.0, float(middle.z) * scale - 1.0,
-                  float(middle.w) * scale - 1.0, float(tail.x) * scale - 1.0,
-                  float(tail.y) * scale - 1.0, float(tail.z) * scale - 1.0);
+    v.form = mean_constraint(head, middle, tail);
   } else {
     v.mean = uintBitsToFloat(uvec3(head.zw, middle.x));
     v.form = Sym3(uintBitsToFloat(middle.y), uintBitsToFloat(middle.z), uintBitsToFloat(middle.w),

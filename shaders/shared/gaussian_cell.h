@@ -21,8 +21,12 @@ struct GaussianCell {
   uint count;
   uint sum_x, sum_y, sum_z;
   uint xx, xy, xz, yy, yz, zz;
-  uint unused0;
+  uint surfaces;  // voxel maps: points with a surface, those that the six entries are of
 };
+
+// A voxel's constraint is the mean of its points'; one without a surface counts as this part of a
+// point (docs/decisions/0013).
+const float kBare = 0.0625;
 
 struct VoxelMapCounters {
   uint used_slots;    // slots claimed since the map was cleared

@@ -82,7 +82,7 @@ TEST(KernelLayouts, VoxelMapStructsAreTheSameInCppAndGlsl) {
                                                {"yy", offsetof(GaussianCell, yy)},
                                                {"yz", offsetof(GaussianCell, yz)},
                                                {"zz", offsetof(GaussianCell, zz)},
-                                               {"unused0", offsetof(GaussianCell, unused0)}});
+                                               {"surfaces", offsetof(GaussianCell, surfaces)}});
   // Read by kernels as three uvec4.
   EXPECT_EQ(sizeof(GaussianCell), 3 * sizeof(gpu::uvec4));
   using gpu::VoxelMapCounters;

@@ -45,11 +45,12 @@ std::vector<gpu::uvec4> certain(const std::vector<gpu::uvec4>& cloud, const Eige
 }
 
 // Everything but the slots' order: a table as a map from keys to cells.
-std::map<uint32_t, std::array<uint32_t, 10>> by_key(const std::vector<gpu::GaussianCell>& cells) {
-  std::map<uint32_t, std::array<uint32_t, 10>> result;
+std::map<uint32_t, std::array<uint32_t, 11>> by_key(const std::vector<gpu::GaussianCell>& cells) {
+  std::map<uint32_t, std::array<uint32_t, 11>> result;
   for (const gpu::GaussianCell& c : cells) {
     if (c.key != gpu::kFree) {
-      result[c.key] = {c.count, c.sum_x, c.sum_y, c.sum_z, c.xx, c.xy, c.xz, c.yy, c.yz, c.zz};
+      result[c.key] = {c.count, c.sum_x, c.sum_y, c.sum_z, c.xx,      c.xy,
+                       c.xz,    c.yy,    c.yz,    c.zz,    c.surfaces};
     }
   }
   return result;
@@ -58,7 +59,7 @@ std::map<uint32_t, std::array<uint32_t, 10>> by_key(const std::vector<gpu::Gauss
 bool holds_nothing(const std::vector<gpu::GaussianCell>& cells) {
   const auto voxels = by_key(cells);
   return std::all_of(voxels.begin(), voxels.end(),
-                     [](const auto& voxel) { return voxel.second == std::array<uint32_t, 10>{}; });
+                     [](const auto& voxel) { return voxel.second == std::array<uint32_t, 11>{}; });
 }
 
 class VoxelMapKernel : public test::DeviceTest {
@@ -149,7 +150,7 @@ TEST_F(VoxelMapKernel, CloudThatIsTakenOutLeavesNoTrace) {
   map.remove(leaving, tilted_pose());
   auto voxels = by_key(map.cells());
   std::erase_if(voxels,
-                [](const auto& voxel) { return voxel.second == std::array<uint32_t, 10>{}; });
+                [](const auto& voxel) { return voxel.second == std::array<uint32_t, 11>{}; });
   EXPECT_EQ(voxels, by_key(alone.cells()));
 
   map.remove(staying, Eigen::Isometry3d::Identity());

@@ -202,6 +202,10 @@ Verdict verify_voxel_map(const reference::VoxelMap& expected,
                      other.count);
       continue;
     }
+    if (other.surfaces != voxel.surfaces) {
+      complaints.add("surfaces", at[0], " ", at[1], " ", at[2], ": expected ", voxel.surfaces,
+                     ", found ", other.surfaces);
+    }
     const auto n = static_cast<double>(voxel.count);
     const double offset_error = (other.offset_sum - voxel.offset_sum).cwiseAbs().maxCoeff() / n;
     const double constraint_error =

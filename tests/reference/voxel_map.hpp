@@ -20,6 +20,7 @@ namespace adit::reference {
 /// Sums over the points of a voxel.
 struct Voxel {
   int64_t count = 0;
+  int64_t surfaces = 0;                                  ///< points with a surface
   Eigen::Vector3d offset_sum = Eigen::Vector3d::Zero();  ///< from the voxel's corner, in voxels
   Eigen::Matrix3d constraint_sum = Eigen::Matrix3d::Zero();
 
@@ -29,7 +30,12 @@ struct Voxel {
                                  static_cast<double>(cell[2]));
     return (corner + offset_sum / static_cast<double>(count)) * voxel_size;
   }
-  Eigen::Matrix3d constraint() const { return constraint_sum / static_cast<double>(count); }
+  /// Mean over its points; one without a surface counts as kBare of a point.
+  Eigen::Matrix3d constraint() const {
+    const double weights =
+        static_cast<double>(surfaces) + double{gpu::kBare} * static_cast<double>(count - surfaces);
+    return constraint_sum / weights;
+  }
 };
 
 /// A point's voxel and its offset from the voxel's corner, in voxels.
@@ -77,6 +83,7 @@ struct VoxelMap {
       }
       Voxel& voxel = voxels[place.cell];
       voxel.count += 1;
+      voxel.surfaces += point.kind == SurfaceKind::isotropic ? 0 : 1;
       voxel.offset_sum += place.offset;
       voxel.constraint_sum +=
           T_map_cloud.linear() * point.constraint() * T_map_cloud.linear().transpose();
@@ -98,10 +105,11 @@ inline VoxelMap decode(std::span<const gpu::GaussianCell> table, double voxel_si
                   static_cast<int64_t>(biased & 1023U) - 512};
     const auto offset = [](uint32_t sum) { return static_cast<double>(sum) / 65536.0; };
     const auto entry = [&cell](uint32_t sum) {
-      return static_cast<double>(sum) / 32768.0 - static_cast<double>(cell.count);
+      return static_cast<double>(sum) / 32768.0 - static_cast<double>(cell.surfaces);
     };
     Voxel voxel;
     voxel.count = cell.count;
+    voxel.surfaces = cell.surfaces;
     voxel.offset_sum << offset(cell.sum_x), offset(cell.sum_y), offset(cell.sum_z);
     voxel.constraint_sum << entry(cell.xx), entry(cell.xy), entry(cell.xz),  //
         entry(cell.xy), entry(cell.yy), entry(cell.yz),                      //

@@ -20,7 +20,7 @@
 namespace adit {
 namespace {
 
-using Sums = std::array<uint32_t, 10>;
+using Sums = std::array<uint32_t, 11>;
 /// What a voxel map holds, by key; where a voxel stands in the table depends on who came first.
 using Voxels = std::map<uint32_t, Sums>;
 
@@ -56,7 +56,8 @@ Eigen::Isometry3d pose_after(double forward, double yaw = 0.0) {
 Voxels voxels_of(const std::vector<gpu::GaussianCell>& table) {
   Voxels voxels;
   for (const gpu::GaussianCell& c : table) {
-    const Sums sums{c.count, c.sum_x, c.sum_y, c.sum_z, c.xx, c.xy, c.xz, c.yy, c.yz, c.zz};
+    const Sums sums{c.count, c.sum_x, c.sum_y, c.sum_z, c.xx,      c.xy,
+                    c.xz,    c.yy,    c.yz,    c.zz,    c.surfaces};
     if (c.key == gpu::kFree) {
       EXPECT_EQ(sums, Sums{}) << "a free slot holds sums";
     } else if (c.count > 0) {

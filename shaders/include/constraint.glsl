@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The surface constraint of a voxel, out of the three words of its GaussianCell.
+#ifndef ADIT_CONSTRAINT_GLSL
+#define ADIT_CONSTRAINT_GLSL
+#include "shaders/include/sym3.glsl"
+#include "shaders/shared/gaussian_cell.h"
+
+// Mean of P over the points with a surface, and kBare of those without, whose P is 0.
+Sym3 mean_constraint(uvec4 head, uvec4 middle, uvec4 tail) {
+  const float surfaces = float(tail.w);
+  const float weights = surfaces + kBare * (float(head.y) - surfaces);
+  const float share = surfaces / max(weights, kBare);
+  const float scale = share / (32768.0 * max(surfaces, 1.0));
+  return Sym3(float(middle.y) * scale - share, float(middle.z) * scale - share,
+              float(middle.w) * scale - share, float(tail.x) * scale - share,
+              float(tail.y) * scale - share, float(tail.z) * scale - share);
+}
+
+#endif
