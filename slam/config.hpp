@@ -83,9 +83,10 @@ struct ImuConfig {
     field("reset", self.reset, "sweeps",
           "greater than 0: instead of the lag, the graph is reduced to its newest state every so "
           "many sweeps (the paper: 100)");
-    field("refine_time_offset", self.refine_time_offset, "",
-          "1: the IMU's clock is corrected by what its turns and the sweeps' have in common; 0: a "
-          "clock that is off is told, and the IMU left out");
+    field(
+        "refine_time_offset", self.refine_time_offset, "",
+        "1: the IMU's clock is corrected whenever its turns and the sweeps' differ; 0: only where "
+        "they prove it wrong");
     field("refine_rotation", self.refine_rotation, "",
           "1: so is the rotation of T_imu_lidar, as far as the motion tells it");
   }

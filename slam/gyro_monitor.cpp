@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "slam/lie.hpp"
+#include "slam/nav_state.hpp"
 
 namespace adit {
 namespace {
@@ -22,6 +23,7 @@ constexpr size_t kMostTurns = 150;
 constexpr int kBetweenChecks = 20;
 constexpr double kLongestTurn = 0.35;  // s; over longer ones the rotation vector is no integral
 constexpr double kMostOffset = 0.3;    // s
+constexpr double kSameSpan = 0.01;     // s: sweeps whose durations differ by more tell no turn
 constexpr Nanoseconds kKept = std::chrono::seconds(1);  // of samples before the first turn
 // Less turning than this, root mean square, tells nothing. rad a turn
 constexpr double kLively = 0.008;
@@ -76,7 +78,7 @@ std::string clock_evidence(const RotationComparison& found, size_t turns) {
          text_of(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " + std::to_string(turns) +
          " sweeps): its clock is " + (late ? "late" : "early") +
          "; recording.imu_time_offset = " + text_of(-found.offset, 3) +
-         " would mend that, imu.refine_time_offset = 1 does so by itself";
+         " would mend that from the start";
 }
 
 std::string mounting_evidence(const RotationComparison& found, size_t turns) {
@@ -85,8 +87,7 @@ std::string mounting_evidence(const RotationComparison& found, size_t turns) {
          text_of(kDegrees * found.misalignment, 1) + " degrees off (over " + std::to_string(turns) +
          " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
          "whose rotation should be qx " + text_of(q.x(), 4) + ", qy " + text_of(q.y(), 4) +
-         ", qz " + text_of(q.z(), 4) + ", qw " + text_of(q.w(), 4) +
-         "; imu.refine_rotation = 1 corrects it by itself";
+         ", qz " + text_of(q.z(), 4) + ", qw " + text_of(q.w(), 4);
 }
 
 std::string unit_evidence(double factor) {
@@ -107,16 +108,24 @@ void GyroMonitor::add(const ImuSample& sample) {
   }
 }
 
-void GyroMonitor::add(const StampedPose& alignment) {
-  if (last_ && alignment.stamp > last_->stamp &&
-      alignment.stamp - last_->stamp < Nanoseconds(static_cast<int64_t>(1e9 * kLongestTurn))) {
-    turns_.push_back({last_->stamp, alignment.stamp,
-                      so3_log(last_->pose.linear().transpose() * alignment.pose.linear())});
-    ++unchecked_;
-  } else if (last_ && alignment.stamp <= last_->stamp) {
-    turns_.clear();
+void GyroMonitor::add(const StampedPose& alignment, const SweepMotion* deskewed) {
+  StampedPose mean = alignment;
+  if (deskewed != nullptr) {
+    mean.pose.linear() = alignment.pose.linear() * so3_exp(mean_turn(*deskewed));
   }
-  last_ = alignment;
+  const double span = deskewed != nullptr ? deskewed->last - deskewed->first : 0.0;
+  if (last_ && alignment.stamp <= last_->stamp) {
+    turns_.clear();
+  } else if (last_ && seconds(alignment.stamp - last_->stamp) < kLongestTurn &&
+             std::abs(span - last_span_) < kSameSpan) {
+    turns_.push_back({.begin = last_->stamp,
+                      .end = alignment.stamp,
+                      .rotation = so3_log(last_->pose.linear().transpose() * mean.pose.linear()),
+                      .mean_over = 0.5 * (span + last_span_)});
+    ++unchecked_;
+  }
+  last_span_ = span;
+  last_ = mean;
   if (turns_.size() > kMostTurns) {
     turns_.pop_front();
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "slam/rotation_comparison.hpp"
+#include "slam/sweep_motion.hpp"
 
 namespace adit {
 
@@ -41,9 +42,16 @@ class GyroMonitor {
  public:
   void add(const ImuSample& sample);
 
-  /// The next sweep's alignment (T_map_lidar); `broken` where there is none: no turn leads there.
-  void add(const StampedPose& alignment);
+  /// The next sweep's alignment (T_map_lidar), with what the sweep was de-skewed with, if it was:
+  /// what it says of the attitude at the stamp hangs on that, and of the mean attitude it does not.
+  /// `broken` where there is no alignment: no turn leads there.
+  void add(const StampedPose& alignment, const SweepMotion* deskewed = nullptr);
   void broken() { last_.reset(); }
+  /// Sweeps so far took after a sensor that was not right.
+  void forget_turns() {
+    turns_.clear();
+    unchecked_ = 0;
+  }
 
   /// With every twentieth turn, from the thirtieth on; none in between.
   std::optional<GyroCheck> check(const GyroExpectation& expected);
@@ -52,7 +60,8 @@ class GyroMonitor {
   std::deque<ImuSample> samples_;
   std::deque<RotationInterval> turns_;
   std::optional<StampedPose> last_;
-  int unchecked_ = 0;  ///< turns since the last check
+  double last_span_ = 0.0;  ///< s, of that sweep
+  int unchecked_ = 0;       ///< turns since the last check
 };
 
 }  // namespace adit

@@ -41,6 +41,10 @@ constexpr double kLongestAlone = 3.0;      // s by inertia alone
 constexpr int kLosses = 5;                 // without a long time of fusion in between
 constexpr int kLongFusion = 100;           // sweeps
 constexpr double kScaleError = 0.005;      // of readings: scale, axes that are not square
+// After a check that failed the sweeps are to tell what is wrong, without the sensor: for so many.
+constexpr int kUnexplained = 50;
+// Saturation is told when none was for so long, and with what else goes wrong in that time.
+constexpr Nanoseconds kToldAgain = std::chrono::seconds(10);
 // Readings stand for this long after the last one; then velocities stay as they were.
 constexpr Nanoseconds kHeld = milliseconds(20);
 // Before the start: readings that turn faster are not believed.
@@ -113,8 +117,12 @@ ImuArrival InertialTracker::add(const ImuSample& sample) {
   ImuSample corrected = sample;
   corrected.stamp -= std::chrono::round<Nanoseconds>(std::chrono::duration<double>(clock_offset_));
   const ImuArrival arrival = buffer_.push(corrected);
+  if (arrival == ImuArrival::restarted) {
+    saturation_ = {};
+  }
   if (arrival == ImuArrival::appended || arrival == ImuArrival::restarted) {
     monitor_.add(sample);
+    saturation_.add(corrected);
   }
   if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use != 0) {
     state_ = InertialState::starting;
@@ -161,8 +169,12 @@ void InertialTracker::lose(const std::string& why) {
 }
 
 void InertialTracker::leave(InertialState state, const std::string& why) {
+  const std::string saturated =
+      buffer_.empty()
+          ? ""
+          : saturation_.evidence(buffer_.back().stamp - kToldAgain, buffer_.back().stamp);
   state_ = state;
-  event_ = why;
+  event_ = why + (saturated.empty() ? "" : "; " + saturated);
   graph_.reset();
   pending_.reset();
   poses_.clear();
@@ -212,6 +224,10 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
     after_gap_ = true;
     return std::nullopt;
   }
+  const Nanoseconds last = graph_->latest().stamp;
+  if (saturation_.evidence(last - kToldAgain, last).empty()) {
+    event_ = saturation_.evidence(last, stamp);
+  }
   pending_ = Pending{.readings = scaled(interval.samples), .prediction = {}};
   pending_->prediction = graph_->predict(pending_->readings);
   const StateEstimate& predicted = pending_->prediction;
@@ -233,8 +249,10 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
 
 InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
                                        const RegistrationResult* alignment,
-                                       const Eigen::Isometry3d& steady) {
+                                       const Eigen::Isometry3d& steady,
+                                       const SweepMotion* deskewed) {
   InertialReport report;
+  unexplained_ = std::max(0, unexplained_ - 1);
   if (alignment != nullptr) {
     report.lidar_covariance = covariance(*alignment, kAlignmentModel);
   }
@@ -244,16 +262,18 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
     collect(T_map_lidar, alignment != nullptr);
     try_start();
   }
+  try_out(report);
   if (alignment != nullptr) {
-    watch({T_map_lidar.stamp, alignment->T_target_source}, true);
+    watch({T_map_lidar.stamp, alignment->T_target_source}, deskewed);
   } else {
-    watch(T_map_lidar, false);
+    monitor_.broken();
   }
   if (state_ != InertialState::fused) {
     report.nav.reset();
   }
   const Nanoseconds oldest = poses_.empty() ? T_map_lidar.stamp : poses_.front().stamp;
   buffer_.forget_before(oldest - milliseconds(100));
+  saturation_.forget_before(oldest - 2 * kToldAgain);
   report.state = state_;
   report.event = std::exchange(event_, {});
   report.hindrance = hindrance_;
@@ -317,6 +337,10 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   if (const std::string failed = failed_check(estimate); !failed.empty()) {
     after_gap_ = false;
     lose(failed);
+    if (alignment != nullptr) {
+      unexplained_ = kUnexplained;
+      monitor_.forget_turns();
+    }
     return;
   }
   losses_ = ++fused_sweeps_ > kLongFusion ? 0 : losses_;

@@ -13,6 +13,7 @@
 #include "slam/imu_buffer.hpp"
 #include "slam/imu_start.hpp"
 #include "slam/motion_model.hpp"
+#include "slam/saturation.hpp"
 #include "slam/sliding_graph.hpp"
 #include "slam/sweep_motion.hpp"
 
@@ -88,9 +89,10 @@ class InertialTracker {
                                             const Eigen::Vector3d& velocity) const;
 
   /// The pose of a sweep that was aligned, or bridged by a prediction where `alignment` is null;
-  /// `steady` is what constant velocity predicted. Where the report has a nav, that is the outcome.
+  /// `steady` is what constant velocity predicted, `deskewed` what the sweep was de-skewed with, if
+  /// it was. Where the report has a nav, that is the outcome.
   InertialReport update(const StampedPose& T_map_lidar, const RegistrationResult* alignment,
-                        const Eigen::Isometry3d& steady);
+                        const Eigen::Isometry3d& steady, const SweepMotion* deskewed = nullptr);
 
   /// The submap starts anew: where no inertial prediction led there, the attitude is not the one
   /// from before, nor is gravity's direction in the map.
@@ -106,6 +108,16 @@ class InertialTracker {
     std::vector<ImuSample> readings;
     StateEstimate prediction;
   };
+  struct Corrections {
+    bool clock = false;
+    bool mounting = false;
+    double least_clock = 0.0;  ///< s; less stays as it is
+    double sigmas = 0.0;       ///< what is within so many standard deviations stays as it is
+  };
+  struct Trial {
+    int sweeps = 0;
+    int better = 0;  ///< than constant velocity, their turns
+  };
 
   std::vector<ImuSample> scaled(std::vector<ImuSample> samples) const;
   /// What is wrong with the coverage; empty if nothing is.
@@ -114,10 +126,15 @@ class InertialTracker {
   void lose(const std::string& why);
   /// Stops fusing, to start anew or not at all.
   void leave(InertialState state, const std::string& why);
-  /// Holds the gyroscope against the sweeps; refuses the sensor where they contradict it, twice.
-  void watch(const StampedPose& T_map_lidar, bool aligned);
-  /// Corrects what is to be refined; whether it did.
-  bool refine(const RotationComparison& found);
+  /// Holds the gyroscope against the sweeps; corrects the sensor where they contradict it and say
+  /// by how much, else refuses it.
+  void watch(const StampedPose& alignment, const SweepMotion* deskewed);
+  void judge(const GyroCheck& check);
+  /// Refuses a sensor that predicts badly though it was corrected.
+  void try_out(const InertialReport& report);
+  Eigen::Matrix3d R_lidar_body() const { return T_body_lidar_.linear().transpose(); }
+  /// Corrects what may be; what it did, for people, empty if nothing.
+  std::string correct(const RotationComparison& found, const Corrections& allowed);
   void fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
   void collect(const StampedPose& T_map_lidar, bool aligned);
@@ -130,7 +147,11 @@ class InertialTracker {
   Eigen::Isometry3d T_body_lidar_;
   ImuBuffer buffer_;
   GyroMonitor monitor_;
+  SaturationWatch saturation_;
   GyroFault suspected_ = GyroFault::none;  ///< by the last check
+  int corrections_ = 0;                    ///< of faults
+  int unexplained_ = 0;                    ///< sweeps to wait for a comparison, as a check failed
+  std::optional<Trial> trial_;             ///< of what was corrected
   std::optional<RotationComparison> comparison_;
   double clock_offset_ = 0.0;  ///< s
   bool timed_ = false;         ///< points have times: a sweep's stamp is when it began

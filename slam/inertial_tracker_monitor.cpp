@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "slam/inertial_tracker.hpp"
 #include "slam/lie.hpp"
@@ -24,6 +25,13 @@ constexpr double kSweepPeriod = 0.11;     // s
 constexpr double kLeastClock = 0.008;  // s
 constexpr double kLeastTurn = 0.01;    // rad
 constexpr double kSigmas = 3.0;
+constexpr double kSigmasOfAccused = 2.0;  // where something is known to be wrong
+constexpr double kFarOff = 0.35;          // rad
+constexpr int kMostCorrections = 4;
+// After a correction: better than constant velocity in one of so many, over so many sweeps. Sensors
+// that are right are in 62 to 100 % of all.
+constexpr int kWorse = 3;
+constexpr int kTrial = 30;
 
 std::string text_of(double value, int digits) {
   std::array<char, 32> buffer{};
@@ -33,73 +41,116 @@ std::string text_of(double value, int digits) {
 }
 
 /// From the mounting R_lidar_imu to the one that was found, about the lidar's axes: those of its
-/// components that the motion tells apart from nothing.
-Eigen::Vector3d significant_turn(const RotationComparison& found, const Eigen::Matrix3d& R) {
-  Eigen::Vector3d turn = so3_log(found.R_range_gyro * R.transpose());
-  for (int i = 0; i < 3; ++i) {
-    const double bound = kLeastTurn + kSigmas * found.mounting_sigma(i);
-    turn(i) = std::abs(turn(i)) > bound ? turn(i) : 0.0;
+/// components that the motion tells apart from nothing, if one of them is worth it.
+Eigen::Vector3d significant_turn(const RotationComparison& found, const Eigen::Matrix3d& R,
+                                 double sigmas) {
+  const Eigen::Vector3d turn = so3_log(found.R_range_gyro * R.transpose());
+  const Eigen::Array3d beyond = turn.array().abs() - sigmas * found.mounting_sigma.array();
+  if (!(beyond > kLeastTurn).any()) {
+    return Eigen::Vector3d::Zero();
   }
-  return turn;
+  return (beyond > 0.0).select(turn.array(), 0.0);
+}
+
+/// Where the motion hides an axis, a sensor that is far off about the others may be so about that
+/// one.
+bool is_known(const RotationComparison& found, const Eigen::Matrix3d& R) {
+  return found.mounting_sigma.allFinite() ||
+         rotation_angle(found.R_range_gyro * R.transpose()) < kFarOff;
 }
 
 }  // namespace
 
-void InertialTracker::watch(const StampedPose& T_map_lidar, bool aligned) {
+void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* deskewed) {
   if (state_ == InertialState::absent || state_ == InertialState::refused) {
     return;
   }
-  if (!aligned) {
-    monitor_.broken();
-    return;
+  monitor_.add(alignment, deskewed);
+  if (const auto check = monitor_.check(
+          {.R_lidar_imu = R_lidar_body(),
+           .offset = clock_offset_,
+           .tolerance = timed_ ? kHarmlessOffset : kHarmlessOffset + kSweepPeriod})) {
+    comparison_ = check->comparison ? check->comparison : comparison_;
+    judge(*check);
   }
-  monitor_.add(T_map_lidar);
-  const auto check =
-      monitor_.check({.R_lidar_imu = T_body_lidar_.linear().transpose(),
-                      .offset = clock_offset_,
-                      .tolerance = timed_ ? kHarmlessOffset : kHarmlessOffset + kSweepPeriod});
-  if (!check) {
-    return;
-  }
-  comparison_ = check->comparison ? check->comparison : comparison_;
-  const bool consistent = check->fault == GyroFault::none || check->fault == GyroFault::clock ||
-                          check->fault == GyroFault::mounting;
-  if (check->comparison && consistent && refine(*check->comparison)) {
-    suspected_ = GyroFault::none;
-    return;
-  }
-  if (check->fault != GyroFault::none && check->fault == suspected_) {
-    leave(InertialState::refused, check->evidence + "; it is not used any more");
-  } else if (check->fault != GyroFault::none) {
-    // Sweeps that it de-skews and predicts take after it: the next are to tell without it.
-    leave(InertialState::lost, check->evidence + "; the lidar goes alone until that is clear");
-  }
-  suspected_ = check->fault;
 }
 
-bool InertialTracker::refine(const RotationComparison& found) {
+void InertialTracker::judge(const GyroCheck& check) {
+  const bool fault = check.fault != GyroFault::none;
+  const bool again = fault && check.fault == suspected_;
+  suspected_ = check.fault;
+  // After a check that failed less than a proof will do.
+  const bool accused = std::exchange(unexplained_, 0) > 0;
+  const bool of_frame = check.fault == GyroFault::clock || check.fault == GyroFault::mounting;
+  if (check.comparison && (of_frame || !fault)) {
+    const bool proven = of_frame && is_known(*check.comparison, R_lidar_body());
+    const bool may = (proven || accused || corrections_ > 0) && corrections_ < kMostCorrections;
+    const std::string done =
+        correct(*check.comparison, {.clock = may || config_.refine_time_offset != 0,
+                                    .mounting = may || config_.refine_rotation != 0,
+                                    .least_clock = may && !timed_ ? kSweepPeriod : kLeastClock,
+                                    .sigmas = may ? kSigmasOfAccused : kSigmas});
+    if (!done.empty()) {
+      corrections_ += may ? 1 : 0;
+      trial_ = Trial{};
+      suspected_ = GyroFault::none;
+      after_gap_ = false;
+      monitor_.forget_turns();
+      leave(InertialState::starting, (fault ? check.evidence + "; " : "") + done +
+                                         ", as the sweeps' turns say; starting anew");
+      return;
+    }
+  }
+  if (again) {
+    leave(InertialState::refused, check.evidence + "; it is not used any more");
+  } else if (fault) {
+    // Sweeps that it de-skews and predicts take after it: the next are to tell without it.
+    monitor_.forget_turns();
+    leave(InertialState::lost, check.evidence + "; the lidar goes alone until that is clear");
+  }
+}
+
+void InertialTracker::try_out(const InertialReport& report) {
+  if (!trial_ || !report.compared) {
+    return;
+  }
+  ++trial_->sweeps;
+  trial_->better += report.better_turn ? 1 : 0;
+  if (trial_->sweeps < kTrial) {
+    return;
+  }
+  if (kWorse * trial_->better < trial_->sweeps) {
+    leave(InertialState::refused,
+          "corrected as the sweeps' turns say, it still predicts their turns worse than constant "
+          "velocity (better in " +
+              std::to_string(trial_->better) + " of " + std::to_string(trial_->sweeps) +
+              "); it is not used any more");
+  }
+  trial_.reset();
+}
+
+std::string InertialTracker::correct(const RotationComparison& found, const Corrections& allowed) {
   const double late = found.offset - clock_offset_;
   std::string what;
-  if (config_.refine_time_offset != 0 &&
-      std::abs(late) > kLeastClock + kSigmas * found.offset_sigma) {
+  if (allowed.clock && std::abs(late) > allowed.least_clock + allowed.sigmas * found.offset_sigma) {
     clock_offset_ = found.offset;
-    buffer_.shift(-std::chrono::round<Nanoseconds>(std::chrono::duration<double>(late)));
+    const auto by = -std::chrono::round<Nanoseconds>(std::chrono::duration<double>(late));
+    buffer_.shift(by);
+    saturation_.shift(by);
     what = "its clock is corrected by " + text_of(-1e3 * clock_offset_, 1) + " ms";
   }
-  const Eigen::Vector3d turn = significant_turn(found, T_body_lidar_.linear().transpose());
-  if (config_.refine_rotation != 0 && turn.norm() > 0.0) {
-    T_body_lidar_.linear() = T_body_lidar_.linear() * so3_exp(-turn);
+  const Eigen::Vector3d turn = significant_turn(found, R_lidar_body(), allowed.sigmas);
+  if (allowed.mounting && turn.norm() > 0.0) {
+    // The mast stays as long as it is, and where it stands on the lidar.
+    Eigen::Isometry3d T_lidar_body = T_body_lidar_.inverse();
+    T_lidar_body.linear() = so3_exp(turn) * T_lidar_body.linear();
+    T_body_lidar_ = T_lidar_body.inverse();
     const std::string hidden = unobserved_axes(found);
     what += (what.empty() ? "" : ", ") + std::string("its mounting is turned by ") +
             text_of(turn.norm() * 180.0 / std::numbers::pi, 2) + " degrees" +
             (hidden.empty() ? "" : " (the motion does not tell " + hidden + ")");
   }
-  if (what.empty()) {
-    return false;
-  }
-  after_gap_ = false;
-  leave(InertialState::lost, what + ", as the sweeps' turns say; starting anew");
-  return true;
+  return what;
 }
 
 }  // namespace adit

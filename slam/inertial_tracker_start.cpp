@@ -52,7 +52,7 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
 }
 
 void InertialTracker::try_start() {
-  if (suspected_ != GyroFault::none || poses_.size() < 2 ||
+  if (suspected_ != GyroFault::none || unexplained_ > 0 || poses_.size() < 2 ||
       (after_gap_ && start_again_after_gap())) {
     return;
   }

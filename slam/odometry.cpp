@@ -226,7 +226,8 @@ void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
   }
   const RegistrationResult* alignment = aligned ? &result.registration : nullptr;
   const auto start = std::chrono::steady_clock::now();
-  result.inertial = inertial.update({result.stamp, result.T_map_lidar}, alignment, expected.steady);
+  result.inertial = inertial.update({result.stamp, result.T_map_lidar}, alignment, expected.steady,
+                                    expected.motion ? &*expected.motion : nullptr);
   result.inertial_ms = expected.inertial_ms + milliseconds_since(start);
   if (result.inertial.nav) {
     result.T_map_lidar = inertial.T_map_lidar(*result.inertial.nav);

@@ -9,12 +9,11 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
-#include "slam/gyroscope_integral.hpp"
 #include "slam/lie.hpp"
 #include "slam/nav_state.hpp"
+#include "slam/rotation_fit.hpp"
 
 namespace adit {
 namespace {
@@ -24,13 +23,6 @@ constexpr double kLeastCorrelation = 0.8;
 constexpr double kGridStep = 0.01;   // s
 constexpr double kUnobserved = 4.0;  // times the noise: less motion about an axis tells nothing
 
-/// An interval in seconds from the first one's begin.
-struct Turn {
-  double begin = 0.0;
-  double end = 0.0;
-  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
-};
-
 /// The sums over all intervals at one offset, means taken off: a gyroscope's bias is in its mean.
 struct Moments {
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();  ///< sum of (range)(gyroscope)^T
@@ -39,13 +31,15 @@ struct Moments {
   double gyroscope_energy = 0.0;
 };
 
-Moments moments_at(double offset, std::span<const Turn> turns, const GyroscopeIntegral& integral) {
+Moments moments_at(double offset, std::span<const MeasuredTurn> turns,
+                   const GyroscopeIntegral& integral) {
   std::vector<Eigen::Vector3d> measured;
   measured.reserve(turns.size());
   Eigen::Vector3d range_mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyroscope_mean = Eigen::Vector3d::Zero();
-  for (const Turn& turn : turns) {
-    measured.push_back(integral.at(turn.end + offset) - integral.at(turn.begin + offset));
+  for (const MeasuredTurn& turn : turns) {
+    measured.push_back(integral.angle(turn.end + offset, turn.span) -
+                       integral.angle(turn.begin + offset, turn.span));
     range_mean += turn.rotation;
     gyroscope_mean += measured.back();
   }
@@ -82,76 +76,62 @@ double correlation(const Moments& sums) {
   return energy > 0.0 ? explained(sums.cross) / energy : 0.0;
 }
 
-/// Where the correlation is greatest: first on a grid, then by thirds around the best of it.
-double best_offset(std::span<const Turn> turns, const GyroscopeIntegral& integral, double most) {
-  const auto value = [&](double offset) {
-    return correlation(moments_at(offset, turns, integral));
-  };
+/// Where on a grid the correlation is greatest.
+double best_offset(std::span<const MeasuredTurn> turns, const GyroscopeIntegral& integral,
+                   double most) {
   double best = 0.0;
   double greatest = -std::numeric_limits<double>::infinity();
   const auto steps = static_cast<int>(std::floor(most / kGridStep));
   for (int i = -steps; i <= steps; ++i) {
-    const double found = value(kGridStep * i);
+    const double found = correlation(moments_at(kGridStep * i, turns, integral));
     if (found > greatest) {
       greatest = found;
       best = kGridStep * i;
     }
   }
-  double low = std::max(-most, best - kGridStep);
-  double high = std::min(most, best + kGridStep);
-  while (high - low > 1e-5) {
-    const double third = (high - low) / 3.0;
-    if (value(low + third) < value(high - third)) {
-      low += third;
-    } else {
-      high -= third;
-    }
-  }
-  return 0.5 * (low + high);
+  return best;
 }
 
 /// The intervals that are covered whatever the offset.
-std::vector<Turn> covered_turns(std::span<const RotationInterval> rotations,
-                                const GyroscopeIntegral& integral, double most_offset) {
-  std::vector<Turn> turns;
+std::vector<MeasuredTurn> covered_turns(std::span<const RotationInterval> rotations,
+                                        const GyroscopeIntegral& integral, double most_offset) {
+  std::vector<MeasuredTurn> turns;
   for (const RotationInterval& one : rotations) {
-    const Turn turn{seconds(one.begin - rotations.front().begin),
-                    seconds(one.end - rotations.front().begin), one.rotation};
+    const MeasuredTurn turn{.begin = seconds(one.begin - rotations.front().begin),
+                            .end = seconds(one.end - rotations.front().begin),
+                            .span = one.mean_over,
+                            .rotation = one.rotation};
     if (turn.end > turn.begin &&
-        integral.covers(turn.begin - most_offset, turn.end + most_offset)) {
+        integral.covers(turn.begin - most_offset, turn.end + turn.span + most_offset)) {
       turns.push_back(turn);
     }
   }
   return turns;
 }
 
-/// Mounting and its standard deviations; `noise` is the variance of a component of a rotation.
-void find_mounting(const Moments& sums, double noise, std::size_t n,
-                   const Eigen::Matrix3d& expected, RotationComparison& result) {
+/// The mounting that fits best; as expected in directions that the motion does not tell.
+Eigen::Matrix3d first_mounting(const Moments& sums, double noise, std::size_t n,
+                               const Eigen::Matrix3d& expected) {
   const double prior = kUnobserved * static_cast<double>(n) * noise;
-  // What the motion tells is not to be pulled to what is expected: that is replaced by the result.
-  result.R_range_gyro = expected;
-  for (int i = 0; i < 3; ++i) {
-    result.R_range_gyro = nearest_rotation(sums.cross + prior * result.R_range_gyro);
-  }
-  result.misalignment = rotation_angle(expected.transpose() * result.R_range_gyro);
-  // A turn about an axis is seen in the motion about the two others.
-  const Eigen::Matrix3d motion =
-      result.R_range_gyro * sums.gyroscope * result.R_range_gyro.transpose();
-  const Eigen::Matrix3d information = motion.trace() * Eigen::Matrix3d::Identity() - motion;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(information);
+  return nearest_rotation(sums.cross + prior * expected);
+}
+
+/// About the range sensor's axes; infinite about those that have a share in what is not told.
+Eigen::Vector3d mounting_sigma(const RotationFit& fit) {
+  Eigen::Vector3d sigma;
   for (int i = 0; i < 3; ++i) {
     double variance = 0.0;
     for (int k = 0; k < 3; ++k) {
-      const double share = axes.eigenvectors()(i, k) * axes.eigenvectors()(i, k);
-      if (axes.eigenvalues()(k) > prior) {
-        variance += share * noise / axes.eigenvalues()(k);
+      const double share = fit.axes(i, k) * fit.axes(i, k);
+      if (fit.told[static_cast<std::size_t>(k)]) {
+        variance += share / fit.eigenvalues(k);
       } else if (share > 0.1) {
         variance = std::numeric_limits<double>::infinity();
       }
     }
-    result.mounting_sigma(i) = std::sqrt(variance);
+    sigma(i) = std::sqrt(variance);
   }
+  return sigma;
 }
 
 }  // namespace
@@ -164,7 +144,7 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
     return std::nullopt;
   }
   const GyroscopeIntegral integral(gyroscope, rotations.front().begin);
-  const std::vector<Turn> turns = covered_turns(rotations, integral, most_offset);
+  const std::vector<MeasuredTurn> turns = covered_turns(rotations, integral, most_offset);
   if (turns.size() < kLeastIntervals) {
     return std::nullopt;
   }
@@ -179,13 +159,17 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
   const double residual =
       std::max(0.0, sums.range_energy + sums.gyroscope_energy - 2.0 * explained(sums.cross));
   const double noise = residual / static_cast<double>(3 * n - 7);  // 3 bias, 3 mounting, 1 offset
-  double change = 0.0;  // of all rotations with the offset, squared
-  for (const Turn& turn : turns) {
-    change += (integral.rate(turn.end + result.offset) - integral.rate(turn.begin + result.offset))
-                  .squaredNorm();
-  }
-  result.offset_sigma = std::sqrt(noise / change);
-  find_mounting(sums, noise, n, R_range_gyro_expected, result);
+  const RotationFit fit =
+      fit_rotations(turns, integral,
+                    {.offset = result.offset,
+                     .R_range_gyro = first_mounting(sums, noise, n, R_range_gyro_expected)},
+                    most_offset);
+  result.offset = fit.frame.offset;
+  result.offset_sigma = fit.offset_sigma;
+  result.R_range_gyro = fit.frame.R_range_gyro;
+  result.misalignment = rotation_angle(R_range_gyro_expected.transpose() * result.R_range_gyro);
+  result.mounting_sigma = mounting_sigma(fit);
+  result.mounting_information = fit.eigenvalues;
   return result;
 }
 

@@ -21,6 +21,8 @@ struct RotationInterval {
   Nanoseconds end{0};
   /// rad, Log(R_world_begin^T R_world_end): in the sensor's axes
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
+  /// s. Where the attitudes are means over a sweep: how long it is, from `begin` and `end` on.
+  double mean_over = 0.0;
 };
 
 struct RotationComparison {
@@ -34,6 +36,9 @@ struct RotationComparison {
   /// rad, standard deviation of the mounting about the range sensor's three axes; infinite where
   /// the motion does not tell it.
   Eigen::Vector3d mounting_sigma = Eigen::Vector3d::Zero();
+  /// 1/rad², eigenvalues of the mounting's information, offset and bias unknown, in ascending
+  /// order.
+  Eigen::Vector3d mounting_information = Eigen::Vector3d::Zero();
 };
 
 /// Compares a range sensor's rotations (in the order of time) with a gyroscope's samples. Offsets

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "slam/imu_buffer.hpp"
+#include "slam/lie.hpp"
 #include "slam/preintegration.hpp"
 
 namespace adit {
@@ -88,6 +89,15 @@ std::vector<gpu::DeskewKnot> knots(const SweepMotion& motion) {
                      {translation.x(), translation.y(), translation.z(), 0.0F}});
   }
   return table;
+}
+
+Eigen::Vector3d mean_turn(const SweepMotion& motion) {
+  const std::vector<Eigen::Isometry3d>& poses = motion.T_start_lidar;
+  Eigen::Vector3d sum = -0.5 * so3_log(poses.back().linear());  // ends count half, the first is 0
+  for (const Eigen::Isometry3d& pose : poses) {
+    sum += so3_log(pose.linear());
+  }
+  return sum / static_cast<double>(poses.size() - 1);
 }
 
 }  // namespace adit

@@ -34,4 +34,7 @@ SweepMotion inertial_motion(const NavState& state, std::span<const ImuSample> re
 /// The same for the device (float32: a sweep is local).
 std::vector<gpu::DeskewKnot> knots(const SweepMotion& motion);
 
+/// From the attitude at the start to the mean one: rotation vector, rad.
+Eigen::Vector3d mean_turn(const SweepMotion& motion);
+
 }  // namespace adit

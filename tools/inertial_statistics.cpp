@@ -37,6 +37,7 @@ ordered_json json_of(const RotationComparison& found) {
     json["rotation_sigma_deg"].push_back(std::isfinite(sigma) ? ordered_json(kDegrees * sigma)
                                                               : ordered_json());
   }
+  json["rotation_information_per_rad2"] = json_of(found.mounting_information);
   json["not_observed"] = unobserved_axes(found);
   return json;
 }

@@ -158,7 +158,7 @@ std::vector<ComparedTurn> compared_turns(const std::vector<RotationInterval>& ro
       continue;
     }
     const Eigen::Vector3d turn =
-        integral.at(end + found.offset) - integral.at(begin + found.offset);
+        integral.angle(end + found.offset) - integral.angle(begin + found.offset);
     turns.push_back({.end = end,
                      .duration = end - begin,
                      .range = one.rotation,

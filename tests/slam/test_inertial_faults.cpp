@@ -39,8 +39,18 @@ test::Fault turned(const Eigen::Quaterniond& q) {
   });
 }
 
+/// At the ends of these ranges (rad/s, m/s^2).
+test::Fault clipped(double rate, double acceleration) {
+  return each([=](ImuSample& sample) {
+    sample.angular_velocity = sample.angular_velocity.cwiseMax(-rate).cwiseMin(rate);
+    sample.linear_acceleration =
+        sample.linear_acceleration.cwiseMax(-acceleration).cwiseMin(acceleration);
+  });
+}
+
 std::vector<Case> cases() {
   const auto refused = InertialState::refused;
+  const auto fused = InertialState::fused;
   const double degrees = 180.0 / std::numbers::pi;
   return {
       {"nothing", [](auto&) {}, {"started"}},
@@ -69,21 +79,39 @@ std::vector<Case> cases() {
        0.15},
       {"clock late by 100 ms",
        clock_off(0.1),
-       {"its clock is late", "imu_time_offset = -0."},
-       refused,
-       0.15},
+       {"its clock is late", "imu_time_offset = -0.10", "its clock is corrected by -100"},
+       fused,
+       0.06,
+       6.0},
       {"clock early by 100 ms",
        clock_off(-0.1),
-       {"its clock is early", "imu_time_offset = 0."},
-       refused,
-       0.15},
-      {"clock late by 50 ms", clock_off(0.05), {"its clock is late"}, refused, 0.15},
-      {"upside down", turned({0.0, 1.0, 0.0, 0.0}), {"about axes that are"}, refused, 0.15},
+       {"its clock is early", "imu_time_offset = 0.10", "its clock is corrected by 100"},
+       fused,
+       0.06,
+       6.0},
+      {"clock late by 50 ms", clock_off(0.05), {"its clock is late"}, fused, 0.06, 6.0},
+      {"upside down",
+       turned({0.0, 1.0, 0.0, 0.0}),
+       {"about axes that are", "its mounting is turned by 1"},
+       fused,
+       0.06,
+       6.0},
       {"turned by a quarter",
        turned({std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)}),
-       {"about axes that are"},
-       refused,
-       0.15},
+       {"about axes that are", "its mounting is turned by 90"},
+       fused,
+       0.06,
+       6.0},
+      {"gyroscope at the end of its range",
+       clipped(1.5, 1000.0),
+       {"the gyroscope is saturated", "stand at 1.5 rad/s"},
+       fused,
+       0.03},
+      {"accelerometer at the end of its range",
+       clipped(1000.0, 12.5),
+       {"the accelerometer is saturated", "stand at 12.5"},
+       fused,
+       0.03},
       {"another motion's",
        each([](ImuSample& sample) {
          const double t = std::chrono::duration<double>(sample.stamp).count();
