@@ -3,71 +3,24 @@
 #include "tools/recordings/sweep_files.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <optional>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "tools/recordings/kitti_bin.hpp"
 #include "tools/recordings/kitti_raw.hpp"
-#include "tools/recordings/las_reader.hpp"
-#include "tools/recordings/pcd_reader.hpp"
-#include "tools/recordings/ply_reader.hpp"
 #include "tools/recordings/point_time_vote.hpp"
-#include "tools/recordings/sweep_times.hpp"
+#include "tools/recordings/sweep_listing.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Nanoseconds kAssumedPeriod = std::chrono::milliseconds(100);
-
 constexpr const char* kWhatIsRead =
     "A recording is an MCAP file, a ROS bag, a rosbag2 folder, a folder with velodyne/*.bin "
     "(KITTI), with "
     "velodyne_points/data/*.bin (KITTI raw), with .bin, .pcd, .ply or .las files, or one such file";
-
-CloudFile read_bin_cloud(const fs::path& file, double) {
-  return {read_kitti_bin(file), false};
-}
-
-struct FileKind {
-  std::string_view extension;
-  std::string_view name;
-  CloudFile (*read)(const fs::path&, double time_unit);
-};
-constexpr std::array<FileKind, 4> kKinds = {{
-    {".bin", "KITTI .bin", read_bin_cloud},
-    {".pcd", "PCD", read_pcd},
-    {".ply", "PLY", read_ply},
-    {".las", "LAS", read_las},
-}};
-
-const FileKind* kind_of(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const FileKind& kind : kKinds) {
-    if (kind.extension == extension) {
-      return &kind;
-    }
-  }
-  return nullptr;
-}
-
-/// The sweeps of a recording and when they were taken.
-struct SweepFiles {
-  const FileKind* kind = nullptr;
-  std::vector<fs::path> files;
-  std::vector<Nanoseconds> stamps;  // one a file
-  std::string layout;               // for people
-  std::string times_from;           // for people
-  bool times_assumed = false;
-};
 
 /// What the first sweeps tell of the unit of their points' times (s); 0 for nothing. Damaged ones
 /// do not count.
@@ -189,119 +142,19 @@ class FileRecording final : public Recording {
   std::vector<Topic> topics_;
 };
 
-/// The sweeps in a folder by natural order, all of one kind; none where there are none.
-SweepFiles list_sweeps(const fs::path& folder) {
-  SweepFiles sweeps;
-  std::error_code error;
-  fs::directory_iterator entries(folder, error);
-  if (error) {
-    throw InputError(folder, {}, "the folder cannot be read: " + error.message(),
-                     "Check the permissions");
-  }
-  for (const fs::directory_iterator end; entries != end; entries.increment(error)) {
-    if (error) {
-      throw InputError(folder, {}, "the folder cannot be read: " + error.message(),
-                       "Check the disk");
-    }
-    const fs::path& file = entries->path();
-    const FileKind* kind = kind_of(file);
-    std::error_code ignored;
-    if (kind == nullptr || !entries->is_regular_file(ignored) ||
-        file.filename().string().front() == '.') {
-      continue;
-    }
-    if (sweeps.kind != nullptr && sweeps.kind != kind) {
-      throw InputError(folder, {},
-                       "it holds " + std::string(sweeps.kind->extension) + " and " +
-                           std::string(kind->extension) + " files (" +
-                           sweeps.files.front().filename().string() + ", " +
-                           file.filename().string() + ")",
-                       "Keep the sweeps of a recording in a folder of their own");
-    }
-    sweeps.kind = kind;
-    sweeps.files.push_back(file);
-  }
-  std::sort(sweeps.files.begin(), sweeps.files.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
-  });
-  return sweeps;
-}
-
-/// For a message: the first number that is missing in names that are numbers ("000177"), or
-/// nothing.
-std::string first_gap(const std::vector<fs::path>& files) {
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string stem = files[i].stem().string();
-    const bool digits =
-        !stem.empty() && stem.size() < 19 &&
-        std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-    if (!digits) {
-      return {};
-    }
-    if (std::stoull(stem) != i) {
-      return " (the first number missing in their names is " + std::to_string(i) + ")";
-    }
-  }
-  return {};
-}
-
-void stamp_from_file(SweepFiles& sweeps, const fs::path& times) {
-  sweeps.stamps = read_times(times);
-  require_matching_times(
-      times, sweeps.stamps.size(), sweeps.files.size(),
-      "sweeps in " + sweeps.files.front().parent_path().string() + first_gap(sweeps.files));
-  sweeps.times_from = "times from " + times.filename().string();
-}
-
-void assume_times(SweepFiles& sweeps, const std::string& reason) {
-  sweeps.stamps.clear();
-  sweeps.stamps.reserve(sweeps.files.size());
-  for (std::size_t i = 0; i < sweeps.files.size(); ++i) {
-    sweeps.stamps.push_back(kAssumedPeriod * static_cast<int64_t>(i));
-  }
-  sweeps.times_from = reason + ": 10 Hz assumed";
-  sweeps.times_assumed = true;
-}
-
-/// Times from names, where every name tells one.
-bool stamp_from_names(SweepFiles& sweeps) {
-  std::vector<std::pair<Nanoseconds, fs::path>> stamped;
-  for (const fs::path& file : sweeps.files) {
-    const std::optional<Nanoseconds> stamp = time_from_name(file.stem().string());
-    if (!stamp) {
-      return false;
-    }
-    stamped.emplace_back(*stamp, file);
-  }
-  std::sort(stamped.begin(), stamped.end());
-  for (std::size_t i = 0; i < stamped.size(); ++i) {
-    if (i > 0 && stamped[i].first == stamped[i - 1].first) {
-      throw InputError(
-          stamped[i].second, {},
-          "its name tells the same time as " + stamped[i - 1].second.filename().string(),
-          "Give the sweeps a times.txt, or distinct times");
-    }
-    sweeps.files[i] = stamped[i].second;
-    sweeps.stamps.push_back(stamped[i].first);
-  }
-  sweeps.times_from = "times from the file names";
-  return true;
-}
-
 std::unique_ptr<Recording> open_file(const fs::path& path) {
-  SweepFiles sweeps;
-  sweeps.kind = kind_of(path);
+  SweepFiles sweeps{.kind = sweep_file_kind(path), .files = {path}};
   if (sweeps.kind == nullptr) {
     throw InputError(path, {},
                      "a file that ends in " + path.extension().string() + " is no recording",
                      kWhatIsRead);
   }
-  sweeps.files = {path};
   sweeps.layout = std::string(sweeps.kind->name) + " file";
-  if (!stamp_from_names(sweeps)) {
-    assume_times(sweeps, "no times");
-    sweeps.times_from = "no time in its name: it starts at 0 s";
+  if (std::optional<SweepFiles> stamped = stamped_by_names(sweeps)) {
+    return std::make_unique<FileRecording>(path, std::move(*stamped));
   }
+  sweeps = stamped_by_assumption("no times", std::move(sweeps));
+  sweeps.times_from = "no time in its name: it starts at 0 s";
   return std::make_unique<FileRecording>(path, std::move(sweeps));
 }
 
@@ -312,11 +165,10 @@ std::unique_ptr<Recording> open_kitti(const fs::path& path, const fs::path& fold
     throw InputError(folder, {}, "there are no .bin files in it", kWhatIsRead);
   }
   sweeps.layout = std::move(layout);
-  if (fs::exists(times)) {
-    stamp_from_file(sweeps, times);
-  } else {
-    assume_times(sweeps, "no " + times.lexically_relative(path).string());
-  }
+  sweeps = fs::exists(times)
+               ? stamped_by(times, std::move(sweeps))
+               : stamped_by_assumption("no " + times.lexically_relative(path).string(),
+                                       std::move(sweeps));
   return std::make_unique<FileRecording>(path, std::move(sweeps));
 }
 
@@ -344,9 +196,11 @@ std::unique_ptr<Recording> open_plain_folder(const fs::path& path) {
   const auto times = std::find_if(candidates.begin(), candidates.end(),
                                   [](const fs::path& file) { return fs::exists(file); });
   if (times != candidates.end()) {
-    stamp_from_file(sweeps, *times);
-  } else if (!stamp_from_names(sweeps)) {
-    assume_times(sweeps, "no times.txt and no times in the names");
+    sweeps = stamped_by(*times, std::move(sweeps));
+  } else if (std::optional<SweepFiles> stamped = stamped_by_names(sweeps)) {
+    sweeps = std::move(*stamped);
+  } else {
+    sweeps = stamped_by_assumption("no times.txt and no times in the names", std::move(sweeps));
   }
   return std::make_unique<FileRecording>(path, std::move(sweeps));
 }
