@@ -7,6 +7,7 @@
 #include <fstream>
 #include <thread>
 
+#include "benchmarks/commit.hpp"
 #include "tools/version.hpp"
 
 namespace adit::bench {
@@ -33,7 +34,7 @@ std::string now() {
 
 Setting setting_of(const engine::DeviceInfo& device) {
   return {.version = std::string(version()),
-          .commit = ADIT_COMMIT,
+          .commit = std::string(commit()),
           .date = now(),
           .device = device.name,
           .driver = device.driver,
