@@ -15,7 +15,8 @@ namespace adit::bench {
 std::vector<Case> kernel_cases();
 /// Whole registrations, and batches of them.
 std::vector<Case> registration_cases();
-/// What the host does with the same clouds: one linearisation in plain float32 C++ with threads.
+/// What the host does with the same clouds: de-skewing and one linearisation, in plain float32 C++
+/// with threads.
 std::vector<Case> host_cases();
 /// Other libraries, those that were there when adit was built; may be empty.
 std::vector<Case> library_cases();

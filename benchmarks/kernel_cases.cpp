@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Down-sampling, surfaces, voxel maps and linearisations: the device time of each, and what each
-// has to do at least. FLOP are counted from the shaders, a point of the usual path; address and
-// integer arithmetic is not counted.
+// De-skewing, down-sampling, surfaces, voxel maps and linearisations: the device time of each, and
+// what each has to do at least. FLOP are counted from the shaders, a point of the usual path;
+// address and integer arithmetic is not counted.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <span>
@@ -13,6 +14,7 @@
 #include "benchmarks/cases.hpp"
 #include "benchmarks/inputs.hpp"
 #include "tests/kernels/registration_methods.hpp"
+#include "tests/reference/deskew.hpp"
 
 namespace adit::bench {
 namespace {
@@ -90,6 +92,32 @@ Work preprocess(Bench& bench, int points, const std::string& scope) {
     work.cost.dispatches += 1.0;
   }
   work.figures["points left"] = cloud;
+  return work;
+}
+
+Work deskew(Bench& bench, int points) {
+  const std::vector<Point>& raw = bench.alignment(points).source;
+  const SweepMotion motion = test::sweep_motions().back();
+  const std::vector<float> times = test::spread_times(raw.size(), motion);
+  const engine::DeskewSettings settings =
+      test::deskew_settings(motion, bench.alignment(points).preprocess.c_min);
+  const auto run = std::make_shared<test::DeskewRun>(bench.context(), settings, raw, times, motion);
+  run->run();
+  const std::vector<Eigen::Vector3d> twin =
+      reference::deskew(raw, times, motion.T_start_lidar, settings);
+  Work work{.problem = first_problem(test::verify_deskew(raw, twin, run->moved())),
+            .verified_by = "double-precision twin",
+            .items = raw.size()};
+  work.run = [run] { return sample_of(run->run(), "deskew"); };
+  // Its range 5, its place between knots 3; between the two: rotation 13 and its length 13,
+  // translation 10; moved by these 33. The table of knots stays in caches.
+  const auto returns = static_cast<double>(
+      std::ranges::count_if(twin, [](const Eigen::Vector3d& p) { return !p.isZero(0.0); }));
+  const auto count = static_cast<double>(raw.size());
+  work.cost = {.bytes = (2.0 * kPoint + sizeof(float)) * count,
+               .flop = 5.0 * count + 72.0 * returns,
+               .dispatches = 1.0};
+  work.figures["returns"] = returns;
   return work;
 }
 
@@ -220,6 +248,7 @@ Work linearize(Bench& bench, int points, const test::MethodCase& method, bool as
 
 std::vector<Case> kernel_cases() {
   std::vector<Case> cases = {
+      {.name = "deskew", .peer = "host/deskew", .make = deskew},
       {.name = "downsample",
        .peer = "pcl/voxel-grid",
        .make = [](Bench& b, int n) { return preprocess(b, n, "downsample"); }},

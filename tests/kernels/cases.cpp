@@ -225,4 +225,26 @@ AlignmentCase street_alignment(int points) {
                        .max_iterations = 30}};
 }
 
+std::vector<SweepMotion> sweep_motions() {
+  Vector6d drive;
+  drive << 20.0, 0.5, -0.2, 0.02, -0.03, 0.6;
+  Vector6d hand;
+  hand << 0.5, -0.8, 0.3, 1.5, -1.2, 2.4;
+  return {steady_motion(drive, 0.0, 0.1), steady_motion(hand, -0.02, 0.08)};
+}
+
+std::vector<float> spread_times(size_t count, const SweepMotion& motion) {
+  std::vector<float> times;
+  for (size_t i = 0; i < count; ++i) {
+    times.push_back(
+        static_cast<float>(motion.first + (motion.last - motion.first) * static_cast<double>(i) /
+                                              static_cast<double>(count)));
+  }
+  return times;
+}
+
+engine::DeskewSettings deskew_settings(const SweepMotion& motion, double c_min) {
+  return {.c_min = c_min, .c_max = 100.0, .first_time = motion.first, .last_time = motion.last};
+}
+
 }  // namespace adit::test

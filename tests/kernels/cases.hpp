@@ -9,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/kernels/deskew.hpp"
 #include "engine/kernels/preprocess.hpp"
 #include "slam/lie.hpp"
+#include "slam/sweep_motion.hpp"
 #include "slam/types.hpp"
 #include "tests/reference/vgicp.hpp"
 
@@ -44,6 +46,15 @@ struct AlignmentCase {
 /// The sweeps are about `points` long; the second was taken 0.6 m farther on and turned by 1.5
 /// degrees.
 AlignmentCase street_alignment(int points);
+
+/// What sweeps are de-skewed by: driving at 20 m/s into a bend, and a hand that turns at 3 rad/s.
+std::vector<SweepMotion> sweep_motions();
+
+/// Times of as many points, evenly from the motion's first to its last.
+std::vector<float> spread_times(size_t count, const SweepMotion& motion);
+
+/// Ranges of c_min to 100 m.
+engine::DeskewSettings deskew_settings(const SweepMotion& motion, double c_min);
 
 /// Single clouds, for tests of one property.
 std::vector<Point> room(int points, uint64_t seed, double noise = 0.01);

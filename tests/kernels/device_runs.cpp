@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "slam/registration.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 using engine::Memory;
 using engine::Recorder;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 // In the upload of an alignment: its job, its start, its initial state.
 constexpr uint64_t kStartAt = engine::align_slice(sizeof(gpu::RegistrationJob));
@@ -87,6 +90,38 @@ std::vector<Point> PreprocessRun::cloud() const {
 std::vector<gpu::uvec4> PreprocessRun::surface_cloud() const {
   const uint32_t count = std::min(counters().cloud_points, count_);
   return download<gpu::uvec4>(*context_, surface_cloud_.slice(0, count * sizeof(gpu::uvec4)));
+}
+
+DeskewRun::DeskewRun(engine::Context& context, const engine::DeskewSettings& settings,
+                     const std::vector<Point>& raw, const std::vector<float>& times,
+                     const SweepMotion& motion)
+    : context_(&context),
+      deskew_(context),
+      settings_(settings),
+      count_(static_cast<uint32_t>(raw.size())),
+      knots_count_(static_cast<uint32_t>(motion.T_start_lidar.size())),
+      raw_(upload(context, raw, "raw points")),
+      times_(upload(context, times, "times of points")),
+      knots_(upload(context, knots(motion), "knots")),
+      moved_(upload(context, std::vector<Point>(raw.size(), {kNan, kNan, kNan, kNan}), "moved")) {}
+
+Times DeskewRun::run() {
+  return submit(*context_, [&](Recorder& recorder) {
+    const engine::Scope scope = recorder.scope("deskew");
+    deskew_.record(recorder, settings_,
+                   {.point_count = count_,
+                    .knot_count = knots_count_,
+                    .raw = raw_,
+                    .times = times_,
+                    .knots = knots_,
+                    .moved = moved_});
+  });
+}
+
+std::vector<Point> DeskewRun::moved() const {
+  std::vector<Point> result = download<Point>(*context_, moved_);
+  result.resize(count_);
+  return result;
 }
 
 DeviceCloud::DeviceCloud(engine::Context& context, const std::vector<gpu::uvec4>& points)

@@ -14,9 +14,11 @@
 #include <Eigen/Geometry>
 
 #include "engine/context.hpp"
+#include "engine/kernels/deskew.hpp"
 #include "engine/kernels/preprocess.hpp"
 #include "engine/kernels/registration.hpp"
 #include "engine/kernels/voxel_map.hpp"
+#include "slam/sweep_motion.hpp"
 #include "slam/types.hpp"
 #include "tests/reference/vgicp.hpp"
 
@@ -51,6 +53,30 @@ class PreprocessRun {
   engine::Buffer surface_cloud_;
   engine::Buffer counters_;
   engine::Buffer scratch_;
+};
+
+/// A sweep and the sensor's motion on the device, and what Deskew makes of them.
+class DeskewRun {
+ public:
+  /// `times` in s after the sweep's stamp, one a point.
+  DeskewRun(engine::Context& context, const engine::DeskewSettings& settings,
+            const std::vector<Point>& raw, const std::vector<float>& times,
+            const SweepMotion& motion);
+
+  Times run();
+
+  std::vector<Point> moved() const;  ///< NaN where nothing was written
+
+ private:
+  engine::Context* context_;
+  engine::Deskew deskew_;
+  engine::DeskewSettings settings_;
+  uint32_t count_;
+  uint32_t knots_count_;
+  engine::Buffer raw_;
+  engine::Buffer times_;
+  engine::Buffer knots_;
+  engine::Buffer moved_;
 };
 
 /// A surface cloud on the device.

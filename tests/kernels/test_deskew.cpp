@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/kernels/deskew.hpp"
-#include "slam/sweep_motion.hpp"
 #include "tests/kernels/cases.hpp"
+#include "tests/kernels/device_runs.hpp"
+#include "tests/kernels/verify.hpp"
 #include "tests/reference/deskew.hpp"
 #include "tests/support/device_fixture.hpp"
 #include "tests/support/shared_data.hpp"
@@ -26,83 +26,46 @@ class DeskewKernel : public test::DeviceTest {
   static std::vector<Point> moved(const std::vector<Point>& raw, const std::vector<float>& times,
                                   const SweepMotion& motion,
                                   const engine::DeskewSettings& settings) {
-    const engine::Deskew deskew(context());
-    const engine::Buffer points = upload(raw);
-    const engine::Buffer when = upload(times);
-    const std::vector<gpu::DeskewKnot> table = knots(motion);
-    const engine::Buffer where = upload(table);
-    const engine::Buffer out = upload(std::vector<Point>(raw.size(), {kNan, kNan, kNan, kNan}));
-    run([&](engine::Recorder& recorder) {
-      deskew.record(recorder, settings,
-                    {.point_count = static_cast<uint32_t>(raw.size()),
-                     .knot_count = static_cast<uint32_t>(table.size()),
-                     .raw = points,
-                     .times = when,
-                     .knots = where,
-                     .moved = out});
-    });
-    std::vector<Point> result = download<Point>(out);
-    result.resize(raw.size());
-    return result;
+    test::DeskewRun deskew(context(), settings, raw, times, motion);
+    deskew.run();
+    return deskew.moved();
   }
 };
 
-engine::DeskewSettings settings_of(const SweepMotion& motion, double c_min = 0.5) {
-  return {.c_min = c_min, .c_max = 100.0, .first_time = motion.first, .last_time = motion.last};
+engine::DeskewSettings settings_of(const SweepMotion& motion) {
+  return test::deskew_settings(motion, 0.5);
 }
 
-std::vector<float> spread_times(size_t count, double first, double last) {
-  std::vector<float> times;
-  for (size_t i = 0; i < count; ++i) {
-    times.push_back(static_cast<float>(first + (last - first) * static_cast<double>(i) /
-                                                   static_cast<double>(count)));
-  }
-  return times;
-}
-
-/// Driving at 20 m/s into a bend, or a hand that turns at 3 rad/s.
-std::vector<SweepMotion> motions() {
-  Vector6d drive;
-  drive << 20.0, 0.5, -0.2, 0.02, -0.03, 0.6;
-  Vector6d hand;
-  hand << 0.5, -0.8, 0.3, 1.5, -1.2, 2.4;
-  return {steady_motion(drive, 0.0, 0.1), steady_motion(hand, -0.02, 0.08)};
-}
-
-double worst_distance(const std::vector<Point>& device, const std::vector<Eigen::Vector3d>& twin) {
-  double worst = 0.0;
-  for (size_t i = 0; i < device.size(); ++i) {
-    const Eigen::Vector3f p(device[i].x, device[i].y, device[i].z);
-    const double off = (p.cast<double>() - twin[i]).norm();
-    worst = std::isnan(off) ? off : std::max(worst, off);
-    if (twin[i].isZero(0.0)) {
-      EXPECT_TRUE(p.isZero(0.0F)) << "point " << i << " is no return";
-    }
-  }
-  return worst;
-}
-
-// Bound: float32 at 100 m rounds by 4 um; the kernel's interpolation of 5 mrad between knots errs
-// by 5e-9 of the range.
 TEST_F(DeskewKernel, PointsAreTheTwinsOnEveryCase) {
   for (const test::SweepCase& sweep : test::sweep_cases()) {
-    for (const SweepMotion& motion : motions()) {
+    for (const SweepMotion& motion : test::sweep_motions()) {
       SCOPED_TRACE(sweep.name);
-      const std::vector<float> times = spread_times(sweep.raw.size(), motion.first, motion.last);
-      const engine::DeskewSettings settings = settings_of(motion, sweep.settings.c_min);
+      const std::vector<float> times = test::spread_times(sweep.raw.size(), motion);
+      const engine::DeskewSettings settings = test::deskew_settings(motion, sweep.settings.c_min);
       const auto device = moved(sweep.raw, times, motion, settings);
       const auto twin = reference::deskew(sweep.raw, times, motion.T_start_lidar, settings);
-      EXPECT_LE(worst_distance(device, twin), 5e-5);
-      for (size_t i = 0; i < device.size(); ++i) {
-        ASSERT_TRUE(device[i].intensity == sweep.raw[i].intensity ||
-                    (std::isnan(device[i].intensity) && std::isnan(sweep.raw[i].intensity)))
-            << i;
-      }
+      const test::Verdict verdict = test::verify_deskew(sweep.raw, twin, device);
+      EXPECT_TRUE(verdict.passed()) << verdict.text();
       const auto again = moved(sweep.raw, times, motion, settings);
       EXPECT_TRUE(device.empty() ||
                   std::memcmp(device.data(), again.data(), device.size() * sizeof(Point)) == 0);
     }
   }
+}
+
+TEST_F(DeskewKernel, AWrongPointIsNoticed) {
+  const SweepMotion motion = test::sweep_motions()[0];
+  const test::SweepCase sweep = test::street_sweep(1000);
+  const std::vector<float> times = test::spread_times(sweep.raw.size(), motion);
+  const engine::DeskewSettings settings = settings_of(motion);
+  const auto twin = reference::deskew(sweep.raw, times, motion.T_start_lidar, settings);
+  std::vector<Point> device = moved(sweep.raw, times, motion, settings);
+  ASSERT_TRUE(test::verify_deskew(sweep.raw, twin, device).passed());
+  device[500].x += 1e-3F;
+  device[501].intensity += 1.0F;
+  EXPECT_EQ(test::verify_deskew(sweep.raw, twin, device).problems.size(), 2U);
+  device[7].y = kNan;
+  EXPECT_EQ(test::verify_deskew(sweep.raw, twin, device).problems.size(), 3U);
 }
 
 TEST_F(DeskewKernel, AStraightDriveIsKnownByHand) {

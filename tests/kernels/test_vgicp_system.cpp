@@ -152,7 +152,9 @@ TEST_F(VgicpSystem, HostTurnsItIntoTheBodysAxes) {
   const RegistrationResult result = read_registration(
       {found.state, found.state}, static_cast<int>(found.source.size()), 0.5, RegistrationConfig{});
   // xi on the right, as slam/lie.hpp retracts.
-  const System expected = numerical_system(found.matches, found.source, pose, retract);
+  const System expected = numerical_system(
+      found.matches, found.source, pose,
+      [](const Eigen::Isometry3d& at, const Vector6d& xi) { return retract(at, xi); });
   const Vector6d scale = expected.hessian.diagonal().cwiseSqrt();
   const Matrix6d difference =
       (result.hessian - expected.hessian).cwiseQuotient((scale * scale.transpose()).eval());

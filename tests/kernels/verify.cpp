@@ -126,6 +126,30 @@ Verdict verify_downsample(const engine::PreprocessSettings& settings, std::span<
   return verdict;
 }
 
+Verdict verify_deskew(std::span<const Point> raw, std::span<const Eigen::Vector3d> expected,
+                      std::span<const Point> moved) {
+  Verdict verdict;
+  Complaints complaints(verdict);
+  if (moved.size() != expected.size()) {
+    complaints.add("points", "expected ", expected.size(), ", found ", moved.size());
+    return verdict;
+  }
+  for (size_t i = 0; i < moved.size(); ++i) {
+    const double off = (position(moved[i]) - expected[i]).norm();
+    const bool no_return = expected[i].isZero(0.0);
+    if (no_return ? off != 0.0 : !(off <= kDeskewError)) {
+      complaints.add("moved", "point ", i, " is ", off, " m off");
+    } else {
+      note(verdict, "moved, m", off);
+    }
+    if (std::bit_cast<uint32_t>(moved[i].intensity) != std::bit_cast<uint32_t>(raw[i].intensity)) {
+      complaints.add("intensity", "point ", i, " has ", moved[i].intensity, " instead of ",
+                     raw[i].intensity);
+    }
+  }
+  return verdict;
+}
+
 Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<const Point> cloud,
                         std::span<const gpu::uvec4> surface_cloud) {
   Verdict verdict;

@@ -37,6 +37,14 @@ struct Verdict {
 Verdict verify_downsample(const engine::PreprocessSettings& settings, std::span<const Point> raw,
                           const gpu::SweepCounters& counters, std::span<const Point> cloud);
 
+/// `expected` are the twin's. Each point within kDeskewError of it, no-returns exactly, intensities
+/// as they were, bit for bit.
+Verdict verify_deskew(std::span<const Point> raw, std::span<const Eigen::Vector3d> expected,
+                      std::span<const Point> moved);
+/// m. At 100 m float32 rounds by 4 um; the kernel's interpolation of 5 mrad between knots errs by
+/// 5e-9 of the range.
+inline constexpr double kDeskewError = 5e-5;
+
 /// Given the device's own down-sampled cloud: positions bit for bit; class and direction as the
 /// twin's. Sums of rounded products are within kCovarianceError (squares of the cell's edge) of the
 /// covariance, which turns an eigenvector by no more than that over its eigenvalue's distance from
