@@ -209,6 +209,25 @@ TEST(RangeSimulator, MovingObjectsAreHitWhereTheyAreAtThatMomentAndLabelled) {
   EXPECT_GT(seen, 1000U);
 }
 
+TEST(OutOfTheWay, WhatWouldRunIntoTheCarrierIsLeftOut) {
+  Scene scene;
+  for (const double lane : {0.0, 3.0}) {
+    MovingObject car{.label = "car", .mesh = {}, .T_world_object = [lane](double time) {
+                       Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+                       pose.translation() = Vector3d(20.0 - 10.0 * time, lane, 0.0);
+                       return pose;
+                     }};
+    add_block(car.mesh, {-2.0, -0.9, 0.0}, {2.0, 0.9, 1.5}, Material::metal);
+    scene.moving.push_back(car);
+  }
+  const auto still = [](double) { return Eigen::Isometry3d::Identity(); };
+  EXPECT_EQ(out_of_the_way(scene, still, 1.0, 1.0).moving.size(), 2U) << "nothing arrives in 1 s";
+  const Scene kept = out_of_the_way(scene, still, 4.0, 1.0);
+  ASSERT_EQ(kept.moving.size(), 1U);
+  EXPECT_EQ(kept.moving.front().T_world_object(0.0).translation().y(), 3.0);
+  EXPECT_TRUE(out_of_the_way(scene, still, 4.0, 2.2).moving.empty()) << "2.1 m between them";
+}
+
 TEST(RangeSimulator, DustScattersWithItsDensity) {
   Scene scene = wall(1e3, Material::dark);
   scene.dust = 0.02;

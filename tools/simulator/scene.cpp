@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include <Eigen/Geometry>
+
 #include "tools/nearest_name.hpp"
 #include "tools/usage_error.hpp"
 
@@ -18,6 +20,23 @@ struct Entry {
 constexpr std::array kEntries{Entry{"city", make_city},     Entry{"field", make_field},
                               Entry{"forest", make_forest}, Entry{"mine", make_mine},
                               Entry{"office", make_office}, Entry{"room", make_room}};
+
+bool comes_within(const MovingObject& object, double clearance,
+                  const std::function<Eigen::Isometry3d(double)>& T_world_body, double duration) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
+    box.extend(vertex.head<2>().cast<double>());
+  }
+  constexpr double kStep = 0.05;  // s
+  for (double time = 0.0; time <= duration; time += kStep) {
+    const Eigen::Vector3d carrier =
+        object.T_world_object(time).inverse() * T_world_body(time).translation();
+    if (box.squaredExteriorDistance(Eigen::Vector2d(carrier.head<2>())) < clearance * clearance) {
+      return true;
+    }
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -40,6 +59,14 @@ Scene make_scene(std::string_view name, uint64_t seed) {
   require_scene(name);
   Scene scene = std::ranges::find(kEntries, name, &Entry::name)->make(seed);
   scene.name = name;
+  return scene;
+}
+
+Scene out_of_the_way(Scene scene, const std::function<Eigen::Isometry3d(double)>& T_world_body,
+                     double duration, double clearance) {
+  std::erase_if(scene.moving, [&](const MovingObject& object) {
+    return comes_within(object, clearance, T_world_body, duration);
+  });
   return scene;
 }
 

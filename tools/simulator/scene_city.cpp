@@ -176,7 +176,7 @@ void add_traffic(Scene& scene, Random& random) {
       const Vector2d corner(column * kBlockX, row * kBlockY);
       Mesh car;
       add_car(car, Eigen::Isometry3d::Identity(), random.uniform(3.8, 5.2));
-      // On the inner of the lanes around a block, against those that the route takes.
+      // They keep to the right, as the route does; out_of_the_way() sees to those that it meets.
       scene.moving.push_back(
           circling("car", car, corner, 2.2, random.uniform(4.0, 10.0), random.uniform(0.0, 1.0)));
       for (int i = 0; i < 2; ++i) {

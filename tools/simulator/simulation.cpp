@@ -63,6 +63,8 @@ std::vector<RangeSweep> sweeps_at(const std::vector<LidarTrack>& lidars, std::si
   return sweeps;
 }
 
+constexpr double kClearance = 1.0;  // m, between the sensor and the sides of what drives past it
+
 Scene scene_of(const SimulationOptions& options) {
   Scene scene = make_scene(options.scene, options.seed);
   if (!options.waypoints.empty()) {
@@ -138,10 +140,13 @@ SimulationSummary simulate(
     const SimulationOptions& options,
     const std::function<void(std::size_t done, std::size_t total)>& progress) {
   check(options);
-  const Scene scene = scene_of(options);
+  Scene scene = scene_of(options);
   const SplineTrajectory trajectory =
       make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
                       options.speed, options.begin);
+  scene = out_of_the_way(
+      std::move(scene), [&](double time) { return trajectory.pose(time); }, options.duration,
+      kClearance);
   std::vector<Fault> faults;
   for (const std::string& name : options.faults) {
     faults.push_back(fault_named(name));
