@@ -52,10 +52,12 @@ std::vector<ConsistencyCase> consistency_cases() {
 std::vector<ConsistencySweep> consistency_run(engine::Context& context, Config config,
                                               const ConsistencyCase& what, int index, int runs) {
   const auto seed = static_cast<uint64_t>(index + 1);
-  const Scene scene = make_scene(what.scene, seed);
+  Scene scene = make_scene(what.scene, seed);
   const double begin = route_length(scene) * index / runs;
   const SplineTrajectory trajectory = make_trajectory(scene, motion_named(what.trajectory),
                                                       what.duration + kBehind, std::nullopt, begin);
+  scene = out_of_the_way(
+      std::move(scene), [&](double time) { return trajectory.pose(time); }, what.duration);
   const RangeSimulator lidar(scene, range_sensor_named(what.sensor),
                              {.trajectory = &trajectory, .T_body_lidar = lidar_mount()}, seed);
   ImuSimulator imu(imu_named("industrial"), kImuRate, trajectory, seed);

@@ -19,13 +19,6 @@ constexpr int kPoseDegrees = 6;
 // What a covariance may be wrong by: the squared error is half to twice what it says.
 constexpr double kFactor = 2.0;
 
-Json to_json(const Nees& nees) {
-  return {{"pose", nees.pose},
-          {"translation", nees.translation},
-          {"rotation", nees.rotation},
-          {"samples", nees.samples}};
-}
-
 Json to_json(const Consistency& found) {
   const MeanBounds bounds = chi_squared_bounds(found.runs, kPoseDegrees);
   return {{"runs", found.runs},

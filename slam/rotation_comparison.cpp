@@ -20,8 +20,7 @@ namespace {
 
 constexpr std::size_t kLeastIntervals = 20;
 constexpr double kLeastCorrelation = 0.8;
-constexpr double kGridStep = 0.01;   // s
-constexpr double kUnobserved = 4.0;  // times the noise: less motion about an axis tells nothing
+constexpr double kGridStep = 0.01;  // s
 
 /// The sums over all intervals at one offset, means taken off: a gyroscope's bias is in its mean.
 struct Moments {
@@ -112,7 +111,7 @@ std::vector<MeasuredTurn> covered_turns(std::span<const RotationInterval> rotati
 /// The mounting that fits best; as expected in directions that the motion does not tell.
 Eigen::Matrix3d first_mounting(const Moments& sums, double noise, std::size_t n,
                                const Eigen::Matrix3d& expected) {
-  const double prior = kUnobserved * static_cast<double>(n) * noise;
+  const double prior = kLeastInformation * static_cast<double>(n) * noise;
   return nearest_rotation(sums.cross + prior * expected);
 }
 

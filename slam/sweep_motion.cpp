@@ -93,7 +93,8 @@ std::vector<gpu::DeskewKnot> knots(const SweepMotion& motion) {
 
 Eigen::Vector3d mean_turn(const SweepMotion& motion) {
   const std::vector<Eigen::Isometry3d>& poses = motion.T_start_lidar;
-  Eigen::Vector3d sum = -0.5 * so3_log(poses.back().linear());  // ends count half, the first is 0
+  Eigen::Vector3d sum =  // the ends count half
+      -0.5 * (so3_log(poses.front().linear()) + so3_log(poses.back().linear()));
   for (const Eigen::Isometry3d& pose : poses) {
     sum += so3_log(pose.linear());
   }

@@ -12,7 +12,8 @@ file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER}/checkout/below)
 
 function(git)
-  execute_process(COMMAND ${GIT_EXECUTABLE} -C ${FOLDER}/checkout -c user.name=a -c user.email=a@b.c ${ARGN}
+  execute_process(COMMAND ${GIT_EXECUTABLE} -C ${FOLDER}/checkout -c user.name=a -c user.email=a@b.c -c commit.gpgsign=false
+      -c core.hooksPath=/dev/null ${ARGN}
     OUTPUT_VARIABLE said OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_VARIABLE said_why RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "git ${ARGN}: ${said_why}")

@@ -130,8 +130,8 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
   RpeOptions& rpe = options->evaluation.rpe;
   command->footer(
       "OUT, the folder of a run, can stand for ESTIMATE: then states, weakly held directions,\n"
-      "innovations, biases and gravity are told as well and drawn on a page, with or without a "
-      "truth.\n\n"
+      "innovations, biases, gravity and how well poses are known are told as well and drawn on a\n"
+      "page, with or without a truth; with one also whether the covariances are true (NEES).\n\n"
       "Examples:\n"
       "  adit evaluate out/trajectory.tum truth.tum --plot error.svg\n"
       "  adit evaluate out\n"

@@ -94,7 +94,8 @@ std::string draw_imu(const ImuStatistics& imu, const std::optional<Eigen::Matrix
                                       ? kUnknownVector
                                       : Eigen::Vector3d(1e3 * at_rest[i]->gyro_bias);
                          })},
-      {.title = "Acceleration as the sensor has it (norm of the mean, m/s^2)",
+      {.title =
+           "Acceleration as the sensor has it (norm of the mean; m/s^2 if it keeps to SI units)",
        .curves = {std::move(acceleration)},
        .gates = {{"gravity", kStandardGravity}}},
       up_panel(imu.timeline, R_range_imu)};

@@ -57,14 +57,14 @@ std::vector<Judged> judged_sweeps(const RunReview& review, const Trajectory& est
   return judged;
 }
 
+}  // namespace
+
 ordered_json to_json(const Nees& nees) {
   return {{"pose", nees.pose},
           {"translation", nees.translation},
           {"rotation", nees.rotation},
           {"samples", nees.samples}};
 }
-
-}  // namespace
 
 MotionError motion_error(const JudgedPose& from, const JudgedPose& to) {
   const Eigen::Isometry3d truth = from.T_world_lidar.inverse() * to.T_world_lidar;

@@ -37,17 +37,18 @@ struct Nees {
 
   void add(const MotionError& one);
 };
+nlohmann::ordered_json to_json(const Nees& nees);
 
 /// A run's poses beside the truth. The first that has one is taken for right: what is judged is the
 /// motion since then.
 struct PoseConsistency {
-  std::vector<Vector6d>
-      errors;  ///< one a sweep, [rho, phi], m and rad; NaN where there is no truth
+  /// One a sweep, [rho, phi], m and rad; NaN where there is no truth.
+  std::vector<Vector6d> errors;
   std::vector<Vector6d> sigmas;  ///< standard deviations of these
   Nees since_first;
   Nees second;  ///< of the motion over a second
-  double beyond =
-      0.0;  ///< share of the six errors of all sweeps beyond three sigma; 0.003 is right
+  /// Share of the six errors of all sweeps beyond three sigma; 0.003 is right.
+  double beyond = 0.0;
 };
 
 /// Nothing where the table of the run has no covariances, or fewer than two sweeps have a truth.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A cell of a hash grid that gathers ten integer sums: second moments of a surface cell, or the
-// mean and the surface constraint of a voxel of the submap (docs/theory/registration.md).
+// A cell of a hash grid that gathers integer sums: second moments of a surface cell, or mean and
+// surface constraint of a voxel of the submap (docs/theory/registration.md).
 #ifndef ADIT_SHADERS_SHARED_GAUSSIAN_CELL_H
 #define ADIT_SHADERS_SHARED_GAUSSIAN_CELL_H
 #include "shaders/shared/prelude.h"
@@ -14,8 +14,8 @@ namespace adit::gpu {
 const uint kFree = 0;
 
 // 48 bytes, read by kernels as three uvec4. Sums are fixed point: offsets from the cell's corner in
-// 1/65536 of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets) or as
-// (entry + 1) * 32768 (voxel maps). At most 65535 points a cell.
+// 1/65536 of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets), or,
+// of points with a surface, as (entry + 1) * 32768 (voxel maps). At most 65535 points a cell.
 struct GaussianCell {
   uint key;  // packed cell coordinates; kFree: free
   uint count;

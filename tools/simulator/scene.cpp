@@ -21,16 +21,18 @@ constexpr std::array kEntries{Entry{"city", make_city},     Entry{"field", make_
                               Entry{"forest", make_forest}, Entry{"mine", make_mine},
                               Entry{"office", make_office}, Entry{"room", make_room}};
 
+constexpr double kStep = 0.05;  // s
+
+/// `way`: the carrier's positions, a step apart.
 bool comes_within(const MovingObject& object, double clearance,
-                  const std::function<Eigen::Isometry3d(double)>& T_world_body, double duration) {
+                  const std::vector<Eigen::Vector3d>& way) {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector3f& vertex : object.mesh.vertices) {
     box.extend(vertex.head<2>().cast<double>());
   }
-  constexpr double kStep = 0.05;  // s
-  for (double time = 0.0; time <= duration; time += kStep) {
+  for (std::size_t i = 0; i < way.size(); ++i) {
     const Eigen::Vector3d carrier =
-        object.T_world_object(time).inverse() * T_world_body(time).translation();
+        object.T_world_object(kStep * static_cast<double>(i)).inverse() * way[i];
     if (box.squaredExteriorDistance(Eigen::Vector2d(carrier.head<2>())) < clearance * clearance) {
       return true;
     }
@@ -64,9 +66,12 @@ Scene make_scene(std::string_view name, uint64_t seed) {
 
 Scene out_of_the_way(Scene scene, const std::function<Eigen::Isometry3d(double)>& T_world_body,
                      double duration, double clearance) {
-  std::erase_if(scene.moving, [&](const MovingObject& object) {
-    return comes_within(object, clearance, T_world_body, duration);
-  });
+  std::vector<Eigen::Vector3d> way;
+  for (double time = 0.0; !scene.moving.empty() && time <= duration; time += kStep) {
+    way.emplace_back(T_world_body(time).translation());
+  }
+  std::erase_if(scene.moving,
+                [&](const MovingObject& object) { return comes_within(object, clearance, way); });
   return scene;
 }
 

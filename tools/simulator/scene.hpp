@@ -45,11 +45,14 @@ void require_scene(std::string_view name);
 /// with the nearest.
 Scene make_scene(std::string_view name, uint64_t seed);
 
+/// Between the sensor and the sides of what drives past it, m.
+inline constexpr double kClearance = 1.0;
+
 /// Leaves out of `scene.moving` what would come within `clearance` (m, along the ground, of the box
 /// around it) of a carrier at T_world_body(t) at some time of `duration` (s): those are not in town
 /// that day, rather than driven through.
 Scene out_of_the_way(Scene scene, const std::function<Eigen::Isometry3d(double)>& T_world_body,
-                     double duration, double clearance);
+                     double duration, double clearance = kClearance);
 
 Scene make_city(uint64_t seed);
 Scene make_field(uint64_t seed);

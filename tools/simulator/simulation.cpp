@@ -63,8 +63,6 @@ std::vector<RangeSweep> sweeps_at(const std::vector<LidarTrack>& lidars, std::si
   return sweeps;
 }
 
-constexpr double kClearance = 1.0;  // m, between the sensor and the sides of what drives past it
-
 Scene scene_of(const SimulationOptions& options) {
   Scene scene = make_scene(options.scene, options.seed);
   if (!options.waypoints.empty()) {
@@ -145,8 +143,7 @@ SimulationSummary simulate(
       make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
                       options.speed, options.begin);
   scene = out_of_the_way(
-      std::move(scene), [&](double time) { return trajectory.pose(time); }, options.duration,
-      kClearance);
+      std::move(scene), [&](double time) { return trajectory.pose(time); }, options.duration);
   std::vector<Fault> faults;
   for (const std::string& name : options.faults) {
     faults.push_back(fault_named(name));
