@@ -71,13 +71,29 @@ double gyro_spread(std::span<const RotationInterval> turns, std::span<const ImuS
   return spread(rotations);
 }
 
-std::string clock_evidence(const RotationComparison& found, size_t turns) {
+/// The turns that a gyroscope can be held against, whatever its offset.
+std::vector<RotationInterval> told_turns(std::span<const RotationInterval> turns,
+                                         std::span<const ImuSample> samples,
+                                         std::span<const Nanoseconds> saturated) {
+  const auto within = [](double time) {
+    return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
+  };
+  std::vector<RotationInterval> told = covered_rotations(turns, samples, kMostOffset);
+  std::erase_if(told, [&](const RotationInterval& turn) {
+    const auto first = std::ranges::lower_bound(saturated, turn.begin - within(kMostOffset));
+    return first != saturated.end() && *first <= turn.end + within(turn.mean_over + kMostOffset);
+  });
+  return told;
+}
+
+std::string clock_evidence(const RotationComparison& found, double configured, size_t turns) {
   const bool late = found.offset > 0.0;
   return "the gyroscope turns as the sweeps do, but " + text_of(1e3 * std::abs(found.offset), 0) +
          " ms " + (late ? "later" : "earlier") + " (+- " +
          text_of(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " + std::to_string(turns) +
          " sweeps): its clock is " + (late ? "late" : "early") +
-         "; recording.imu_time_offset = " + text_of(-found.offset, 3) +
+         "; recording.imu_time_offset = " + text_of(configured - found.offset, 3) +
+         (configured == 0.0 ? "" : " (not " + text_of(configured, 3) + ")") +
          " would mend that from the start";
 }
 
@@ -140,15 +156,16 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
     return std::nullopt;
   }
   unchecked_ = 0;
-  const std::vector<RotationInterval> turns(turns_.begin(), turns_.end());
   const std::vector<ImuSample> samples(samples_.begin(), samples_.end());
+  const std::vector<RotationInterval> turns =
+      told_turns(std::vector(turns_.begin(), turns_.end()), samples, expected.saturated);
   std::vector<Eigen::Vector3d> rotations;
   for (const RotationInterval& turn : turns) {
     rotations.push_back(turn.rotation);
   }
   const double lively = spread(rotations);
   GyroCheck result;
-  if (lively < kLively || samples.empty()) {
+  if (turns.size() < kLeastRotations || lively < kLively) {
     return result;
   }
   const double factor = gyro_spread(turns, samples) / lively;
@@ -172,7 +189,7 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
   } else if (std::abs(result.comparison->offset - expected.offset) >
              expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
     result.fault = GyroFault::clock;
-    result.evidence = clock_evidence(*result.comparison, turns.size());
+    result.evidence = clock_evidence(*result.comparison, expected.configured, turns.size());
   } else if (result.comparison->misalignment >
              kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {
     result.fault = GyroFault::mounting;

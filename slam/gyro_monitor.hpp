@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slam/rotation_comparison.hpp"
 #include "slam/sweep_motion.hpp"
@@ -24,8 +25,12 @@ enum class GyroFault {
 /// What the comparison is held to.
 struct GyroExpectation {
   Eigen::Matrix3d R_lidar_imu = Eigen::Matrix3d::Identity();
-  double offset = 0.0;     ///< s, as RotationComparison::offset
-  double tolerance = 0.0;  ///< s, how far from that it may be
+  double offset = 0.0;      ///< s, as RotationComparison::offset
+  double tolerance = 0.0;   ///< s, how far from that it may be
+  double configured = 0.0;  ///< s, recording.imu_time_offset: in the stamps already
+  /// Stamps of readings at the end of the gyroscope's range, in order: turns near them do not
+  /// count.
+  std::vector<Nanoseconds> saturated;
 };
 
 /// The sensor held against the sweeps over the last while.
@@ -53,7 +58,8 @@ class GyroMonitor {
     unchecked_ = 0;
   }
 
-  /// With every twentieth turn, from the thirtieth on; none in between.
+  /// With every twentieth turn, from the thirtieth on; none in between. Turns that the readings do
+  /// not tell do not count, and fewer than kLeastRotations others tell nothing.
   std::optional<GyroCheck> check(const GyroExpectation& expected);
 
  private:

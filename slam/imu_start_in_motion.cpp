@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <string>
 
 #include <Eigen/Cholesky>
 
@@ -159,6 +160,14 @@ Solution solve_direction(const Links& links, const Eigen::Vector3d& first_guess)
   return solution;
 }
 
+/// What the poses say against the usual sign, and what to do.
+std::string against(double times) {
+  return (times > 0.0 ? " (the usual one leaves " + std::to_string(std::lround(times)) +
+                            " times the squared error)"
+                      : "") +
+         ": recording.accelerometer_scale of the opposite sign would mend that from the start";
+}
+
 ImuStart refused(ImuStartStatus status, std::string reason) {
   ImuStart start;
   start.status = status;
@@ -183,6 +192,7 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   double scale = 0.0;
   Solution best;
   double free_norm = 0.0;
+  double usual_fit = 0.0;
   for (const double hypothesis : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
     const Links links{T_map_body, integrated(readings, hypothesis, gyro.value, noise)};
     const Solution unknown_length = solve(links, Eigen::Vector3d::Zero(), free);
@@ -192,6 +202,7 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
       continue;
     }
     const Solution solution = solve_direction(links, unknown_length.gravity);
+    usual_fit = hypothesis > 0.0 ? solution.mean_square : usual_fit;
     // The common unit and sign unless another is clearly better.
     if (scale == 0.0 || solution.mean_square < 0.5 * best_fit) {
       scale = hypothesis;
@@ -213,9 +224,10 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   }
   ImuStart start;
   start.status = ImuStartStatus::in_motion;
-  start.reason = "from " + std::to_string(T_map_body.size()) + " poses in motion" +
-                 (std::abs(scale) != 1.0 ? ", accelerometer in g" : "") +
-                 (scale < 0.0 ? ", accelerometer of the opposite sign" : "");
+  start.reason =
+      "from " + std::to_string(T_map_body.size()) + " poses in motion" +
+      (std::abs(scale) != 1.0 ? ", accelerometer in g" : "") +
+      (scale < 0.0 ? ", accelerometer of the opposite sign" + against(usual_fit / best_fit) : "");
   start.accel_scale = scale;
   start.gravity_map = best.gravity;
   start.up_body = T_map_body.back().pose.linear().transpose() * -best.gravity.normalized();

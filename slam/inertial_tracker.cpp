@@ -47,8 +47,8 @@ constexpr int kUnexplained = 50;
 constexpr Nanoseconds kToldAgain = std::chrono::seconds(10);
 // Readings stand for this long after the last one; then velocities stay as they were.
 constexpr Nanoseconds kHeld = milliseconds(20);
-// Before the start: readings that turn faster are not believed.
-constexpr double kFastestTurn = 12.0;  // rad/s
+// What the sign of an accelerometer is believed after, which started at rest.
+constexpr double kFarFromRest = 2.0;  // m
 // What a prediction must be better than to be aligned from without a search.
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
@@ -110,8 +110,11 @@ ImuNoise imu_noise(const ImuConfig& config) {
   return noise;
 }
 
-InertialTracker::InertialTracker(const ImuConfig& config)
-    : config_(config), noise_(imu_noise(config)), T_body_lidar_(pose_of(config.T_imu_lidar)) {}
+InertialTracker::InertialTracker(const ImuConfig& config, double configured_offset)
+    : config_(config),
+      noise_(imu_noise(config)),
+      T_body_lidar_(pose_of(config.T_imu_lidar)),
+      configured_offset_(configured_offset) {}
 
 ImuArrival InertialTracker::add(const ImuSample& sample) {
   ImuSample corrected = sample;
@@ -159,7 +162,7 @@ std::string InertialTracker::complaint(const ImuInterval& interval) const {
 }
 
 void InertialTracker::lose(const std::string& why) {
-  ++losses_;
+  losses_ += recent_saturation().empty() ? 1 : 0;  // else it is known why, and passes
   const bool again = losses_ >= kLosses;
   leave(again ? InertialState::refused : InertialState::lost,
         why + (again ? "; lost " + std::to_string(losses_) +
@@ -168,11 +171,14 @@ void InertialTracker::lose(const std::string& why) {
                      : ""));
 }
 
+std::string InertialTracker::recent_saturation() const {
+  return buffer_.empty()
+             ? ""
+             : saturation_.evidence(buffer_.back().stamp - kToldAgain, buffer_.back().stamp);
+}
+
 void InertialTracker::leave(InertialState state, const std::string& why) {
-  const std::string saturated =
-      buffer_.empty()
-          ? ""
-          : saturation_.evidence(buffer_.back().stamp - kToldAgain, buffer_.back().stamp);
+  const std::string saturated = recent_saturation();
   state_ = state;
   event_ = why + (saturated.empty() ? "" : "; " + saturated);
   graph_.reset();
@@ -182,34 +188,6 @@ void InertialTracker::leave(InertialState state, const std::string& why) {
   surprises_ = 0;
   fused_sweeps_ = 0;
   alone_since_ = 0.0;
-}
-
-std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, double duration,
-                                                           const Eigen::Vector3d& velocity) const {
-  const Nanoseconds end =
-      stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration));
-  ImuInterval interval = buffer_.between(stamp, end);
-  const auto too_fast = [](const ImuSample& sample) {
-    return sample.angular_velocity.norm() > kFastestTurn;
-  };
-  if (state_ != InertialState::starting || !gyro_agrees_ || duration <= 0.0 ||
-      !complaint(interval).empty() || std::ranges::any_of(interval.samples, too_fast)) {
-    return std::nullopt;
-  }
-  for (ImuSample& sample : interval.samples) {
-    sample.linear_acceleration.setZero();
-  }
-  NavState state;
-  state.stamp = stamp;
-  state.v_map_body = T_body_lidar_.linear() * velocity;
-  state.gravity_map.setZero();
-  return inertial_motion(state, interval.samples, T_body_lidar_, 0.0, duration);
-}
-
-std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseconds end) const {
-  const auto motion = turning_motion(begin, seconds(end - begin), Eigen::Vector3d::Zero());
-  return motion ? std::optional<Eigen::Matrix3d>(motion->T_start_lidar.back().linear())
-                : std::nullopt;
 }
 
 std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, double duration) {
@@ -305,7 +283,11 @@ std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
   if (surprises_ >= kSurprises) {
     return std::to_string(surprises_) +
            " alignments in a row are where the IMU says that they cannot be: are clock and "
-           "imu.T_imu_lidar right?";
+           "imu.T_imu_lidar right?" +
+           (rested_at_ && recent_saturation().empty()
+                ? " And the accelerometer's sign, which a start at rest cannot tell from a "
+                  "sensor upside down?"
+                : "");
   }
   return alone_since_ > kLongestAlone
              ? "no sweep could be aligned for " + text_of(alone_since_) + " s"
@@ -345,6 +327,9 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   }
   losses_ = ++fused_sweeps_ > kLongFusion ? 0 : losses_;
   last_fused_ = estimate.state;
+  if (rested_at_ && (estimate.state.T_map_body.translation() - *rested_at_).norm() > kFarFromRest) {
+    rested_at_.reset();
+  }
   report.nav = estimate.state;
   report.nav_covariance = estimate.covariance;
   report.lidar_covariance += lidar_covariance(estimate.covariance, T_body_lidar_);

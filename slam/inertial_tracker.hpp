@@ -68,8 +68,9 @@ struct InertialPrediction {
 /// sliding graph, and checks that it does what it should (docs/theory/inertial.md, section 6).
 class InertialTracker {
  public:
-  /// `config` must have passed validate().
-  explicit InertialTracker(const ImuConfig& config);
+  /// `config` must have passed validate(). `configured_offset` (s) is what the stamps of readings
+  /// have in them of recording.imu_time_offset: remedies name the sum.
+  explicit InertialTracker(const ImuConfig& config, double configured_offset = 0.0);
 
   ImuArrival add(const ImuSample& sample);
 
@@ -124,6 +125,8 @@ class InertialTracker {
   std::string complaint(const ImuInterval& interval) const;
   std::string failed_check(const StateEstimate& estimate) const;
   void lose(const std::string& why);
+  /// Of the last ten seconds, for people; empty without.
+  std::string recent_saturation() const;
   /// Stops fusing, to start anew or not at all.
   void leave(InertialState state, const std::string& why);
   /// Holds the gyroscope against the sweeps; corrects the sensor where they contradict it and say
@@ -154,6 +157,7 @@ class InertialTracker {
   std::optional<Trial> trial_;             ///< of what was corrected
   std::optional<RotationComparison> comparison_;
   double clock_offset_ = 0.0;  ///< s
+  double configured_offset_;   ///< s
   bool timed_ = false;         ///< points have times: a sweep's stamp is when it began
   InertialState state_ = InertialState::absent;
   std::string event_;
@@ -162,12 +166,15 @@ class InertialTracker {
   std::optional<SlidingGraph> graph_;
   std::optional<Pending> pending_;
   std::optional<NavState> last_fused_;
-  bool gyro_agrees_ = true;   ///< with alignments, as far as was seen before the start
-  bool after_gap_ = false;    ///< lost for want of readings alone: gravity and biases still hold
-  int surprises_ = 0;         ///< innovations beyond belief in a row
-  int losses_ = 0;            ///< since the last long time of fusion
-  int fused_sweeps_ = 0;      ///< in a row
-  double alone_since_ = 0.0;  ///< s without an alignment
+  bool gyro_agrees_ = true;  ///< with alignments, as far as was seen before the start
+  bool after_gap_ = false;   ///< lost for want of readings alone: gravity and biases still hold
+  /// Position in the map of a start at rest: the accelerometer's sign is an assumption until the
+  /// sensor has gone away from there.
+  std::optional<Eigen::Vector3d> rested_at_;
+  int surprises_ = 0;                            ///< innovations beyond belief in a row
+  int losses_ = 0;                               ///< since the last long time of fusion
+  int fused_sweeps_ = 0;                         ///< in a row
+  double alone_since_ = 0.0;                     ///< s without an alignment
   std::deque<StampedPose> poses_;                ///< of the body, aligned, in a row
   std::deque<std::vector<ImuSample>> readings_;  ///< between them, as they came
 };

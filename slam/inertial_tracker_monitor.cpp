@@ -5,6 +5,7 @@
 // them where it may.
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -66,10 +67,17 @@ void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* des
     return;
   }
   monitor_.add(alignment, deskewed);
-  if (const auto check = monitor_.check(
-          {.R_lidar_imu = R_lidar_body(),
-           .offset = clock_offset_,
-           .tolerance = timed_ ? kHarmlessOffset : kHarmlessOffset + kSweepPeriod})) {
+  GyroExpectation expected{.R_lidar_imu = R_lidar_body(),
+                           .offset = clock_offset_,
+                           .tolerance = timed_ ? kHarmlessOffset : kHarmlessOffset + kSweepPeriod,
+                           .configured = configured_offset_,
+                           .saturated = {}};
+  const auto own_clock =
+      std::chrono::round<Nanoseconds>(std::chrono::duration<double>(clock_offset_));
+  for (const Nanoseconds stamp : saturation_.of_gyroscope()) {
+    expected.saturated.push_back(stamp + own_clock);
+  }
+  if (const auto check = monitor_.check(expected)) {
     comparison_ = check->comparison ? check->comparison : comparison_;
     judge(*check);
   }

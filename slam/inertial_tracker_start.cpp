@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How InertialTracker comes to its start: the sweeps it collects, and what it makes of them.
+// How InertialTracker comes to its start: what it is used for before, the sweeps it collects, and
+// what it makes of them.
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "slam/inertial_tracker.hpp"
@@ -17,8 +20,37 @@ constexpr double kRestDistance = 0.05;  // m
 constexpr double kRestTurn = 0.02;      // rad
 // The gyroscope is believed before that unless it turns this much otherwise than alignments.
 constexpr double kTurnDisagreement = 0.1;  // rad
+constexpr double kFastestTurn = 12.0;      // rad/s; readings beyond are not believed either
 
 }  // namespace
+
+std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, double duration,
+                                                           const Eigen::Vector3d& velocity) const {
+  const Nanoseconds end =
+      stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration));
+  ImuInterval interval = buffer_.between(stamp, end);
+  const auto too_fast = [](const ImuSample& sample) {
+    return sample.angular_velocity.norm() > kFastestTurn;
+  };
+  if (state_ != InertialState::starting || !gyro_agrees_ || duration <= 0.0 ||
+      !complaint(interval).empty() || std::ranges::any_of(interval.samples, too_fast)) {
+    return std::nullopt;
+  }
+  for (ImuSample& sample : interval.samples) {
+    sample.linear_acceleration.setZero();
+  }
+  NavState state;
+  state.stamp = stamp;
+  state.v_map_body = T_body_lidar_.linear() * velocity;
+  state.gravity_map.setZero();
+  return inertial_motion(state, interval.samples, T_body_lidar_, 0.0, duration);
+}
+
+std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseconds end) const {
+  const auto motion = turning_motion(begin, seconds(end - begin), Eigen::Vector3d::Zero());
+  return motion ? std::optional<Eigen::Matrix3d>(motion->T_start_lidar.back().linear())
+                : std::nullopt;
+}
 
 void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
   const StampedPose body{T_map_lidar.stamp, T_map_lidar.pose * T_body_lidar_.inverse()};
@@ -72,7 +104,9 @@ void InertialTracker::try_start() {
     const std::vector<std::vector<ImuSample>> readings(readings_.begin(), readings_.end());
     how = start_in_motion(poses, readings, noise_);
   }
-  if (is_started(how.status) && last_fused_ && how.accel_scale != accel_scale_) {
+  const bool sign_assumed = rested_at_ && how.status == ImuStartStatus::in_motion;
+  if (is_started(how.status) && last_fused_ && how.accel_scale != accel_scale_ &&
+      !(sign_assumed && how.accel_scale == -accel_scale_)) {
     hindrance_ = "the readings look as if their unit or sign had changed since the last start";
     return;
   }
@@ -86,6 +120,11 @@ void InertialTracker::try_start() {
                        .bias = how.bias,
                        .gravity_map = how.gravity_map};
   hindrance_.clear();
+  if (how.status == ImuStartStatus::in_motion) {
+    rested_at_.reset();
+  } else if (!last_fused_) {
+    rested_at_ = last.pose.translation();
+  }
   if (const std::string failed = failed_check({.state = state}); !failed.empty()) {
     lose(failed);
     return;

@@ -73,7 +73,7 @@ struct Odometry::Impl {
         front_end(context_, config_.preprocess),
         submap(context_, config_),
         aligner(context_, config_.registration),
-        inertial(config_.imu),
+        inertial(config_.imu, config_.recording.imu_time_offset),
         drift(config_.submap.l) {}
 
   Expectation expect(const Sweep& sweep);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -18,7 +19,6 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kLeastIntervals = 20;
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kGridStep = 0.01;  // s
 
@@ -91,21 +91,17 @@ double best_offset(std::span<const MeasuredTurn> turns, const GyroscopeIntegral&
   return best;
 }
 
-/// The intervals that are covered whatever the offset.
-std::vector<MeasuredTurn> covered_turns(std::span<const RotationInterval> rotations,
-                                        const GyroscopeIntegral& integral, double most_offset) {
-  std::vector<MeasuredTurn> turns;
-  for (const RotationInterval& one : rotations) {
-    const MeasuredTurn turn{.begin = seconds(one.begin - rotations.front().begin),
-                            .end = seconds(one.end - rotations.front().begin),
-                            .span = one.mean_over,
-                            .rotation = one.rotation};
-    if (turn.end > turn.begin &&
-        integral.covers(turn.begin - most_offset, turn.end + turn.span + most_offset)) {
-      turns.push_back(turn);
-    }
-  }
-  return turns;
+/// In seconds from `origin`.
+MeasuredTurn measured_turn(const RotationInterval& rotation, Nanoseconds origin) {
+  return {.begin = seconds(rotation.begin - origin),
+          .end = seconds(rotation.end - origin),
+          .span = rotation.mean_over,
+          .rotation = rotation.rotation};
+}
+
+bool is_covered(const MeasuredTurn& turn, const GyroscopeIntegral& integral, double most_offset) {
+  return turn.end > turn.begin &&
+         integral.covers(turn.begin - most_offset, turn.end + turn.span + most_offset);
 }
 
 /// The mounting that fits best; as expected in directions that the motion does not tell.
@@ -135,6 +131,18 @@ Eigen::Vector3d mounting_sigma(const RotationFit& fit) {
 
 }  // namespace
 
+std::vector<RotationInterval> covered_rotations(std::span<const RotationInterval> rotations,
+                                                std::span<const ImuSample> gyroscope,
+                                                double most_offset) {
+  const Nanoseconds origin = rotations.empty() ? Nanoseconds(0) : rotations.front().begin;
+  const GyroscopeIntegral integral(gyroscope, origin);
+  std::vector<RotationInterval> covered;
+  std::ranges::copy_if(rotations, std::back_inserter(covered), [&](const RotationInterval& one) {
+    return is_covered(measured_turn(one, origin), integral, most_offset);
+  });
+  return covered;
+}
+
 std::optional<RotationComparison> compare_rotations(std::span<const RotationInterval> rotations,
                                                     std::span<const ImuSample> gyroscope,
                                                     const Eigen::Matrix3d& R_range_gyro_expected,
@@ -143,8 +151,14 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
     return std::nullopt;
   }
   const GyroscopeIntegral integral(gyroscope, rotations.front().begin);
-  const std::vector<MeasuredTurn> turns = covered_turns(rotations, integral, most_offset);
-  if (turns.size() < kLeastIntervals) {
+  std::vector<MeasuredTurn> turns;
+  for (const RotationInterval& one : rotations) {
+    const MeasuredTurn turn = measured_turn(one, rotations.front().begin);
+    if (is_covered(turn, integral, most_offset)) {
+      turns.push_back(turn);
+    }
+  }
+  if (turns.size() < kLeastRotations) {
     return std::nullopt;
   }
   RotationComparison result;

@@ -5,9 +5,11 @@
 // the offset of their clocks and how they are mounted to each other.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -41,10 +43,18 @@ struct RotationComparison {
   Eigen::Vector3d mounting_information = Eigen::Vector3d::Zero();
 };
 
+/// Fewer than this are not compared.
+inline constexpr std::size_t kLeastRotations = 20;
+
+/// Those that the samples cover with `most_offset` (s) to spare on both sides.
+std::vector<RotationInterval> covered_rotations(std::span<const RotationInterval> rotations,
+                                                std::span<const ImuSample> gyroscope,
+                                                double most_offset);
+
 /// Compares a range sensor's rotations (in the order of time) with a gyroscope's samples. Offsets
 /// are searched up to `most_offset` (s); the gyroscope's bias and the mounting need not be known.
 /// Intervals that the samples do not cover with that margin do not count. Nothing where fewer than
-/// 20 intervals remain, or where the rotations hold no common motion (correlation below 0.8).
+/// kLeastRotations remain, or where the rotations hold no common motion (correlation below 0.8).
 std::optional<RotationComparison> compare_rotations(std::span<const RotationInterval> rotations,
                                                     std::span<const ImuSample> gyroscope,
                                                     const Eigen::Matrix3d& R_range_gyro_expected,

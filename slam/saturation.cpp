@@ -64,8 +64,10 @@ std::string SaturationWatch::evidence(Nanoseconds begin, Nanoseconds end) const 
                                  [&](Nanoseconds stamp) { return stamp > begin && stamp <= end; });
   };
   const auto told = [&](const Triad& triad, const char* name, const char* unit) {
-    return std::string("the ") + name + " is saturated: " + std::to_string(within(triad)) +
-           " readings stand at " + text_of(triad.limit) + unit + ", the end of its range";
+    const auto count = within(triad);
+    return std::string("the ") + name + " is saturated: " + std::to_string(count) +
+           (count == 1 ? " reading stands at " : " readings stand at ") + text_of(triad.limit) +
+           unit + ", the end of its range";
   };
   return within(gyroscope_) > 0       ? told(gyroscope_, "gyroscope", " rad/s")
          : within(accelerometer_) > 0 ? told(accelerometer_, "accelerometer", "")

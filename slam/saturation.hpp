@@ -21,6 +21,9 @@ class SaturationWatch {
   /// For people: which readings of this time stand there; empty if none do.
   std::string evidence(Nanoseconds begin, Nanoseconds end) const;
 
+  /// Stamps of the gyroscope's readings that stand there, in order of time.
+  const std::deque<Nanoseconds>& of_gyroscope() const { return gyroscope_.saturated; }
+
   void forget_before(Nanoseconds stamp);
   /// Adds to the stamps of what is kept, as ImuBuffer::shift().
   void shift(Nanoseconds by);

@@ -123,6 +123,10 @@ std::vector<Case> cases() {
   };
 }
 
+double mounting_error(const InertialReport& report) {
+  return rotation_angle(report.T_body_lidar.linear().transpose() * test::T_body_lidar().linear());
+}
+
 class InertialFault : public testing::TestWithParam<Case> {};
 
 TEST_P(InertialFault, IsSurvivedAndToldByItsName) {
@@ -138,15 +142,51 @@ TEST_P(InertialFault, IsSurvivedAndToldByItsName) {
 
 INSTANTIATE_TEST_SUITE_P(All, InertialFault, testing::ValuesIn(cases()));
 
+// At rest the opposite sign is a sensor upside down: until it moves.
+TEST(InertialFaults, ASignThatAStartAtRestCannotTellIsToldByTheMotion) {
+  test::WavyMotion motion = test::hand_held_motion();
+  motion.rest = 2.0;
+  const Outcome outcome =
+      run_tracker(each([](ImuSample& sample) { sample.linear_acceleration *= -1.0; }), 14.0,
+                  tracker_config(), motion);
+  for (const char* part : {"at rest for 1 s", "cannot tell from a sensor upside down",
+                           "of the opposite sign (the usual one leaves"}) {
+    EXPECT_NE(outcome.events().find(part), std::string::npos) << part << "\n" << outcome.events();
+  }
+  EXPECT_EQ(outcome.reports.back().accel_scale, -1.0) << outcome.events();
+  EXPECT_EQ(outcome.reports.back().state, InertialState::fused) << outcome.events();
+  EXPECT_LE(outcome.error_after(10.0), 0.06) << outcome.events();
+}
+
+TEST(InertialFaults, ASaturatedGyroscopeNeitherMovesTheClockNorIsRefused) {
+  const Outcome outcome = run_tracker(clipped(1.0, 1000.0), 40.0);
+  EXPECT_NE(outcome.events().find("the gyroscope is saturated"), std::string::npos);
+  for (const InertialReport& report : outcome.reports) {
+    ASSERT_NE(report.state, InertialState::refused) << outcome.events();
+    ASSERT_FALSE(report.comparison) << outcome.events();
+    ASSERT_EQ(report.clock_offset, 0.0) << outcome.events();
+    ASSERT_LE(mounting_error(report), 1e-9) << outcome.events();
+  }
+}
+
+TEST(Saturation, OneReadingIsToldAsOne) {
+  SaturationWatch watch;
+  for (int i = 0; i < 10; ++i) {
+    watch.add({.stamp = test::at_seconds(i),
+               .angular_velocity = {i < 4 ? 0.1 * i : 2.0, 0.01 * i, 0.0},
+               .linear_acceleration = {0.0, 0.0, kStandardGravity}});
+  }
+  const std::string one = watch.evidence(test::at_seconds(6), test::at_seconds(7));
+  EXPECT_EQ(one, "the gyroscope is saturated: 1 reading stands at 2 rad/s, the end of its range");
+  const std::string two = watch.evidence(test::at_seconds(6), test::at_seconds(8));
+  EXPECT_NE(two.find("2 readings stand at 2 rad/s"), std::string::npos) << two;
+}
+
 ImuConfig refining() {
   ImuConfig config = tracker_config();
   config.refine_time_offset = 1;
   config.refine_rotation = 1;
   return config;
-}
-
-double mounting_error(const InertialReport& report) {
-  return rotation_angle(report.T_body_lidar.linear().transpose() * test::T_body_lidar().linear());
 }
 
 TEST(Refinement, AClockThatIs30MillisecondsOffIsCorrected) {

@@ -162,5 +162,52 @@ TEST(GyroMonitor, WhatASweepWasDeskewedWithDoesNotShowInTheClock) {
   }
 }
 
+/// Three seconds of sweeps, and what is said of a gyroscope that reads from `begin` (s) on.
+GyroCheck check_of(std::vector<ImuSample> samples, double begin, const GyroExpectation& expected) {
+  GyroMonitor monitor;
+  for (const ImuSample& sample : samples) {
+    if (sample.stamp >= at_seconds(begin)) {
+      monitor.add(sample);
+    }
+  }
+  for (int i = 0; i <= 30; ++i) {
+    monitor.add({at_seconds(0.1 * i), test::hand_held_motion().state(0.1 * i).T_map_body});
+  }
+  return monitor.check(expected).value();
+}
+
+TEST(GyroMonitor, TurnsBeforeTheFirstReadingDoNotCount) {
+  const std::vector<ImuSample> samples = gyroscope(test::hand_held_motion(), 0.0);
+  EXPECT_TRUE(check_of(samples, 0.2, {}).comparison);
+  const GyroCheck late = check_of(samples, 1.5, {});
+  EXPECT_EQ(late.fault, GyroFault::none) << late.evidence;
+  EXPECT_FALSE(late.comparison);
+}
+
+TEST(GyroMonitor, TurnsNearSaturatedReadingsDoNotCount) {
+  std::vector<ImuSample> samples = gyroscope(test::hand_held_motion(), 0.0);
+  GyroExpectation expected;
+  for (ImuSample& sample : samples) {
+    if (sample.stamp > at_seconds(1.0) && sample.stamp < at_seconds(1.4)) {
+      sample.angular_velocity.setConstant(20.0);
+      expected.saturated.push_back(sample.stamp);
+    }
+  }
+  EXPECT_EQ(check_of(samples, -1.0, {}).fault, GyroFault::unrelated);
+  const GyroCheck check = check_of(samples, -1.0, expected);
+  EXPECT_EQ(check.fault, GyroFault::none) << check.evidence;
+  ASSERT_TRUE(check.comparison);
+  EXPECT_NEAR(check.comparison->offset, 0.0, 0.003);
+}
+
+TEST(GyroMonitor, TheRemedyOfAClockIsTheWholeSetting) {
+  GyroExpectation expected;
+  expected.configured = 0.25;
+  const GyroCheck check = check_of(gyroscope(test::hand_held_motion(), 0.1), -1.0, expected);
+  EXPECT_EQ(check.fault, GyroFault::clock);
+  EXPECT_NE(check.evidence.find("imu_time_offset = 0.15"), std::string::npos) << check.evidence;
+  EXPECT_NE(check.evidence.find("(not 0.250)"), std::string::npos) << check.evidence;
+}
+
 }  // namespace
 }  // namespace adit

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -40,14 +41,17 @@ struct WavyMotion {
   std::array<Wave, 3> position;
   std::array<Wave, 3> angles;  ///< roll, pitch, yaw
   Eigen::Vector3d gravity = Eigen::Vector3d(0.0, 0.0, -9.80665);
+  /// s: it stands still until then, and takes a second to come up to speed.
+  double rest = -std::numeric_limits<double>::infinity();
 
-  NavState state(double t) const {
+  NavState state(double time) const {
+    const auto [t, pace, quickening] = warped(time);
     NavState state;
-    state.stamp = at_seconds(t);
+    state.stamp = at_seconds(time);
     state.gravity_map = gravity;
     for (int i = 0; i < 3; ++i) {
       state.T_map_body.translation()[i] = position[static_cast<size_t>(i)].value(t);
-      state.v_map_body[i] = position[static_cast<size_t>(i)].rate(t);
+      state.v_map_body[i] = pace * position[static_cast<size_t>(i)].rate(t);
     }
     state.T_map_body.linear() = (Eigen::AngleAxisd(angles[2].value(t), Eigen::Vector3d::UnitZ()) *
                                  Eigen::AngleAxisd(angles[1].value(t), Eigen::Vector3d::UnitY()) *
@@ -57,7 +61,8 @@ struct WavyMotion {
   }
 
   /// Without noise or bias.
-  ImuSample sample(double t) const {
+  ImuSample sample(double time) const {
+    const auto [t, pace, quickening] = warped(time);
     const double roll = angles[0].value(t);
     const double pitch = angles[1].value(t);
     Eigen::Matrix3d body_rates;                                 // of the angles' rates
@@ -65,10 +70,33 @@ struct WavyMotion {
         0.0, std::cos(roll), std::sin(roll) * std::cos(pitch),  //
         0.0, -std::sin(roll), std::cos(roll) * std::cos(pitch);
     const Eigen::Vector3d rates(angles[0].rate(t), angles[1].rate(t), angles[2].rate(t));
-    const Eigen::Vector3d acceleration(position[0].acceleration(t), position[1].acceleration(t),
-                                       position[2].acceleration(t));
-    return {at_seconds(t), body_rates * rates,
-            state(t).T_map_body.linear().transpose() * (acceleration - gravity)};
+    Eigen::Vector3d acceleration;
+    for (int i = 0; i < 3; ++i) {
+      const Wave& wave = position[static_cast<size_t>(i)];
+      acceleration[i] = pace * pace * wave.acceleration(t) + quickening * wave.rate(t);
+    }
+    return {at_seconds(time), pace * (body_rates * rates),
+            state(time).T_map_body.linear().transpose() * (acceleration - gravity)};
+  }
+
+ private:
+  /// Time along the waves, and its first two derivatives.
+  struct Warped {
+    double time = 0.0;
+    double pace = 1.0;
+    double quickening = 0.0;  ///< 1/s
+  };
+  Warped warped(double time) const {
+    const double s = time - rest;
+    if (std::isinf(rest)) {
+      return {.time = time};
+    }
+    if (s <= 0.0) {
+      return {.time = 0.0, .pace = 0.0};
+    }
+    return s < 1.0
+               ? Warped{s * s * s * (1.0 - 0.5 * s), s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s)}
+               : Warped{.time = s - 0.5};
   }
 };
 
