@@ -17,6 +17,7 @@
 #include "tools/command_guard.hpp"
 #include "tools/configured_recording.hpp"
 #include "tools/imu_mounting.hpp"
+#include "tools/input_error.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_mapping.hpp"
 #include "tools/run_statistics.hpp"
@@ -70,6 +71,10 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
   const std::size_t topic = sweep_topic(recording, options.recording, name);
   const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
   const auto start = static_cast<std::size_t>(options.start);
+  if (size == 0) {
+    throw InputError(options.recording, {}, "no whole sweep is left in it",
+                     "`adit inspect` tells what is damaged");
+  }
   if (start >= size) {
     throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
                      std::to_string(size - 1) + ".");
