@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,6 +13,7 @@
 
 #include "slam/lie.hpp"
 #include "slam/nav_state.hpp"
+#include "slam/text.hpp"
 
 namespace adit {
 namespace {
@@ -32,13 +32,6 @@ constexpr double kOtherUnit = 2.0;              // times as much, or as little
 constexpr double kHarmlessMisalignment = 0.09;  // rad
 constexpr double kClockSigmas = 4.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-std::string text_of(double value, int digits) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                                 std::chars_format::fixed, digits);
-  return {buffer.data(), end.ptr};
-}
 
 /// Root mean square of turns about their mean, rad.
 double spread(const std::vector<Eigen::Vector3d>& turns) {
@@ -88,27 +81,28 @@ std::vector<RotationInterval> told_turns(std::span<const RotationInterval> turns
 
 std::string clock_evidence(const RotationComparison& found, double configured, size_t turns) {
   const bool late = found.offset > 0.0;
-  return "the gyroscope turns as the sweeps do, but " + text_of(1e3 * std::abs(found.offset), 0) +
-         " ms " + (late ? "later" : "earlier") + " (+- " +
-         text_of(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " + std::to_string(turns) +
-         " sweeps): its clock is " + (late ? "late" : "early") +
-         "; recording.imu_time_offset = " + text_of(configured - found.offset, 3) +
-         (configured == 0.0 ? "" : " (not " + text_of(configured, 3) + ")") +
+  return "the gyroscope turns as the sweeps do, but " +
+         with_decimals(1e3 * std::abs(found.offset), 0) + " ms " + (late ? "later" : "earlier") +
+         " (+- " + with_decimals(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " +
+         std::to_string(turns) + " sweeps): its clock is " + (late ? "late" : "early") +
+         "; recording.imu_time_offset = " + with_decimals(configured - found.offset, 3) +
+         (configured == 0.0 ? "" : " (not " + with_decimals(configured, 3) + ")") +
          " would mend that from the start";
 }
 
 std::string mounting_evidence(const RotationComparison& found, size_t turns) {
   const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
   return "the gyroscope turns as the sweeps do, but about axes that are " +
-         text_of(kDegrees * found.misalignment, 1) + " degrees off (over " + std::to_string(turns) +
-         " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
-         "whose rotation should be qx " + text_of(q.x(), 4) + ", qy " + text_of(q.y(), 4) +
-         ", qz " + text_of(q.z(), 4) + ", qw " + text_of(q.w(), 4);
+         with_decimals(kDegrees * found.misalignment, 1) + " degrees off (over " +
+         std::to_string(turns) + " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
+         "whose rotation should be qx " + with_decimals(q.x(), 4) + ", qy " +
+         with_decimals(q.y(), 4) + ", qz " + with_decimals(q.z(), 4) + ", qw " +
+         with_decimals(q.w(), 4);
 }
 
 std::string unit_evidence(double factor) {
   const bool degrees = std::abs(factor / kDegrees - 1.0) < 0.3;
-  return "the gyroscope turns " + text_of(factor, factor < 1.0 ? 3 : 1) +
+  return "the gyroscope turns " + with_decimals(factor, factor < 1.0 ? 3 : 1) +
          " times as much as the sweeps: " +
          (degrees ? "it is in degrees a second (recording.gyroscope_scale = 0.0174533)"
                   : "is its unit another (recording.gyroscope_scale)?");

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "slam/imu_rest.hpp"
 #include "slam/imu_start.hpp"
+#include "slam/text.hpp"
 
 namespace adit {
 namespace {
@@ -40,14 +40,6 @@ Statistics statistics_of(std::span<const ImuSample> samples) {
   s.gyro_deviation = std::sqrt(s.gyro_deviation);
   s.accel_deviation = std::sqrt(s.accel_deviation);
   return s;
-}
-
-std::string text_of(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                                 std::chars_format::general, 3)
-                       .ptr;
-  return {buffer.data(), end};
 }
 
 ImuStart refused(ImuStartStatus status, std::string reason) {
@@ -101,10 +93,10 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
   const double duration =
       samples.empty() ? 0.0 : seconds(samples.back().stamp - samples.front().stamp);
   if (samples.size() < kFewest || duration < kShortest) {
-    return refused(ImuStartStatus::too_short, std::to_string(samples.size()) + " readings over " +
-                                                  text_of(duration) + " s; a start at rest needs " +
-                                                  std::to_string(kFewest) + " over " +
-                                                  text_of(kShortest) + " s");
+    return refused(ImuStartStatus::too_short,
+                   std::to_string(samples.size()) + " readings over " + in_digits(duration) +
+                       " s; a start at rest needs " + std::to_string(kFewest) + " over " +
+                       in_digits(kShortest) + " s");
   }
   Statistics all = statistics_of(samples);
   const double raw_norm = all.accel.norm();
@@ -118,27 +110,27 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
       (older.gyro - newer.gyro).norm() > kDriftGyro ||
       scale * (older.accel - newer.accel).norm() > kDriftAccel) {
     return refused(ImuStartStatus::not_at_rest,
-                   "the gyroscope varies by " + text_of(all.gyro_deviation) +
-                       " rad/s and the accelerometer by " + text_of(all.accel_deviation) +
-                       " m/s^2; at rest they stay below " + text_of(kRestGyro) + " and " +
-                       text_of(kRestAccel));
+                   "the gyroscope varies by " + in_digits(all.gyro_deviation) +
+                       " rad/s and the accelerometer by " + in_digits(all.accel_deviation) +
+                       " m/s^2; at rest they stay below " + in_digits(kRestGyro) + " and " +
+                       in_digits(kRestAccel));
   }
   if (all.gyro.norm() > kRestGyroBias) {
     return refused(ImuStartStatus::not_at_rest,
-                   "the gyroscope reads a steady " + text_of(all.gyro.norm()) +
+                   "the gyroscope reads a steady " + in_digits(all.gyro.norm()) +
                        " rad/s, too much for a bias: a rotation, or degrees per second");
   }
   const double norm = all.accel.norm();
   if (std::abs(norm - kStandardGravity) > kGravityTolerance) {
     return refused(ImuStartStatus::implausible,
-                   "the accelerometer reads " + text_of(raw_norm) +
+                   "the accelerometer reads " + in_digits(raw_norm) +
                        " at rest; 9.8 (m/s^2) or 1 (g) was expected: is its unit another?");
   }
 
   ImuStart start;
   start.status = ImuStartStatus::at_rest;
   start.reason =
-      "at rest for " + text_of(duration) + " s" + (scale != 1.0 ? ", accelerometer in g" : "");
+      "at rest for " + in_digits(duration) + " s" + (scale != 1.0 ? ", accelerometer in g" : "");
   start.accel_scale = scale;
   start.up_body = all.accel.normalized();
   start.bias.gyro = all.gyro;

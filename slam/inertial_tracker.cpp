@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
+
+#include "slam/text.hpp"
 
 namespace adit {
 namespace {
@@ -58,14 +59,6 @@ Eigen::Isometry3d pose_of(const std::array<double, 7>& v) {
   pose.linear() = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized().toRotationMatrix();
   pose.translation() << v[0], v[1], v[2];
   return pose;
-}
-
-std::string text_of(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                                 std::chars_format::general, 3)
-                       .ptr;
-  return {buffer.data(), end};
 }
 
 /// Of a lidar pose, from that of the body's.
@@ -157,8 +150,8 @@ std::string InertialTracker::complaint(const ImuInterval& interval) const {
     return "there are no IMU readings";
   }
   return longest <= config_.max_gap ? ""
-                                    : "no IMU readings for " + text_of(longest) +
-                                          " s (imu.max_gap is " + text_of(config_.max_gap) + ")";
+                                    : "no IMU readings for " + in_digits(longest) +
+                                          " s (imu.max_gap is " + in_digits(config_.max_gap) + ")";
 }
 
 void InertialTracker::lose(const std::string& why) {
@@ -270,14 +263,14 @@ std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
     return "the fused state is not finite";
   }
   if (nav.v_map_body.norm() > kFastest) {
-    return "the fused velocity is " + text_of(nav.v_map_body.norm()) + " m/s";
+    return "the fused velocity is " + in_digits(nav.v_map_body.norm()) + " m/s";
   }
   if (nav.bias.gyro.norm() > kLargestGyroBias) {
-    return "the gyroscope's bias would be " + text_of(nav.bias.gyro.norm()) +
+    return "the gyroscope's bias would be " + in_digits(nav.bias.gyro.norm()) +
            " rad/s: is it saturated, in degrees, or mounted otherwise than imu.T_imu_lidar says?";
   }
   if (nav.bias.accel.norm() > kLargestAccelBias) {
-    return "the accelerometer's bias would be " + text_of(nav.bias.accel.norm()) +
+    return "the accelerometer's bias would be " + in_digits(nav.bias.accel.norm()) +
            " m/s^2: is its unit another, or imu.T_imu_lidar wrong?";
   }
   if (surprises_ >= kSurprises) {
@@ -290,7 +283,7 @@ std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
                 : "");
   }
   return alone_since_ > kLongestAlone
-             ? "no sweep could be aligned for " + text_of(alone_since_) + " s"
+             ? "no sweep could be aligned for " + in_digits(alone_since_) + " s"
              : "";
 }
 

@@ -4,7 +4,6 @@
 // How InertialTracker finds that clock or mounting are not what they are said to be, and corrects
 // them where it may.
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -12,6 +11,7 @@
 
 #include "slam/inertial_tracker.hpp"
 #include "slam/lie.hpp"
+#include "slam/text.hpp"
 
 namespace adit {
 namespace {
@@ -33,13 +33,6 @@ constexpr int kMostCorrections = 4;
 // that are right are in 62 to 100 % of all.
 constexpr int kWorse = 3;
 constexpr int kTrial = 30;
-
-std::string text_of(double value, int digits) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
-                                 std::chars_format::fixed, digits);
-  return {buffer.data(), end.ptr};
-}
 
 /// From the mounting R_lidar_imu to the one that was found, about the lidar's axes: those of its
 /// components that the motion tells apart from nothing, if one of them is worth it.
@@ -101,6 +94,7 @@ void InertialTracker::judge(const GyroCheck& check) {
     if (!done.empty()) {
       corrections_ += may ? 1 : 0;
       trial_ = Trial{};
+      gyro_agrees_ = true;  // what was seen before was with the fault
       suspected_ = GyroFault::none;
       after_gap_ = false;
       monitor_.forget_turns();
@@ -145,7 +139,7 @@ std::string InertialTracker::correct(const RotationComparison& found, const Corr
     const auto by = -std::chrono::round<Nanoseconds>(std::chrono::duration<double>(late));
     buffer_.shift(by);
     saturation_.shift(by);
-    what = "its clock is corrected by " + text_of(-1e3 * clock_offset_, 1) + " ms";
+    what = "its clock is corrected by " + with_decimals(-1e3 * clock_offset_, 1) + " ms";
   }
   const Eigen::Vector3d turn = significant_turn(found, R_lidar_body(), allowed.sigmas);
   if (allowed.mounting && turn.norm() > 0.0) {
@@ -155,7 +149,7 @@ std::string InertialTracker::correct(const RotationComparison& found, const Corr
     T_body_lidar_ = T_lidar_body.inverse();
     const std::string hidden = unobserved_axes(found);
     what += (what.empty() ? "" : ", ") + std::string("its mounting is turned by ") +
-            text_of(turn.norm() * 180.0 / std::numbers::pi, 2) + " degrees" +
+            with_decimals(turn.norm() * 180.0 / std::numbers::pi, 2) + " degrees" +
             (hidden.empty() ? "" : " (the motion does not tell " + hidden + ")");
   }
   return what;

@@ -36,13 +36,16 @@ class SaturationWatch {
     double greatest = 0.0;
     double limit = 0.0;  ///< the end of the range, once it is known
     std::deque<Nanoseconds> saturated;
+
+    /// `stamps`: of this reading, after the last two; `least`: no range ends below; `stuck`: the
+    /// whole message is the one before.
+    void add(const Eigen::Vector3d& value, const std::array<Nanoseconds, 3>& stamps, double least,
+             bool stuck);
   };
-  static void judge(Triad& triad, const Eigen::Vector3d& value, double least, bool stuck,
-                    const std::array<Nanoseconds, 2>& before, Nanoseconds stamp);
 
   Triad gyroscope_;
   Triad accelerometer_;
-  std::array<Nanoseconds, 2> before_ = {};  ///< stamps of the last two readings
+  std::array<Nanoseconds, 3> stamps_ = {};  ///< of the last three readings
   double usual_ = 0.0;  ///< length of accelerations, in the sensor's unit: about gravity
 };
 

@@ -110,6 +110,14 @@ TEST_F(RunCommand, McapThatWasCutOffIsMappedUpToThereAndSaysSo) {
   EXPECT_LT(placed, kSweeps);
 }
 
+TEST_F(RunCommand, McapWithoutAWholeSweepLeftSaysSo) {
+  RunCommandOptions from = options();
+  from.recording = write_mcap(from.recording, out_ / "drive.mcap");
+  fs::resize_file(from.recording, 2000);
+  EXPECT_EQ(run(from), 1);
+  EXPECT_NE(said_.str().find("no whole sweep is left in it"), std::string::npos) << said_.str();
+}
+
 TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
   ASSERT_EQ(run(options()), 0) << said_.str();
   const Trajectory estimate = read_trajectory(out_ / "out/trajectory.tum");
