@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "benchmarks/command_bench.hpp"
+#include "adit/benchmarks/command_bench.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -10,15 +10,15 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/cases.hpp"
-#include "benchmarks/command_bench_consistency.hpp"
-#include "benchmarks/command_bench_slam.hpp"
-#include "benchmarks/inputs.hpp"
-#include "benchmarks/report.hpp"
-#include "tools/command_guard.hpp"
-#include "tools/nearest_name.hpp"
-#include "tools/output_file.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/benchmarks/command_bench_consistency.hpp"
+#include "adit/benchmarks/command_bench_slam.hpp"
+#include "adit/benchmarks/kernels/cases.hpp"
+#include "adit/benchmarks/kernels/inputs.hpp"
+#include "adit/benchmarks/kernels/report.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit::bench {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/device_session.hpp"
+#include "adit/tools/run/device_session.hpp"
 
 namespace CLI {
 class App;

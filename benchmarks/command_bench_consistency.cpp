@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "benchmarks/command_bench_consistency.hpp"
+#include "adit/benchmarks/command_bench_consistency.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -11,12 +11,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/consistency.hpp"
-#include "tools/command_config.hpp"
-#include "tools/command_guard.hpp"
-#include "tools/nearest_name.hpp"
-#include "tools/output_file.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/benchmarks/consistency/consistency.hpp"
+#include "adit/tools/commands/command_config.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/config_file.hpp"
-#include "tools/device_session.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/run/device_session.hpp"
 
 namespace CLI {
 class App;

@@ -17,13 +17,13 @@
 #include <string>
 #include <vector>
 
-#include "tools/recordings/byte_reader.hpp"
-#include "tools/recordings/compression.hpp"
-#include "tools/recordings/mcap_records.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/recordings/ros_events.hpp"
-#include "tools/recordings/seekable_file.hpp"
+#include "adit/tools/containers/byte_reader.hpp"
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/mcap_records.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/containers/seekable_file.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
 
 namespace {
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "benchmarks/setting.hpp"
+#include "adit/benchmarks/setting.hpp"
 
 #include <chrono>
 #include <ctime>
 #include <fstream>
 #include <thread>
 
-#include "benchmarks/commit.hpp"
-#include "tools/version.hpp"
+#include "adit/benchmarks/commit.hpp"
+#include "adit/tools/support/version.hpp"
 
 namespace adit::bench {
 namespace {

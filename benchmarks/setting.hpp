@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "engine/device_info.hpp"
+#include "adit/engine/device_info.hpp"
 
 namespace adit::bench {
 

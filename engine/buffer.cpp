@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/buffer.hpp"
+#include "adit/engine/buffer.hpp"
 
 #include <memory>
 #include <stdexcept>
 
-#include "engine/buffer_state.hpp"
+#include "adit/engine/vulkan/buffer_state.hpp"
 
 namespace adit::engine {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/context.hpp"
+#include "adit/engine/context.hpp"
 
 #include <stdexcept>
 
-#include "engine/buffer_state.hpp"
-#include "engine/recorder_state.hpp"
-#include "engine/submission_state.hpp"
+#include "adit/engine/vulkan/buffer_state.hpp"
+#include "adit/engine/vulkan/recorder_state.hpp"
+#include "adit/engine/vulkan/submission_state.hpp"
 
 namespace adit::engine {
 

@@ -8,12 +8,12 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/buffer.hpp"
-#include "engine/device_info.hpp"
-#include "engine/error.hpp"
-#include "engine/kernel.hpp"
-#include "engine/recorder.hpp"
-#include "engine/submission.hpp"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/device_info.hpp"
+#include "adit/engine/error.hpp"
+#include "adit/engine/kernel.hpp"
+#include "adit/engine/recorder.hpp"
+#include "adit/engine/submission.hpp"
 
 namespace adit::engine {
 

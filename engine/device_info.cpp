@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/device_info.hpp"
+#include "adit/engine/device_info.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <string_view>
 
-#include "engine/buffer.hpp"
-#include "engine/command_slot.hpp"
-#include "engine/instance.hpp"
-#include "engine/recorder.hpp"
-#include "engine/spirv.hpp"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/recorder.hpp"
+#include "adit/engine/vulkan/command_slot.hpp"
+#include "adit/engine/vulkan/instance.hpp"
+#include "adit/engine/vulkan/spirv.hpp"
 
 namespace adit::engine {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/kernel.hpp"
+#include "adit/engine/kernel.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
-#include "engine/context.hpp"
-#include "engine/kernel_state.hpp"
-#include "shaders/embedded.hpp"
+#include "adit/engine/context.hpp"
+#include "adit/engine/vulkan/kernel_state.hpp"
+#include "adit/shaders/embedded.hpp"
 
 namespace adit::engine {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/spirv.hpp"
+#include "adit/engine/vulkan/spirv.hpp"
 
 namespace adit::engine {
 

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/recorder.hpp"
+#include "adit/engine/recorder.hpp"
 
 #include <array>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "engine/buffer_state.hpp"
-#include "engine/kernel_state.hpp"
-#include "engine/recorder_state.hpp"
+#include "adit/engine/vulkan/buffer_state.hpp"
+#include "adit/engine/vulkan/kernel_state.hpp"
+#include "adit/engine/vulkan/recorder_state.hpp"
 
 namespace adit::engine {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <type_traits>
 
-#include "engine/buffer.hpp"
-#include "engine/kernel.hpp"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/kernel.hpp"
 
 namespace adit::engine {
 

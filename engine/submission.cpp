@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/submission.hpp"
+#include "adit/engine/submission.hpp"
 
 #include <stdexcept>
 
-#include "engine/submission_state.hpp"
+#include "adit/engine/vulkan/submission_state.hpp"
 
 namespace adit::engine {
 

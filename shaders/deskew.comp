@@ -9,8 +9,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/include/hash.glsl"
-#include "shaders/shared/deskew.h"
+#include "adit/shaders/include/hash.glsl"
+#include "adit/shaders/shared/deskew.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

@@ -8,11 +8,11 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/include/parts.glsl"
-#include "shaders/include/surface.glsl"
-#include "shaders/include/texels.glsl"
-#include "shaders/shared/gaussian_cell.h"
-#include "shaders/shared/preprocess.h"
+#include "adit/shaders/include/parts.glsl"
+#include "adit/shaders/include/surface.glsl"
+#include "adit/shaders/include/texels.glsl"
+#include "adit/shaders/shared/gaussian_cell.h"
+#include "adit/shaders/shared/preprocess.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

@@ -9,9 +9,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#include "shaders/include/hash.glsl"
-#include "shaders/include/texels.glsl"
-#include "shaders/shared/preprocess.h"
+#include "adit/shaders/include/hash.glsl"
+#include "adit/shaders/include/texels.glsl"
+#include "adit/shaders/shared/preprocess.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

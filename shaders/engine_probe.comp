@@ -10,7 +10,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_basic : require
 
-#include "shaders/shared/engine_probe.h"
+#include "adit/shaders/shared/engine_probe.h"
 
 layout(constant_id = 0) const uint kLocalSize = 64;
 layout(constant_id = 1) const uint kScale = 1;

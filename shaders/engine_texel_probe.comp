@@ -9,7 +9,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "shaders/shared/engine_probe.h"
+#include "adit/shaders/shared/engine_probe.h"
 
 layout(constant_id = 0) const uint kLocalSize = 64;
 layout(local_size_x_id = 0) in;

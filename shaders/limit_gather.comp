@@ -6,9 +6,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/include/hash.glsl"
-#include "shaders/include/texels.glsl"
-#include "shaders/shared/limit_probes.h"
+#include "adit/shaders/include/hash.glsl"
+#include "adit/shaders/include/texels.glsl"
+#include "adit/shaders/shared/limit_probes.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

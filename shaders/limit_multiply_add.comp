@@ -6,7 +6,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/shared/limit_probes.h"
+#include "adit/shaders/shared/limit_probes.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

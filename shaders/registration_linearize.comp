@@ -14,8 +14,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#include "shaders/include/registration_directions.glsl"
-#include "shaders/include/registration_sums.glsl"
+#include "adit/shaders/include/registration_directions.glsl"
+#include "adit/shaders/include/registration_sums.glsl"
 
 const uint kMaxSubgroups = kLocalSize / 4;  // no baseline device has subgroups of fewer than 4
 shared float subgroup_sums[kMaxSubgroups * kSums];

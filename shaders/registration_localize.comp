@@ -10,7 +10,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#include "shaders/include/registration_match.glsl"
+#include "adit/shaders/include/registration_match.glsl"
 
 const uint kSupports = 7;  // of the six directions, and the matches
 const uint kMaxSubgroups = kLocalSize / 4;

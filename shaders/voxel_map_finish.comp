@@ -7,10 +7,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/include/constraint.glsl"
-#include "shaders/include/hash.glsl"
-#include "shaders/include/jacobi.glsl"
-#include "shaders/include/texels.glsl"
+#include "adit/shaders/include/constraint.glsl"
+#include "adit/shaders/include/hash.glsl"
+#include "adit/shaders/include/jacobi.glsl"
+#include "adit/shaders/include/texels.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

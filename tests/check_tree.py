@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks the rules of the tree that no compiler checks; docs/architecture.md gives them.
 
-Usage: check_tree.py [ROOT]. Prints one line a violation and exits 1 if there is any.
+Usage: check_tree.py [--plan] [ROOT]. Prints one line a violation and exits 1 if there is any; with --plan a line a group:
+its files, its lines, and the groups that it includes.
 """
 
 import pathlib
@@ -21,12 +22,24 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 MACHINE_PATH = re.compile(r"(?<![\w./}$-])/(home|root|work|mnt|Users)/")
 PRINTS = re.compile(r"\bstd::(cout|cerr|clog)\b|\b(f?printf|f?puts|putchar)\s*\(|\b(std::)?(exit|abort|quick_exit)\s*\(")
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
-# Layers, lowest first: a file includes its own layer and those below it, never one above.
-LAYERS = ["shaders", "engine", "engine/kernels", "slam", "tools", "tests"]
+# Groups of files, lowest first: a file includes its own group and those above it in this list, never one below.
+# Each is a CMake library of its own (the CMakeLists.txt of its top folder); engine/ and engine/vulkan/ are one.
+GROUPS = [
+    "shaders", "engine", "engine/kernels", "engine/self_test",
+    "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/mapping", "slam/executor",
+    "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
+    "tools/topics", "tools/results", "tools/simulator", "tools/maps", "tools/run", "tools/evaluation",
+    "tools/inspection", "tools/commands",
+    "benchmarks/reference", "benchmarks/verify", "benchmarks", "tests",
+]
+# Includes of the project's own files begin so, that none can collide with a user's.
+PREFIX = "adit/"
+# Where threads may be started: tests and benchmarks aside.
+THREADS = {"slam/executor/", "tools/simulator/parallel.hpp"}
 # What these layers are not to include; they do not print or end the process either (PRINTS).
 FORBIDDEN_HEADERS = {
     "engine": {"iostream", "cstdio", "stdio.h"},
-    "slam": {"iostream", "fstream", "cstdio", "stdio.h", "filesystem", "thread"},
+    "slam": {"iostream", "fstream", "cstdio", "stdio.h", "filesystem"},
 }
 
 
@@ -39,14 +52,19 @@ def is_code(path):
     return suffix(path) in CODE or name in {"CMakeLists.txt", "dev"} or path == ".ci/run"
 
 
-def layer(path):
-    """Index into LAYERS, or None for files that are not part of the layering."""
-    if path.startswith("engine/kernels/"):
-        return LAYERS.index("engine/kernels")
-    top = path.split("/", 1)[0]
-    if top == "benchmarks" or path == "tools/main.cpp":  # which puts the program together
-        return LAYERS.index("tests")
-    return LAYERS.index(top) if top in LAYERS else None
+def group(path):
+    """Index into GROUPS, or None for files that belong to none."""
+    if path == "tools/commands/main.cpp":  # which puts the program together
+        return GROUPS.index("tests")
+    parts = path.split("/")
+    top, folder = parts[0], "/".join(parts[:2])
+    if top == "engine" and len(parts) > 2 and folder in GROUPS:
+        return GROUPS.index(folder)
+    if top in {"slam", "tools"}:
+        return GROUPS.index(folder) if folder in GROUPS else None
+    if folder in GROUPS:
+        return GROUPS.index(folder)
+    return GROUPS.index(top) if top in GROUPS else None
 
 
 def includes(text):
@@ -82,22 +100,32 @@ def check_text(files):
                 yield f"{path}:{number}", "names a path of somebody's machine"
 
 
+def check_groups(files):
+    for path in files:
+        if suffix(path) in CXX and path.split("/", 1)[0] in TOP_FOLDERS - {"docs"} and group(path) is None:
+            yield path, f"lies in none of the groups of check_tree.py: {', '.join(GROUPS)}"
+
+
 def check_includes(files):
     for path, text in files.items():
-        if suffix(path) not in CXX | GLSL or layer(path) is None:
+        if suffix(path) not in CXX | GLSL or group(path) is None:
             continue
         top = path.split("/", 1)[0]
         for quoted, name in includes(text):
+            inner = name.removeprefix(PREFIX)
             if not quoted:
                 if name in FORBIDDEN_HEADERS.get(top, ()):
-                    yield path, f"includes <{name}>: {top}/ does not print, read files or start threads"
-            elif name not in files:
-                yield path, f'includes "{name}", which is not a path from the root of the tree'
-            elif layer(name) is None or layer(name) > layer(path):
-                yield path, f'includes "{name}": {LAYERS[layer(path)]} may not use what lies above it'
-            elif suffix(path) in GLSL and not name.startswith(("shaders/include/", "shaders/shared/")):
+                    yield path, f"includes <{name}>: {top}/ does not print or read files"
+                if name in {"thread", "future"} and top not in {"tests", "benchmarks"} and \
+                        not any(path.startswith(place) for place in THREADS):
+                    yield path, f"includes <{name}>: threads are started in {', '.join(sorted(THREADS))} alone"
+            elif not name.startswith(PREFIX) or inner not in files:
+                yield path, f'includes "{name}", which is not "{PREFIX}" with a path from the root of the tree'
+            elif group(inner) is None or group(inner) > group(path):
+                yield path, f'includes "{name}": {GROUPS[group(path)]} may not use what lies above it'
+            elif suffix(path) in GLSL and not inner.startswith(("shaders/include/", "shaders/shared/")):
                 yield path, f'includes "{name}": shaders include only shaders/include and shaders/shared'
-            elif path.startswith("shaders/shared/") and not name.startswith("shaders/shared/"):
+            elif path.startswith("shaders/shared/") and not inner.startswith("shaders/shared/"):
                 yield path, f'includes "{name}": shaders/shared is read by C++ and GLSL and stands alone'
 
 
@@ -113,20 +141,20 @@ def check_silence(files):
 
 
 def check_vulkan(files):
-    """Vulkan headers are seen by engine/*.{hpp,cpp} alone, not even through another header."""
+    """Vulkan headers are seen by engine/vulkan/ and engine/*.cpp alone, not even through another header."""
     sees = {path for path, text in files.items()
             if suffix(path) in CXX and any(name.startswith("vulkan/") for _, name in includes(text))}
     direct = set(sees)
     grown = True
     while grown:
         more = {path for path, text in files.items()
-                if suffix(path) in CXX and any(name in sees for _, name in includes(text))} - sees
+                if suffix(path) in CXX and any(name.removeprefix(PREFIX) in sees for _, name in includes(text))} - sees
         sees |= more
         grown = bool(more)
     for path in sorted(sees):
-        if not re.fullmatch(r"(engine|tests/engine)/[^/]+", path):
+        if not re.fullmatch(r"engine/[^/]+[.]cpp|(engine/vulkan|tests/engine)/[^/]+", path):
             how = "includes" if path in direct else "includes, through another header,"
-            yield path, f"{how} <vulkan/...>; only engine/*.hpp and engine/*.cpp do"
+            yield path, f"{how} <vulkan/...>; only engine/vulkan/ and engine/*.cpp do"
 
 
 def check_headers(files):
@@ -161,7 +189,7 @@ def check_links(files, folders):
 def check(files):
     """All violations in a tree given as {path: text}, as sorted 'path: message' lines."""
     folders = {str(parent) for path in files for parent in pathlib.PurePosixPath(path).parents}
-    found = [*check_layout(files), *check_text(files), *check_includes(files), *check_silence(files),
+    found = [*check_layout(files), *check_text(files), *check_groups(files), *check_includes(files), *check_silence(files),
              *check_vulkan(files), *check_headers(files), *check_links(files, folders)]
     return sorted(f"{path}: {message}" for path, message in found)
 
@@ -183,9 +211,34 @@ def read_tree(root):
     return files
 
 
+def plan(files):
+    """A line a group, lowest first; then how many includes go up and how many groups include each other in a circle."""
+    rows = {index: [0, 0, set()] for index in range(len(GROUPS))}
+    up = 0
+    for path, text in files.items():
+        index = group(path)
+        if suffix(path) not in CXX | GLSL or index is None:
+            continue
+        rows[index][0] += 1
+        rows[index][1] += text.count("\n")
+        for quoted, name in includes(text):
+            other = group(name.removeprefix(PREFIX)) if quoted else None
+            if other is not None and other != index:
+                rows[index][2].add(other)
+                up += other > index
+    for index, (count, lines, below) in rows.items():
+        if count:
+            yield f"{GROUPS[index]:20} {count:4} files {lines:6} lines  <- {', '.join(GROUPS[i] for i in sorted(below))}"
+    circles = sum(1 for i, row in rows.items() for j in row[2] if j > i and i in rows[j][2])
+    yield f"includes that go up: {up}; groups that include each other: {circles}"
+
+
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
+    arguments = [argument for argument in sys.argv[1:] if argument != "--plan"]
+    root = pathlib.Path(arguments[0] if arguments else pathlib.Path(__file__).parent.parent).resolve()
     files = read_tree(root)
+    if "--plan" in sys.argv:
+        print("\n".join(plan(files)))
     problems = check(files)
     for problem in problems:
         print(problem)

@@ -11,14 +11,15 @@ SPDX = "// SPDX-FileCopyrightText: 2026 The adit authors\n// SPDX-License-Identi
 HEADER = SPDX + "#pragma once\n"
 SOUND = {
     "engine/buffer.hpp": HEADER + "#include <cstdint>\n",
-    "engine/buffer.cpp": SPDX + '#include "engine/buffer.hpp"\n#include <vulkan/vulkan_raii.hpp>\n',
-    "engine/kernels/scan.hpp": HEADER + '#include "engine/buffer.hpp"\n#include "shaders/shared/scan.h"\n',
-    "slam/odometry.hpp": HEADER + '#include "engine/kernels/scan.hpp"\n',
-    "tools/main.cpp": SPDX + '#include <iostream>\n#include "slam/odometry.hpp"\n',
-    "tests/slam/odometry_test.cpp": SPDX + '#include "slam/odometry.hpp"\n',
+    "engine/buffer.cpp": SPDX + '#include "adit/engine/buffer.hpp"\n#include <vulkan/vulkan_raii.hpp>\n',
+    "engine/kernels/scan.hpp": HEADER + '#include "adit/engine/buffer.hpp"\n#include "adit/shaders/shared/scan.h"\n',
+    "slam/core/types.hpp": HEADER,
+    "slam/odometry/odometry.hpp": HEADER + '#include "adit/engine/kernels/scan.hpp"\n#include "adit/slam/core/types.hpp"\n',
+    "tools/commands/main.cpp": SPDX + '#include <iostream>\n#include "adit/slam/odometry/odometry.hpp"\n',
+    "tests/slam/odometry_test.cpp": SPDX + '#include "adit/slam/odometry/odometry.hpp"\n',
     "shaders/shared/scan.h": SPDX + "#ifndef SCAN_H\n#define SCAN_H\n#endif\n",
-    "shaders/scan.comp": SPDX + '#version 460\n#include "shaders/shared/scan.h"\n',
-    "docs/page.md": "see [the header](../slam/odometry.hpp) and [docs](../docs)\n",
+    "shaders/scan.comp": SPDX + '#version 460\n#include "adit/shaders/shared/scan.h"\n',
+    "docs/page.md": "see [the header](../slam/odometry/odometry.hpp) and [docs](../docs)\n",
 }
 
 
@@ -35,61 +36,72 @@ class CheckTree(unittest.TestCase):
         self.expect("utils/a.hpp", HEADER, "not one of the top-level folders")
 
     def test_a_second_level_of_sub_folders_is_found(self):
-        self.expect("slam/graph/factors/a.hpp", HEADER, "more than one level")
+        self.expect("slam/core/factors/a.hpp", HEADER, "more than one level")
 
     def test_a_file_of_501_lines_is_found(self):
-        self.assertEqual(check_tree.check({**SOUND, "slam/a.cpp": SPDX + "\n" * 498}), [])
-        self.expect("slam/a.cpp", SPDX + "\n" * 499, "501 lines")
+        self.assertEqual(check_tree.check({**SOUND, "slam/core/a.cpp": SPDX + "\n" * 498}), [])
+        self.expect("slam/core/a.cpp", SPDX + "\n" * 499, "501 lines")
 
     def test_a_missing_licence_line_is_found(self):
-        self.expect("slam/a.cpp", SPDX.split("\n")[0] + "\n", "SPDX-License-Identifier")
+        self.expect("slam/core/a.cpp", SPDX.split("\n")[0] + "\n", "SPDX-License-Identifier")
 
     def test_a_missing_last_newline_is_found(self):
-        self.expect("slam/a.cpp", SPDX + "int a;", "does not end with a newline")
+        self.expect("slam/core/a.cpp", SPDX + "int a;", "does not end with a newline")
 
     def test_trailing_white_space_is_found(self):
-        self.expect("slam/a.cpp", SPDX + "int a; \n", "slam/a.cpp:3: white space")
+        self.expect("slam/core/a.cpp", SPDX + "int a; \n", "slam/core/a.cpp:3: white space")
 
     def test_a_machine_path_is_found(self):
-        self.expect("slam/a.cpp", SPDX + "// in /" + "home/me/adit\n", "somebody's machine")
+        self.expect("slam/core/a.cpp", SPDX + "// in /" + "home/me/adit\n", "somebody's machine")
 
     def test_an_include_that_goes_up_a_layer_is_found(self):
-        self.expect("engine/a.cpp", SPDX + '#include "slam/odometry.hpp"\n', "may not use what lies above")
-        self.expect("engine/a.cpp", SPDX + '#include "engine/kernels/scan.hpp"\n', "may not use what lies above")
+        self.expect("engine/a.cpp", SPDX + '#include "adit/slam/odometry/odometry.hpp"\n', "may not use what lies above")
+        self.expect("engine/a.cpp", SPDX + '#include "adit/engine/kernels/scan.hpp"\n', "may not use what lies above")
+
+    def test_a_lower_group_that_includes_a_higher_one_is_found(self):
+        self.expect("slam/core/a.hpp", HEADER + '#include "adit/slam/odometry/odometry.hpp"\n',
+                    "slam/core may not use what lies above it")
+
+    def test_a_source_outside_of_the_groups_is_found(self):
+        self.expect("slam/a.hpp", HEADER, "lies in none of the groups")
+
+    def test_a_second_place_for_threads_is_found(self):
+        self.expect("slam/core/a.cpp", SPDX + "#include <thread>\n", "threads are started in")
+        self.assertEqual(check_tree.check({**SOUND, "slam/executor/live.cpp": SPDX + "#include <thread>\n"}), [])
 
     def test_an_include_that_is_not_from_the_root_is_found(self):
-        self.expect("engine/a.cpp", SPDX + '#include "buffer.hpp"\n', "not a path from the root")
+        self.expect("engine/a.cpp", SPDX + '#include "buffer.hpp"\n', "not \"adit/\" with a path")
 
     def test_an_include_of_a_test_is_found(self):
-        self.expect("tools/a.cpp", SPDX + '#include "tests/slam/odometry_test.cpp"\n', "may not use what lies above")
+        self.expect("tools/run/a.cpp", SPDX + '#include "adit/tests/slam/odometry_test.cpp"\n', "may not use what lies above")
 
     def test_vulkan_outside_the_engine_is_found(self):
         self.expect("engine/kernels/a.cpp", SPDX + "#include <vulkan/vulkan.h>\n", "only engine/")
 
     def test_vulkan_through_a_header_is_found(self):
-        tree = {**SOUND, "engine/leak.hpp": HEADER + "#include <vulkan/vulkan.h>\n",
-                "slam/a.cpp": SPDX + '#include "engine/leak.hpp"\n'}
+        tree = {**SOUND, "engine/vulkan/leak.hpp": HEADER + "#include <vulkan/vulkan.h>\n",
+                "slam/core/a.cpp": SPDX + '#include "adit/engine/vulkan/leak.hpp"\n'}
         self.assertEqual(len(check_tree.check(tree)), 1)
-        self.assertIn("slam/a.cpp: includes, through another header", check_tree.check(tree)[0])
+        self.assertIn("slam/core/a.cpp: includes, through another header", check_tree.check(tree)[0])
 
     def test_printing_in_slam_is_found(self):
-        self.expect("slam/a.cpp", SPDX + "#include <iostream>\n", "does not print")
+        self.expect("slam/core/a.cpp", SPDX + "#include <iostream>\n", "does not print")
 
-        self.expect("slam/a.cpp", SPDX + "void f() { printf(\"a\"); }\n", "slam/a.cpp:3: 'printf('")
-        self.assertEqual(check_tree.check({**SOUND, "slam/a.cpp": SPDX + "// std::cout\n// snprintf(\n"}), [])
+        self.expect("slam/core/a.cpp", SPDX + "void f() { printf(\"a\"); }\n", "slam/core/a.cpp:3: 'printf('")
+        self.assertEqual(check_tree.check({**SOUND, "slam/core/a.cpp": SPDX + "// std::cout\n// snprintf(\n"}), [])
 
     def test_ending_the_process_in_the_engine_is_found(self):
         self.expect("engine/a.cpp", SPDX + "void f() { std::abort(); }\n", "engine/a.cpp:3: 'std::abort('")
 
     def test_a_header_without_a_guard_is_found(self):
-        self.expect("slam/a.hpp", SPDX, "neither #pragma once")
+        self.expect("slam/core/a.hpp", SPDX, "neither #pragma once")
 
     def test_using_namespace_in_a_header_is_found(self):
-        self.expect("slam/a.hpp", HEADER + "using namespace std;\n", "'using namespace'")
+        self.expect("slam/core/a.hpp", HEADER + "using namespace std;\n", "'using namespace'")
 
     def test_a_shader_that_includes_host_code_is_found(self):
         tree = {**SOUND, "shaders/embedded.hpp": HEADER}
-        problems = check_tree.check({**tree, "shaders/a.comp": SPDX + '#include "shaders/embedded.hpp"\n'})
+        problems = check_tree.check({**tree, "shaders/a.comp": SPDX + '#include "adit/shaders/embedded.hpp"\n'})
         self.assertEqual(len(problems), 1, problems)
         self.assertIn("shaders include only", problems[0])
 

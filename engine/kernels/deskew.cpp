@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/kernels/deskew.hpp"
+#include "adit/engine/kernels/deskew.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
-#include "engine/context.hpp"
+#include "adit/engine/context.hpp"
 
 namespace adit::engine {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/device_info.hpp"
+#include "adit/engine/device_info.hpp"
 
 namespace adit::engine {
 

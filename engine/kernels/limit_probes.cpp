@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/kernels/limit_probes.hpp"
+#include "adit/engine/kernels/limit_probes.hpp"
 
-#include "engine/context.hpp"
-#include "engine/kernels/texels.hpp"
+#include "adit/engine/context.hpp"
+#include "adit/engine/kernels/texels.hpp"
 
 namespace adit::engine {
 

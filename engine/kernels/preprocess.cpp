@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/kernels/preprocess.hpp"
+#include "adit/engine/kernels/preprocess.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
 
-#include "engine/context.hpp"
-#include "engine/kernels/texels.hpp"
-#include "shaders/shared/gaussian_cell.h"
+#include "adit/engine/context.hpp"
+#include "adit/engine/kernels/texels.hpp"
+#include "adit/shaders/shared/gaussian_cell.h"
 
 namespace adit::engine {
 namespace {

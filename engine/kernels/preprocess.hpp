@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/buffer.hpp"
-#include "engine/kernel.hpp"
-#include "engine/kernels/launch.hpp"
-#include "engine/recorder.hpp"
-#include "shaders/shared/preprocess.h"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/kernel.hpp"
+#include "adit/engine/kernels/launch.hpp"
+#include "adit/engine/recorder.hpp"
+#include "adit/shaders/shared/preprocess.h"
 
 namespace adit::engine {
 

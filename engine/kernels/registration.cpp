@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/kernels/registration.hpp"
+#include "adit/engine/kernels/registration.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,8 +8,8 @@
 #include <cstring>
 #include <vector>
 
-#include "engine/context.hpp"
-#include "engine/kernels/texels.hpp"
+#include "adit/engine/context.hpp"
+#include "adit/engine/kernels/texels.hpp"
 
 namespace adit::engine {
 namespace {

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/buffer.hpp"
-#include "engine/kernel.hpp"
-#include "engine/kernels/launch.hpp"
-#include "engine/recorder.hpp"
-#include "shaders/shared/registration.h"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/kernel.hpp"
+#include "adit/engine/kernels/launch.hpp"
+#include "adit/engine/recorder.hpp"
+#include "adit/shaders/shared/registration.h"
 
 namespace adit::engine {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "engine/buffer.hpp"
-#include "engine/device_info.hpp"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/device_info.hpp"
 
 namespace adit::engine {
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/kernels/voxel_map.hpp"
+#include "adit/engine/kernels/voxel_map.hpp"
 
 #include <algorithm>
 
-#include "engine/context.hpp"
-#include "engine/kernels/texels.hpp"
+#include "adit/engine/context.hpp"
+#include "adit/engine/kernels/texels.hpp"
 
 namespace adit::engine {
 

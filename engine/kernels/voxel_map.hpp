@@ -4,11 +4,11 @@
 
 #include <cstdint>
 
-#include "engine/buffer.hpp"
-#include "engine/kernel.hpp"
-#include "engine/kernels/launch.hpp"
-#include "engine/recorder.hpp"
-#include "shaders/shared/gaussian_cell.h"
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/kernel.hpp"
+#include "adit/engine/kernels/launch.hpp"
+#include "adit/engine/recorder.hpp"
+#include "adit/shaders/shared/gaussian_cell.h"
 
 namespace adit::engine {
 

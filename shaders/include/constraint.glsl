@@ -4,8 +4,8 @@
 // The surface constraint of a voxel, out of the three words of its GaussianCell.
 #ifndef ADIT_CONSTRAINT_GLSL
 #define ADIT_CONSTRAINT_GLSL
-#include "shaders/include/sym3.glsl"
-#include "shaders/shared/gaussian_cell.h"
+#include "adit/shaders/include/sym3.glsl"
+#include "adit/shaders/shared/gaussian_cell.h"
 
 // Mean of P over the points with a surface, and kBare of those without, whose P is 0.
 Sym3 mean_constraint(uvec4 head, uvec4 middle, uvec4 tail) {

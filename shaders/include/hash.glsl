@@ -6,7 +6,7 @@
 #ifndef ADIT_HASH_GLSL
 #define ADIT_HASH_GLSL
 
-#include "shaders/shared/gaussian_cell.h"
+#include "adit/shaders/shared/gaussian_cell.h"
 
 // How a probe loop must be written: test at the top, results only in variables that the loop
 // carries. After `do { ... } while (...)`, lavapipe (Mesa 22.3) and SwiftShader give threads that

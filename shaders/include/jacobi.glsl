@@ -5,7 +5,7 @@
 // simple eigenvalue, faster).
 #ifndef ADIT_JACOBI_GLSL
 #define ADIT_JACOBI_GLSL
-#include "shaders/include/sym3.glsl"
+#include "adit/shaders/include/sym3.glsl"
 
 // One Jacobi rotation that zeroes entry (p, q) of the symmetric a; v gathers the eigenvectors as
 // columns.

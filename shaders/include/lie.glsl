@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// SO(3) on the device, in the convention of slam/lie.hpp, without sin, cos or acos.
+// SO(3) on the device, in the convention of slam/core/lie.hpp, without sin, cos or acos.
 #ifndef ADIT_LIE_GLSL
 #define ADIT_LIE_GLSL
 

@@ -5,8 +5,8 @@
 // (docs/theory/registration.md). One thread of the group that finished last.
 #ifndef ADIT_REGISTRATION_DIRECTIONS_GLSL
 #define ADIT_REGISTRATION_DIRECTIONS_GLSL
-#include "shaders/include/jacobi.glsl"
-#include "shaders/include/registration_step.glsl"
+#include "adit/shaders/include/jacobi.glsl"
+#include "adit/shaders/include/registration_step.glsl"
 
 // The information that every match would have by itself if it held its point in all directions
 // alike: sum of w J^T J.

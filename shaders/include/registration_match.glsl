@@ -6,11 +6,11 @@
 // voxel_map_finish.comp makes of it for the other methods.
 #ifndef ADIT_REGISTRATION_MATCH_GLSL
 #define ADIT_REGISTRATION_MATCH_GLSL
-#include "shaders/include/constraint.glsl"
-#include "shaders/include/surface.glsl"
-#include "shaders/include/sym3.glsl"
-#include "shaders/include/texels.glsl"
-#include "shaders/shared/registration.h"
+#include "adit/shaders/include/constraint.glsl"
+#include "adit/shaders/include/surface.glsl"
+#include "adit/shaders/include/sym3.glsl"
+#include "adit/shaders/include/texels.glsl"
+#include "adit/shaders/shared/registration.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;

@@ -4,8 +4,8 @@
 // From the sums of an alignment to its next pose: one thread of the group that finished last.
 #ifndef ADIT_REGISTRATION_STEP_GLSL
 #define ADIT_REGISTRATION_STEP_GLSL
-#include "shaders/include/lie.glsl"
-#include "shaders/include/registration_match.glsl"
+#include "adit/shaders/include/lie.glsl"
+#include "adit/shaders/include/registration_match.glsl"
 
 shared float system[kSystemStride];
 

@@ -4,7 +4,7 @@
 // Adding the matches of points up to H, g and what comes with them.
 #ifndef ADIT_REGISTRATION_SUMS_GLSL
 #define ADIT_REGISTRATION_SUMS_GLSL
-#include "shaders/include/registration_match.glsl"
+#include "adit/shaders/include/registration_match.glsl"
 
 // Adds the matches of a point: e = mean - (R a + t), de/drho = -I, de/dphi = [R a]x with ra = R a.
 void accumulate(inout float sums[kSums], vec3 ra, Pull pull) {

@@ -6,7 +6,7 @@
 // epsilon) P.
 #ifndef ADIT_SURFACE_GLSL
 #define ADIT_SURFACE_GLSL
-#include "shaders/include/hash.glsl"
+#include "adit/shaders/include/hash.glsl"
 
 const uint kIsotropic = 0u;  // P = 0: hardly any constraint
 const uint kPlane = 1u;      // v the normal, P = v v^T

@@ -4,7 +4,7 @@
 // De-skewing of one sweep: what the kernel and the host share.
 #ifndef ADIT_SHADERS_SHARED_DESKEW_H
 #define ADIT_SHADERS_SHARED_DESKEW_H
-#include "shaders/shared/prelude.h"
+#include "adit/shaders/shared/prelude.h"
 #ifdef __cplusplus
 namespace adit::gpu {
 #endif

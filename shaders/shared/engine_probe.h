@@ -5,7 +5,7 @@
 #ifndef ADIT_SHADERS_SHARED_ENGINE_PROBE_H
 #define ADIT_SHADERS_SHARED_ENGINE_PROBE_H
 
-#include "shaders/shared/prelude.h"
+#include "adit/shaders/shared/prelude.h"
 
 #ifdef __cplusplus
 namespace adit::gpu {

@@ -5,7 +5,7 @@
 // surface constraint of a voxel of the submap (docs/theory/registration.md).
 #ifndef ADIT_SHADERS_SHARED_GAUSSIAN_CELL_H
 #define ADIT_SHADERS_SHARED_GAUSSIAN_CELL_H
-#include "shaders/shared/prelude.h"
+#include "adit/shaders/shared/prelude.h"
 #ifdef __cplusplus
 namespace adit::gpu {
 #endif

@@ -4,7 +4,7 @@
 // What the kernels that measure a device's limits share with the host.
 #ifndef ADIT_SHADERS_SHARED_LIMIT_PROBES_H
 #define ADIT_SHADERS_SHARED_LIMIT_PROBES_H
-#include "shaders/shared/prelude.h"
+#include "adit/shaders/shared/prelude.h"
 #ifdef __cplusplus
 namespace adit::gpu {
 #endif

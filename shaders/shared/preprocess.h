@@ -4,7 +4,7 @@
 // Down-sampling and surface estimation of one sweep: what the kernels and the host share.
 #ifndef ADIT_SHADERS_SHARED_PREPROCESS_H
 #define ADIT_SHADERS_SHARED_PREPROCESS_H
-#include "shaders/shared/prelude.h"
+#include "adit/shaders/shared/prelude.h"
 #ifdef __cplusplus
 namespace adit::gpu {
 #endif

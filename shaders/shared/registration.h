@@ -3,10 +3,10 @@
 //
 // A batch of alignments on the device. Tangent vectors are [rho, phi] in the target's axes, the
 // rotation about the source's own origin: R <- Exp(phi) R, t <- t + rho. The host turns results
-// into the body frame (slam/registration.hpp).
+// into the body frame (slam/registration/registration.hpp).
 #ifndef ADIT_SHADERS_SHARED_REGISTRATION_H
 #define ADIT_SHADERS_SHARED_REGISTRATION_H
-#include "shaders/shared/prelude.h"
+#include "adit/shaders/shared/prelude.h"
 #ifdef __cplusplus
 namespace adit::gpu {
 #endif

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "benchmarks/report.hpp"
+#include "adit/benchmarks/kernels/report.hpp"
 
 namespace adit::test {
 

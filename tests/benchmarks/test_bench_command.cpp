@@ -7,13 +7,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/cases.hpp"
-#include "benchmarks/command_bench.hpp"
-#include "benchmarks/report.hpp"
-#include "tests/kernels/cases.hpp"
-#include "tests/support/point_files.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/output_file.hpp"
+#include "adit/benchmarks/command_bench.hpp"
+#include "adit/benchmarks/kernels/cases.hpp"
+#include "adit/benchmarks/kernels/report.hpp"
+#include "adit/benchmarks/verify/cases.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit::bench {
 namespace {

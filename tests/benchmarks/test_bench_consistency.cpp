@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/command_bench_consistency.hpp"
-#include "benchmarks/consistency.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
+#include "adit/benchmarks/command_bench_consistency.hpp"
+#include "adit/benchmarks/consistency/consistency.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
 
 namespace adit::bench {
 namespace {

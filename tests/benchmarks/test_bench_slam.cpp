@@ -8,18 +8,18 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/command_bench.hpp"
-#include "benchmarks/command_bench_slam.hpp"
-#include "benchmarks/slam_report.hpp"
-#include "benchmarks/slam_run.hpp"
-#include "benchmarks/slam_sequences.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/program.hpp"
-#include "tools/simulator/motion.hpp"
-#include "tools/simulator/range_sensor.hpp"
-#include "tools/simulator/scene.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/benchmarks/command_bench.hpp"
+#include "adit/benchmarks/command_bench_slam.hpp"
+#include "adit/benchmarks/slam/slam_report.hpp"
+#include "adit/benchmarks/slam/slam_run.hpp"
+#include "adit/benchmarks/slam/slam_sequences.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/commands/program.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/simulator/motion.hpp"
+#include "adit/tools/simulator/range_sensor.hpp"
+#include "adit/tools/simulator/scene.hpp"
 
 namespace adit::bench {
 namespace {

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/benchmarks/report_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/input_error.hpp"
-#include "tools/output_file.hpp"
+#include "adit/tests/benchmarks/report_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit::bench {
 namespace {

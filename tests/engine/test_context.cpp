@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/device_fixture.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit::engine {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/device_choice.hpp"
-#include "engine/error.hpp"
+#include "adit/engine/error.hpp"
+#include "adit/engine/vulkan/device_choice.hpp"
 
 namespace adit::engine {
 namespace {

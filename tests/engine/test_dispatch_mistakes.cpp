@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "shaders/shared/engine_probe.h"
-#include "tests/support/device_fixture.hpp"
+#include "adit/shaders/shared/engine_probe.h"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit::engine {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/free_list.hpp"
+#include "adit/engine/vulkan/free_list.hpp"
 
 namespace adit::engine {
 namespace {

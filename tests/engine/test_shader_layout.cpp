@@ -5,8 +5,8 @@
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
-#include "shaders/shared/engine_probe.h"
-#include "tests/support/layout.hpp"
+#include "adit/shaders/shared/engine_probe.h"
+#include "adit/tests/support/layout.hpp"
 
 namespace adit {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/error.hpp"
-#include "engine/spirv.hpp"
-#include "shaders/embedded.hpp"
+#include "adit/engine/error.hpp"
+#include "adit/engine/vulkan/spirv.hpp"
+#include "adit/shaders/embedded.hpp"
 
 namespace adit::engine {
 namespace {

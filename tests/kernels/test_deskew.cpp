@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/kernels/cases.hpp"
-#include "tests/kernels/device_runs.hpp"
-#include "tests/kernels/verify.hpp"
-#include "tests/reference/deskew.hpp"
-#include "tests/support/device_fixture.hpp"
-#include "tests/support/shared_data.hpp"
+#include "adit/benchmarks/reference/deskew.hpp"
+#include "adit/benchmarks/verify/cases.hpp"
+#include "adit/benchmarks/verify/device_runs.hpp"
+#include "adit/benchmarks/verify/verify.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/shared_data.hpp"
 
 namespace adit {
 namespace {

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "shaders/shared/deskew.h"
-#include "shaders/shared/gaussian_cell.h"
-#include "shaders/shared/limit_probes.h"
-#include "shaders/shared/preprocess.h"
-#include "shaders/shared/registration.h"
-#include "tests/support/layout.hpp"
+#include "adit/shaders/shared/deskew.h"
+#include "adit/shaders/shared/gaussian_cell.h"
+#include "adit/shaders/shared/limit_probes.h"
+#include "adit/shaders/shared/preprocess.h"
+#include "adit/shaders/shared/registration.h"
+#include "adit/tests/support/layout.hpp"
 
 namespace adit {
 namespace {

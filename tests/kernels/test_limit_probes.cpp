@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/kernels/limit_probes.hpp"
-#include "tests/reference/limit_probes.hpp"
-#include "tests/support/device_fixture.hpp"
+#include "adit/benchmarks/reference/limit_probes.hpp"
+#include "adit/engine/kernels/limit_probes.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {

@@ -12,9 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/kernels/alignment_scene.hpp"
-#include "tests/kernels/registration_methods.hpp"
-#include "tests/support/device_fixture.hpp"
+#include "adit/benchmarks/verify/alignment_scene.hpp"
+#include "adit/benchmarks/verify/registration_methods.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/kernels/self_test.hpp"
-#include "shaders/embedded.hpp"
-#include "tests/support/device_fixture.hpp"
+#include "adit/engine/self_test/self_test.hpp"
+#include "adit/shaders/embedded.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit::engine {
 namespace {

@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/registration.hpp"
-#include "tests/kernels/alignment_scene.hpp"
-#include "tests/kernels/verify.hpp"
-#include "tests/support/device_fixture.hpp"
+#include "adit/benchmarks/verify/alignment_scene.hpp"
+#include "adit/benchmarks/verify/verify.hpp"
+#include "adit/slam/registration/registration.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {
@@ -126,8 +126,8 @@ TEST_F(VgicpLoop, ReportsTheSystemAtTheFinalPose) {
 }
 
 TEST_F(VgicpLoop, StepsAreTheHostsRetraction) {
-  // shaders/include/lie.glsl against slam/lie.hpp: one step, from the system that the device itself
-  // reports. Large voxels and a start far from the truth give steps of a quarter radian.
+  // shaders/include/lie.glsl against slam/core/lie.hpp: one step, from the system that the device
+  // itself reports. Large voxels and a start far from the truth give steps of a quarter radian.
   reference::AlignmentSettings settings{
       .d_max = 8.0, .translation_epsilon = 1e-9, .rotation_epsilon = 1e-9, .max_iterations = 1};
   const test::AlignmentCase street = test::street_alignment(5'000);

@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/registration.hpp"
-#include "tests/kernels/alignment_scene.hpp"
-#include "tests/kernels/verify.hpp"
-#include "tests/support/device_fixture.hpp"
+#include "adit/benchmarks/verify/alignment_scene.hpp"
+#include "adit/benchmarks/verify/verify.hpp"
+#include "adit/slam/registration/registration.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {
@@ -151,7 +151,7 @@ TEST_F(VgicpSystem, HostTurnsItIntoTheBodysAxes) {
   const Evaluation found = evaluate(scene, pose, 1.0);
   const RegistrationResult result = read_registration(
       {found.state, found.state}, static_cast<int>(found.source.size()), 0.5, RegistrationConfig{});
-  // xi on the right, as slam/lie.hpp retracts.
+  // xi on the right, as slam/core/lie.hpp retracts.
   const System expected = numerical_system(
       found.matches, found.source, pose,
       [](const Eigen::Isometry3d& at, const Vector6d& xi) { return retract(at, xi); });

@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/kernels/alignment_scene.hpp"
-#include "tests/kernels/cases.hpp"
-#include "tests/kernels/device_runs.hpp"
-#include "tests/kernels/verify.hpp"
-#include "tests/support/device_fixture.hpp"
+#include "adit/benchmarks/verify/alignment_scene.hpp"
+#include "adit/benchmarks/verify/cases.hpp"
+#include "adit/benchmarks/verify/device_runs.hpp"
+#include "adit/benchmarks/verify/verify.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/recordings/message_support.hpp"
-#include "tools/recordings/message_file.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tools/containers/message_file.hpp"
 
 namespace adit::test {
 

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit::test {
 

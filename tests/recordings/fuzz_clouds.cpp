@@ -6,10 +6,10 @@
 // fuzzer.
 #include <string_view>
 
-#include "tests/recordings/fuzz_support.hpp"
-#include "tools/recordings/las_reader.hpp"
-#include "tools/recordings/pcd_reader.hpp"
-#include "tools/recordings/ply_reader.hpp"
+#include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tools/clouds/las_reader.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 

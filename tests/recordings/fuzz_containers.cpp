@@ -4,7 +4,7 @@
 // The entry that a fuzzer calls with bytes that might be a recording in one file: reading must end,
 // with events or InputErrors. test_container_mutations.cpp calls it with damaged files; `./dev
 // fuzz` is the fuzzer.
-#include "tests/recordings/fuzz_support.hpp"
+#include "adit/tests/recordings/fuzz_support.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 

@@ -1,20 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/recordings/fuzz_corpus.hpp"
+#include "adit/tests/recordings/fuzz_corpus.hpp"
 
 #include <array>
 #include <filesystem>
 
-#include "tests/recordings/container_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/recordings/packet_support.hpp"
-#include "tests/support/depth_images.hpp"
-#include "tests/support/point_files.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/ply_writer.hpp"
-#include "tools/recordings/bag_writer.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/rosbag2_writer.hpp"
+#include "adit/tests/recordings/container_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/recordings/packet_support.hpp"
+#include "adit/tests/support/depth_images.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/ply_writer.hpp"
+#include "adit/tools/containers/bag_writer.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/containers/rosbag2_writer.hpp"
 
 namespace adit::test {
 namespace {

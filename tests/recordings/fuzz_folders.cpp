@@ -6,8 +6,8 @@
 // events or InputErrors.
 #include <fstream>
 
-#include "tests/recordings/fuzz_support.hpp"
-#include "tests/support/depth_images.hpp"
+#include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tests/support/depth_images.hpp"
 
 namespace {
 

@@ -5,8 +5,8 @@
 // there is an InputError.
 #include <string_view>
 
-#include "tests/recordings/fuzz_support.hpp"
-#include "tools/recordings/depth_png.hpp"
+#include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tools/clouds/depth_png.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 

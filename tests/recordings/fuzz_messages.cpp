@@ -11,9 +11,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "tools/recordings/ros_events.hpp"
-#include "tools/recordings/ros_images.hpp"
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/recordings/ros_images.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 namespace {
 

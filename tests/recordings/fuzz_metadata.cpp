@@ -5,8 +5,8 @@
 // accepted must describe a sensor whose packets can be taken apart.
 #include <cmath>
 
-#include "tests/recordings/fuzz_support.hpp"
-#include "tools/recordings/ouster_sensor.hpp"
+#include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tools/packets/ouster_sensor.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
-#include "tests/recordings/fuzz_support.hpp"
-#include "tools/recordings/ouster_packets.hpp"
-#include "tools/recordings/velodyne_packets.hpp"
+#include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tools/packets/ouster_packets.hpp"
+#include "adit/tools/packets/velodyne_packets.hpp"
 
 namespace {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <string_view>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/recording.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit::test {
 

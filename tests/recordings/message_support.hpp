@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "tests/recordings/packet_support.hpp"
-#include "tools/recordings/message_writer.hpp"
-#include "tools/recordings/ros_definitions.hpp"
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tests/recordings/packet_support.hpp"
+#include "adit/tools/containers/message_writer.hpp"
+#include "adit/tools/containers/ros_definitions.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 namespace adit::test {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "slam/types.hpp"
+#include "adit/slam/core/types.hpp"
 
 namespace adit::test {
 

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/container_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/bag_reader.hpp"
-#include "tools/recordings/bag_records.hpp"
-#include "tools/recordings/bag_writer.hpp"
+#include "adit/tests/recordings/container_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/bag_reader.hpp"
+#include "adit/tools/containers/bag_records.hpp"
+#include "adit/tools/containers/bag_writer.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/cloud_columns.hpp"
+#include "adit/tools/clouds/cloud_columns.hpp"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/recordings/point_times.hpp"
+#include "adit/tools/clouds/point_times.hpp"
 
 namespace adit {
 namespace {

@@ -13,12 +13,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/point_files.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/pcd_reader.hpp"
-#include "tools/recordings/ply_reader.hpp"
-#include "tools/recordings/sweep_times.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/clouds/sweep_times.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
 
 // fuzz_clouds.cpp; renamed by tests/CMakeLists.txt, since the program has other entries.
 extern "C" int adit_fuzz_clouds(const uint8_t* data, std::size_t size);

@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/container_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/bag_writer.hpp"
-#include "tools/recordings/mcap_writer.hpp"
+#include "adit/tests/recordings/container_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/bag_writer.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
 
 // fuzz_containers.cpp; renamed by tests/CMakeLists.txt, since the program has another entry.
 extern "C" int adit_fuzz_containers(const uint8_t* data, std::size_t size);

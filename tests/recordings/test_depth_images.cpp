@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/bag_writer.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/ros_images.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/bag_writer.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/recordings/ros_images.hpp"
 
 namespace adit {
 namespace {

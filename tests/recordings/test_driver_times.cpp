@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/recordings/ros_clouds.hpp"
-#include "tools/recordings/ros_codec.hpp"
+#include "adit/tools/recordings/ros_clouds.hpp"
+#include "adit/tools/recordings/ros_codec.hpp"
 
 namespace adit::ros {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/euroc_folder.hpp"
+#include "adit/tools/recordings/euroc_folder.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the fuzzers start from must be good: a seed that no reader accepts leads nowhere.
-#include "tests/recordings/fuzz_corpus.hpp"
+#include "adit/tests/recordings/fuzz_corpus.hpp"
 
 #include <set>
 #include <span>
@@ -10,12 +10,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/las_reader.hpp"
-#include "tools/recordings/ouster_sensor.hpp"
-#include "tools/recordings/pcd_reader.hpp"
-#include "tools/recordings/ply_reader.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/las_reader.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/packets/ouster_sensor.hpp"
 
 // The entries, renamed by tests/CMakeLists.txt.
 extern "C" int adit_fuzz_containers(const uint8_t* data, std::size_t size);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/kitti_raw.hpp"
+#include "adit/tools/recordings/kitti_raw.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/support/shared_data.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/support/shared_data.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/las_reader.hpp"
+#include "adit/tools/clouds/las_reader.hpp"
 
 #include <cstdint>
 #include <fstream>
@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/support/point_files.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit {
 namespace {

@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/container_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/point_files.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/crc32.hpp"
-#include "tools/recordings/mcap_reader.hpp"
-#include "tools/recordings/mcap_writer.hpp"
+#include "adit/tests/recordings/container_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/crc32.hpp"
+#include "adit/tools/containers/mcap_reader.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/message_recording.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +12,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/ros_events.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
 
 namespace adit {
 namespace {

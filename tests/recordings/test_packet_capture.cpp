@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/recordings/packet_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/recording.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/recordings/packet_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/packet_support.hpp"
+#include "adit/tests/recordings/packet_support.hpp"
 
 // fuzz_containers.cpp and fuzz_packets.cpp; renamed by tests/CMakeLists.txt.
 extern "C" int adit_fuzz_containers(const uint8_t* data, std::size_t size);

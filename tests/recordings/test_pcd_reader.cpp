@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/pcd_reader.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
 
 #include <cmath>
 #include <random>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/point_files.hpp"
-#include "tools/recordings/pcd_lzf.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tools/clouds/pcd_lzf.hpp"
 
 namespace adit {
 namespace {

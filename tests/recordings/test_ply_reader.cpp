@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ply_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/point_files.hpp"
-#include "tests/support/shared_data.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/shared_data.hpp"
 
 namespace adit {
 namespace {

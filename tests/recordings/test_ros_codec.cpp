@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ros_codec.hpp"
+#include "adit/tools/recordings/ros_codec.hpp"
 
 #include <algorithm>
 #include <string>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/point_files.hpp"
-#include "tools/recordings/ros_definitions.hpp"
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tools/containers/ros_definitions.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 // fuzz_messages.cpp; renamed by tests/CMakeLists.txt, since the program has another entry.
 extern "C" int adit_fuzz_messages(const uint8_t* data, std::size_t size);

@@ -6,15 +6,15 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/container_support.hpp"
-#include "tests/recordings/event_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/compression.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/recordings/rosbag2_reader.hpp"
-#include "tools/recordings/rosbag2_writer.hpp"
+#include "adit/tests/recordings/container_support.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/containers/rosbag2_reader.hpp"
+#include "adit/tools/containers/rosbag2_writer.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 namespace {

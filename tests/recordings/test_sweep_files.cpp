@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 #include <chrono>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/support/point_files.hpp"
-#include "tests/support/shared_data.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/shared_data.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/sweep_times.hpp"
+#include "adit/tools/clouds/sweep_times.hpp"
 
 #include <algorithm>
 #include <string>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit {
 namespace {

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/recordings/cloud_columns.hpp"
+#include "adit/tools/clouds/cloud_columns.hpp"
 
 namespace adit {
 namespace {

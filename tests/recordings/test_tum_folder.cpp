@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/tum_folder.hpp"
+#include "adit/tools/recordings/tum_folder.hpp"
 
 #include <cmath>
 #include <random>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/event_support.hpp"
-#include "tests/support/depth_images.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/depth_png.hpp"
+#include "adit/tests/recordings/event_support.hpp"
+#include "adit/tests/support/depth_images.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/depth_png.hpp"
 
 namespace adit {
 namespace {

@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/simulator/faults.hpp"
-#include "tools/simulator/gnss_model.hpp"
-#include "tools/simulator/imu_model.hpp"
-#include "tools/simulator/simulation.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/simulator/faults.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/simulation.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

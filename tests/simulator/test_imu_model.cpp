@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
 
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
-#include "tools/simulator/motion.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/simulator/motion.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/loop_pairs.hpp"
+#include "adit/tools/simulator/loop_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/simulator/mesh.hpp"
+#include "adit/tools/simulator/mesh.hpp"
 
 namespace adit {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/motion.hpp"
+#include "adit/tools/simulator/motion.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
-#include "tools/simulator/counter_random.hpp"
-#include "tools/simulator/ray_scene.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sensors against what their manuals say.
-#include "tools/simulator/range_sensor.hpp"
+#include "adit/tools/simulator/range_sensor.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/usage_error.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

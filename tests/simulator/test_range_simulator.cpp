@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/range_simulator.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/simulator/motion.hpp"
+#include "adit/tools/simulator/motion.hpp"
 
 namespace adit {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "tools/simulator/counter_random.hpp"
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/scene.hpp"
 
 namespace adit {
 namespace {

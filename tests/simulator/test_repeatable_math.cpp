@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
-#include "tools/simulator/counter_random.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/scene_file.hpp"
+#include "adit/tools/simulator/scene_file.hpp"
 
 #include <cmath>
 #include <map>
@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tools/command_simulate.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/command_simulate.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
 
 namespace adit {
 namespace {

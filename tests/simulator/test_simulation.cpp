@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/simulation.hpp"
+#include "adit/tools/simulator/simulation.hpp"
 
 #include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tools/command_simulate.hpp"
-#include "tools/recordings/message_recording.hpp"
-#include "tools/simulator/motion.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/command_simulate.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/simulator/motion.hpp"
 
 namespace adit {
 namespace {

@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "slam/odometry.hpp"
-#include "tests/support/device_fixture.hpp"
-#include "tests/support/synthetic_world.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit::test {
 

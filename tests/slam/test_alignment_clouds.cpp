@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/alignment_clouds.hpp"
+#include "adit/slam/registration/alignment_clouds.hpp"
 
 #include <cstring>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/device_fixture.hpp"
-#include "tests/support/synthetic_world.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/beam_spacing.hpp"
+#include "adit/slam/registration/beam_spacing.hpp"
 
 #include <cmath>
 #include <limits>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/synthetic_world.hpp"
-#include "tools/random.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

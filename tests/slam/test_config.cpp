@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/config.hpp"
+#include "adit/slam/core/config.hpp"
 
 namespace adit {
 namespace {

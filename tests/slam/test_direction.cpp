@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/direction.hpp"
+#include "adit/slam/core/direction.hpp"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/numerical_jacobian.hpp"
+#include "adit/tests/support/numerical_jacobian.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/doubt.hpp"
+#include "adit/slam/odometry/doubt.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/high_rate_stream.hpp"
+#include "adit/slam/fusion/high_rate_stream.hpp"
 
 #include <gtest/gtest.h>
 
-#include "slam/odometry.hpp"
-#include "tests/slam/odometry_fixture.hpp"
-#include "tests/support/moving_drive.hpp"
-#include "tests/support/numerical_jacobian.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tests/slam/odometry_fixture.hpp"
+#include "adit/tests/support/moving_drive.hpp"
+#include "adit/tests/support/numerical_jacobian.hpp"
 
 namespace adit {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/imu_buffer.hpp"
+#include "adit/slam/inertial/imu_buffer.hpp"
 
 namespace adit {
 namespace {

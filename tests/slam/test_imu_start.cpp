@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/imu_start.hpp"
-#include "tests/support/simulated_imu.hpp"
+#include "adit/slam/inertial/imu_start.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit {
 namespace {

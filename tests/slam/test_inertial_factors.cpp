@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "slam/imu_factor.hpp"
-#include "slam/pose_factor.hpp"
-#include "slam/state_prior.hpp"
-#include "slam/walk_factor.hpp"
-#include "tests/support/numerical_jacobian.hpp"
-#include "tests/support/simulated_imu.hpp"
+#include "adit/slam/fusion/imu_factor.hpp"
+#include "adit/slam/fusion/pose_factor.hpp"
+#include "adit/slam/fusion/state_prior.hpp"
+#include "adit/slam/fusion/walk_factor.hpp"
+#include "adit/tests/support/numerical_jacobian.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit {
 namespace {

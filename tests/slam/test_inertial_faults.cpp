@@ -5,7 +5,7 @@
 #include <numbers>
 #include <ostream>
 
-#include "tests/slam/tracker_runs.hpp"
+#include "adit/tests/slam/tracker_runs.hpp"
 
 namespace adit {
 namespace {

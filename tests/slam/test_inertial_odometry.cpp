@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/odometry.hpp"
-#include "tests/slam/odometry_fixture.hpp"
-#include "tests/support/moving_drive.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tests/slam/odometry_fixture.hpp"
+#include "adit/tests/support/moving_drive.hpp"
 
 namespace adit {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The tracker with alignments that are made up from the truth.
-#include "slam/inertial_tracker.hpp"
+#include "adit/slam/fusion/inertial_tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-#include "tests/slam/tracker_runs.hpp"
+#include "adit/tests/slam/tracker_runs.hpp"
 
 namespace adit {
 namespace {

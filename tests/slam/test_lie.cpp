@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/lie.hpp"
+#include "adit/slam/core/lie.hpp"
 
 #include <cmath>
 #include <numbers>

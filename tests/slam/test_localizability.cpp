@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/batch_aligner.hpp"
-#include "tests/support/device_fixture.hpp"
-#include "tests/support/synthetic_world.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/slam/registration/batch_aligner.hpp"
+#include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
 namespace {

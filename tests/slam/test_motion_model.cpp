@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/motion_model.hpp"
+#include "adit/slam/odometry/motion_model.hpp"
 
 namespace adit {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/slam/odometry_fixture.hpp"
+#include "adit/tests/slam/odometry_fixture.hpp"
 
 namespace adit {
 namespace {

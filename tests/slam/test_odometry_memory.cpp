@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "engine/error.hpp"
-#include "tests/slam/odometry_fixture.hpp"
+#include "adit/engine/error.hpp"
+#include "adit/tests/slam/odometry_fixture.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/pose_uncertainty.hpp"
+#include "adit/slam/odometry/pose_uncertainty.hpp"
 
 #include <random>
 

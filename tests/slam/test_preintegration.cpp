@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/preintegration.hpp"
+#include "adit/slam/inertial/preintegration.hpp"
 
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-#include "tests/support/simulated_imu.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit {
 namespace {

@@ -11,11 +11,11 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/device_info.hpp"
-#include "slam/odometry.hpp"
-#include "tests/support/device_fixture.hpp"
-#include "tests/support/shared_data.hpp"
-#include "tests/support/shared_data_sweeps.hpp"
+#include "adit/engine/device_info.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/shared_data.hpp"
+#include "adit/tests/support/shared_data_sweeps.hpp"
 
 namespace adit {
 namespace {

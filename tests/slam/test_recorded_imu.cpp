@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/imu_buffer.hpp"
-#include "slam/imu_start.hpp"
-#include "slam/preintegration.hpp"
-#include "tests/support/shared_data.hpp"
+#include "adit/slam/inertial/imu_buffer.hpp"
+#include "adit/slam/inertial/imu_start.hpp"
+#include "adit/slam/inertial/preintegration.hpp"
+#include "adit/tests/support/shared_data.hpp"
 
 namespace adit {
 namespace {

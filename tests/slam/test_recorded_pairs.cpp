@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/batch_aligner.hpp"
-#include "tests/support/device_fixture.hpp"
-#include "tests/support/shared_data.hpp"
-#include "tests/support/shared_data_sweeps.hpp"
+#include "adit/slam/registration/batch_aligner.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/shared_data.hpp"
+#include "adit/tests/support/shared_data_sweeps.hpp"
 
 namespace adit {
 namespace {

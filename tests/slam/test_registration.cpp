@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "shaders/shared/registration.h"
-#include "slam/registration.hpp"
+#include "adit/shaders/shared/registration.h"
+#include "adit/slam/registration/registration.hpp"
 
 namespace adit {
 namespace {

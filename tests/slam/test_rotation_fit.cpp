@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/rotation_fit.hpp"
+#include "adit/slam/inertial/rotation_fit.hpp"
 
 #include <cmath>
 #include <random>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/gyro_monitor.hpp"
-#include "slam/lie.hpp"
-#include "tests/support/simulated_imu.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/slam/inertial/gyro_monitor.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit {
 namespace {

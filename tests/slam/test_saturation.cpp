@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/saturation.hpp"
+#include "adit/slam/inertial/saturation.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/state_chain.hpp"
+#include "adit/slam/fusion/state_chain.hpp"
 
 #include <random>
 

@@ -10,12 +10,12 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/kernels/voxel_map.hpp"
-#include "shaders/shared/gaussian_cell.h"
-#include "slam/registration.hpp"
-#include "slam/submap.hpp"
-#include "tests/support/device_fixture.hpp"
-#include "tools/random.hpp"
+#include "adit/engine/kernels/voxel_map.hpp"
+#include "adit/shaders/shared/gaussian_cell.h"
+#include "adit/slam/odometry/submap.hpp"
+#include "adit/slam/registration/registration.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

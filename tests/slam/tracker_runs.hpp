@@ -14,8 +14,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/inertial_tracker.hpp"
-#include "tests/support/simulated_imu.hpp"
+#include "adit/slam/fusion/inertial_tracker.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit::test {
 

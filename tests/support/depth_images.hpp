@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/recordings/crc32.hpp"
+#include "adit/tools/containers/crc32.hpp"
 
 namespace adit::test {
 

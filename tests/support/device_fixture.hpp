@@ -15,8 +15,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/context.hpp"
-#include "tests/support/transfer.hpp"
+#include "adit/benchmarks/verify/transfer.hpp"
+#include "adit/engine/context.hpp"
 
 namespace adit::test {
 

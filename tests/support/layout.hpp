@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/spirv.hpp"
-#include "shaders/embedded.hpp"
+#include "adit/engine/vulkan/spirv.hpp"
+#include "adit/shaders/embedded.hpp"
 
 namespace adit::test {
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "tests/support/simulated_imu.hpp"
-#include "tests/support/synthetic_world.hpp"
-#include "tools/random.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit::test {
 

@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "slam/lie.hpp"
-#include "tests/support/synthetic_world.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/ros_events.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
 
 namespace adit::test {
 

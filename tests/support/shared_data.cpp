@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/shared_data.hpp"
+#include "adit/tests/support/shared_data.hpp"
 
 namespace adit::test {
 

@@ -22,7 +22,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
-#include "slam/types.hpp"
+#include "adit/slam/core/types.hpp"
 
 namespace adit::test {
 

@@ -11,8 +11,8 @@
 #include <random>
 #include <vector>
 
-#include "slam/imu_noise.hpp"
-#include "slam/nav_state.hpp"
+#include "adit/slam/core/imu_noise.hpp"
+#include "adit/slam/core/nav_state.hpp"
 
 namespace adit::test {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/recordings/fuzz_corpus.hpp"
+#include "adit/tests/recordings/fuzz_corpus.hpp"
 
 int main(int count, char** arguments) {
   if (count != 2) {

@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/moving_rig.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/command_inspect.hpp"
+#include "adit/tests/support/moving_rig.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/command_inspect.hpp"
 
 namespace adit::test {
 

@@ -20,10 +20,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "slam/odometry.hpp"
-#include "tests/support/synthetic_world.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
 
 namespace adit::test {
 

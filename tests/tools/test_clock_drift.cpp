@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/clock_drift.hpp"
+#include "adit/tools/inspection/clock_drift.hpp"
 
 #include <cmath>
 #include <functional>
 
 #include <gtest/gtest.h>
 
-#include "tools/random.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/command_evaluate.hpp"
+#include "adit/tools/commands/command_evaluate.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -11,8 +11,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tools/input_file.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/config_file.hpp"
+#include "adit/tools/run/config_file.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/input_error.hpp"
-#include "tools/nearest_name.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -7,16 +7,16 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/recordings/container_support.hpp"
-#include "tests/recordings/message_support.hpp"
-#include "tests/support/point_files.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/command_convert.hpp"
-#include "tools/recordings/bag_writer.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/message_recording.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tests/recordings/container_support.hpp"
+#include "adit/tests/recordings/message_support.hpp"
+#include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/command_convert.hpp"
+#include "adit/tools/containers/bag_writer.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/evaluate.hpp"
+#include "adit/tools/evaluation/evaluate.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
+#include "adit/slam/core/lie.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/evaluate_metrics.hpp"
+#include "adit/tools/evaluation/evaluate_metrics.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
+#include "adit/slam/core/lie.hpp"
 
 namespace adit {
 namespace {

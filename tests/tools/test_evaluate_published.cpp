@@ -5,8 +5,8 @@
 // evo, the field's usual program, to the six decimals that it prints.
 #include <gtest/gtest.h>
 
-#include "tests/support/shared_data.hpp"
-#include "tools/evaluate.hpp"
+#include "adit/tests/support/shared_data.hpp"
+#include "adit/tools/evaluation/evaluate.hpp"
 
 namespace adit {
 namespace {

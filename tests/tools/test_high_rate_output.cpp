@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/high_rate_output.hpp"
+#include "adit/tools/results/high_rate_output.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/simulated_imu.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
+#include "adit/tests/support/simulated_imu.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
 
 namespace adit {
 namespace {

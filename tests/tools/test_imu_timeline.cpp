@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/imu_timeline.hpp"
+#include "adit/tools/topics/imu_timeline.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "tools/random.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

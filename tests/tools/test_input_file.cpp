@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/input_file.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 #include <array>
 #include <clocale>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit {
 namespace {

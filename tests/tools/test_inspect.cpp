@@ -15,9 +15,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/inspect_support.hpp"
-#include "tools/command_inspect.hpp"
-#include "tools/interval_histogram.hpp"
+#include "adit/tests/tools/inspect_support.hpp"
+#include "adit/tools/commands/command_inspect.hpp"
+#include "adit/tools/topics/interval_histogram.hpp"
 
 namespace adit {
 namespace {

@@ -4,12 +4,12 @@
 // `adit inspect --write-config`: what it writes makes up for what is wrong.
 #include <cmath>
 
-#include "tests/tools/inspect_support.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/command_run.hpp"
-#include "tools/config_file.hpp"
-#include "tools/convert_recording.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tests/tools/inspect_support.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/commands/convert_recording.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

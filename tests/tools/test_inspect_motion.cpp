@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/tools/inspect_support.hpp"
-#include "tools/inspection.hpp"
+#include "adit/tests/tools/inspect_support.hpp"
+#include "adit/tools/inspection/inspection.hpp"
 
 namespace adit {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/inspection_page.hpp"
+#include "adit/tools/inspection/inspection_page.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <string>
 #include <string_view>
 
-#include "tests/tools/inspect_support.hpp"
-#include "tests/tools/run_support.hpp"
+#include "adit/tests/tools/inspect_support.hpp"
+#include "adit/tests/tools/run_support.hpp"
 
 namespace adit {
 namespace {

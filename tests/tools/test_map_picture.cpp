@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/map_picture.hpp"
+#include "adit/tools/drawing/map_picture.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tools/random.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/output_file.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tools/input_file.hpp"
-#include "tools/ply_writer.hpp"
-#include "tools/recordings/ply_reader.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/clouds/ply_writer.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {

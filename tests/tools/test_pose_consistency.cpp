@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/pose_consistency.hpp"
+#include "adit/tools/evaluation/pose_consistency.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/command_evaluate.hpp"
-#include "tools/random.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/commands/command_evaluate.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/presets.hpp"
+#include "adit/tools/run/presets.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "tools/config_file.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

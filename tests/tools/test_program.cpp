@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/program.hpp"
+#include "adit/tools/commands/program.hpp"
 
 #include <filesystem>
 #include <string>
@@ -9,10 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/config_file.hpp"
-#include "tools/version.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/progress.hpp"
+#include "adit/tools/support/progress.hpp"
 
 #include <algorithm>
 #include <sstream>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/random.hpp"
+#include "adit/tools/support/random.hpp"
 
 #include <gtest/gtest.h>
 

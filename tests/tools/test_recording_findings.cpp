@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recording_findings.hpp"
+#include "adit/tools/inspection/recording_findings.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "slam/rotation_comparison.hpp"
+#include "adit/slam/inertial/rotation_comparison.hpp"
 
 #include <cmath>
 #include <functional>
@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
-#include "tools/frame_tree.hpp"
-#include "tools/random.hpp"
-#include "tools/rotation_profile.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/inspection/rotation_profile.hpp"
+#include "adit/tools/support/random.hpp"
+#include "adit/tools/topics/frame_tree.hpp"
 
 namespace adit {
 namespace {

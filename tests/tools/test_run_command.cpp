@@ -3,7 +3,7 @@
 //
 // `adit run` from a folder of sweeps to the files it writes, on the device that the environment
 // gives.
-#include "tools/command_run.hpp"
+#include "adit/tools/commands/command_run.hpp"
 
 #include <csignal>
 #include <filesystem>
@@ -13,14 +13,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/evaluate.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/ply_reader.hpp"
-#include "tools/recordings/ros_events.hpp"
-#include "tools/trajectory_io.hpp"
-#include "tools/version.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/evaluation/evaluate.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {

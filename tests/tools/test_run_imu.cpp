@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/command_run.hpp"
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/ros_events.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
 
 namespace adit {
 namespace {

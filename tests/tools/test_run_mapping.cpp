@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run_mapping.hpp"
+#include "adit/tools/run/run_mapping.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/error.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/input_error.hpp"
-#include "tools/stop_signal.hpp"
+#include "adit/engine/error.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/stop_signal.hpp"
 
 namespace adit {
 namespace {

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run_outputs.hpp"
+#include "adit/tools/results/run_outputs.hpp"
 
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/input_error.hpp"
-#include "tools/recordings/ply_reader.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {

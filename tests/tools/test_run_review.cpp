@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run_review.hpp"
+#include "adit/tools/evaluation/run_review.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/command_evaluate.hpp"
-#include "tools/command_inspect.hpp"
-#include "tools/input_error.hpp"
-#include "tools/run_page.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/commands/command_evaluate.hpp"
+#include "adit/tools/commands/command_inspect.hpp"
+#include "adit/tools/evaluation/run_page.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run_statistics.hpp"
+#include "adit/tools/run/run_statistics.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/run_support.hpp"
+#include "adit/tests/tools/run_support.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/svg.hpp"
+#include "adit/tools/drawing/svg.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/evaluation_plot.hpp"
+#include "adit/tools/evaluation/evaluation_plot.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/sweep_feed.hpp"
+#include "adit/tools/run/sweep_feed.hpp"
 
 #include <algorithm>
 #include <string>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/imu_mounting.hpp"
-#include "tools/input_error.hpp"
+#include "adit/tools/run/imu_mounting.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/sweep_table.hpp"
+#include "adit/tools/results/sweep_table.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/tools/run_support.hpp"
-#include "tools/input_error.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {

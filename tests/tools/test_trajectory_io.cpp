@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/trajectory_io.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
 
 #include <random>
 #include <string>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/lie.hpp"
-#include "tests/support/temporary_folder.hpp"
-#include "tools/input_file.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {

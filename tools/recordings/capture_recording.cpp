@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/capture_recording.hpp"
+#include "adit/tools/recordings/capture_recording.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -9,8 +9,8 @@
 #include <utility>
 #include <variant>
 
-#include "tools/recordings/ouster_packets.hpp"
-#include "tools/recordings/velodyne_packets.hpp"
+#include "adit/tools/packets/ouster_packets.hpp"
+#include "adit/tools/packets/velodyne_packets.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/euroc_folder.hpp"
+#include "adit/tools/recordings/euroc_folder.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/input_file.hpp"
-#include "tools/recordings/series_recording.hpp"
+#include "adit/tools/recordings/series_recording.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {

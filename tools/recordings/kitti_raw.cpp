@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/kitti_raw.hpp"
+#include "adit/tools/recordings/kitti_raw.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "tools/input_file.hpp"
-#include "tools/recordings/sweep_times.hpp"
+#include "adit/tools/clouds/sweep_times.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string_view>
 
-#include "tools/recordings/series_recording.hpp"
+#include "adit/tools/recordings/series_recording.hpp"
 
 namespace adit {
 

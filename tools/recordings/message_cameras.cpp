@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/message_cameras.hpp"
+#include "adit/tools/recordings/message_cameras.hpp"
 
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "tools/recordings/ros_images.hpp"
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tools/recordings/ros_images.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 namespace adit {
 namespace {

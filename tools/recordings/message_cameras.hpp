@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "tools/recordings/depth_camera.hpp"
-#include "tools/recordings/message_file.hpp"
+#include "adit/tools/clouds/depth_camera.hpp"
+#include "adit/tools/containers/message_file.hpp"
 
 namespace adit {
 

@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/message_recording.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
 
 #include <algorithm>
 #include <deque>
 #include <string>
 #include <utility>
 
-#include "tools/recordings/message_cameras.hpp"
-#include "tools/recordings/point_time_vote.hpp"
-#include "tools/recordings/ros_codec.hpp"
-#include "tools/recordings/ros_events.hpp"
-#include "tools/recordings/ros_messages.hpp"
+#include "adit/tools/clouds/point_time_vote.hpp"
+#include "adit/tools/recordings/message_cameras.hpp"
+#include "adit/tools/recordings/ros_codec.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
 
 namespace adit {
 namespace {

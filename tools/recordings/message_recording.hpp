@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "tools/recordings/message_file.hpp"
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/containers/message_file.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ordered_events.hpp"
+#include "adit/tools/recordings/ordered_events.hpp"
 
 #include <algorithm>
 #include <map>

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 

@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 #include <type_traits>
 
-#include "tools/recordings/bag_reader.hpp"
-#include "tools/recordings/capture_recording.hpp"
-#include "tools/recordings/euroc_folder.hpp"
-#include "tools/recordings/mcap_reader.hpp"
-#include "tools/recordings/message_recording.hpp"
-#include "tools/recordings/packet_capture.hpp"
-#include "tools/recordings/rosbag2_reader.hpp"
-#include "tools/recordings/sweep_files.hpp"
-#include "tools/recordings/tum_folder.hpp"
+#include "adit/tools/containers/bag_reader.hpp"
+#include "adit/tools/containers/mcap_reader.hpp"
+#include "adit/tools/containers/rosbag2_reader.hpp"
+#include "adit/tools/packets/packet_capture.hpp"
+#include "adit/tools/recordings/capture_recording.hpp"
+#include "adit/tools/recordings/euroc_folder.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
+#include "adit/tools/recordings/sweep_files.hpp"
+#include "adit/tools/recordings/tum_folder.hpp"
 
 namespace adit {
 

@@ -15,10 +15,10 @@
 #include <variant>
 #include <vector>
 
-#include "slam/types.hpp"
-#include "tools/input_error.hpp"
-#include "tools/recordings/point_times.hpp"
-#include "tools/recordings/time_span.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/clouds/point_times.hpp"
+#include "adit/tools/containers/time_span.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 

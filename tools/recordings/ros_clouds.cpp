@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ros_clouds.hpp"
+#include "adit/tools/recordings/ros_clouds.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,9 @@
 #include <optional>
 #include <string_view>
 
-#include "tools/recordings/cloud_columns.hpp"
-#include "tools/recordings/ros_codec.hpp"
-#include "tools/recordings/velodyne_packets.hpp"
+#include "adit/tools/clouds/cloud_columns.hpp"
+#include "adit/tools/packets/velodyne_packets.hpp"
+#include "adit/tools/recordings/ros_codec.hpp"
 
 namespace adit::ros {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "slam/types.hpp"
-#include "tools/recordings/cloud_columns.hpp"
-#include "tools/recordings/ros_messages.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/clouds/cloud_columns.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
 
 namespace adit::ros {
 

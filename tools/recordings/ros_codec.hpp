@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "slam/types.hpp"
-#include "tools/recordings/message_file.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/containers/message_file.hpp"
 
 namespace adit::ros {
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ros_events.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <utility>
 
-#include "tools/recordings/ros_clouds.hpp"
-#include "tools/recordings/ros_images.hpp"
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tools/recordings/ros_clouds.hpp"
+#include "adit/tools/recordings/ros_images.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 namespace adit::ros {
 namespace {

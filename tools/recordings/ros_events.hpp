@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/recordings/depth_camera.hpp"
-#include "tools/recordings/message_file.hpp"
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/clouds/depth_camera.hpp"
+#include "adit/tools/containers/message_file.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit::ros {
 

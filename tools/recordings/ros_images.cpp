@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ros_images.hpp"
+#include "adit/tools/recordings/ros_images.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "tools/recordings/ros_codec.hpp"
+#include "adit/tools/recordings/ros_codec.hpp"
 
 namespace adit::ros {
 namespace {

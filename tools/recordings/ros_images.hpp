@@ -4,9 +4,9 @@
 // Depth images and the calibration of the camera that took them.
 #pragma once
 
-#include "slam/types.hpp"
-#include "tools/recordings/depth_camera.hpp"
-#include "tools/recordings/ros_messages.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/clouds/depth_camera.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
 
 namespace adit::ros {
 

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slam/types.hpp"
+#include "adit/slam/core/types.hpp"
 
 namespace adit::ros {
 

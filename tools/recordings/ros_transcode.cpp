@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/ros_transcode.hpp"
+#include "adit/tools/recordings/ros_transcode.hpp"
 
 #include <algorithm>
 #include <array>
 #include <stdexcept>
 
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 namespace adit::ros {
 namespace {

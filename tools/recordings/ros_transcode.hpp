@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/recordings/message_file.hpp"
+#include "adit/tools/containers/message_file.hpp"
 
 namespace adit::ros {
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/recordings/ros_codec.hpp"
-#include "tools/recordings/ros_messages.hpp"
+#include "adit/tools/recordings/ros_codec.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
 
 namespace adit::ros {
 

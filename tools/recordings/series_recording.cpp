@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/series_recording.hpp"
+#include "adit/tools/recordings/series_recording.hpp"
 
 #include <algorithm>
 #include <array>

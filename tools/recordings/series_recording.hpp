@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/sweep_files.hpp"
+#include "adit/tools/recordings/sweep_files.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/recordings/kitti_raw.hpp"
-#include "tools/recordings/point_time_vote.hpp"
-#include "tools/recordings/sweep_listing.hpp"
+#include "adit/tools/clouds/point_time_vote.hpp"
+#include "adit/tools/recordings/kitti_raw.hpp"
+#include "adit/tools/recordings/sweep_listing.hpp"
 
 namespace adit {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 

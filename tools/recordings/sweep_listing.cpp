@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/sweep_listing.hpp"
+#include "adit/tools/recordings/sweep_listing.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <system_error>
 #include <utility>
 
-#include "tools/recordings/kitti_bin.hpp"
-#include "tools/recordings/las_reader.hpp"
-#include "tools/recordings/pcd_reader.hpp"
-#include "tools/recordings/ply_reader.hpp"
-#include "tools/recordings/sweep_times.hpp"
+#include "adit/tools/clouds/kitti_bin.hpp"
+#include "adit/tools/clouds/las_reader.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/clouds/sweep_times.hpp"
 
 namespace adit {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/recordings/cloud_columns.hpp"
-#include "tools/recordings/recording.hpp"
+#include "adit/tools/clouds/cloud_columns.hpp"
+#include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
 

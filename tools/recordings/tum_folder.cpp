@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/recordings/tum_folder.hpp"
+#include "adit/tools/recordings/tum_folder.hpp"
 
 #include <array>
 #include <limits>
@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "tools/input_file.hpp"
-#include "tools/recordings/depth_camera.hpp"
-#include "tools/recordings/depth_png.hpp"
-#include "tools/recordings/series_recording.hpp"
+#include "adit/tools/clouds/depth_camera.hpp"
+#include "adit/tools/clouds/depth_png.hpp"
+#include "adit/tools/recordings/series_recording.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {

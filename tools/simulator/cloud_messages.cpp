@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/cloud_messages.hpp"
+#include "adit/tools/simulator/cloud_messages.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/recordings/ros_visit.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
 
 namespace adit {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "slam/types.hpp"
-#include "tools/recordings/ros_events.hpp"
-#include "tools/simulator/range_simulator.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
 
 namespace adit {
 

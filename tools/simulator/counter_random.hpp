@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 
 namespace adit {
 

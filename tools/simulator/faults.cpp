@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/faults.hpp"
+#include "adit/tools/simulator/faults.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <utility>
 
-#include "tools/nearest_name.hpp"
-#include "tools/simulator/counter_random.hpp"
-#include "tools/simulator/imu_model.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

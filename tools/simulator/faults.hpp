@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "slam/types.hpp"
-#include "tools/simulator/range_simulator.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
 
 namespace adit {
 

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "tools/nearest_name.hpp"
-#include "tools/simulator/counter_random.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

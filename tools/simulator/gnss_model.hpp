@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "slam/types.hpp"
-#include "tools/simulator/ray_scene.hpp"
-#include "tools/simulator/spline.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/spline.hpp"
 
 namespace adit {
 

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "slam/nav_state.hpp"
-#include "slam/types.hpp"
-#include "tools/simulator/spline.hpp"
+#include "adit/slam/core/nav_state.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/simulator/spline.hpp"
 
 namespace adit {
 

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/loop_pairs.hpp"
+#include "adit/tools/simulator/loop_pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
 
-#include "tools/output_file.hpp"
-#include "tools/simulator/parallel.hpp"
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/parallel.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
 
 namespace adit {
 

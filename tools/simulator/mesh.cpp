@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/mesh.hpp"
+#include "adit/tools/simulator/mesh.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "tools/simulator/counter_random.hpp"
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 
 namespace adit {
 namespace {

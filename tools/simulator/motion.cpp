@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/motion.hpp"
+#include "adit/tools/simulator/motion.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "tools/nearest_name.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/simulator/scene.hpp"
-#include "tools/simulator/spline.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/spline.hpp"
 
 namespace adit {
 

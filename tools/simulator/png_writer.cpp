@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/png_writer.hpp"
+#include "adit/tools/simulator/png_writer.hpp"
 
 #include <algorithm>
 #include <span>
 #include <string>
 
-#include "tools/output_file.hpp"
-#include "tools/recordings/crc32.hpp"
+#include "adit/tools/containers/crc32.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/range_sensor.hpp"
+#include "adit/tools/simulator/range_sensor.hpp"
 
 #include <cmath>
 #include <numbers>
 
-#include "tools/nearest_name.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "tools/nearest_name.hpp"
-#include "tools/simulator/range_sensor.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/range_sensor.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/range_simulator.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "tools/simulator/counter_random.hpp"
-#include "tools/simulator/parallel.hpp"
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/parallel.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 
 namespace adit {
 namespace {

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "tools/simulator/range_sensor.hpp"
-#include "tools/simulator/ray_scene.hpp"
-#include "tools/simulator/scene.hpp"
-#include "tools/simulator/spline.hpp"
+#include "adit/tools/simulator/range_sensor.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/spline.hpp"
 
 namespace adit {
 

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "tools/simulator/mesh.hpp"
+#include "adit/tools/simulator/mesh.hpp"
 
 namespace adit {
 

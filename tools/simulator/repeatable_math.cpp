@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 
-#include "slam/lie.hpp"
+#include "adit/slam/core/lie.hpp"
 
 namespace adit {
 namespace {

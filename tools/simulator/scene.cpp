@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/scene.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include <Eigen/Geometry>
 
-#include "tools/nearest_name.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "tools/simulator/mesh.hpp"
+#include "adit/tools/simulator/mesh.hpp"
 
 namespace adit {
 

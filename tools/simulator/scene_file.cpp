@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/scene_file.hpp"
+#include "adit/tools/simulator/scene_file.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -11,14 +11,14 @@
 
 #include <toml++/toml.h>
 
-#include "tools/input_error.hpp"
-#include "tools/nearest_name.hpp"
-#include "tools/simulator/faults.hpp"
-#include "tools/simulator/gnss_model.hpp"
-#include "tools/simulator/imu_model.hpp"
-#include "tools/simulator/motion.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/faults.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/motion.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "tools/simulator/simulation.hpp"
+#include "adit/tools/simulator/simulation.hpp"
 
 namespace adit {
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/random.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

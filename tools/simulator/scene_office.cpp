@@ -5,8 +5,8 @@
 // some behind glass, and a staircase at the end.
 #include <utility>
 
-#include "tools/random.hpp"
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

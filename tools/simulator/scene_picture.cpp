@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/scene_picture.hpp"
+#include "adit/tools/simulator/scene_picture.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "tools/simulator/parallel.hpp"
-#include "tools/simulator/scene_view.hpp"
+#include "adit/tools/simulator/parallel.hpp"
+#include "adit/tools/simulator/scene_view.hpp"
 
 namespace adit {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "tools/simulator/ray_scene.hpp"
-#include "tools/simulator/scene.hpp"
-#include "tools/simulator/spline.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/spline.hpp"
 
 namespace adit {
 

@@ -4,9 +4,9 @@
 // A furnished room of 12 x 9 x 3.2 m.
 #include <numbers>
 
-#include "tools/random.hpp"
-#include "tools/simulator/repeatable_math.hpp"
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {

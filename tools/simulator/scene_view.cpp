@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/scene_view.hpp"
+#include "adit/tools/simulator/scene_view.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/simulator/parallel.hpp"
+#include "adit/tools/simulator/parallel.hpp"
 
 namespace adit {
 namespace {

@@ -9,9 +9,9 @@
 
 #include <Eigen/Geometry>
 
-#include "tools/simulator/png_writer.hpp"
-#include "tools/simulator/ray_scene.hpp"
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/png_writer.hpp"
+#include "adit/tools/simulator/ray_scene.hpp"
+#include "adit/tools/simulator/scene.hpp"
 
 namespace adit {
 

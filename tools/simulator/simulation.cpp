@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/simulation.hpp"
+#include "adit/tools/simulator/simulation.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -8,14 +8,14 @@
 #include <system_error>
 #include <utility>
 
-#include "tools/simulator/faults.hpp"
-#include "tools/simulator/loop_pairs.hpp"
-#include "tools/simulator/motion.hpp"
-#include "tools/simulator/scene_picture.hpp"
-#include "tools/simulator/simulation_tracks.hpp"
-#include "tools/simulator/sweep_picture.hpp"
-#include "tools/simulator/truth_writer.hpp"
-#include "tools/usage_error.hpp"
+#include "adit/tools/simulator/faults.hpp"
+#include "adit/tools/simulator/loop_pairs.hpp"
+#include "adit/tools/simulator/motion.hpp"
+#include "adit/tools/simulator/scene_picture.hpp"
+#include "adit/tools/simulator/simulation_tracks.hpp"
+#include "adit/tools/simulator/sweep_picture.hpp"
+#include "adit/tools/simulator/truth_writer.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "slam/types.hpp"
-#include "tools/recordings/compression.hpp"
-#include "tools/simulator/gnss_model.hpp"
-#include "tools/simulator/range_simulator.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
 
 namespace adit {
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/simulation_tracks.hpp"
+#include "adit/tools/simulator/simulation_tracks.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "tools/recordings/ros_definitions.hpp"
-#include "tools/simulator/cloud_messages.hpp"
+#include "adit/tools/containers/ros_definitions.hpp"
+#include "adit/tools/simulator/cloud_messages.hpp"
 
 namespace adit {
 namespace {

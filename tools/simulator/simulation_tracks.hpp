@@ -13,15 +13,15 @@
 #include <string>
 #include <vector>
 
-#include "tools/recordings/mcap_writer.hpp"
-#include "tools/recordings/recording.hpp"
-#include "tools/recordings/ros_events.hpp"
-#include "tools/simulator/faults.hpp"
-#include "tools/simulator/gnss_model.hpp"
-#include "tools/simulator/imu_model.hpp"
-#include "tools/simulator/range_simulator.hpp"
-#include "tools/simulator/simulation.hpp"
-#include "tools/simulator/truth_writer.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/simulator/faults.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
+#include "adit/tools/simulator/simulation.hpp"
+#include "adit/tools/simulator/truth_writer.hpp"
 
 namespace adit {
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/spline.hpp"
+#include "adit/tools/simulator/spline.hpp"
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 
 namespace adit {
 namespace {

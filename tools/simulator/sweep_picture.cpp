@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/sweep_picture.hpp"
+#include "adit/tools/simulator/sweep_picture.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "tools/simulator/parallel.hpp"
-#include "tools/simulator/scene_view.hpp"
+#include "adit/tools/simulator/parallel.hpp"
+#include "adit/tools/simulator/scene_view.hpp"
 
 namespace adit {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "tools/simulator/range_simulator.hpp"
-#include "tools/simulator/scene.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
+#include "adit/tools/simulator/scene.hpp"
 
 namespace adit {
 

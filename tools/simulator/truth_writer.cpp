@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/simulator/truth_writer.hpp"
+#include "adit/tools/simulator/truth_writer.hpp"
 
 #include <charconv>
 #include <cstdio>

@@ -4,12 +4,12 @@
 
 #include <filesystem>
 
-#include "tools/output_file.hpp"
-#include "tools/simulator/gnss_model.hpp"
-#include "tools/simulator/imu_model.hpp"
-#include "tools/simulator/range_simulator.hpp"
-#include "tools/simulator/scene.hpp"
-#include "tools/trajectory_io.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/range_simulator.hpp"
+#include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 

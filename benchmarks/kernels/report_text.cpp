@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <ostream>
+#include <sstream>
+
+#include "adit/benchmarks/kernels/report.hpp"
+
+namespace adit::bench {
+namespace {
+
+// Three significant digits.
+std::string digits(double value) {
+  std::ostringstream text;
+  const double size = std::abs(value);
+  text << std::fixed
+       << std::setprecision(size < 0.995 ? 3 : (size < 9.95 ? 2 : (size < 99.5 ? 1 : 0))) << value;
+  return text.str();
+}
+
+std::string clock(const std::optional<Spread>& spread) {
+  return spread ? digits(spread->median) : "-";
+}
+
+}  // namespace
+
+void print_setting(const Report& report, std::ostream& out) {
+  const Setting& s = report.setting;
+  const DeviceLimits& l = report.limits;
+  out << "device   " << s.device << ", " << s.driver << " " << s.driver_version << ", Vulkan "
+      << s.vulkan << (s.software ? ", software" : "") << "\n"
+      << "host     " << s.host << ", " << s.threads << " threads\n"
+      << "adit     " << s.version << " (" << s.commit << "); peers: " << s.peers << "\n"
+      << "clouds   " << s.input << "\n"
+      << "limits   copy " << digits(1e-9 * l.copy_bytes) << " GB/s; multiply-add "
+      << digits(1e-9 * l.flop) << " GFLOP/s; 64-byte reads at random "
+      << digits(1e-6 * l.near_reads) << " M/s of 1 MiB, " << digits(1e-6 * l.reads)
+      << " M/s of 64 MiB; atomics " << digits(1e-6 * l.atomics) << " M/s; dispatch "
+      << digits(1e6 * l.dispatch_s) << " us; submission " << digits(1e6 * l.submission_s)
+      << " us\n\n";
+}
+
+void print_head(std::ostream& out) {
+  out << std::left << std::setw(22) << "case" << std::right << std::setw(9) << "size"
+      << std::setw(9) << "items" << std::setw(11) << "device ms" << std::setw(9) << "wait ms"
+      << std::setw(9) << "host ms" << std::setw(11) << "ns an item" << std::setw(8) << "GB/s"
+      << std::setw(9) << "GFLOP/s" << std::setw(20) << "of its limit" << std::setw(9) << "x peer"
+      << "  result\n";
+}
+
+void print_row(const Row& row, const Report& report, std::ostream& out) {
+  out << std::left << std::setw(22) << row.name << std::right << std::setw(9) << row.size
+      << std::setw(9) << row.items;
+  if (!row.problem.empty()) {
+    out << "  WRONG, not timed: " << row.problem << "\n";
+    return;
+  }
+  const double ms = row.timing.best().median;
+  const Bound bound = bound_of(row.cost, report.limits);
+  const bool counted = bound.ms > 0.0;
+  const Row* peer = peer_of(row, report);
+  std::ostringstream share;
+  if (counted) {
+    share << digits(100.0 * bound.ms / ms) << " % " << bound.by;
+  }
+  out << std::setw(11) << clock(row.timing.device) << std::setw(9) << clock(row.timing.wait)
+      << std::setw(9) << digits(row.timing.host.median) << std::setw(11) << digits(row.ns_an_item())
+      << std::setw(8) << (counted ? digits(1e-6 * row.cost.bytes / ms) : "-") << std::setw(9)
+      << (counted ? digits(1e-6 * row.cost.flop / ms) : "-") << std::setw(20)
+      << (counted ? share.str() : "-") << std::setw(9)
+      << (peer != nullptr && peer->problem.empty() ? digits(ms / peer->timing.best().median) : "-")
+      << " ";
+  const char* separator = " ";
+  for (const auto& [name, value] : row.figures) {
+    out << separator << name << " "
+        << (value == std::floor(value) ? std::to_string(std::lround(value)) : digits(value));
+    separator = ", ";
+  }
+  out << "\n";
+}
+
+void print_comparison(const Report& before, const Report& after, std::ostream& out) {
+  out << "before   " << before.setting.device << ", " << before.setting.version << " ("
+      << before.setting.commit << "), " << before.setting.date << "\n"
+      << "after    " << after.setting.device << ", " << after.setting.version << " ("
+      << after.setting.commit << "), " << after.setting.date << "\n";
+  if (before.setting.device != after.setting.device || before.setting.host != after.setting.host) {
+    out << "note: not the same device and host\n";
+  }
+  out << "\n"
+      << std::left << std::setw(22) << "case" << std::right << std::setw(9) << "size"
+      << std::setw(11) << "before ms" << std::setw(11) << "after ms" << std::setw(9) << "ratio"
+      << "\n";
+  for (const Row& row : after.rows) {
+    const auto old = std::ranges::find_if(before.rows, [&](const Row& other) {
+      return other.name == row.name && other.size == row.size;
+    });
+    if (old == before.rows.end() || !row.problem.empty() || !old->problem.empty()) {
+      continue;
+    }
+    const Spread& a = old->timing.best();
+    const Spread& b = row.timing.best();
+    const char* verdict = b.high < a.low ? "  faster" : (b.low > a.high ? "  slower" : "");
+    out << std::left << std::setw(22) << row.name << std::right << std::setw(9) << row.size
+        << std::setw(11) << digits(a.median) << std::setw(11) << digits(b.median) << std::setw(9)
+        << digits(b.median / a.median) << verdict << "\n";
+  }
+  out << "\nfaster, slower: the 10th to 90th percentiles do not overlap\n";
+}
+
+}  // namespace adit::bench

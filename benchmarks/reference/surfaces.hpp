@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Twin of surface_normals.comp and of the moments that downsample_emit.comp gathers for it.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+
+#include "adit/benchmarks/reference/downsample.hpp"
+#include "adit/engine/kernels/preprocess.hpp"
+#include "adit/shaders/shared/prelude.h"
+#include "adit/slam/core/types.hpp"
+
+namespace adit::reference {
+
+/// Numbered as in the two top bits of a packed surface.
+enum class SurfaceKind : uint32_t { isotropic = 0, plane = 1, line = 2 };
+
+/// The surface at a point of a cloud.
+struct Surface {
+  SurfaceKind kind = SurfaceKind::isotropic;
+  Eigen::Vector3d direction =
+      Eigen::Vector3d::UnitZ();  ///< normal towards the sensor, or along the line
+  Eigen::Vector3d eigenvalues =
+      Eigen::Vector3d::Zero();  ///< ascending, in squares of the surface cell's edge
+  int neighbours = 0;           ///< points of the surface cell, itself included
+};
+
+/// Fewer points say nothing.
+inline constexpr int kMinNeighbours = 5;
+/// Second over first eigenvalue below which neighbours lie on a line.
+inline constexpr double kLineRatio = 0.02;
+/// |z| of a direction above which a line counts as a pole or an edge.
+inline constexpr double kSteep = 0.7;
+
+/// The smallest level, 0 to 15, whose cells' size relative to level 0 is at least range *
+/// 2.5 beam_spacing / edge of level 0. Decided on squares in float32, in this order of operations,
+/// as the device does.
+inline int surface_level(const Eigen::Vector3f& p, const engine::PreprocessSettings& settings) {
+  const double edge = std::max(settings.surface_size, 2.5 * settings.r_input);
+  const double root = 2.5 * settings.beam_spacing / edge;
+  const auto factor = static_cast<float>(root * root);
+  const float squared = p.x() * p.x() + p.y() * p.y() + p.z() * p.z();
+  const float ratio = squared * factor;
+  int level = 0;
+  while (level < 15 && std::pow(4.0, level) < static_cast<double>(ratio)) {
+    ++level;
+  }
+  return level;
+}
+
+/// Inverse edge of a surface cell (surface_size or 2.5 r_input at level 0, twice as large with each
+/// level), 1/m.
+inline float inverse_surface_cell(const engine::PreprocessSettings& settings, int level) {
+  return static_cast<float>(1.0 / std::max(settings.surface_size, 2.5 * settings.r_input)) /
+         static_cast<float>(1U << static_cast<unsigned>(level));
+}
+
+/// Classifies the covariance of a point's neighbours.
+inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& p,
+                        int neighbours) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  Surface surface{.eigenvalues = solver.eigenvalues(), .neighbours = neighbours};
+  const bool line = surface.eigenvalues[1] < kLineRatio * surface.eigenvalues[2];
+  surface.direction = solver.eigenvectors().col(line ? 2 : 0);
+  if (surface.direction.dot(p) > 0.0) {
+    surface.direction = -surface.direction;
+  }
+  if (!line) {
+    surface.kind = SurfaceKind::plane;
+  } else if (std::abs(surface.direction.z()) > kSteep) {
+    surface.kind = SurfaceKind::line;
+  }
+  return surface;
+}
+
+/// The surface at each point of a down-sampled cloud, from the points that share its cell and
+/// level.
+inline std::vector<Surface> surfaces(std::span<const Point> cloud,
+                                     const engine::PreprocessSettings& settings) {
+  std::map<std::pair<int, Cell>, std::vector<Eigen::Vector3d>> neighbourhoods;
+  std::vector<std::pair<int, Cell>> keys;
+  for (const Point& point : cloud) {
+    const Eigen::Vector3f p(point.x, point.y, point.z);
+    const int level = surface_level(p, settings);
+    const float inverse_edge = inverse_surface_cell(settings, level);
+    keys.emplace_back(level, cell_of(p, inverse_edge));
+    neighbourhoods[keys.back()].push_back(p.cast<double>() * static_cast<double>(inverse_edge));
+  }
+  std::vector<Surface> result;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const std::vector<Eigen::Vector3d>& neighbours = neighbourhoods.at(keys[i]);
+    const auto n = static_cast<int>(neighbours.size());
+    if (n < kMinNeighbours) {
+      result.push_back({.neighbours = n});
+      continue;
+    }
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& neighbour : neighbours) {
+      mean += neighbour / n;
+    }
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const Eigen::Vector3d& neighbour : neighbours) {
+      covariance += (neighbour - mean) * (neighbour - mean).transpose() / n;
+    }
+    result.push_back(classify(covariance, Eigen::Vector3d(cloud[i].x, cloud[i].y, cloud[i].z), n));
+  }
+  return result;
+}
+
+/// A point of a surface cloud as kernels read it.
+struct SurfacePoint {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  SurfaceKind kind = SurfaceKind::isotropic;
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
+
+  /// P of C = I - (1 - epsilon) P: how well the surface fixes a match along each direction.
+  Eigen::Matrix3d constraint() const {
+    switch (kind) {
+      case SurfaceKind::plane:
+        return direction * direction.transpose();
+      case SurfaceKind::line:
+        return Eigen::Matrix3d::Identity() - direction * direction.transpose();
+      case SurfaceKind::isotropic:
+        return Eigen::Matrix3d::Zero();
+    }
+    return Eigen::Matrix3d::Zero();
+  }
+};
+
+/// Reads the packed form: class in 2 bits, octahedral direction in 2 x 15 bits.
+inline SurfacePoint decode(const gpu::uvec4& packed) {
+  const auto position = [](uint32_t bits) {
+    float value = 0.0F;
+    static_assert(sizeof(value) == sizeof(bits));
+    std::memcpy(&value, &bits, sizeof(value));
+    return static_cast<double>(value);
+  };
+  const auto octahedral = [](uint32_t bits) {
+    return (static_cast<double>(bits & 0x7fffU) - 16383.0) / 16383.0;
+  };
+  const double u = octahedral(packed.w >> 15U);
+  const double v = octahedral(packed.w);
+  // The octahedron |x| + |y| + |z| = 1 seen from above; its lower half is folded outwards over the
+  // diagonals.
+  Eigen::Vector3d direction(u, v, 1.0 - std::abs(u) - std::abs(v));
+  if (direction.z() < 0.0) {
+    direction.x() = std::copysign(1.0 - std::abs(v), u);
+    direction.y() = std::copysign(1.0 - std::abs(u), v);
+  }
+  return {.p = {position(packed.x), position(packed.y), position(packed.z)},
+          .kind = static_cast<SurfaceKind>(packed.w >> 30U),
+          .direction = direction.normalized()};
+}
+
+inline std::vector<SurfacePoint> decode(std::span<const gpu::uvec4> cloud) {
+  std::vector<SurfacePoint> points;
+  points.reserve(cloud.size());
+  for (const gpu::uvec4& packed : cloud) {
+    points.push_back(decode(packed));
+  }
+  return points;
+}
+
+}  // namespace adit::reference

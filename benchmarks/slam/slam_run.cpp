@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/benchmarks/slam/slam_run.hpp"
+
+#include <exception>
+#include <sstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/evaluation/evaluate.hpp"
+#include "adit/tools/evaluation/evaluation_plot.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit::bench {
+namespace {
+
+constexpr double kStretch = 10.0;  // m
+
+/// What a command complained of, without its name, up to the first line's end.
+std::string complaint(const std::string& text) {
+  const std::string line = text.substr(0, text.find('\n'));
+  constexpr std::string_view kHead = "adit run: ";
+  return line.starts_with(kHead) ? line.substr(kHead.size()) : line;
+}
+
+SlamEffort effort_of(const nlohmann::json& summary) {
+  const auto& sweeps = summary.at("sweeps");
+  const std::size_t processed = sweeps.at("processed");
+  return {.sweeps = processed,
+          .placed = processed - sweeps.at("failed").get<std::size_t>(),
+          .ms_a_sweep = summary.at("time").at("host_ms").at("total").at("mean"),
+          .sweeps_a_second = summary.at("time").at("sweeps_per_s")};
+}
+
+Trajectory truth_of(const SlamSequence& sequence) {
+  const Trajectory truth = read_trajectory(sequence.truth);
+  return truth.stamped || !sequence.truth_times
+             ? truth
+             : read_trajectory(sequence.truth, sequence.truth_times);
+}
+
+/// The errors and the drawing of a trajectory; why there are none, if so.
+SlamResult compare(const SlamSequence& sequence, const std::string& system,
+                   const std::filesystem::path& trajectory) {
+  const EvaluationOptions options{
+      .rpe = {.delta = kStretch, .pairs_from = PairSource::truth, .from_first_pose = true}};
+  const Evaluation found = evaluate(read_trajectory(trajectory), truth_of(sequence), options);
+  const Statistics& stretches = found.rpe.translation;
+  return {
+      .errors = SlamErrors{.ate = found.ate.rmse,
+                           .ate_largest = found.ate.max,
+                           .ate_rotation = found.ate_rotation.rmse,
+                           .drift = stretches.count > 0 ? std::optional(stretches.mean / kStretch)
+                                                        : std::nullopt,
+                           .path = found.association.truth_path,
+                           .covered = found.association.covered_path},
+      .drawing = plot_evaluation(found, system + " on " + sequence.name)};
+}
+
+}  // namespace
+
+SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant,
+                        const DeviceOptions& device, const std::filesystem::path& folder) {
+  RunCommandOptions run;
+  run.recording = sequence.recording;
+  run.output = folder;
+  run.config = variant.config;
+  run.device = device;
+  run.map.enabled = false;
+  run.json = true;
+  run.quiet = true;
+  std::ostringstream summary;
+  std::ostringstream complaints;
+  const int code = run_command(run, summary, complaints);
+  if (code == 2) {
+    throw UsageError(complaint(complaints.str()));
+  }
+  if (code > 128) {
+    throw std::runtime_error("stopped by a signal; recordings made so far are kept");
+  }
+  SlamResult result;
+  if (!summary.str().empty()) {
+    result = judge_trajectory(sequence, variant.name, RunFiles(folder).tum);
+    result.effort = effort_of(nlohmann::json::parse(summary.str()));
+  }
+  if (code != 0) {
+    result.verdict = SlamVerdict::failed;
+    result.why = complaint(complaints.str());
+  }
+  return result;
+}
+
+SlamResult judge_trajectory(const SlamSequence& sequence, const std::string& system,
+                            const std::filesystem::path& trajectory) {
+  if (!std::filesystem::exists(trajectory)) {
+    return {};
+  }
+  try {
+    return compare(sequence, system, trajectory);
+  } catch (const InputError& error) {
+    return {.verdict = SlamVerdict::failed, .why = error.what()};
+  }
+}
+
+}  // namespace adit::bench

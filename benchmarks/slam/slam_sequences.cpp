@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/benchmarks/slam/slam_sequences.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "adit/tools/simulator/simulation.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/output_file.hpp"
+
+namespace adit::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recording) {
+  SimulationOptions options;
+  options.scene = entry.scene;
+  options.lidars.front().sensor = entry.sensor;
+  options.trajectory = entry.trajectory;
+  options.duration = entry.duration;
+  options.begin = entry.begin;
+  options.seed = entry.seed;
+  options.compression = Compression::zstd;
+  options.output = recording;
+  return options;
+}
+
+/// What a recording is made of: it need not be made again where this has not changed.
+std::string origin_of(const SlamEntry& entry) {
+  std::ostringstream text;
+  text << "adit bench slam: simulator revision " << kSimulatorRevision << ", " << entry.scene
+       << ", " << entry.sensor << ", " << entry.trajectory << ", " << entry.duration << " s from "
+       << entry.begin << " m on, seed " << entry.seed << "\n";
+  return text.str();
+}
+
+std::string content(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::string described(const SlamEntry& entry) {
+  return entry.sensor + ", " + entry.trajectory;
+}
+
+/// The first of the candidates that exists.
+std::optional<fs::path> first_of(const std::vector<fs::path>& candidates) {
+  const auto found =
+      std::ranges::find_if(candidates, [](const auto& path) { return fs::is_regular_file(path); });
+  return found == candidates.end() ? std::nullopt : std::optional(*found);
+}
+
+/// Other files may stand beside a recording under its name.
+bool may_be_recording(const fs::path& path) {
+  constexpr std::array<std::string_view, 8> kEndings = {".mcap",   ".bag", ".db3", ".pcap",
+                                                        ".pcapng", ".pcd", ".ply", ".las"};
+  return fs::is_directory(path) || std::ranges::count(kEndings, path.extension().string()) > 0;
+}
+
+std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
+  if (!may_be_recording(path)) {
+    return std::nullopt;
+  }
+  const bool is_folder = fs::is_directory(path);
+  const fs::path name = is_folder ? path.filename() : path.stem();
+  std::vector<fs::path> candidates = {path.parent_path() / (name.string() + ".truth.tum"),
+                                      path.parent_path() / (name.string() + ".truth.kitti")};
+  if (is_folder) {
+    for (const char* inside : {"truth.tum", "truth.kitti", "poses_velo.txt"}) {
+      candidates.push_back(path / inside);
+    }
+  }
+  const std::optional<fs::path> truth = first_of(candidates);
+  if (!truth) {
+    return std::nullopt;
+  }
+  return SlamSequence{.name = name.string(),
+                      .description = "recorded",
+                      .recording = path,
+                      .truth = *truth,
+                      .truth_times = is_folder ? first_of({path / "times.txt"}) : std::nullopt};
+}
+
+}  // namespace
+
+std::vector<SlamEntry> slam_catalogue() {
+  return {{"mine-vlp16-drive", "mine", "VLP-16", "drive", 60.0, 0.0, 1, true},
+          {"mine-vlp16-tunnel", "mine", "VLP-16", "drive", 60.0, 415.0},
+          {"mine-os0-walk", "mine", "OS0-128", "walk", 20.0, 0.0, 2},
+          {"office-vlp16-walk", "office", "VLP-16", "walk", 60.0, 15.0},
+          {"office-mid360-stairs", "office", "Mid-360", "handheld", 30.0, 38.0, 1, true},
+          {"city-vlp16-drive", "city", "VLP-16", "drive", 60.0},
+          {"city-vlp16-stops", "city", "VLP-16", "stop-and-go", 40.0, 3000.0, 2},
+          {"city-hdl64e-drive", "city", "HDL-64E", "drive", 20.0, 1000.0},
+          {"forest-vlp16-handheld", "forest", "VLP-16", "handheld", 40.0},
+          {"forest-os1-walk", "forest", "OS1-64", "walk", 30.0, 100.0, 2},
+          {"field-vlp16-drive", "field", "VLP-16", "drive", 60.0},
+          {"field-hdl32e-moving", "field", "HDL-32E", "moving-start", 30.0, 200.0, 2},
+          {"room-mid360-handheld", "room", "Mid-360", "handheld", 30.0, 0.0, 1, true},
+          {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2}};
+}
+
+SlamSequence simulated_sequence(
+    const SlamEntry& entry, const fs::path& folder,
+    const std::function<void(std::size_t done, std::size_t total)>& progress) {
+  const SimulationFiles files(folder / (entry.name + ".mcap"));
+  const fs::path origin = folder / (entry.name + ".origin");
+  const SlamSequence sequence{.name = entry.name,
+                              .description = described(entry),
+                              .recording = files.recording,
+                              .truth = files.trajectory,
+                              .truth_times = std::nullopt};
+  if (fs::exists(files.recording) && content(origin) == origin_of(entry)) {
+    return sequence;
+  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  fs::remove(origin, error);
+  simulate(simulation_of(entry, files.recording), progress);
+  // Last: a recording that was cut short by a signal has no origin.
+  write_text_file(origin, origin_of(entry));
+  return sequence;
+}
+
+std::vector<SlamSequence> recorded_sequences(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw InputError(folder, {}, "it is no folder", "Give a folder of recordings");
+  }
+  // A name may end in a slash.
+  const fs::path clean = (folder / ".").lexically_normal().parent_path();
+  if (const auto itself = recorded_sequence(clean)) {
+    return {*itself};
+  }
+  std::vector<SlamSequence> sequences;
+  for (const fs::directory_entry& entry : fs::directory_iterator(clean)) {
+    if (const auto sequence = recorded_sequence(entry.path())) {
+      sequences.push_back(*sequence);
+    }
+  }
+  if (sequences.empty()) {
+    throw InputError(folder, {}, "there is no recording with its truth beside it",
+                     "The truth of NAME.bag is NAME.truth.tum beside it; that of a folder may also "
+                     "be truth.tum in it");
+  }
+  std::ranges::sort(sequences, {}, &SlamSequence::name);
+  return sequences;
+}
+
+}  // namespace adit::bench

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "adit/engine/device_info.hpp"
+#include "adit/engine/vulkan/allocator.hpp"
+#include "adit/engine/vulkan/command_slot.hpp"
+#include "adit/engine/vulkan/instance.hpp"
+#include "adit/engine/vulkan/vulkan.hpp"
+
+namespace adit::engine {
+
+struct ContextOptions;
+
+/// What a Context owns: the logical device, its queue and timeline, memory and recycled command
+/// buffers. Members are destroyed in reverse order. Stays in one place: buffers and kernels point
+/// to it.
+struct Device {
+  explicit Device(const ContextOptions& options);
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  /// A command buffer that is being recorded, new or used before.
+  std::unique_ptr<CommandSlot> begin_commands();
+  void recycle(std::unique_ptr<CommandSlot> slot);
+  /// Puts recorded commands on the queue; the timeline reaches the returned value when they are
+  /// done.
+  uint64_t submit(const CommandSlot& slot);
+  void wait(uint64_t value) const;
+  bool reached(uint64_t value) const;
+
+  template <class Object>
+  void set_name(const Object& object, std::string_view name) const {
+    if (instance.debug_names) {
+      using Handle = typename Object::CType;
+      const std::string text(name);
+      device.setDebugUtilsObjectNameEXT({Object::objectType,
+                                         reinterpret_cast<uint64_t>(static_cast<Handle>(*object)),
+                                         text.c_str()});
+    }
+  }
+
+  Instance instance;
+  bool profile = false;
+  bool software_fallback = false;
+  vk::raii::PhysicalDevice physical{nullptr};
+  DeviceInfo info;
+  uint64_t max_buffer_bytes = 0;
+  double ns_per_tick = 1.0;
+  uint64_t tick_mask = 0;  ///< the bits of a timestamp that count
+  vk::raii::Device device{nullptr};
+  vk::raii::Queue queue{nullptr};
+  uint32_t family = 0;
+  vk::raii::PipelineCache pipeline_cache{nullptr};
+  vk::raii::Semaphore timeline{nullptr};
+  std::optional<Allocator> memory;
+
+ private:
+  void create_device();
+
+  std::mutex queue_mutex_;
+  uint64_t last_value_ = 0;
+  std::mutex slots_mutex_;
+  std::vector<std::unique_ptr<CommandSlot>> free_slots_;
+};
+
+}  // namespace adit::engine

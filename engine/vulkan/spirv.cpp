@@ -1,0 +1,303 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/engine/vulkan/spirv.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "adit/engine/vulkan/spirv_words.hpp"
+
+namespace adit::engine::spirv {
+namespace {
+
+struct Member {
+  std::string name;
+  std::optional<uint32_t> offset;
+  uint32_t matrix_stride = 0;
+  bool non_writable = false;
+};
+
+// What is known of one id. Decorations and names come before the types they belong to.
+struct Id {
+  uint32_t op = 0;
+  std::string name;
+  std::optional<uint32_t> spec_id, binding, set;
+  uint32_t array_stride = 0;
+  bool non_writable = false;
+  bool texel_buffer = false;  // read through a uniform texel buffer of uint
+  std::map<uint32_t, Member> members;
+  uint32_t bytes = 0;           // of a type; 0: not known before run time
+  uint32_t columns = 0;         // of a matrix
+  uint32_t element = 0;         // id an array or a pointer refers to
+  uint32_t value = 0;           // of a constant; of an integer type 1: signed
+  std::vector<uint32_t> types;  // of a struct's members
+};
+
+class Parser {
+ public:
+  Reflection parse(std::span<const uint32_t> words);
+
+ private:
+  Id& id(uint32_t index) {
+    if (index >= ids_.size()) {
+      fail("id " + std::to_string(index) + " is out of range");
+    }
+    return ids_[index];
+  }
+  void instruction(uint32_t op, const Operands& in);
+  void decorate(uint32_t decoration, uint32_t value, Id& target);
+  void decorate_member(uint32_t decoration, uint32_t value, Member& member);
+  void define_type(uint32_t op, const Operands& in);
+  void define_struct(Id& type);
+  void variable(const Operands& in);
+  void finish();
+
+  std::vector<Id> ids_;
+  std::vector<uint32_t> struct_ids_;
+  std::array<uint32_t, 3> size_ids_{};  // constants of LocalSizeId
+  uint32_t entry_points_ = 0;
+  Reflection result_;
+};
+
+Reflection Parser::parse(std::span<const uint32_t> words) {
+  if (words.size() < 5 || words[0] != kMagic) {
+    fail("it does not begin like one");
+  }
+  if (words[3] > kMaxBound) {
+    fail("too many ids");
+  }
+  ids_.resize(words[3]);
+  for (std::size_t at = 5; at < words.size();) {
+    const std::size_t length = words[at] >> 16U;
+    if (length == 0 || length > words.size() - at) {
+      fail("it is cut short at word " + std::to_string(at));
+    }
+    instruction(words[at] & 0xFFFFU, Operands(words.subspan(at + 1, length - 1)));
+    at += length;
+  }
+  finish();
+  return std::move(result_);
+}
+
+void Parser::instruction(uint32_t op, const Operands& in) {
+  switch (op) {
+    case kOpName:
+      id(in[0]).name = in.text(1);
+      break;
+    case kOpMemberName:
+      id(in[0]).members[in[1]].name = in.text(2);
+      break;
+    case kOpDecorate:
+      decorate(in[1], in.size() > 2 ? in[2] : 0, id(in[0]));
+      break;
+    case kOpMemberDecorate:
+      decorate_member(in[2], in.size() > 3 ? in[3] : 0, id(in[0]).members[in[1]]);
+      break;
+    case kOpEntryPoint:
+      entry_points_ += in[0] == kModelGLCompute ? 1U : 2U;
+      break;
+    case kOpExecutionMode:
+      if (in[1] == kModeLocalSize) {
+        result_.local_size = {in[2], in[3], in[4]};
+      }
+      break;
+    case kOpExecutionModeId:
+      if (in[1] == kModeLocalSizeId) {
+        size_ids_ = {in[2], in[3], in[4]};
+      }
+      break;
+    case kOpConstant:
+    case kOpSpecConstant:
+      id(in[1]).op = op;
+      id(in[1]).value = in[2];
+      break;
+    case kOpSpecConstantTrue:
+    case kOpSpecConstantFalse:
+      id(in[1]).op = op;
+      id(in[1]).value = op == kOpSpecConstantTrue ? 1 : 0;
+      break;
+    case kOpVariable:
+      variable(in);
+      break;
+    default:
+      define_type(op, in);
+  }
+}
+
+void Parser::decorate(uint32_t decoration, uint32_t value, Id& target) {
+  switch (decoration) {
+    case kSpecId:
+      target.spec_id = value;
+      break;
+    case kBinding:
+      target.binding = value;
+      break;
+    case kDescriptorSet:
+      target.set = value;
+      break;
+    case kArrayStride:
+      target.array_stride = value;
+      break;
+    case kNonWritable:
+      target.non_writable = true;
+      break;
+    default:
+      break;
+  }
+}
+
+void Parser::decorate_member(uint32_t decoration, uint32_t value, Member& member) {
+  if (decoration == kOffset) {
+    member.offset = value;
+  } else if (decoration == kMatrixStride) {
+    member.matrix_stride = value;
+  } else if (decoration == kNonWritable) {
+    member.non_writable = true;
+  }
+}
+
+// Types are defined before they are used, so each one's size is known when the next needs it.
+void Parser::define_type(uint32_t op, const Operands& in) {
+  switch (op) {
+    case kOpTypeInt:
+      id(in[0]).bytes = in[1] / 8;
+      id(in[0]).value = in[2];
+      break;
+    case kOpTypeFloat:
+      id(in[0]).bytes = in[1] / 8;
+      break;
+    case kOpTypeVector:
+      id(in[0]).bytes = id(in[1]).bytes * in[2];
+      break;
+    case kOpTypeMatrix:
+      id(in[0]).columns = in[2];
+      id(in[0]).bytes = id(in[1]).bytes * in[2];
+      break;
+    case kOpTypeArray:
+      id(in[0]).element = in[1];
+      id(in[0]).bytes = id(in[0]).array_stride * id(in[2]).value;
+      break;
+    case kOpTypeRuntimeArray:
+    case kOpTypePointer:
+      id(in[0]).element = in[op == kOpTypePointer ? 2 : 1];
+      break;
+    case kOpTypeImage: {
+      const Id& of = id(in[1]);
+      id(in[0]).texel_buffer = in[2] == kDimBuffer && in[6] == kSampled && of.op == kOpTypeInt &&
+                               of.bytes == 4 && of.value == 0;
+      break;
+    }
+    case kOpTypeSampledImage:
+      id(in[0]).texel_buffer = id(in[1]).texel_buffer;
+      break;
+    case kOpTypeStruct:
+      for (std::size_t i = 1; i < in.size(); ++i) {
+        id(in[0]).types.push_back(in[i]);
+      }
+      define_struct(id(in[0]));
+      if (std::ranges::all_of(id(in[0]).members,
+                              [](const auto& m) { return m.second.offset.has_value(); })) {
+        struct_ids_.push_back(in[0]);
+      }
+      break;
+    default:
+      return;
+  }
+  id(in[0]).op = op;
+}
+
+void Parser::define_struct(Id& type) {
+  for (uint32_t i = 0; i < type.types.size(); ++i) {
+    const Member& member = type.members[i];
+    const Id& of = id(type.types[i]);
+    const uint32_t bytes = of.columns > 0 ? of.columns * member.matrix_stride : of.bytes;
+    type.bytes = std::max(type.bytes, member.offset.value_or(0) + bytes);
+  }
+}
+
+void Parser::variable(const Operands& in) {
+  const Id& variable = id(in[1]);
+  const uint32_t storage = in[2];
+  const Id& type = id(id(in[0]).element);
+  const bool texels = storage == kClassUniformConstant && type.texel_buffer;
+  if (storage == kClassPushConstant) {
+    result_.push_bytes = type.bytes;
+  } else if (storage == kClassStorageBuffer || texels) {
+    if (variable.set.value_or(0) != 0 || !variable.binding.has_value()) {
+      fail("a buffer is outside descriptor set 0");
+    }
+    const bool read_only =
+        variable.non_writable || texels ||
+        (!type.types.empty() &&
+         std::ranges::all_of(type.members, [](const auto& m) { return m.second.non_writable; }));
+    result_.bindings.push_back({*variable.binding, read_only, texels});
+  } else if (storage == kClassUniform || storage == kClassUniformConstant) {
+    fail("it uses descriptors other than storage buffers and uniform texel buffers of uint");
+  }
+}
+
+void Parser::finish() {
+  if (entry_points_ != 1) {
+    fail("it is not one compute shader");
+  }
+  std::ranges::sort(result_.bindings, {}, &BindingInfo::binding);
+  const auto texels = std::ranges::count(result_.bindings, true, &BindingInfo::texels);
+  const auto storage = std::ssize(result_.bindings) - texels;
+  if (storage > kMaxStorageBindings || texels > kMaxTexelBindings) {
+    fail("it binds " + std::to_string(storage) + " storage and " + std::to_string(texels) +
+         " texel buffers, at most " + std::to_string(kMaxStorageBindings) + " and " +
+         std::to_string(kMaxTexelBindings) + " are sure to be had");
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (size_ids_[axis] != 0) {
+      result_.local_size[axis] = id(size_ids_[axis]).value;
+      result_.local_size_ids[axis] = id(size_ids_[axis]).spec_id;
+    }
+  }
+  std::map<uint32_t, uint32_t> constants;
+  for (const Id& constant : ids_) {
+    if (constant.spec_id.has_value() && constant.op != 0) {
+      constants.emplace(*constant.spec_id, constant.value);
+    }
+  }
+  for (const auto& [spec_id, value] : constants) {
+    result_.spec_constants.push_back({spec_id, value});
+  }
+  for (const uint32_t index : struct_ids_) {
+    const Id& type = id(index);
+    StructLayout layout{type.name, {}, {}};
+    for (uint32_t i = 0; i < type.types.size(); ++i) {
+      const Member& member = type.members.at(i);
+      const Id& of = id(type.types[i]);
+      layout.members.push_back({member.name, member.offset.value_or(0),
+                                of.columns > 0 ? of.columns * member.matrix_stride : of.bytes,
+                                of.array_stride});
+    }
+    for (const Id& array : ids_) {
+      if ((array.op == kOpTypeArray || array.op == kOpTypeRuntimeArray) && array.element == index &&
+          array.array_stride != 0) {
+        layout.array_strides.push_back(array.array_stride);
+      }
+    }
+    result_.structs.push_back(std::move(layout));
+  }
+}
+
+}  // namespace
+}  // namespace adit::engine::spirv
+
+namespace adit::engine {
+
+uint32_t StructLayout::end() const {
+  uint32_t end = 0;
+  for (const StructMember& member : members) {
+    end = std::max(end, member.offset + member.bytes);
+  }
+  return end;
+}
+
+Reflection reflect(std::span<const uint32_t> words) {
+  return spirv::Parser().parse(words);
+}
+
+}  // namespace adit::engine

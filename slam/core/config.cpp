@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/core/config.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+#include "adit/slam/core/imu_noise.hpp"
+
+namespace adit {
+namespace {
+
+/// The shortest text that reads back as the same number.
+template <class Number>
+std::string text_of(Number value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
+}
+
+/// Collects the first violated condition; later ones are not looked at.
+class Checks {
+ public:
+  template <class Number>
+  void require(bool holds, const char* field, Number value, const std::string& must) {
+    if (!holds && !problem_) {
+      problem_ =
+          ConfigProblem{.field = field, .message = "is " + text_of(value) + "; must be " + must};
+    }
+  }
+
+  template <class Number>
+  void between(const char* field, Number value, Number low, Number high,
+               const std::string& unit = "") {
+    require(value >= low && value <= high, field, value,
+            "between " + text_of(low) + " and " + text_of(high) + (unit.empty() ? "" : " " + unit));
+  }
+
+  void holds(bool holds, const char* field, const std::string& message) {
+    if (!holds && !problem_) {
+      problem_ = ConfigProblem{.field = field, .message = message};
+    }
+  }
+
+  void finite(const std::string& field, double value) {
+    if (!std::isfinite(value) && !problem_) {
+      problem_ = ConfigProblem{.field = field, .message = "is not a finite number"};
+    }
+  }
+
+  std::optional<ConfigProblem> problem() const { return problem_; }
+
+ private:
+  std::optional<ConfigProblem> problem_;
+};
+
+void check_finite(Checks& checks, const Config& config) {
+  Config::visit(config, [&](const std::string& section, const auto& fields) {
+    std::decay_t<decltype(fields)>::visit(
+        fields, [&](const char* name, const auto& value, auto&&...) {
+          if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
+            checks.finite(section + "." + name, value);
+          }
+        });
+  });
+}
+
+std::string than(const char* relation, const char* field, double value) {
+  return std::string(relation) + " " + field + " (" + text_of(value) + ")";
+}
+
+// The device works in float32 in the submap's frame: a millimetre is resolved within about 4 km,
+// and a sweep plus the way driven over a submap has to stay well inside of that.
+constexpr double kFarthestReturn = 1000.0;
+
+// How far the sensor can at least go before the submap's frame has to follow, m.
+constexpr double kShortestReach = 10.0;
+
+void check_preprocess(Checks& checks, const PreprocessConfig& p) {
+  checks.between("preprocess.c_min", p.c_min, 0.0, kFarthestReturn, "m");
+  checks.require(p.c_max > p.c_min, "preprocess.c_max", p.c_max,
+                 than("greater than", "preprocess.c_min", p.c_min));
+  checks.require(p.c_max <= kFarthestReturn, "preprocess.c_max", p.c_max,
+                 "at most " + text_of(kFarthestReturn) + " m");
+  checks.between("preprocess.r_input", p.r_input, 0.01, 10.0, "m");
+  checks.require(p.r_input < p.c_max, "preprocess.r_input", p.r_input,
+                 than("less than", "preprocess.c_max", p.c_max));
+  // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
+  checks.require(p.beam_spacing == 0.0 || (p.beam_spacing >= 0.002 && p.beam_spacing <= 0.2),
+                 "preprocess.beam_spacing", p.beam_spacing,
+                 "0 (as the first sweep shows it), or between 0.002 and 0.2 rad");
+  checks.between("preprocess.surface_size", p.surface_size, 0.0, 20.0, "m");
+  checks.between("preprocess.deskew", p.deskew, 0, 1);
+}
+
+void check_registration(Checks& checks, const Config& config) {
+  const RegistrationConfig& r = config.registration;
+  checks.between("registration.r_align", r.r_align, 0.05, 50.0, "m");
+  checks.require(r.r_align >= config.preprocess.r_input, "registration.r_align", r.r_align,
+                 than("at least", "preprocess.r_input", config.preprocess.r_input));
+  // Keys of the submap's voxels hold 511 of them upwards (shaders/include/hash.glsl).
+  const double smallest = (config.preprocess.c_max + kShortestReach) / 511.0;
+  checks.require(r.r_align >= smallest, "registration.r_align", r.r_align,
+                 "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
+                     text_of(config.preprocess.c_max) + ") smaller");
+  // A voxel's sums hold 65535 points.
+  const double edge = std::ceil(r.r_align / config.preprocess.r_input) + 1.0;
+  const double fullest = edge * edge * edge * config.submap.l;
+  checks.require(fullest <= 65535.0, "registration.r_align", r.r_align,
+                 "smaller: a voxel could hold " + text_of(fullest) + " points of " +
+                     text_of(config.submap.l) + " clouds, and 65535 is the most");
+  checks.between("registration.d_max", r.d_max, 0.01, 100.0, "m");
+  checks.between("registration.max_iterations", r.max_iterations, 1, 200);
+  checks.require(r.translation_epsilon > 0.0, "registration.translation_epsilon",
+                 r.translation_epsilon, "greater than 0");
+  checks.require(r.translation_epsilon < r.d_max, "registration.translation_epsilon",
+                 r.translation_epsilon, than("less than", "registration.d_max", r.d_max));
+  checks.require(r.rotation_epsilon > 0.0 && r.rotation_epsilon < 0.1,
+                 "registration.rotation_epsilon", r.rotation_epsilon,
+                 "greater than 0 and less than 0.1 rad");
+  checks.require(r.min_inliers >= 6, "registration.min_inliers", r.min_inliers,
+                 "at least 6 (a pose has six degrees of freedom)");
+  checks.require(r.min_overlap >= 0.0 && r.min_overlap < 1.0, "registration.min_overlap",
+                 r.min_overlap, "at least 0 and less than 1");
+}
+
+void check_recording(Checks& checks, const RecordingConfig& r) {
+  checks.require(r.point_time_unit >= 0.0 && r.point_time_unit <= 1.0, "recording.point_time_unit",
+                 r.point_time_unit, "0, or the seconds that a step of one stands for: 1 at most");
+  constexpr double kLongest = 4e9;  // s; a clock that counts from its start is 1.7e9 s behind
+  checks.between("recording.sweep_time_offset", r.sweep_time_offset, -kLongest, kLongest, "s");
+  checks.between("recording.imu_time_offset", r.imu_time_offset, -kLongest, kLongest, "s");
+  checks.require(r.accelerometer_scale != 0.0, "recording.accelerometer_scale",
+                 r.accelerometer_scale, "other than 0");
+  checks.require(r.gyroscope_scale != 0.0, "recording.gyroscope_scale", r.gyroscope_scale,
+                 "other than 0");
+}
+
+void check_rest(Checks& checks, const Config& config) {
+  checks.between("submap.l", config.submap.l, 1, 1000, "clouds");
+  checks.between("submap.delta_trans", config.submap.delta_trans, 0.0, 100.0, "m");
+  checks.between("submap.delta_rot", config.submap.delta_rot, 0.0, std::numbers::pi, "rad");
+  checks.require(config.keyframe.delta_trans > 0.0, "keyframe.delta_trans",
+                 config.keyframe.delta_trans, "greater than 0");
+  checks.require(config.keyframe.delta_rot > 0.0 && config.keyframe.delta_rot <= std::numbers::pi,
+                 "keyframe.delta_rot", config.keyframe.delta_rot, "greater than 0 and at most pi");
+  checks.between("recovery.max_coasting", config.recovery.max_coasting, 0, 1'000'000, "sweeps");
+}
+
+void check_imu(Checks& checks, const ImuConfig& imu) {
+  checks.between("imu.use", imu.use, 0, 1);
+  double norm = 0.0;
+  for (size_t i = 0; i < imu.T_imu_lidar.size(); ++i) {
+    checks.finite("imu.T_imu_lidar", imu.T_imu_lidar[i]);
+    norm = std::hypot(norm, i < 3 ? 0.0 : imu.T_imu_lidar[i]);
+  }
+  checks.require(std::abs(norm - 1.0) < 1e-3, "imu.T_imu_lidar", norm,
+                 "a pose x y z qx qy qz qw whose quaternion has the length 1");
+  std::string known = "custom";
+  for (const ImuPreset& preset : imu_presets()) {
+    known += ", " + std::string(preset.name);
+  }
+  checks.holds(imu.sensor == "custom" || imu_preset(imu.sensor, 1.0), "imu.sensor",
+               "is '" + imu.sensor + "'; must be one of " + known);
+  checks.between("imu.noise_scale", imu.noise_scale, 0.1, 1000.0);
+  checks.between("imu.gyro_noise", imu.gyro_noise, 1e-7, 1.0, "rad/s/sqrt(Hz)");
+  checks.between("imu.accel_noise", imu.accel_noise, 1e-6, 10.0, "m/s^2/sqrt(Hz)");
+  checks.between("imu.gyro_walk", imu.gyro_walk, 1e-9, 1.0, "rad/s^2/sqrt(Hz)");
+  checks.between("imu.accel_walk", imu.accel_walk, 1e-9, 10.0, "m/s^3/sqrt(Hz)");
+  checks.between("imu.gravity_walk", imu.gravity_walk, 1e-9, 1.0, "rad/sqrt(s)");
+  checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
+  checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
+  checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,
+                 "0, or at least 2 sweeps");
+  checks.between("imu.refine_time_offset", imu.refine_time_offset, 0, 1);
+  checks.between("imu.refine_rotation", imu.refine_rotation, 0, 1);
+}
+
+}  // namespace
+
+std::optional<ConfigProblem> validate(const Config& config) {
+  Checks checks;
+  check_finite(checks, config);
+  check_recording(checks, config.recording);
+  check_preprocess(checks, config.preprocess);
+  check_registration(checks, config);
+  check_rest(checks, config);
+  check_imu(checks, config.imu);
+  return checks.problem();
+}
+
+}  // namespace adit

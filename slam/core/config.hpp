@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Every setting of the system, with its default and unit. A field is listed twice: as a member, and
+// in the visit() below it, which is what reads, writes, documents and validates configurations.
+// Names with a paper symbol (c_min, r_input, ...) are those of LG-SLAM, Table I.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "adit/slam/core/recording_config.hpp"
+
+namespace adit {
+
+/// What happens to a sweep before registration.
+struct PreprocessConfig {
+  double c_min = 0.5;           ///< m
+  double c_max = 100.0;         ///< m
+  double r_input = 0.25;        ///< m
+  double beam_spacing = 0.0;    ///< rad
+  double surface_size = 0.625;  ///< m
+  int deskew = 1;               ///< 0 or 1
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("c_min", self.c_min, "m", "returns nearer than this are dropped");
+    field("c_max", self.c_max, "m", "returns farther than this are dropped");
+    field("r_input", self.r_input, "m",
+          "voxel size of the sweep's down-sampling (one centroid a voxel)");
+    field("beam_spacing", self.beam_spacing, "rad",
+          "angle between neighbouring beams, the wider of the two directions; the neighbourhood of "
+          "normal estimation grows with range times this; 0: as the first sweep shows it");
+    field("surface_size", self.surface_size, "m",
+          "edge of the neighbourhood that a normal is estimated from near the sensor; at least "
+          "2.5 r_input");
+    field("deskew", self.deskew, "",
+          "1: points that have times are moved to the sweep's start, by the IMU where it is fused, "
+          "else at constant velocity; 0: they are taken as they are");
+  }
+};
+
+/// The inertial sensor, and its fusion with alignments (docs/theory/inertial.md).
+struct ImuConfig {
+  int use = 1;  ///< 0 or 1
+  std::array<double, 7> T_imu_lidar = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+  std::string sensor = "generic";
+  double noise_scale = 5.0;
+  double gyro_noise = 1e-3;    ///< rad/s/√Hz
+  double accel_noise = 1e-2;   ///< m/s²/√Hz
+  double gyro_walk = 3e-5;     ///< rad/s²/√Hz
+  double accel_walk = 1e-3;    ///< m/s³/√Hz
+  double gravity_walk = 1e-4;  ///< rad/√s
+  double max_gap = 0.05;       ///< s
+  int lag = 20;                ///< sweeps
+  int reset = 0;               ///< sweeps
+  int refine_time_offset = 0;  ///< 0 or 1
+  int refine_rotation = 0;     ///< 0 or 1
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("use", self.use, "", "1: an IMU that the recording has is used; 0: it is left alone");
+    field("T_imu_lidar", self.T_imu_lidar, "m, quaternion",
+          "pose of the lidar in the IMU's axes: x y z qx qy qz qw; maps lidar coordinates to the "
+          "IMU's; the default stands for the recording's static transforms, if it has them");
+    field("sensor", self.sensor, "",
+          "whose noise to assume: generic, bmi088, icm20948, adis16448, vn100, mti300; or custom: "
+          "the four densities below");
+    field("noise_scale", self.noise_scale, "",
+          "the sensor's densities are its data sheet's times this, for vibration");
+    field("gyro_noise", self.gyro_noise, "rad/s/sqrt(Hz)", "white noise, of a custom sensor");
+    field("accel_noise", self.accel_noise, "m/s^2/sqrt(Hz)", "white noise, of a custom sensor");
+    field("gyro_walk", self.gyro_walk, "rad/s^2/sqrt(Hz)",
+          "random walk of the bias, of a custom sensor");
+    field("accel_walk", self.accel_walk, "m/s^3/sqrt(Hz)",
+          "random walk of the bias, of a custom sensor");
+    field("gravity_walk", self.gravity_walk, "rad/sqrt(s)",
+          "how fast the direction of gravity may wander in the map, as the map drifts");
+    field("max_gap", self.max_gap, "s",
+          "a longer time without readings is not bridged: the lidar goes on alone");
+    field("lag", self.lag, "sweeps", "the sliding graph optimises the states of the last sweeps");
+    field("reset", self.reset, "sweeps",
+          "greater than 0: instead of the lag, the graph is reduced to its newest state every so "
+          "many sweeps (the paper: 100)");
+    field(
+        "refine_time_offset", self.refine_time_offset, "",
+        "1: the IMU's clock is corrected whenever its turns and the sweeps' differ; 0: only where "
+        "they prove it wrong");
+    field("refine_rotation", self.refine_rotation, "",
+          "1: so is the rotation of T_imu_lidar, as far as the motion tells it");
+  }
+};
+
+/// Alignment of a sweep with the submap (VGICP).
+struct RegistrationConfig {
+  double r_align = 0.5;  ///< m
+  double d_max = 0.5;    ///< m
+  int max_iterations = 60;
+  double translation_epsilon = 2e-3;  ///< m
+  double rotation_epsilon = 5e-4;     ///< rad
+  int min_inliers = 100;
+  double min_overlap = 0.3;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("r_align", self.r_align, "m", "voxel size of the submap's Gaussian voxel map");
+    field("d_max", self.d_max, "m", "matches farther apart than this are not used");
+    field("max_iterations", self.max_iterations, "", "Gauss-Newton iterations at most");
+    field("translation_epsilon", self.translation_epsilon, "m",
+          "converged when a step is shorter than this");
+    field("rotation_epsilon", self.rotation_epsilon, "rad", "and turns less than this");
+    field("min_inliers", self.min_inliers, "", "fewer matched points are a failure");
+    field("min_overlap", self.min_overlap, "", "a smaller fraction of matched points is a failure");
+  }
+};
+
+/// The rolling submap that sweeps are aligned with.
+struct SubmapConfig {
+  int l = 20;                ///< clouds
+  double delta_trans = 0.5;  ///< m
+  double delta_rot = 0.3;    ///< rad
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("l", self.l, "clouds", "the submap holds the last l clouds that joined it");
+    field("delta_trans", self.delta_trans, "m",
+          "an aligned sweep joins the submap after this distance from the last that did; 0: every "
+          "sweep joins");
+    field("delta_rot", self.delta_rot, "rad", "or after this rotation");
+  }
+};
+
+/// What the map keeps.
+struct KeyframeConfig {
+  double delta_trans = 1.0;      ///< m
+  double delta_rot = 0.3926991;  ///< rad
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("delta_trans", self.delta_trans, "m", "a sweep becomes a keyframe after this distance");
+    field("delta_rot", self.delta_rot, "rad", "or after this rotation");
+  }
+};
+
+/// What to do when a sweep cannot be aligned.
+struct RecoveryConfig {
+  int max_coasting = 5;  ///< sweeps
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("max_coasting", self.max_coasting, "sweeps",
+          "failed sweeps in a row that are bridged by the predicted motion; after them the submap "
+          "starts anew");
+  }
+};
+
+struct Config {
+  RecordingConfig recording;
+  PreprocessConfig preprocess;
+  RegistrationConfig registration;
+  SubmapConfig submap;
+  KeyframeConfig keyframe;
+  RecoveryConfig recovery;
+  ImuConfig imu;
+
+  /// Calls section(name, struct) for each section, in the order of the file.
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& section) {
+    section("recording", self.recording);
+    section("preprocess", self.preprocess);
+    section("registration", self.registration);
+    section("submap", self.submap);
+    section("keyframe", self.keyframe);
+    section("recovery", self.recovery);
+    section("imu", self.imu);
+  }
+};
+
+/// The first setting that makes no sense: its dotted name and what would.
+struct ConfigProblem {
+  std::string field;    ///< e.g. "preprocess.c_max"
+  std::string message;  ///< e.g. "is 0.2; must be greater than preprocess.c_min (0.5)"
+};
+
+/// Checks ranges and relations between fields. Empty when the configuration can be used.
+std::optional<ConfigProblem> validate(const Config& config);
+
+}  // namespace adit

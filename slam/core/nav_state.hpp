@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "adit/slam/core/direction.hpp"
+#include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/types.hpp"
+
+namespace adit {
+
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+using Matrix9d = Eigen::Matrix<double, 9, 9>;
+
+constexpr double kStandardGravity = 9.80665;  // m/s²
+
+/// What an inertial sensor reads when it should read nothing; body axes.
+struct ImuBias {
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< rad/s
+  Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< m/s²
+};
+
+/// The inertial state at a time. The body frame is that of the IMU.
+///
+/// Tangent vectors are ordered [rho, phi, v, b_g, b_a, gravity]: the pose's as everywhere (right
+/// perturbation), then velocity in the map's axes, then the biases, then the direction of gravity
+/// in the map (two components, slam/core/direction.hpp); m, rad, m/s, rad/s, m/s², rad.
+struct NavState {
+  Nanoseconds stamp{0};
+  Eigen::Isometry3d T_map_body = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();  ///< of the body in the map, m/s
+  ImuBias bias;
+  Eigen::Vector3d gravity_map = Eigen::Vector3d(0.0, 0.0, -kStandardGravity);  ///< m/s²
+};
+
+/// Places of the parts in a tangent vector of NavState.
+constexpr int kPositionAt = 0;
+constexpr int kRotationAt = 3;
+constexpr int kVelocityAt = 6;
+constexpr int kGyroBiasAt = 9;
+constexpr int kAccelBiasAt = 12;
+constexpr int kGravityAt = 15;
+constexpr int kStateSize = 17;
+
+using StateVector = Eigen::Matrix<double, kStateSize, 1>;
+using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
+
+/// The state moved by a tangent vector; the stamp stays.
+NavState retract(const NavState& state, const StateVector& delta);
+
+/// The tangent vector at `from` that leads to `to`: the inverse of retract().
+StateVector difference(const NavState& from, const NavState& to);
+
+/// Time in seconds, for differences.
+inline double seconds(Nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace adit

@@ -1,0 +1,251 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/fusion/sliding_graph.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "adit/slam/fusion/imu_factor.hpp"
+#include "adit/slam/fusion/walk_factor.hpp"
+
+namespace adit {
+namespace {
+
+// Converged when no state moves farther than this in its own standard deviations ...
+constexpr double kSmallStep = 1e-3;
+// ... or the cost falls by less than this share.
+constexpr double kSmallDecrease = 1e-9;
+constexpr double kFirstDamping = 1e-6;
+constexpr double kLargestDamping = 1e3;
+
+std::vector<NavState> moved(const std::vector<NavState>& states,
+                            const std::vector<StateVector>& steps) {
+  std::vector<NavState> result;
+  for (size_t i = 0; i < states.size(); ++i) {
+    result.push_back(retract(states[i], steps[i]));
+  }
+  return result;
+}
+
+// Of the whole step in its own metric: what the quadratics expect the cost to fall by.
+double expected_decrease(const ChainQuadratic& chain, const std::vector<StateVector>& steps) {
+  double sum = 0.0;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    sum -= 0.5 * chain.states[i].g.dot(steps[i]);
+  }
+  for (size_t i = 0; i < chain.links.size(); ++i) {
+    sum -= 0.5 * (chain.links[i].g_from.dot(steps[i]) + chain.links[i].g_to.dot(steps[i + 1]));
+  }
+  return sum;
+}
+
+// The symmetric root of the information times the error, with metres and radians in comparable
+// units.
+Vector6d whitened(const Vector6d& error, const Matrix6d& information) {
+  Vector6d unit;
+  unit << Eigen::Vector3d::Ones(), Eigen::Vector3d::Constant(0.1);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(unit.asDiagonal() * information *
+                                                      unit.asDiagonal());
+  const Vector6d roots = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return eigen.eigenvectors() * roots.asDiagonal() * eigen.eigenvectors().transpose() *
+         unit.cwiseInverse().asDiagonal() * error;
+}
+
+StateMatrix inverse(const StateMatrix& h) {
+  const StateVector scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const StateMatrix unit = scale.asDiagonal() * h * scale.asDiagonal();
+  const StateMatrix result =
+      scale.asDiagonal() * unit.ldlt().solve(StateMatrix::Identity()) * scale.asDiagonal();
+  return 0.5 * (result + result.transpose());
+}
+
+}  // namespace
+
+Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& measurement) {
+  const StateFactor<6> factor = pose_factor(measurement, prediction.state);
+  const Matrix6d covariance =
+      Matrix6d::Identity() + factor.by_state * prediction.covariance * factor.by_state.transpose();
+  NavState measured;
+  measured.T_map_body = measurement.T_map_body;
+  const Vector6d error = difference(measured, prediction.state).head<6>();
+  const Matrix6d& root = measurement.root_information;
+  return {.error = error,
+          .nis = factor.residual.dot(covariance.ldlt().solve(factor.residual)),
+          .degrees = measurement.known_directions,
+          .whitened = whitened(error, root.transpose() * covariance.ldlt().solve(root))};
+}
+
+void SlidingGraph::start(const StatePrior& prior) {
+  prior_ = prior;
+  nodes_.clear();
+  chain_ = {};
+  append({.state = prior.origin, .measurement = {}, .readings = {}, .between = {}});
+  marginal_ = chain_.states.front();
+}
+
+void SlidingGraph::append(Node node) {
+  nodes_.push_back(std::move(node));
+  const size_t i = nodes_.size() - 1;
+  chain_.states.push_back(state_quadratic(i, nodes_[i].state));
+  if (i > 0) {
+    chain_.links.push_back(link_quadratic(i, nodes_[i - 1].state, nodes_[i].state));
+  }
+}
+
+StateEstimate SlidingGraph::latest_estimate() const {
+  return {.state = latest(), .covariance = inverse(marginal_.h)};
+}
+
+StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) const {
+  const Preintegration between = preintegrate(readings, latest().bias, settings_.noise);
+  StateEstimate prediction{.state = adit::predict(latest(), between)};
+  prediction.state.stamp = readings.empty() ? latest().stamp : readings.back().stamp;
+  if (between.duration <= 0.0) {
+    return latest_estimate();
+  }
+  LinkQuadratic link = quadratic(imu_factor(between, latest(), prediction.state));
+  link += quadratic(walk_factor(settings_.noise, settings_.gravity_walk, between.duration, latest(),
+                                prediction.state));
+  const std::optional<StateQuadratic> left = eliminated(marginal_, link);
+  if (!left) {
+    throw std::logic_error("the sliding graph does not determine its states");
+  }
+  prediction.covariance = inverse(left->h);
+  return prediction;
+}
+
+StateEstimate SlidingGraph::add(std::vector<ImuSample> readings,
+                                const std::optional<PoseMeasurement>& measurement) {
+  Node node;
+  node.between = preintegrate(readings, latest().bias, settings_.noise);
+  if (node.between.duration <= 0.0) {
+    throw std::logic_error("a new state of the sliding graph needs readings of some duration");
+  }
+  node.state = adit::predict(latest(), node.between);
+  node.state.stamp = readings.back().stamp;
+  node.readings = std::move(readings);
+  node.measurement = measurement;
+  append(std::move(node));
+
+  StateEstimate estimate = optimize();
+  const bool resets = settings_.reset > 0 && size() >= settings_.reset;
+  const int keep = settings_.reset > 0 ? (resets ? 1 : settings_.reset) : settings_.lag;
+  while (size() > keep) {
+    marginalize_first();
+  }
+  return estimate;
+}
+
+std::vector<NavState> SlidingGraph::states() const {
+  std::vector<NavState> result;
+  for (const Node& node : nodes_) {
+    result.push_back(node.state);
+  }
+  return result;
+}
+
+StateQuadratic SlidingGraph::state_quadratic(size_t i, const NavState& state) const {
+  StateQuadratic sum;
+  if (i == 0) {
+    sum += quadratic(prior_factor(prior_, state));
+  }
+  if (const auto& measurement = nodes_[i].measurement) {
+    sum += quadratic(pose_factor(*measurement, state),
+                     settings_.robust ? huber_width(measurement->known_directions) : 0.0);
+  }
+  return sum;
+}
+
+LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state,
+                                           const NavState& to_state) const {
+  const Preintegration& between = nodes_[to].between;
+  LinkQuadratic sum = quadratic(imu_factor(between, from_state, to_state));
+  sum += quadratic(
+      walk_factor(settings_.noise, settings_.gravity_walk, between.duration, from_state, to_state));
+  return sum;
+}
+
+ChainQuadratic SlidingGraph::linearized(const std::vector<NavState>& states) const {
+  ChainQuadratic chain;
+  for (size_t i = 0; i < states.size(); ++i) {
+    chain.states.push_back(state_quadratic(i, states[i]));
+    if (i > 0) {
+      chain.links.push_back(link_quadratic(i, states[i - 1], states[i]));
+    }
+  }
+  return chain;
+}
+
+// Levenberg-Marquardt; undamped steps are Gauss-Newton's, and damping begins where one fails. A
+// step too short to matter is not made: so the chain stays linearised where its states are.
+StateEstimate SlidingGraph::optimize() {
+  StateEstimate estimate;
+  estimate.converged = false;
+  integrate_stale_again();
+  std::vector<NavState> best = states();
+  std::optional<StateQuadratic> marginal;
+  double damping = 0.0;
+  while (estimate.iterations < settings_.max_iterations && !estimate.converged &&
+         damping <= kLargestDamping) {
+    ++estimate.iterations;
+    marginal.reset();
+    if (const auto found = minimum(chain_, damping)) {
+      marginal = damping > 0.0 ? std::nullopt : std::optional(found->last);
+      estimate.converged = expected_decrease(chain_, found->steps) < 0.5 * kSmallStep * kSmallStep;
+      if (estimate.converged) {
+        break;
+      }
+      const std::vector<NavState> candidate = moved(best, found->steps);
+      ChainQuadratic there = linearized(candidate);
+      const double cost = chain_.cost();
+      if (there.cost() <= cost) {
+        estimate.converged = cost - there.cost() < kSmallDecrease * cost;
+        best = candidate;
+        chain_ = std::move(there);
+        marginal.reset();
+        damping *= 0.1;
+        continue;
+      }
+    }
+    damping = std::max(10.0 * damping, kFirstDamping);
+  }
+  for (size_t i = 0; i < best.size(); ++i) {
+    nodes_[i].state = best[i];
+  }
+  marginal = marginal ? marginal : marginal_of_last(chain_);
+  estimate.state = latest();
+  if (marginal) {
+    marginal_ = *marginal;
+    estimate.covariance = inverse(marginal_.h);
+  }
+  return estimate;
+}
+
+void SlidingGraph::integrate_stale_again() {
+  for (size_t i = 1; i < nodes_.size(); ++i) {
+    const NavState& before = nodes_[i - 1].state;
+    if (is_stale(nodes_[i].between, before.bias)) {
+      nodes_[i].between = preintegrate(nodes_[i].readings, before.bias, settings_.noise);
+      chain_.links[i - 1] = link_quadratic(i, before, nodes_[i].state);
+    }
+  }
+}
+
+void SlidingGraph::marginalize_first() {
+  const auto left = eliminated(chain_.states[0], chain_.links[0]);
+  if (!left) {
+    throw std::logic_error("the sliding graph does not determine its first state");
+  }
+  prior_ = prior_from(nodes_[1].state, *left);
+  nodes_.pop_front();
+  nodes_.front().readings.clear();
+  chain_.states.erase(chain_.states.begin());
+  chain_.links.erase(chain_.links.begin());
+  chain_.states.front() = state_quadratic(0, nodes_.front().state);
+}
+
+}  // namespace adit

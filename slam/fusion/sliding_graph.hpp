@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "adit/slam/core/imu_noise.hpp"
+#include "adit/slam/fusion/pose_factor.hpp"
+#include "adit/slam/fusion/state_chain.hpp"
+#include "adit/slam/fusion/state_prior.hpp"
+#include "adit/slam/inertial/preintegration.hpp"
+
+namespace adit {
+
+struct GraphSettings {
+  ImuNoise noise;
+  /// Of gravity's direction in the map, as the map drifts: rad/√s.
+  double gravity_walk = 1e-4;
+  /// Fixed lag: the oldest state is marginalised once there are more than this.
+  int lag = 20;
+  /// Greater than 0, instead of the lag: once there are this many, all but the newest are
+  /// marginalised (LG-SLAM's reset, there of 100).
+  int reset = 0;
+  bool robust = true;  ///< Huber's kernel on pose measurements
+  int max_iterations = 6;
+};
+
+/// A state with its covariance, in the order of tangent vectors.
+struct StateEstimate {
+  NavState state;
+  StateMatrix covariance = StateMatrix::Zero();
+  int iterations = 0;  ///< of the optimisation; 0 for predictions
+  bool converged = true;
+};
+
+/// How far a measured pose is from a prediction.
+struct Innovation {
+  Vector6d error = Vector6d::Zero();  ///< prediction from measurement, [rho, phi], body axes
+  double nis = 0.0;                   ///< normalised: chi squared with this many degrees of freedom
+  int degrees = 0;
+  /// The error in units of its own standard deviations, along axes that stay: its squared norm is
+  /// nis, to first order. White where the filter's model holds.
+  Vector6d whitened = Vector6d::Zero();
+};
+Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& measurement);
+
+/// The inertial states of the last sweeps, tied by preintegrated readings and biases that walk, and
+/// held by measured poses (LG-SLAM's sliding graph; docs/theory/inertial.md). Deterministic.
+class SlidingGraph {
+ public:
+  explicit SlidingGraph(const GraphSettings& settings) : settings_(settings) {}
+
+  /// Forgets everything but this prior.
+  void start(const StatePrior& prior);
+  bool started() const { return !nodes_.empty(); }
+  /// The newest state; the graph is started.
+  const NavState& latest() const { return nodes_.back().state; }
+  StateEstimate latest_estimate() const;
+  int size() const { return static_cast<int>(nodes_.size()); }
+
+  /// Where the readings lead from the newest state, with covariance. They begin at its stamp.
+  StateEstimate predict(const std::vector<ImuSample>& readings) const;
+
+  /// A new state at the end of the readings, which begin at the newest one's stamp, and what was
+  /// measured of its pose, if anything; optimises all states and marginalises what is past the lag.
+  StateEstimate add(std::vector<ImuSample> readings,
+                    const std::optional<PoseMeasurement>& measurement);
+
+ private:
+  struct Node {
+    NavState state;
+    std::optional<PoseMeasurement> measurement;
+    std::vector<ImuSample> readings;  ///< from the node before; empty for the first
+    Preintegration between;           ///< of them
+  };
+
+  StateQuadratic state_quadratic(size_t i, const NavState& state) const;
+  LinkQuadratic link_quadratic(size_t to, const NavState& from_state,
+                               const NavState& to_state) const;
+  ChainQuadratic linearized(const std::vector<NavState>& states) const;
+  std::vector<NavState> states() const;
+  void append(Node node);
+  StateEstimate optimize();
+  void integrate_stale_again();
+  void marginalize_first();
+
+  GraphSettings settings_;
+  StatePrior prior_;  ///< on the first node
+  std::deque<Node> nodes_;
+  ChainQuadratic chain_;     ///< of the nodes, where they are
+  StateQuadratic marginal_;  ///< of it, on the newest node
+};
+
+}  // namespace adit

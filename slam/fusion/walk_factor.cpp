@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/fusion/walk_factor.hpp"
+
+#include <cmath>
+
+namespace adit {
+namespace {
+
+/// How a unit vector changes as its direction is turned.
+Eigen::Matrix<double, 3, 2> by_turn(const Eigen::Vector3d& unit) {
+  return -skew(unit) * across(unit);
+}
+
+}  // namespace
+
+LinkFactor<9> walk_factor(const ImuNoise& noise, double gravity_walk, double duration,
+                          const NavState& from, const NavState& to) {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(noise.gyro_walk), Eigen::Vector3d::Constant(noise.accel_walk);
+  const Vector6d weight = (std::sqrt(duration) * sigma).cwiseInverse();
+  const double gravity_weight = 1.0 / (std::sqrt(duration) * gravity_walk);
+  const Eigen::Vector3d down_from = from.gravity_map.normalized();
+  const Eigen::Vector3d down_to = to.gravity_map.normalized();
+  Vector6d change;
+  change << to.bias.gyro - from.bias.gyro, to.bias.accel - from.bias.accel;
+  LinkFactor<9> factor;
+  factor.residual << weight.cwiseProduct(change), gravity_weight * (down_to - down_from);
+  factor.by_to.block<6, 6>(0, kGyroBiasAt) = weight.asDiagonal();
+  factor.by_from.block<6, 6>(0, kGyroBiasAt) = -factor.by_to.block<6, 6>(0, kGyroBiasAt);
+  factor.by_to.block<3, 2>(6, kGravityAt) = gravity_weight * by_turn(down_to);
+  factor.by_from.block<3, 2>(6, kGravityAt) = -gravity_weight * by_turn(down_from);
+  return factor;
+}
+
+}  // namespace adit

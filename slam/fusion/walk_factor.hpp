@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "adit/slam/core/imu_noise.hpp"
+#include "adit/slam/fusion/linearization.hpp"
+
+namespace adit {
+
+/// Rows [gyro bias, accel bias, gravity]: the change over `duration` (s, greater than 0) by its
+/// standard deviation. Gravity's are those of its unit vector; its direction in the map walks by
+/// `gravity_walk`, rad/√s.
+LinkFactor<9> walk_factor(const ImuNoise& noise, double gravity_walk, double duration,
+                          const NavState& from, const NavState& to);
+
+}  // namespace adit

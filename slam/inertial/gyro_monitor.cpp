@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/inertial/gyro_monitor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/nav_state.hpp"
+#include "adit/slam/core/text.hpp"
+
+namespace adit {
+namespace {
+
+constexpr size_t kFewestTurns = 30;
+constexpr size_t kMostTurns = 150;
+constexpr int kBetweenChecks = 20;
+constexpr double kLongestTurn = 0.35;  // s; over longer ones the rotation vector is no integral
+constexpr double kMostOffset = 0.3;    // s
+constexpr double kSameSpan = 0.01;     // s: sweeps whose durations differ by more tell no turn
+constexpr Nanoseconds kKept = std::chrono::seconds(1);  // of samples before the first turn
+// Less turning than this, root mean square, tells nothing. rad a turn
+constexpr double kLively = 0.008;
+constexpr double kStill = 0.02;                 // of the sweeps' turning: a constant gyroscope
+constexpr double kOtherUnit = 2.0;              // times as much, or as little
+constexpr double kHarmlessMisalignment = 0.09;  // rad
+constexpr double kClockSigmas = 4.0;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// Root mean square of turns about their mean, rad.
+double spread(const std::vector<Eigen::Vector3d>& turns) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& turn : turns) {
+    mean += turn / static_cast<double>(turns.size());
+  }
+  double squares = 0.0;
+  for (const Eigen::Vector3d& turn : turns) {
+    squares += (turn - mean).squaredNorm();
+  }
+  return turns.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(turns.size()));
+}
+
+/// How much a gyroscope's mean rates vary over such intervals: its spread, rad.
+double gyro_spread(std::span<const RotationInterval> turns, std::span<const ImuSample> samples) {
+  std::vector<Eigen::Vector3d> rotations;
+  for (const RotationInterval& turn : turns) {
+    const auto begin = std::ranges::lower_bound(samples, turn.begin, {}, &ImuSample::stamp);
+    const auto end = std::ranges::lower_bound(samples, turn.end, {}, &ImuSample::stamp);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (auto sample = begin; sample != end; ++sample) {
+      sum += sample->angular_velocity;
+    }
+    if (begin != end) {
+      const double duration = std::chrono::duration<double>(turn.end - turn.begin).count();
+      rotations.push_back(duration / static_cast<double>(end - begin) * sum);
+    }
+  }
+  return spread(rotations);
+}
+
+/// The turns that a gyroscope can be held against, whatever its offset.
+std::vector<RotationInterval> told_turns(std::span<const RotationInterval> turns,
+                                         std::span<const ImuSample> samples,
+                                         std::span<const Nanoseconds> saturated) {
+  const auto within = [](double time) {
+    return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
+  };
+  std::vector<RotationInterval> told = covered_rotations(turns, samples, kMostOffset);
+  std::erase_if(told, [&](const RotationInterval& turn) {
+    const auto first = std::ranges::lower_bound(saturated, turn.begin - within(kMostOffset));
+    return first != saturated.end() && *first <= turn.end + within(turn.mean_over + kMostOffset);
+  });
+  return told;
+}
+
+std::string clock_evidence(const RotationComparison& found, double configured, size_t turns) {
+  const bool late = found.offset > 0.0;
+  return "the gyroscope turns as the sweeps do, but " +
+         with_decimals(1e3 * std::abs(found.offset), 0) + " ms " + (late ? "later" : "earlier") +
+         " (+- " + with_decimals(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " +
+         std::to_string(turns) + " sweeps): its clock is " + (late ? "late" : "early") +
+         "; recording.imu_time_offset = " + with_decimals(configured - found.offset, 3) +
+         (configured == 0.0 ? "" : " (not " + with_decimals(configured, 3) + ")") +
+         " would mend that from the start";
+}
+
+std::string mounting_evidence(const RotationComparison& found, size_t turns) {
+  const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
+  return "the gyroscope turns as the sweeps do, but about axes that are " +
+         with_decimals(kDegrees * found.misalignment, 1) + " degrees off (over " +
+         std::to_string(turns) + " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
+         "whose rotation should be qx " + with_decimals(q.x(), 4) + ", qy " +
+         with_decimals(q.y(), 4) + ", qz " + with_decimals(q.z(), 4) + ", qw " +
+         with_decimals(q.w(), 4);
+}
+
+std::string unit_evidence(double factor) {
+  const bool degrees = std::abs(factor / kDegrees - 1.0) < 0.3;
+  return "the gyroscope turns " + with_decimals(factor, factor < 1.0 ? 3 : 1) +
+         " times as much as the sweeps: " +
+         (degrees ? "it is in degrees a second (recording.gyroscope_scale = 0.0174533)"
+                  : "is its unit another (recording.gyroscope_scale)?");
+}
+
+}  // namespace
+
+void GyroMonitor::add(const ImuSample& sample) {
+  if (samples_.empty() || sample.stamp > samples_.back().stamp) {
+    samples_.push_back(sample);
+  } else if (samples_.back().stamp - sample.stamp > std::chrono::seconds(1)) {
+    *this = {};  // the clock was set back
+  }
+}
+
+void GyroMonitor::add(const StampedPose& alignment, const SweepMotion* deskewed) {
+  StampedPose mean = alignment;
+  if (deskewed != nullptr) {
+    mean.pose.linear() = alignment.pose.linear() * so3_exp(mean_turn(*deskewed));
+  }
+  const double span = deskewed != nullptr ? deskewed->last - deskewed->first : 0.0;
+  if (last_ && alignment.stamp <= last_->stamp) {
+    turns_.clear();
+  } else if (last_ && seconds(alignment.stamp - last_->stamp) < kLongestTurn &&
+             std::abs(span - last_span_) < kSameSpan) {
+    turns_.push_back({.begin = last_->stamp,
+                      .end = alignment.stamp,
+                      .rotation = so3_log(last_->pose.linear().transpose() * mean.pose.linear()),
+                      .mean_over = 0.5 * (span + last_span_)});
+    ++unchecked_;
+  }
+  last_span_ = span;
+  last_ = mean;
+  if (turns_.size() > kMostTurns) {
+    turns_.pop_front();
+  }
+  const Nanoseconds oldest = (turns_.empty() ? alignment.stamp : turns_.front().begin) - kKept;
+  while (!samples_.empty() && samples_.front().stamp < oldest) {
+    samples_.pop_front();
+  }
+}
+
+std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
+  if (turns_.size() < kFewestTurns || unchecked_ < kBetweenChecks) {
+    return std::nullopt;
+  }
+  unchecked_ = 0;
+  const std::vector<ImuSample> samples(samples_.begin(), samples_.end());
+  const std::vector<RotationInterval> turns =
+      told_turns(std::vector(turns_.begin(), turns_.end()), samples, expected.saturated);
+  std::vector<Eigen::Vector3d> rotations;
+  for (const RotationInterval& turn : turns) {
+    rotations.push_back(turn.rotation);
+  }
+  const double lively = spread(rotations);
+  GyroCheck result;
+  if (turns.size() < kLeastRotations || lively < kLively) {
+    return result;
+  }
+  const double factor = gyro_spread(turns, samples) / lively;
+  result.comparison = compare_rotations(turns, samples, expected.R_lidar_imu, kMostOffset);
+  const std::string over = " over " + std::to_string(turns.size()) + " sweeps";
+  if (factor < kStill) {
+    result = {GyroFault::constant,
+              "the gyroscope stays as it is while the sweeps turn" + over +
+                  ": is it broken, or a message filled in?",
+              std::nullopt};
+  } else if (!result.comparison && factor < 1.0 / kOtherUnit) {
+    return result;  // it is the sweeps' turns that are noise
+  } else if (!result.comparison) {
+    result.fault = GyroFault::unrelated;
+    result.evidence = "the gyroscope's turns have little to do with those of the sweeps" + over +
+                      ": is it of another recording, its clock off by more than 0.3 s, or "
+                      "saturated?";
+  } else if (factor > kOtherUnit || factor < 1.0 / kOtherUnit) {
+    result.fault = GyroFault::unit;
+    result.evidence = unit_evidence(factor);
+  } else if (std::abs(result.comparison->offset - expected.offset) >
+             expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
+    result.fault = GyroFault::clock;
+    result.evidence = clock_evidence(*result.comparison, expected.configured, turns.size());
+  } else if (result.comparison->misalignment >
+             kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {
+    result.fault = GyroFault::mounting;
+    result.evidence = mounting_evidence(*result.comparison, turns.size());
+  }
+  return result;
+}
+
+}  // namespace adit

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "adit/slam/core/text.hpp"
+#include "adit/slam/inertial/imu_rest.hpp"
+#include "adit/slam/inertial/imu_start.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kShortest = 0.5;  // s of readings
+constexpr size_t kFewest = 20;     // readings
+// How far the means of the two halves may be apart.
+constexpr double kDriftGyro = 0.01;  // rad/s
+constexpr double kDriftAccel = 0.1;  // m/s²
+constexpr double kGravityTolerance = 0.5;
+constexpr double kAccelBiasSigma = 0.1;  // m/s², across gravity
+
+struct Statistics {
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel = Eigen::Vector3d::Zero();
+  double gyro_deviation = 0.0;
+  double accel_deviation = 0.0;
+};
+
+Statistics statistics_of(std::span<const ImuSample> samples) {
+  Statistics s;
+  const auto n = static_cast<double>(samples.size());
+  for (const ImuSample& sample : samples) {
+    s.gyro += sample.angular_velocity / n;
+    s.accel += sample.linear_acceleration / n;
+  }
+  for (const ImuSample& sample : samples) {
+    s.gyro_deviation += (sample.angular_velocity - s.gyro).squaredNorm() / n;
+    s.accel_deviation += (sample.linear_acceleration - s.accel).squaredNorm() / n;
+  }
+  s.gyro_deviation = std::sqrt(s.gyro_deviation);
+  s.accel_deviation = std::sqrt(s.accel_deviation);
+  return s;
+}
+
+ImuStart refused(ImuStartStatus status, std::string reason) {
+  ImuStart start;
+  start.status = status;
+  start.reason = std::move(reason);
+  return start;
+}
+
+}  // namespace
+
+std::string_view to_string(ImuStartStatus status) {
+  switch (status) {
+    case ImuStartStatus::at_rest:
+      return "at rest";
+    case ImuStartStatus::in_motion:
+      return "in motion";
+    case ImuStartStatus::too_short:
+      return "too short";
+    case ImuStartStatus::not_at_rest:
+      return "not at rest";
+    case ImuStartStatus::implausible:
+      return "implausible";
+    case ImuStartStatus::unobserved:
+      return "unobserved";
+  }
+  return "unknown";
+}
+
+Eigen::Matrix3d level_attitude(const Eigen::Vector3d& up_body) {
+  const Eigen::Vector3d z = up_body.normalized();
+  const bool vertical = std::abs(z.x()) > 0.9;
+  const Eigen::Vector3d forward = vertical ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d first = (forward - forward.dot(z) * z).normalized();
+  Eigen::Matrix3d R_map_body;
+  R_map_body.row(vertical ? 1 : 0) = first;
+  R_map_body.row(vertical ? 0 : 1) = vertical ? first.cross(z) : z.cross(first);
+  R_map_body.row(2) = z;
+  return R_map_body;
+}
+
+std::vector<ImuSample> with_accel_scale(std::span<const ImuSample> samples, double scale) {
+  std::vector<ImuSample> scaled(samples.begin(), samples.end());
+  for (ImuSample& sample : scaled) {
+    sample.linear_acceleration *= scale;
+  }
+  return scaled;
+}
+
+ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise) {
+  const double duration =
+      samples.empty() ? 0.0 : seconds(samples.back().stamp - samples.front().stamp);
+  if (samples.size() < kFewest || duration < kShortest) {
+    return refused(ImuStartStatus::too_short,
+                   std::to_string(samples.size()) + " readings over " + in_digits(duration) +
+                       " s; a start at rest needs " + std::to_string(kFewest) + " over " +
+                       in_digits(kShortest) + " s");
+  }
+  Statistics all = statistics_of(samples);
+  const double raw_norm = all.accel.norm();
+  const double scale = raw_norm > 0.8 && raw_norm < 1.2 ? kStandardGravity : 1.0;
+  all.accel *= scale;
+  all.accel_deviation *= scale;
+  const Statistics older = statistics_of(samples.first(samples.size() / 2));
+  const Statistics newer = statistics_of(samples.subspan(samples.size() / 2));
+
+  if (all.gyro_deviation > kRestGyro || all.accel_deviation > kRestAccel ||
+      (older.gyro - newer.gyro).norm() > kDriftGyro ||
+      scale * (older.accel - newer.accel).norm() > kDriftAccel) {
+    return refused(ImuStartStatus::not_at_rest,
+                   "the gyroscope varies by " + in_digits(all.gyro_deviation) +
+                       " rad/s and the accelerometer by " + in_digits(all.accel_deviation) +
+                       " m/s^2; at rest they stay below " + in_digits(kRestGyro) + " and " +
+                       in_digits(kRestAccel));
+  }
+  if (all.gyro.norm() > kRestGyroBias) {
+    return refused(ImuStartStatus::not_at_rest,
+                   "the gyroscope reads a steady " + in_digits(all.gyro.norm()) +
+                       " rad/s, too much for a bias: a rotation, or degrees per second");
+  }
+  const double norm = all.accel.norm();
+  if (std::abs(norm - kStandardGravity) > kGravityTolerance) {
+    return refused(ImuStartStatus::implausible,
+                   "the accelerometer reads " + in_digits(raw_norm) +
+                       " at rest; 9.8 (m/s^2) or 1 (g) was expected: is its unit another?");
+  }
+
+  ImuStart start;
+  start.status = ImuStartStatus::at_rest;
+  start.reason =
+      "at rest for " + in_digits(duration) + " s" + (scale != 1.0 ? ", accelerometer in g" : "");
+  start.accel_scale = scale;
+  start.up_body = all.accel.normalized();
+  start.bias.gyro = all.gyro;
+  start.bias.accel = (norm - kStandardGravity) * start.up_body;
+  // An unseen bias of the accelerometer across gravity tilts it.
+  start.gravity_sigma = kAccelBiasSigma / kStandardGravity;
+  start.velocity_sigma = 0.01;
+  const double white = noise.gyro / std::sqrt(duration);
+  start.bias_sigma.gyro.setConstant(std::hypot(white, noise.gyro_walk * std::sqrt(duration)) +
+                                    1e-4);
+  start.bias_sigma.accel.setConstant(kAccelBiasSigma);
+  return start;
+}
+
+}  // namespace adit

@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <string>
+
+#include <Eigen/Cholesky>
+
+#include "adit/slam/inertial/imu_start.hpp"
+#include "adit/slam/inertial/preintegration.hpp"
+
+namespace adit {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+constexpr size_t kFewestPoses = 6;
+constexpr double kShortest = 0.5;              // s between the first and the last pose
+constexpr double kPositionSigma = 0.02;        // m, of each pose
+constexpr double kRotationSigma = 0.005;       // rad, of each pose
+constexpr double kAccelBiasSigma = 0.1;        // m/s², before anything is seen of it
+constexpr double kGravityTolerance = 1.0;      // m/s², of its free length
+constexpr double kLargestGravitySigma = 0.05;  // rad
+
+/// Poses with what was integrated between them.
+struct Links {
+  std::span<const StampedPose> poses;
+  std::vector<Preintegration> between;
+};
+
+std::vector<Preintegration> integrated(std::span<const std::vector<ImuSample>> readings,
+                                       double accel_scale, const Eigen::Vector3d& gyro_bias,
+                                       const ImuNoise& noise) {
+  std::vector<Preintegration> result;
+  for (const std::vector<ImuSample>& samples : readings) {
+    result.push_back(preintegrate(with_accel_scale(samples, accel_scale),
+                                  {.gyro = gyro_bias, .accel = {0, 0, 0}}, noise));
+  }
+  return result;
+}
+
+struct GyroBias {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
+};
+
+/// Rotations are linear enough in the bias that three Gauss-Newton steps end at the optimum.
+GyroBias gyro_bias_of(std::span<const StampedPose> poses,
+                      std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise) {
+  GyroBias bias;
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    const std::vector<Preintegration> between = integrated(readings, 1.0, bias.value, noise);
+    Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    for (size_t i = 0; i < between.size(); ++i) {
+      const Eigen::Matrix3d turned =
+          poses[i].pose.linear().transpose() * poses[i + 1].pose.linear();
+      const Eigen::Vector3d error = so3_log(between[i].increment.rotation.transpose() * turned);
+      const Eigen::Matrix3d& jacobian = between[i].rotation_by_gyro;
+      h += jacobian.transpose() * jacobian;
+      g += jacobian.transpose() * error;
+    }
+    bias.value += h.ldlt().solve(g);
+    bias.sigma = std::sqrt(2.0) * kRotationSigma * h.inverse().diagonal().cwiseSqrt();
+  }
+  return bias;
+}
+
+/// A least-squares problem, row by row: A x = b with the rows already weighted.
+class LeastSquares {
+ public:
+  explicit LeastSquares(Eigen::Index unknowns)
+      : h_(Matrix::Zero(unknowns, unknowns)), g_(Vector::Zero(unknowns)) {}
+
+  void add(const Matrix& a, const Vector& b, double sigma) {
+    const double weight = 1.0 / (sigma * sigma);
+    h_ += weight * a.transpose() * a;
+    g_ += weight * a.transpose() * b;
+    constant_ += weight * b.squaredNorm();
+    rows_ += static_cast<int>(b.size());
+  }
+  Vector solution() const { return h_.ldlt().solve(g_); }
+  Matrix covariance() const { return h_.ldlt().solve(Matrix::Identity(h_.rows(), h_.cols())); }
+  /// Of the weighted residuals at `x`, a row.
+  double mean_square(const Vector& x) const {
+    return (constant_ - 2.0 * g_.dot(x) + x.dot(h_ * x)) / rows_;
+  }
+
+ private:
+  Matrix h_;
+  Vector g_;
+  double constant_ = 0.0;
+  int rows_ = 0;
+};
+
+struct Solution {
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< at the last pose
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+  Matrix covariance;  ///< of [gravity parameters, velocity, accelerometer bias]
+  double mean_square = 0.0;
+};
+
+/// Velocities at all poses, gravity = origin + basis * parameters, accelerometer bias.
+Solution solve(const Links& links, const Eigen::Vector3d& origin, const Matrix& basis) {
+  const auto n = static_cast<Eigen::Index>(links.poses.size());
+  const Eigen::Index gravity_at = 3 * n;
+  const Eigen::Index bias_at = gravity_at + basis.cols();
+  LeastSquares system(bias_at + 3);
+  for (Eigen::Index i = 0; i + 1 < n; ++i) {
+    const Preintegration& link = links.between[static_cast<size_t>(i)];
+    const Eigen::Isometry3d& pose = links.poses[static_cast<size_t>(i)].pose;
+    const Eigen::Matrix3d& R = pose.linear();
+    const Eigen::Vector3d moved =
+        links.poses[static_cast<size_t>(i) + 1].pose.translation() - pose.translation();
+    const double t = link.duration;
+    Matrix a = Matrix::Zero(3, bias_at + 3);
+    a.block<3, 3>(0, 3 * i) = t * Eigen::Matrix3d::Identity();
+    a.middleCols(gravity_at, basis.cols()) = 0.5 * t * t * basis;
+    a.rightCols<3>() = R * link.position_by_accel;
+    system.add(a, moved - R * link.increment.position - 0.5 * t * t * origin,
+               std::sqrt(2.0) * kPositionSigma);
+    a.setZero();
+    a.block<3, 3>(0, 3 * i) = -Eigen::Matrix3d::Identity();
+    a.block<3, 3>(0, 3 * (i + 1)) = Eigen::Matrix3d::Identity();
+    a.middleCols(gravity_at, basis.cols()) = -t * basis;
+    a.rightCols<3>() = -R * link.velocity_by_accel;
+    const double sigma = std::sqrt(link.covariance(kVelocityAt, kVelocityAt)) +
+                         kRotationSigma * kStandardGravity * t;
+    system.add(a, R * link.increment.velocity + t * origin, sigma);
+  }
+  Matrix prior = Matrix::Zero(3, bias_at + 3);
+  prior.rightCols<3>().setIdentity();
+  system.add(prior, Vector::Zero(3), kAccelBiasSigma);
+
+  const Vector x = system.solution();
+  const Eigen::Index kept = basis.cols() + 6;
+  return {.gravity = origin + basis * x.segment(gravity_at, basis.cols()),
+          .velocity = x.segment<3>(gravity_at - 3),
+          .accel_bias = x.tail<3>(),
+          .covariance = system.covariance().block(gravity_at - 3, gravity_at - 3, kept, kept),
+          .mean_square = system.mean_square(x)};
+}
+
+/// Two directions across `v`, as columns.
+Matrix across(const Eigen::Vector3d& v) {
+  return level_attitude(v).topRows<2>().transpose();
+}
+
+/// With gravity's length known: its direction alone is solved for.
+Solution solve_direction(const Links& links, const Eigen::Vector3d& first_guess) {
+  Solution solution;
+  solution.gravity = first_guess;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Eigen::Vector3d gravity = kStandardGravity * solution.gravity.normalized();
+    solution = solve(links, gravity, kStandardGravity * across(gravity));
+  }
+  solution.gravity = kStandardGravity * solution.gravity.normalized();
+  return solution;
+}
+
+/// What the poses say against the usual sign, and what to do.
+std::string against(double times) {
+  return (times > 0.0 ? " (the usual one leaves " + std::to_string(std::lround(times)) +
+                            " times the squared error)"
+                      : "") +
+         ": recording.accelerometer_scale of the opposite sign would mend that from the start";
+}
+
+ImuStart refused(ImuStartStatus status, std::string reason) {
+  ImuStart start;
+  start.status = status;
+  start.reason = std::move(reason);
+  return start;
+}
+
+}  // namespace
+
+ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
+                         std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise) {
+  if (T_map_body.size() < kFewestPoses || readings.size() + 1 != T_map_body.size() ||
+      seconds(T_map_body.back().stamp - T_map_body.front().stamp) < kShortest) {
+    return refused(ImuStartStatus::too_short,
+                   std::to_string(T_map_body.size()) + " poses; a start in motion needs " +
+                       std::to_string(kFewestPoses) + " over half a second");
+  }
+  const GyroBias gyro = gyro_bias_of(T_map_body, readings, noise);
+  const Matrix free = Matrix::Identity(3, 3);
+  // The unit and the sign that explain the motion best, of those with a gravity like the Earth's.
+  double best_fit = 0.0;
+  double scale = 0.0;
+  Solution best;
+  double free_norm = 0.0;
+  double usual_fit = 0.0;
+  for (const double hypothesis : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
+    const Links links{T_map_body, integrated(readings, hypothesis, gyro.value, noise)};
+    const Solution unknown_length = solve(links, Eigen::Vector3d::Zero(), free);
+    const double norm = unknown_length.gravity.norm();
+    free_norm = hypothesis == 1.0 ? norm : free_norm;
+    if (std::abs(norm - kStandardGravity) > kGravityTolerance) {
+      continue;
+    }
+    const Solution solution = solve_direction(links, unknown_length.gravity);
+    usual_fit = hypothesis > 0.0 ? solution.mean_square : usual_fit;
+    // The common unit and sign unless another is clearly better.
+    if (scale == 0.0 || solution.mean_square < 0.5 * best_fit) {
+      scale = hypothesis;
+      best = solution;
+      best_fit = solution.mean_square;
+    }
+  }
+  if (scale == 0.0) {
+    return refused(
+        ImuStartStatus::implausible,
+        "the motion and the accelerometer together make gravity " + std::to_string(free_norm) +
+            ", neither 9.8 (m/s^2) nor 1 (g): is the IMU mounted otherwise than stated?");
+  }
+  const double sigma = std::sqrt(best.covariance.diagonal().segment<2>(3).maxCoeff());
+  if (sigma > kLargestGravitySigma) {
+    return refused(ImuStartStatus::unobserved, "gravity's direction is known to " +
+                                                   std::to_string(sigma) +
+                                                   " rad only; more or longer motion is needed");
+  }
+  ImuStart start;
+  start.status = ImuStartStatus::in_motion;
+  start.reason =
+      "from " + std::to_string(T_map_body.size()) + " poses in motion" +
+      (std::abs(scale) != 1.0 ? ", accelerometer in g" : "") +
+      (scale < 0.0 ? ", accelerometer of the opposite sign" + against(usual_fit / best_fit) : "");
+  start.accel_scale = scale;
+  start.gravity_map = best.gravity;
+  start.up_body = T_map_body.back().pose.linear().transpose() * -best.gravity.normalized();
+  start.gravity_sigma = sigma;
+  start.v_map_body = best.velocity;
+  start.velocity_sigma = std::sqrt(best.covariance.diagonal().head<3>().maxCoeff());
+  start.bias = {.gyro = gyro.value, .accel = best.accel_bias};
+  start.bias_sigma.gyro = gyro.sigma;
+  start.bias_sigma.accel = best.covariance.diagonal().tail<3>().cwiseSqrt();
+  return start;
+}
+
+}  // namespace adit

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Two sensors on one body turn alike. From the rotations of one and the rates of the other follow
+// the offset of their clocks and how they are mounted to each other.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "adit/slam/core/types.hpp"
+
+namespace adit {
+
+/// What a sensor turned between two times.
+struct RotationInterval {
+  Nanoseconds begin{0};
+  Nanoseconds end{0};
+  /// rad, Log(R_world_begin^T R_world_end): in the sensor's axes
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
+  /// s. Where the attitudes are means over a sweep: how long it is, from `begin` and `end` on.
+  double mean_over = 0.0;
+};
+
+struct RotationComparison {
+  /// s. The same motion has later times at the gyroscope by this much (earlier if negative).
+  double offset = 0.0;
+  double offset_sigma = 0.0;  ///< s, standard deviation from the residuals
+  double correlation = 0.0;   ///< of the two at this offset, 0 to 1
+  /// Nearest to the expected mounting in directions that the motion does not tell.
+  Eigen::Matrix3d R_range_gyro = Eigen::Matrix3d::Identity();
+  double misalignment = 0.0;  ///< rad, of the expected mounting, as far as the motion tells it
+  /// rad, standard deviation of the mounting about the range sensor's three axes; infinite where
+  /// the motion does not tell it.
+  Eigen::Vector3d mounting_sigma = Eigen::Vector3d::Zero();
+  /// 1/rad², eigenvalues of the mounting's information, offset and bias unknown, in ascending
+  /// order.
+  Eigen::Vector3d mounting_information = Eigen::Vector3d::Zero();
+};
+
+/// Fewer than this are not compared.
+inline constexpr std::size_t kLeastRotations = 20;
+
+/// Those that the samples cover with `most_offset` (s) to spare on both sides.
+std::vector<RotationInterval> covered_rotations(std::span<const RotationInterval> rotations,
+                                                std::span<const ImuSample> gyroscope,
+                                                double most_offset);
+
+/// Compares a range sensor's rotations (in the order of time) with a gyroscope's samples. Offsets
+/// are searched up to `most_offset` (s); the gyroscope's bias and the mounting need not be known.
+/// Intervals that the samples do not cover with that margin do not count. Nothing where fewer than
+/// kLeastRotations remain, or where the rotations hold no common motion (correlation below 0.8).
+std::optional<RotationComparison> compare_rotations(std::span<const RotationInterval> rotations,
+                                                    std::span<const ImuSample> gyroscope,
+                                                    const Eigen::Matrix3d& R_range_gyro_expected,
+                                                    double most_offset);
+
+/// How far the estimates of a comparison may be off: errors of neighbouring sweeps are alike, which
+/// their residuals do not tell.
+inline constexpr double kSureSigmas = 8.0;
+
+/// The greatest standard deviation (rad) of the mounting about an axis that the motion tells.
+double known_mounting_sigma(const RotationComparison& comparison);
+
+/// For people: roll, pitch and yaw about the lidar's axes that the motion does not tell; empty if
+/// it tells all.
+std::string unobserved_axes(const RotationComparison& comparison);
+
+}  // namespace adit

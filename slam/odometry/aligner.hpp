@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/kernels/registration.hpp"
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/odometry/motion_model.hpp"
+#include "adit/slam/odometry/submap.hpp"
+#include "adit/slam/registration/registration.hpp"
+
+namespace adit {
+
+/// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, and, where
+/// the prediction is not to be trusted, a second time from coarse voxels down to fine ones: the
+/// better one counts. A lost sensor is searched for with several headings and from several places,
+/// and the result tells how well the best other place fits.
+class Aligner {
+ public:
+  Aligner(engine::Context& context, const RegistrationConfig& config);
+
+  /// Records the whole alignment and the copies back; the submap is up to date and not empty. The
+  /// device knows how many points the cloud has; at most `most_points`.
+  void record(engine::Recorder& recorder, const Prediction& prediction, engine::Slice surface_cloud,
+              engine::Slice counters, uint32_t most_points, Submap& submap);
+  /// After the submission: the result in the map frame, and what the submap's voxel map counted.
+  RegistrationResult read_result(int source_points, const Submap& submap) const;
+  gpu::VoxelMapCounters read_map_counters() const;
+
+ private:
+  /// A level of the alignment from the prediction, or of the search from all its starts.
+  engine::RegistrationArguments arguments(bool search, size_t level, engine::Slice surface_cloud,
+                                          const engine::VoxelMapView& target) const;
+  void record_starts(engine::Recorder& recorder, const Prediction& prediction,
+                     const Submap& submap);
+  void record_search(engine::Recorder& recorder, engine::Slice surface_cloud,
+                     engine::Slice counters, Submap& submap);
+  /// A trusted prediction decides in directions that no match holds.
+  void record_fine(engine::Recorder& recorder, const engine::RegistrationArguments& arguments,
+                   bool trusted);
+  void record_jobs(engine::Recorder& recorder, size_t level, const engine::VoxelMapView& target,
+                   double d_max, engine::Slice counters);
+
+  RegistrationConfig config_;
+  engine::RegistrationKernels kernels_;
+  engine::Buffer upload_;    ///< jobs of all levels, starts, initial states
+  engine::Buffer jobs_;      ///< of all levels, with the number of points that the device knows
+  engine::Buffer progress_;  ///< of the alignment from the prediction, then of the search's
+  engine::Buffer states_;    ///< the same
+  engine::Buffer scratch_;
+  engine::Buffer readback_;  ///< states, progress, then the voxel map's counters
+  uint32_t groups_ = 0;      ///< of the last alignment recorded
+  uint32_t starts_ = 0;      ///< that its search had; 0: there was none
+};
+
+}  // namespace adit

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/odometry/doubt.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace adit {
+namespace {
+
+constexpr int kUsual = 10;             // alignments make a habit, and as many are remembered
+constexpr double kLeastShare = 0.7;    // of the usual overlap
+constexpr double kMostRms = 1.4;       // times the usual residual
+constexpr double kMostRival = 0.9;     // of the matched points
+constexpr double kLevel = 0.7;         // of a direction's z: less is along the ground
+constexpr double kNearDistance = 1.0;  // m from the prediction
+constexpr double kNearTurn = 0.3;      // rad
+
+std::string percent(double share) {
+  return std::to_string(std::lround(100.0 * share)) + " %";
+}
+
+std::string centimetres(double length) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), 100.0 * length,
+                                 std::chars_format::fixed, 1);
+  return {text.data(), end.ptr};
+}
+
+/// How well the place along the ground is held. (Height is another matter: floors that a sensor
+/// does not see are common, and nobody jumps.)
+Localizability along_ground(const RegistrationResult& alignment) {
+  Localizability weakest = Localizability::full;
+  for (const ObservedDirection& direction : alignment.translation) {
+    const Eigen::Vector3d axis = alignment.T_target_source.linear() * direction.axis;
+    weakest = std::abs(axis.z()) < kLevel ? std::max(weakest, direction.localizability) : weakest;
+  }
+  return weakest;
+}
+
+bool is_near(const RegistrationResult& alignment, const Eigen::Isometry3d& expected) {
+  const Eigen::Isometry3d off = expected.inverse() * alignment.T_target_source;
+  return off.translation().norm() < kNearDistance && rotation_angle(off.linear()) < kNearTurn;
+}
+
+}  // namespace
+
+void UsualFit::add(const RegistrationResult& alignment) {
+  alignments_ = std::min(alignments_ + 1, kUsual);
+  overlap_ += (alignment.overlap - overlap_) / alignments_;
+  rms_ += (alignment.residual_rms - rms_) / alignments_;
+}
+
+std::optional<std::string> UsualFit::doubt(const RegistrationResult& alignment,
+                                           const Prediction& prediction) const {
+  if (prediction.trusted) {
+    return std::nullopt;
+  }
+  const Localizability held = along_ground(alignment);
+  if (prediction.lost && held == Localizability::none) {
+    return "a search found a place that could as well be farther along: no match holds it there";
+  }
+  // Where matches and velocity agree, one confirms the other.
+  if (prediction.lost ? held == Localizability::full && is_near(alignment, prediction.T_map_onward)
+                      : is_near(alignment, prediction.T_map_lidar)) {
+    return std::nullopt;
+  }
+  if (alignments_ >= kUsual && alignment.overlap < kLeastShare * overlap_) {
+    return "a search found a place where " + percent(alignment.overlap) +
+           " of its points match the submap, of sweeps before " + percent(overlap_) + " did";
+  }
+  if (!prediction.lost) {
+    return std::nullopt;
+  }
+  if (alignments_ >= kUsual && alignment.residual_rms > kMostRms * rms_) {
+    return "a search found a place where its points lie " + centimetres(alignment.residual_rms) +
+           " cm from the submap's surfaces, those of sweeps before " + centimetres(rms_);
+  }
+  if (alignment.rival > kMostRival) {
+    return "a search found two places, and where one matches 100 points the other matches " +
+           std::to_string(std::lround(100.0 * alignment.rival));
+  }
+  return std::nullopt;
+}
+
+}  // namespace adit

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/odometry/motion_model.hpp"
+
+#include <algorithm>
+
+namespace adit {
+namespace {
+
+// After this many aligned sweeps the velocity has been seen twice.
+constexpr int kTrustedAfter = 2;
+// Nobody moves at constant velocity for longer than this.
+constexpr double kLongestExtrapolation = 1.0;  // s
+constexpr double kLongestGuess = 5.0;          // s
+
+double seconds(Nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+Prediction MotionModel::predict(Nanoseconds stamp) const {
+  if (!last_) {
+    return {};
+  }
+  const double elapsed = seconds(stamp - last_->stamp);
+  const double bridged = seconds(last_->stamp - seen_->stamp);
+  const double left = std::max(0.0, kLongestExtrapolation - bridged);
+  const double bounded = std::clamp(elapsed, 0.0, left);
+  const bool trusted = aligned_in_a_row_ >= kTrustedAfter && elapsed == bounded;
+  Prediction prediction;
+  prediction.T_map_lidar = orthonormalized(last_->pose * se3_exp(bounded * velocity_));
+  prediction.trusted = trusted;
+  prediction.lost = bridged + elapsed > kLongestExtrapolation;
+  prediction.T_map_onward = orthonormalized(
+      seen_->pose * se3_exp(std::clamp(bridged + elapsed, 0.0, kLongestGuess) * velocity_));
+  return prediction;
+}
+
+void MotionModel::stop() {
+  velocity_.setZero();
+  velocity_before_.setZero();
+  aligned_in_a_row_ = 0;
+}
+
+void MotionModel::update(const StampedPose& pose, bool aligned) {
+  if (aligned) {
+    const double elapsed = seen_ ? seconds(pose.stamp - seen_->stamp) : 0.0;
+    if (elapsed > kLongestExtrapolation) {
+      stop();
+    } else if (elapsed > 0.0) {
+      velocity_before_ = velocity_;
+      velocity_ = se3_log(seen_->pose.inverse() * pose.pose) / elapsed;
+    }
+    ++aligned_in_a_row_;
+    seen_ = pose;
+  } else {
+    aligned_in_a_row_ = 0;
+    seen_ = seen_ ? seen_ : pose;
+  }
+  last_ = pose;
+}
+
+void MotionModel::restart(const StampedPose& pose) {
+  if (seen_ && seconds(pose.stamp - seen_->stamp) > kLongestExtrapolation) {
+    stop();
+  }
+  last_ = pose;
+  seen_ = pose;
+  aligned_in_a_row_ = 0;
+}
+
+}  // namespace adit

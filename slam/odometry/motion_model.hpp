@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/prediction.hpp"
+#include "adit/slam/core/types.hpp"
+
+namespace adit {
+
+/// Constant velocity: the last motion from one aligned sweep to the next, scaled by the time since
+/// then, for a second at most.
+class MotionModel {
+ public:
+  Prediction predict(Nanoseconds stamp) const;
+  /// A sweep was aligned (trusted), or bridged by its prediction (not).
+  void update(const StampedPose& pose, bool aligned);
+  /// Nothing is known but where the sensor is.
+  void restart(const StampedPose& pose);
+  /// The mean twist of the last two motions, in the lidar's axes, m/s and rad/s: what to de-skew
+  /// with. (With the last motion's alone an error of the twist would come back with the opposite
+  /// sign at each sweep, undamped: docs/theory/inertial.md, section 7.)
+  Vector6d deskewing_twist() const { return 0.5 * (velocity_ + velocity_before_); }
+  /// Where it goes on from; none before the first sweep.
+  const std::optional<StampedPose>& last() const { return last_; }
+
+ private:
+  /// The velocity of long ago says nothing of now's.
+  void stop();
+
+  std::optional<StampedPose> last_;
+  std::optional<StampedPose> seen_;       ///< the last that was aligned, or started from
+  Vector6d velocity_ = Vector6d::Zero();  ///< twist in the body frame, m/s and rad/s
+  Vector6d velocity_before_ = Vector6d::Zero();
+  int aligned_in_a_row_ = 0;
+};
+
+}  // namespace adit

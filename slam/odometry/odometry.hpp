@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/core/types.hpp"
+#include "adit/slam/fusion/inertial_tracker.hpp"
+#include "adit/slam/odometry/pose_uncertainty.hpp"
+#include "adit/slam/registration/registration.hpp"
+
+namespace adit::engine {
+class Context;
+}
+
+namespace adit {
+
+/// What the odometry knows after a sweep.
+enum class OdometryState {
+  initializing,  ///< the submap has been started with this sweep
+  tracking,      ///< aligned with the submap
+  coasting,  ///< alignment failed; the pose is the prediction, the sweep was left out of the submap
+  restarted,  ///< too many failures in a row: the submap starts anew at the predicted pose
+};
+std::string_view to_string(OdometryState state);
+
+/// Time of one stage of a sweep.
+struct StageTime {
+  std::string stage;
+  double device_ms = 0.0;  ///< between device timestamps; 0 where the stage has no device work
+};
+
+/// What Odometry::step() tells of a sweep.
+struct SweepResult {
+  Nanoseconds stamp{0};
+  Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
+  PoseUncertainty uncertainty;  ///< of that pose
+  OdometryState state = OdometryState::initializing;
+  RegistrationResult
+      registration;       ///< T_target_source is T_map_lidar; all default at the first sweep
+  std::string doubt;      ///< for people: why an alignment is not believed (slam/odometry/doubt)
+  bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
+  int raw_points = 0;     ///< points of the sweep as it came
+  int valid_points = 0;   ///< left after NaN, no-return and range clipping
+  int cloud_points = 0;   ///< left after down-sampling
+  int lost_points =
+      0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
+  InertialReport inertial;        ///< of the inertial sensor, where there is one
+  bool deskewed = false;          ///< points were moved to the sweep's start
+  std::vector<Point> cloud;       ///< keyframes only: the down-sampled sweep, lidar frame
+  std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
+  double host_ms = 0.0;           ///< host work: copy into staging, record, read back
+  double inertial_ms = 0.0;       ///< part of host_ms: preintegration and the sliding graph
+  double wait_ms = 0.0;           ///< host time spent waiting for the device
+};
+
+/// Odometry from a range sensor and, where there is one, an inertial sensor: prediction of the
+/// sweep's motion, alignment against a rolling submap of the last l clouds, fusion in a sliding
+/// graph. Without inertial readings, or while they fail a check, motion is predicted at constant
+/// velocity.
+///
+/// One device submission and one host wait a sweep. The map frame has its origin at the lidar of
+/// the first sweep; with an inertial sensor its z is up as that saw it then, without one its axes
+/// are the lidar's. On one device the same input gives the same bytes.
+class Odometry {
+ public:
+  /// Throws engine::Error if the device runs out of memory. `config` must have passed validate().
+  Odometry(engine::Context& context, const Config& config);
+  ~Odometry();
+  Odometry(const Odometry&) = delete;
+  Odometry& operator=(const Odometry&) = delete;
+
+  /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before
+  /// its stamp to its end.
+  ImuArrival add(const ImuSample& sample);
+
+  /// Takes the next sweep. Sweeps without a valid point are a failure like any other: coasting.
+  SweepResult step(const Sweep& sweep);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace adit

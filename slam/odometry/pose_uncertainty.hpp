@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "adit/slam/core/lie.hpp"
+
+namespace adit {
+
+/// How well a sweep's pose is known: covariances of the right perturbation [rho, phi] of
+/// T_map_lidar, lidar axes, m and rad (docs/theory/inertial.md, section 9).
+struct PoseUncertainty {
+  Matrix6d local = Matrix6d::Zero();  ///< relative to the submap
+  Matrix6d drift = Matrix6d::Zero();  ///< of the submap since the first sweep, at this lidar
+
+  Matrix6d in_map() const { return local + drift; }
+};
+
+/// A pose with how well it is known.
+struct UncertainPose {
+  Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
+  PoseUncertainty uncertainty;
+};
+
+/// Of the motion T_from_to between two poses of one odometry, `to` the later one: right
+/// perturbation, in the axes of the later lidar. What had drifted before is common to both.
+Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to);
+
+/// Follows what the submap drifts by. While its first clouds are in it, they hold the map; from
+/// then on each cloud that joins hands its error on to the sweeps that are aligned with it, which
+/// makes a random walk.
+class DriftModel {
+ public:
+  /// Of a submap of that many clouds.
+  explicit DriftModel(int clouds) : clouds_(clouds) {}
+
+  /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap.
+  PoseUncertainty update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local, bool joins);
+
+  /// The submap starts anew at the last sweep: what that one lacks, all after it lack.
+  PoseUncertainty restart(const Matrix6d& local);
+
+ private:
+  int clouds_;
+  int joined_ = 0;
+  std::optional<Eigen::Isometry3d> last_;  ///< T_map_lidar
+  Matrix6d drift_ = Matrix6d::Zero();      ///< at last_
+};
+
+}  // namespace adit

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "adit/engine/buffer.hpp"
+#include "adit/engine/kernels/registration.hpp"
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/registration/alignment_clouds.hpp"
+#include "adit/slam/registration/registration.hpp"
+
+namespace adit {
+
+/// Less weight for matches far apart, in units of their own uncertainty.
+enum class RobustKernel { none, huber, cauchy, geman_mcclure };
+
+/// How the pairs of a batch are aligned; lengths in m, angles in rad.
+struct AlignmentSettings {
+  RegistrationMethod method = RegistrationMethod::vgicp;
+  int neighbours = 7;  ///< voxels looked at for a point: 1, 7 (those that share a face) or 27
+  RobustKernel robust = RobustKernel::none;
+  double robust_width = 1.0;     ///< Mahalanobis distance at which it begins to act
+  bool drop_back_faces = false;  ///< leave out surfaces that the target's sensor could only have
+                                 ///< seen from behind
+  double d_max = 0.5;            ///< at the finest level; voxel size where that is larger
+  double d_max_wide = 0.0;       ///< instead, in the first wide_iterations; less than d_max: unused
+  int wide_iterations = 0;
+  int max_iterations = 30;            ///< of each level
+  double translation_epsilon = 1e-4;  ///< converged when a step is shorter, and turns less than
+  double rotation_epsilon = 1e-5;
+  bool resolve_weak = true;  ///< where directions are weak, solve again with the prior
+  int min_inliers = 100;
+  double min_overlap = 0.3;
+};
+
+/// One alignment. Clouds and targets must live until align() returns.
+struct AlignmentPair {
+  const SurfaceCloud* source = nullptr;
+  const AlignmentTarget* source_map = nullptr;  ///< its Gaussians, for ndt_to_ndt alone
+  const AlignmentTarget* target = nullptr;
+  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();  ///< initial guess
+  /// Of a prior whose mean is the guess, right perturbation. Decides in weak directions.
+  Matrix6d prior_information = Matrix6d::Zero();
+};
+
+/// Aligns any number of pairs at once: one submission and one wait for as many as fit the device.
+/// A pair's result does not depend on the others of its batch, bit for bit.
+class BatchAligner {
+ public:
+  BatchAligner(engine::Context& context, const AlignmentSettings& settings);
+
+  const AlignmentSettings& settings() const { return settings_; }
+  /// Results in the order of the pairs. A pair that cannot be aligned (no points, a guess that is
+  /// not finite) has a status that says so. Throws std::logic_error for a target of another method
+  /// or with other numbers of levels than the rest, engine::OutOfMemory; the next call works.
+  std::vector<RegistrationResult> align(std::span<const AlignmentPair> pairs);
+  /// The same, without a step: how well the guesses fit.
+  std::vector<RegistrationResult> evaluate(std::span<const AlignmentPair> pairs);
+
+ private:
+  std::vector<RegistrationResult> run(std::span<const AlignmentPair> pairs, bool steps);
+  void run_chunk(std::span<const AlignmentPair* const> pairs, bool steps,
+                 std::span<RegistrationResult* const> results);
+
+  engine::Context* context_;
+  AlignmentSettings settings_;
+  engine::RegistrationKernels kernels_;
+};
+
+}  // namespace adit

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "adit/slam/core/types.hpp"
+
+namespace adit {
+
+/// The angle between neighbouring beams of a range sensor, rad, the wider of the two directions, as
+/// a sweep shows it: at an elevation drawn at random from those that a sector of one degree of
+/// azimuth covers, the gap between the returns above and below it; of that the median. Between
+/// 0.002 and 0.2; points in the sensor's frame, z along the axis that a spinning sensor turns
+/// about. None of fewer than 1000 returns.
+std::optional<double> measured_beam_spacing(std::span<const Point> points);
+
+}  // namespace adit

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// From the columns of a point file to a Sweep, the same for every file format.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/clouds/point_times.hpp"
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+
+enum class ScalarType { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
+std::size_t size_of(ScalarType type);
+
+/// Numbers of one type, `stride` bytes apart. No alignment is needed.
+struct Column {
+  const std::byte* data = nullptr;  ///< may be null where there are no points
+  std::size_t offset = 0;           ///< bytes from `data` to the first number
+  std::size_t stride = 0;
+  ScalarType type = ScalarType::f32;
+  bool swap_bytes = false;  ///< stored in the other byte order than this machine's
+};
+
+/// What a field of a point means, told by its name.
+enum class FieldRole { x, y, z, intensity, ring, time };
+constexpr std::size_t kFieldRoles = 6;
+
+/// The meaning of each named field; -1 where no field has it. Names are compared without case and
+/// without CloudCompare's "scalar_" prefix; where several fit, the usual name wins ("intensity"
+/// before "reflectivity").
+struct FieldRoles {
+  int index[kFieldRoles] = {-1, -1, -1, -1, -1, -1};
+  int operator[](FieldRole role) const { return index[static_cast<std::size_t>(role)]; }
+};
+FieldRoles find_roles(const std::vector<std::string_view>& names);
+
+/// The columns of a cloud; x, y and z must be there.
+struct CloudColumns {
+  std::size_t points = 0;
+  std::optional<Column> columns[kFieldRoles];
+  std::string time_field{};  ///< name of the column of times
+  double time_unit = 0.0;    ///< s; 0: told from the times
+  std::optional<Column>& operator[](FieldRole role) {
+    return columns[static_cast<std::size_t>(role)];
+  }
+  const std::optional<Column>& operator[](FieldRole role) const {
+    return columns[static_cast<std::size_t>(role)];
+  }
+};
+
+/// A cloud as a file tells it.
+struct CloudFile {
+  Sweep sweep;  ///< stamp: see absolute_stamp
+  bool absolute_stamp =
+      false;  ///< true: the points carry absolute times and sweep.stamp is the earliest of them;
+              ///< false: sweep.stamp is the sweep's start relative to the recording's stamp
+  std::optional<PointTimeNature> times{};  ///< how the points' times were understood, where any are
+};
+
+/// Reads the columns. Throws InputError (with the point) where a ring is no beam number or the
+/// times cannot be those of one sweep.
+CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& columns);
+
+}  // namespace adit

@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "adit/tools/clouds/cloud_columns.hpp"
+
+namespace adit {
+
+/// Reads a LAS file, versions 1.0 to 1.4, point formats 0 to 10 (ASPRS LAS 1.4 R15), with intensity
+/// and, where the format has it, GPS time. Coordinates are those of the file, m, rounded to
+/// float32: meant for sweeps in a sensor's own frame. Throws InputError: damaged, cut off, or
+/// packed (LAZ).
+CloudFile read_las(const std::filesystem::path& file, double time_unit = 0.0);
+
+/// The same of a file's content; `file` is for messages.
+CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
+                    double time_unit = 0.0);
+
+}  // namespace adit

@@ -1,0 +1,316 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/clouds/ply_reader.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "adit/tools/clouds/ply_header.hpp"
+#include "adit/tools/support/input_file.hpp"
+
+namespace adit {
+namespace {
+
+constexpr const char* kCutOff = "The file is cut off or its header is wrong: write it again";
+
+FieldRoles roles_of(const std::filesystem::path& file, const PlyElement& vertex) {
+  std::vector<std::string_view> names;
+  names.reserve(vertex.properties.size());
+  for (const PlyProperty& property : vertex.properties) {
+    names.push_back(property.list_count ? std::string_view() : std::string_view(property.name));
+  }
+  const FieldRoles roles = find_roles(names);
+  for (const FieldRole axis : {FieldRole::x, FieldRole::y, FieldRole::z}) {
+    if (roles[axis] < 0) {
+      throw InputError(file, Place::named("element vertex"), "it has no property x, y or z",
+                       "Sweeps need x y z");
+    }
+  }
+  return roles;
+}
+
+/// Refuses counts that the rest of the file cannot hold, before anything is allocated or walked
+/// through.
+void require_room(const std::filesystem::path& file, const PlyElement& element, uint64_t smallest,
+                  uint64_t bytes) {
+  if (element.count > 0 && (smallest == 0 || element.count > bytes / smallest)) {
+    throw InputError(file, Place::named("element " + element.name),
+                     "the header promises " + std::to_string(element.count) + " records of " +
+                         std::to_string(smallest) + " bytes or more; " + std::to_string(bytes) +
+                         " bytes are left in the file",
+                     smallest == 0 ? "An element needs properties: write the file again" : kCutOff);
+  }
+}
+
+/// Walks through the records of a binary file.
+class BinaryBody {
+ public:
+  BinaryBody(const std::filesystem::path& file, const PlyHeader& header,
+             std::span<const std::byte> content)
+      : file_(file),
+        content_(content),
+        at_(header.bytes),
+        big_(header.format == PlyFormat::big_endian),
+        time_unit_(header.time_unit) {}
+
+  void skip(const PlyElement& element) {
+    require_room(file_, element, element.smallest_record(), left());
+    if (!element.has_lists()) {
+      at_ += static_cast<std::size_t>(element.count) * element.smallest_record();
+      return;
+    }
+    for (uint64_t record = 0; record < element.count; ++record) {
+      for (const PlyProperty& property : element.properties) {
+        skip(element, property, record);
+      }
+    }
+  }
+
+  CloudFile read(const PlyElement& vertex) {
+    const FieldRoles roles = roles_of(file_, vertex);
+    require_room(file_, vertex, vertex.smallest_record(), left());
+    return vertex.has_lists() ? read_lists(vertex, roles) : read_fixed(vertex, roles);
+  }
+
+ private:
+  std::size_t left() const { return content_.size() - at_; }
+
+  void advance(const PlyElement& element, uint64_t record, uint64_t bytes) {
+    if (bytes > left()) {
+      throw InputError(file_, Place::byte(at_),
+                       "the file ends inside record " + std::to_string(record) + " of the " +
+                           std::to_string(element.count) + " of element " + element.name,
+                       kCutOff);
+    }
+    at_ += static_cast<std::size_t>(bytes);
+  }
+
+  uint64_t load_integer(std::size_t bytes, bool is_signed) const {
+    uint64_t value = 0;
+    for (std::size_t i = 0; i < bytes; ++i) {
+      const std::size_t from = big_ ? i : bytes - 1 - i;
+      value = (value << 8U) | std::to_integer<uint64_t>(content_[at_ + from]);
+    }
+    // A negative length reads as a huge one, which no file holds.
+    const bool negative = is_signed && ((value >> (8 * bytes - 1)) & 1U) != 0;
+    return negative ? ~uint64_t{0} : value;
+  }
+
+  void skip(const PlyElement& element, const PlyProperty& property, uint64_t record) {
+    if (!property.list_count) {
+      advance(element, record, size_of(property.type));
+      return;
+    }
+    const std::size_t count_bytes = size_of(*property.list_count);
+    const std::size_t start = at_;
+    advance(element, record, count_bytes);
+    at_ = start;
+    const ScalarType type = *property.list_count;
+    const bool is_signed = type == ScalarType::i8 || type == ScalarType::i16 ||
+                           type == ScalarType::i32 || type == ScalarType::i64;
+    const uint64_t count = load_integer(count_bytes, is_signed);
+    at_ += count_bytes;
+    advance(element, record, count > left() ? ~uint64_t{0} : count * size_of(property.type));
+  }
+
+  bool swap() const { return big_ != (std::endian::native == std::endian::big); }
+
+  CloudFile read_fixed(const PlyElement& vertex, const FieldRoles& roles) const {
+    CloudColumns columns;
+    columns.time_unit = time_unit_;
+    columns.points = static_cast<std::size_t>(vertex.count);
+    for (std::size_t role = 0; role < kFieldRoles; ++role) {
+      if (roles.index[role] < 0) {
+        continue;
+      }
+      const auto field = static_cast<std::size_t>(roles.index[role]);
+      std::size_t offset = 0;
+      for (std::size_t i = 0; i < field; ++i) {
+        offset += size_of(vertex.properties[i].type);
+      }
+      columns.columns[role] = Column{content_.data(), at_ + offset, vertex.smallest_record(),
+                                     vertex.properties[field].type, swap()};
+    }
+    return decode_cloud(file_, columns);
+  }
+
+  /// Records of varying length: the numbers that matter are copied together first.
+  CloudFile read_lists(const PlyElement& vertex, const FieldRoles& roles) {
+    constexpr std::size_t kSlot = 8;
+    constexpr std::size_t kRow = kSlot * kFieldRoles;
+    std::vector<std::byte> rows(static_cast<std::size_t>(vertex.count) * kRow);
+    for (uint64_t record = 0; record < vertex.count; ++record) {
+      for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
+        const std::size_t start = at_;
+        skip(vertex, vertex.properties[i], record);
+        for (std::size_t role = 0; role < kFieldRoles; ++role) {
+          if (roles.index[role] == static_cast<int>(i)) {
+            std::copy_n(content_.data() + start, size_of(vertex.properties[i].type),
+                        rows.data() + static_cast<std::size_t>(record) * kRow + role * kSlot);
+          }
+        }
+      }
+    }
+    CloudColumns columns;
+    columns.time_unit = time_unit_;
+    columns.points = static_cast<std::size_t>(vertex.count);
+    for (std::size_t role = 0; role < kFieldRoles; ++role) {
+      if (roles.index[role] >= 0) {
+        columns.columns[role] =
+            Column{rows.data(), role * kSlot, kRow,
+                   vertex.properties[static_cast<std::size_t>(roles.index[role])].type, swap()};
+      }
+    }
+    return decode_cloud(file_, columns);
+  }
+
+  const std::filesystem::path& file_;
+  std::span<const std::byte> content_;
+  std::size_t at_;
+  bool big_;
+  double time_unit_;  // s
+};
+
+/// Walks through the lines of an ASCII file, one record each.
+class AsciiBody {
+ public:
+  AsciiBody(const std::filesystem::path& file, const PlyHeader& header, std::string_view content)
+      : file_(file),
+        lines_(content.substr(header.bytes)),
+        header_lines_(header.lines),
+        time_unit_(header.time_unit) {}
+
+  void skip(const PlyElement& element) {
+    require_room(element);
+    for (uint64_t record = 0; record < element.count; ++record) {
+      static_cast<void>(next_line(element, record));
+    }
+  }
+
+  CloudFile read(const PlyElement& vertex) {
+    const FieldRoles roles = roles_of(file_, vertex);
+    require_room(vertex);
+    std::vector<double> values(static_cast<std::size_t>(vertex.count) * kFieldRoles);
+    for (uint64_t record = 0; record < vertex.count; ++record) {
+      read_record(vertex, roles, next_line(vertex, record),
+                  values.data() + static_cast<std::size_t>(record) * kFieldRoles);
+    }
+    CloudColumns columns;
+    columns.time_unit = time_unit_;
+    columns.points = static_cast<std::size_t>(vertex.count);
+    for (std::size_t role = 0; role < kFieldRoles; ++role) {
+      if (roles.index[role] >= 0) {
+        columns.columns[role] =
+            Column{reinterpret_cast<const std::byte*>(values.data()), role * sizeof(double),
+                   kFieldRoles * sizeof(double), ScalarType::f64, false};
+      }
+    }
+    return decode_cloud(file_, columns);
+  }
+
+ private:
+  /// A number and its separator take two bytes, the last one of the file perhaps one.
+  void require_room(const PlyElement& element) const {
+    adit::require_room(file_, element, 2 * element.properties.size(), lines_.rest().size() + 1);
+  }
+
+  Place place() const { return Place::line(header_lines_ + lines_.number()); }
+
+  std::string_view next_line(const PlyElement& element, uint64_t record) {
+    while (const std::optional<std::string_view> line = lines_.next()) {
+      if (line->find_first_not_of(" \t") != std::string_view::npos) {
+        return *line;
+      }
+    }
+    throw InputError(file_, Place::line(header_lines_ + lines_.number() + 1),
+                     "the file ends after " + std::to_string(record) + " of the " +
+                         std::to_string(element.count) + " records of element " + element.name,
+                     kCutOff);
+  }
+
+  void read_record(const PlyElement& vertex, const FieldRoles& roles, std::string_view line,
+                   double* values) {
+    const std::size_t found = split_words(line, words_);
+    if (found > words_.size()) {
+      words_.resize(found);
+      split_words(line, words_);
+    }
+    const std::span<const std::string_view> words = std::span(words_).first(found);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
+      if (at >= words.size()) {
+        fail_count(words.size());
+      }
+      const std::string_view word = words[at++];
+      if (vertex.properties[i].list_count) {
+        const std::optional<uint64_t> count = parse_unsigned(word);
+        if (!count || *count > words.size() - at) {
+          throw InputError(file_, place(),
+                           in_quotes(word) + " is not the length of the list that follows",
+                           kCutOff);
+        }
+        at += static_cast<std::size_t>(*count);
+        continue;
+      }
+      for (std::size_t role = 0; role < kFieldRoles; ++role) {
+        if (roles.index[role] == static_cast<int>(i)) {
+          const std::optional<double> value = parse_double(word);
+          if (!value) {
+            throw InputError(file_, place(), in_quotes(word) + " is no number", "Correct the line");
+          }
+          values[role] = *value;
+        }
+      }
+    }
+    if (at != words.size()) {
+      fail_count(words.size());
+    }
+  }
+
+  [[noreturn]] void fail_count(std::size_t count) const {
+    throw InputError(
+        file_, place(),
+        "its " + std::to_string(count) + " numbers do not fit the properties of a vertex", kCutOff);
+  }
+
+  const std::filesystem::path& file_;
+  LineReader lines_;
+  uint64_t header_lines_;
+  double time_unit_;  // s
+  std::vector<std::string_view> words_;
+};
+
+template <class Body>
+CloudFile read_vertices(const std::filesystem::path& file, const PlyHeader& header, Body body) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") {
+      return body.read(element);
+    }
+    body.skip(element);
+  }
+  throw InputError(file, Place::named("header"), "there is no element 'vertex'",
+                   "Sweeps are points: write the vertices");
+}
+
+}  // namespace
+
+CloudFile parse_ply(const std::filesystem::path& file, std::string_view content, double time_unit) {
+  PlyHeader header = parse_ply_header(file, content);
+  header.time_unit = time_unit;
+  if (header.format == PlyFormat::ascii) {
+    return read_vertices(file, header, AsciiBody(file, header, content));
+  }
+  return read_vertices(
+      file, header,
+      BinaryBody(file, header, std::as_bytes(std::span(content.data(), content.size()))));
+}
+
+CloudFile read_ply(const std::filesystem::path& file, double time_unit) {
+  return parse_ply(file, read_text_file(file), time_unit);
+}
+
+}  // namespace adit

@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "adit/tools/clouds/cloud_columns.hpp"
+
+namespace adit {
+
+/// Reads the element `vertex` of a PLY file, ASCII or binary of either byte order; x y z of any
+/// numeric type, and intensity, ring and time where they are. Other elements and list properties
+/// are skipped. Throws InputError: the header is wrong or promises more than the file holds, or a
+/// number cannot be read. Memory is taken only for what the file can hold.
+CloudFile read_ply(const std::filesystem::path& file, double time_unit = 0.0);
+
+/// The same from memory; `file` is for messages.
+CloudFile parse_ply(const std::filesystem::path& file, std::string_view content,
+                    double time_unit = 0.0);
+
+}  // namespace adit

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/support/output_file.hpp"
+
+namespace adit {
+
+/// Writes a cloud of any length as a binary little-endian PLY (float x y z intensity), as the
+/// points come. The file is a valid PLY of the points so far after the constructor, flush() and
+/// close(). Throws OutputError.
+class PlyWriter {
+ public:
+  explicit PlyWriter(std::filesystem::path path);
+
+  void write(std::span<const Point> points);
+  void flush();  ///< brings the file's vertex count up to date
+  void close();  ///< must be called for the file to be whole; the destructor cannot report
+
+  uint64_t count() const { return count_; }
+  const std::filesystem::path& path() const { return file_.path(); }
+
+ private:
+  void write_count();
+
+  OutputFile file_;
+  uint64_t count_offset_ = 0;
+  uint64_t count_ = 0;
+};
+
+}  // namespace adit

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_config.hpp"
+
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/run/presets.hpp"
+
+namespace adit {
+
+int config_command(const ConfigSource& source, std::ostream& out, std::ostream& err) {
+  return guarded("adit config", err, [&] {
+    out << to_toml(load_config(source)) << std::flush;
+    return 0;
+  });
+}
+
+void add_config_options(CLI::App& command, ConfigSource& source) {
+  command
+      .add_option("--config", source.file, "TOML file; `adit config` prints one with every setting")
+      ->type_name("FILE");
+  std::string known;
+  for (const std::string& name : preset_names()) {
+    known += (known.empty() ? "" : ", ") + name;
+  }
+  command.add_option("--preset", source.preset, "Settings for a public data set: " + known)
+      ->type_name("NAME");
+  command
+      .add_option("--set", source.overrides, "Overrides one setting; may be given several times")
+      ->type_name("SECTION.KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done) {
+  auto source = std::make_shared<ConfigSource>();
+  CLI::App* command = app.add_subcommand(
+      "config", "Print the effective configuration, each setting with unit and meaning");
+  command->footer(
+      "What it prints is a configuration file that gives the same configuration.\n\n"
+      "Examples:\n"
+      "  adit config > my.toml\n"
+      "  adit config --config my.toml --set preprocess.r_input=0.5");
+  add_config_options(*command, *source);
+  command->callback(
+      [source, done = std::move(done)] { done(config_command(*source, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit config`, and the options of every command that takes a configuration.
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+
+#include "adit/tools/run/config_file.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+/// Prints the effective configuration as TOML. Returns the exit code: 0, 1 for a bad file, 2 for a
+/// bad option.
+int config_command(const ConfigSource& source, std::ostream& out, std::ostream& err);
+
+/// Adds --config and --set.
+void add_config_options(CLI::App& command, ConfigSource& source);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_convert.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "adit/tools/commands/command_config.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+void print(const ConvertOptions& options, const ConvertReport& report, std::ostream& out) {
+  std::size_t width = 0;
+  for (const ConvertedTopic& topic : report.topics) {
+    width = std::max(width, topic.topic.size());
+  }
+  for (const ConvertedTopic& topic : report.topics) {
+    out << std::left << std::setw(static_cast<int>(width + 2)) << topic.topic << std::right
+        << std::setw(9);
+    if (topic.left_out.empty()) {
+      out << topic.messages << "  " << topic.type << "\n";
+    } else {
+      out << "-"
+          << "  " << topic.type << ": left out, " << topic.left_out << "\n";
+    }
+  }
+  out << "wrote " << options.output.string() << std::endl;
+}
+
+int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
+  std::error_code ignored;
+  if (fs::equivalent(options.input, options.output, ignored)) {
+    throw UsageError("the recording cannot be written over itself. Name another OUT.");
+  }
+  const ConvertReport report = convert_recording(options);
+  for (const std::string& error : report.errors) {
+    err << "adit convert: " << error << "\n";
+  }
+  if (report.error_count > report.errors.size()) {
+    err << "adit convert: and " << report.error_count - report.errors.size()
+        << " more like these\n";
+  }
+  print(options, report, out);
+  if (report.error_count > 0) {
+    err << "adit convert: the recording is damaged; what could be read was written" << std::endl;
+  }
+  return report.error_count == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int convert_command(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit convert", err, [&] { return convert(options, out, err); });
+}
+
+CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<ConvertOptions>();
+  CLI::App* command =
+      app.add_subcommand("convert", "Write a recording in another format, or a part of it");
+  command->footer(
+      "IN is any recording that `adit run` reads. OUT tells the format by its name: NAME.mcap,\n"
+      "NAME.bag (ROS 1), or a folder for rosbag2. Messages are copied byte for byte; between ROS "
+      "1\n"
+      "and ROS 2 those of the types that adit understands are translated.\n\n"
+      "Examples:\n"
+      "  adit convert drive.bag drive.mcap\n"
+      "  adit convert drive.mcap part.mcap --begin 10 --end 40 --topic /points --topic /imu\n"
+      "  adit convert kitti_0001 kitti.mcap --compression lz4\n"
+      "  adit convert drive.bag right.mcap --repair --config drive.toml\n\n"
+      "Exit codes: 0 done, 1 failed, or the recording is damaged, 2 usage.");
+  command->add_option("input", options->input, "The recording")->required()->type_name("IN");
+  command->add_option("output", options->output, "What to write")->required()->type_name("OUT");
+  command->add_option("--topic", options->topics, "Keep this topic; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  command->add_option("--begin", options->begin_s, "From here on (s after the first message)")
+      ->type_name("S");
+  command->add_option("--end", options->end_s, "Up to here (s after the first message)")
+      ->type_name("S");
+  command
+      ->add_option("--ros", options->encoding,
+                   "Serialisation of the messages in an MCAP file: 1 or 2")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Encoding>{{"1", Encoding::ros1}, {"2", Encoding::cdr}}))
+      ->type_name("1|2");
+  command
+      ->add_option("--compression", options->compression,
+                   "none, lz4 or zstd (MCAP), bz2 (ROS 1 bags)")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Compression>{{"none", Compression::none},
+                                                                     {"lz4", Compression::lz4},
+                                                                     {"zstd", Compression::zstd},
+                                                                     {"bz2", Compression::bz2}}))
+      ->type_name("NAME");
+  auto repair = std::make_shared<bool>(false);
+  auto config = std::make_shared<ConfigSource>();
+  command->add_flag("--repair", *repair,
+                    "Write sweeps and IMU samples as they are understood: times of points in "
+                    "seconds after the stamp, and what --config corrects");
+  add_config_options(*command, *config);
+  command->callback([options, repair, config, done = std::move(done)] {
+    done(guarded("adit convert", std::cerr, [&] {
+      if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
+        throw UsageError("--config, --set and --preset are of use with --repair alone.");
+      }
+      if (*repair) {
+        options->repair = load_config(*config).recording;
+      }
+      return convert_command(*options, std::cout, std::cerr);
+    }));
+  });
+  return command;
+}
+
+}  // namespace adit

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit demo`: simulate a drive through a mine, map it, evaluate it, and say where to look.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+
+#include "adit/tools/run/device_session.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+/// The demo fails above this absolute trajectory error (m, rmse after alignment).
+inline constexpr double kDemoErrorBound = 0.03;
+
+struct DemoCommandOptions {
+  std::filesystem::path output = "adit-demo";
+  double duration = 30.0;  ///< s of the simulated recording
+  DeviceOptions device;
+  bool quiet = false;  ///< errors alone
+};
+
+/// Returns the exit code: 0 done, 1 failed or less accurate than kDemoErrorBound, 2 usage, 128 +
+/// signal when stopped.
+int demo_command(const DemoCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_evaluate.hpp"
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/evaluation/evaluation_plot.hpp"
+#include "adit/tools/evaluation/evaluation_report.hpp"
+#include "adit/tools/evaluation/run_page.hpp"
+#include "adit/tools/results/run_outputs.hpp"
+
+namespace adit {
+namespace {
+
+/// An option whose value is one of a few words; the first is the default.
+template <class T>
+void add_choice(CLI::App& command, const std::string& name, const std::string& description,
+                T& target, const std::vector<std::pair<std::string, T>>& choices) {
+  std::vector<std::string> words;
+  words.reserve(choices.size());
+  for (const auto& [word, value] : choices) {
+    words.push_back(word);
+  }
+  command
+      .add_option_function<std::string>(
+          name,
+          [&target, choices](const std::string& word) {
+            for (const auto& [candidate, value] : choices) {
+              if (candidate == word) {
+                target = value;
+              }
+            }
+          },
+          description)
+      ->check(CLI::IsMember(words))
+      ->default_str(words.front());
+}
+
+void write_report(std::ostream& out, const std::string& text) {
+  out << text;
+  if (!out.flush()) {
+    throw OutputError("standard output", "the report cannot be written to the standard output.");
+  }
+}
+
+void write_plot(const EvaluateCommandOptions& options, const Evaluation& evaluation) {
+  if (options.plot) {
+    const std::string title =
+        options.estimate.filename().string() + " against " + options.truth.filename().string();
+    write_text_file(*options.plot, plot_evaluation(evaluation, title));
+  }
+}
+
+Trajectory read_truth(const EvaluateCommandOptions& options) {
+  return read_trajectory(options.truth, options.truth_times);
+}
+
+void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& out) {
+  const Evaluation evaluation = evaluate(read_trajectory(options.estimate, options.estimate_times),
+                                         read_truth(options), options.evaluation);
+  write_report(out, options.json ? evaluation_json(evaluation, options.estimate, options.truth)
+                                 : format_evaluation(evaluation, options.estimate, options.truth));
+  write_plot(options, evaluation);
+}
+
+RunTruth beside_truth(const EvaluateCommandOptions& options, const RunReview& review) {
+  const Trajectory estimate = read_trajectory(RunFiles(options.estimate).tum);
+  const Trajectory truth = read_truth(options);
+  return {.evaluation = evaluate(estimate, truth, options.evaluation),
+          .consistency = pose_consistency(review, estimate, truth, options.evaluation.tolerance)};
+}
+
+/// The run's own figures, those against the truth if there is one, and the page with both.
+void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
+  const std::filesystem::path estimate = RunFiles(options.estimate).tum;
+  const std::filesystem::path page = options.html.value_or(options.estimate / "evaluation.html");
+  const RunReview review = review_run(options.estimate);
+  std::string report = describe(review);
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  std::optional<RunTruth> truth;
+  if (!options.truth.empty()) {
+    truth = beside_truth(options, review);
+    report += truth->consistency ? describe(*truth->consistency) : "";
+    report += "\n" + format_evaluation(truth->evaluation, estimate, options.truth);
+    json =
+        nlohmann::ordered_json::parse(evaluation_json(truth->evaluation, estimate, options.truth));
+    if (truth->consistency) {
+      json["consistency"] = to_json(*truth->consistency);
+    }
+  }
+  json["run"] = to_json(review);
+  write_text_file(page,
+                  run_page(options.estimate.string(), report, review, truth ? &*truth : nullptr));
+  write_report(
+      out, options.json ? json.dump(2) + "\n" : report + "\nlook at      " + page.string() + "\n");
+  if (truth) {
+    write_plot(options, truth->evaluation);
+  }
+}
+
+}  // namespace
+
+int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
+  try {
+    std::error_code unknown;
+    if (std::filesystem::is_directory(options.estimate, unknown)) {
+      evaluate_run(options, out);
+    } else {
+      evaluate_trajectory(options, out);
+    }
+    return 0;
+  } catch (const FileError& error) {
+    err << "adit evaluate: " << error.what() << "\n";
+    return 1;
+  }
+}
+
+CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
+  CLI::App* command = app.add_subcommand(
+      "evaluate", "How far a trajectory is from the truth: ATE, RPE, KITTI segments");
+  const auto options = std::make_shared<EvaluateCommandOptions>();
+  RpeOptions& rpe = options->evaluation.rpe;
+  command->footer(
+      "OUT, the folder of a run, can stand for ESTIMATE: then states, weakly held directions,\n"
+      "innovations, biases, gravity and how well poses are known are told as well and drawn on a\n"
+      "page, with or without a truth; with one also whether the covariances are true (NEES).\n\n"
+      "Examples:\n"
+      "  adit evaluate out/trajectory.tum truth.tum --plot error.svg\n"
+      "  adit evaluate out\n"
+      "  adit evaluate out truth.tum --html page.html");
+  command
+      ->add_option("estimate", options->estimate,
+                   "Trajectory to judge, TUM or KITTI format, or the folder of a run")
+      ->required()
+      ->type_name("ESTIMATE");
+  command->add_option("truth", options->truth, "True trajectory, TUM or KITTI format")
+      ->type_name("TRUTH");
+  add_choice<Alignment>(*command, "--align", "How the estimate is moved onto the truth",
+                        options->evaluation.alignment,
+                        {{"se3", Alignment::se3},
+                         {"sim3", Alignment::sim3},
+                         {"origin", Alignment::origin},
+                         {"none", Alignment::none}});
+  command
+      ->add_option("--tolerance", options->evaluation.tolerance,
+                   "Largest time difference of a matched pair, s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--estimate-times", options->estimate_times,
+                      "Times of a KITTI estimate, one a line");
+  command->add_option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line");
+  const CLI::Option* delta =
+      command->add_option("--delta", rpe.delta, "RPE: distance between the poses of a pair")
+          ->check(CLI::PositiveNumber)
+          ->capture_default_str();
+  add_choice<DeltaUnit>(*command, "--delta-unit", "RPE: metres of path or frames", rpe.unit,
+                        {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}});
+  add_choice<PairSource>(*command, "--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
+                         {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}});
+  command->add_flag(
+      "--from-first-pose", rpe.from_first_pose,
+      "RPE: begin the first pair at the first pose, as evo does from version 1.37 on");
+  command->add_flag("--json", options->json, "Report as JSON");
+  command->add_option("--plot", options->plot,
+                      "Write both trajectories and the error as an SVG file");
+  command
+      ->add_option("--html", options->html,
+                   "Where the page of a run goes; otherwise to its folder, as evaluation.html")
+      ->type_name("FILE");
+  command->callback([options, delta, done = std::move(done)]() {
+    RpeOptions& chosen = options->evaluation.rpe;
+    if (chosen.unit == DeltaUnit::frames) {
+      chosen.delta = delta->count() == 0 ? 1.0 : chosen.delta;
+      if (chosen.delta != std::floor(chosen.delta) || chosen.delta > 1e9) {
+        throw CLI::ValidationError("--delta", "must be a whole number of frames");
+      }
+    }
+    std::error_code unknown;
+    const bool run = std::filesystem::is_directory(options->estimate, unknown);
+    if (options->truth.empty() && (!run || options->plot)) {
+      throw CLI::RequiredError("TRUTH");
+    }
+    if (options->html && !run) {
+      throw CLI::ValidationError("--html", "needs the folder of a run instead of a trajectory");
+    }
+    done(evaluate_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit evaluate ESTIMATE TRUTH`, `adit evaluate OUT [TRUTH]`.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "adit/tools/evaluation/evaluate.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+struct EvaluateCommandOptions {
+  std::filesystem::path estimate;  ///< or the folder of a run
+  std::filesystem::path truth;     ///< empty: none, which only the folder of a run can do without
+  std::optional<std::filesystem::path> estimate_times;  ///< for a KITTI estimate
+  std::optional<std::filesystem::path> truth_times;     ///< for a KITTI truth
+  EvaluationOptions evaluation;
+  bool json = false;                          ///< JSON on `out` instead of the table
+  std::optional<std::filesystem::path> plot;  ///< SVG to write, of an estimate and a truth
+  /// HTML to write, of a run; none: evaluation.html in its folder.
+  std::optional<std::filesystem::path> html{};
+};
+
+/// Evaluates, prints the report on `out` and what went wrong on `err`. Returns the exit code: 0
+/// done, 1 failed on the data. Throws nothing but what has no place here (std::bad_alloc).
+int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command to the program. When the user calls it, it runs on std::cout and std::cerr
+/// at the end of CLI parsing, and `done` gets the exit code.
+CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

@@ -1,0 +1,260 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_inspect.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/commands/command_config.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/evaluation/run_page.hpp"
+#include "adit/tools/inspection/inspection.hpp"
+#include "adit/tools/inspection/inspection_page.hpp"
+#include "adit/tools/inspection/recording_inference.hpp"
+#include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+void print_table(const Inspection& inspection, std::ostream& out) {
+  int name = 5;
+  int type = 4;
+  for (const Topic& topic : inspection.topics) {
+    name = std::max(name, static_cast<int>(topic.name.size()));
+    type = std::max(type, static_cast<int>(topic.type.size()));
+  }
+  std::string line(static_cast<std::size_t>(name + type) + 160, '\0');
+  const auto print = [&](const char* format, auto... values) {
+    const int size = std::snprintf(line.data(), line.size(), format, values...);
+    out << line.substr(0, static_cast<std::size_t>(std::max(size, 0))) << "\n";
+  };
+  print("%-*s  %-*s  %-10s %9s %9s %9s %9s %9s", name, "topic", type, "type", "kind", "events",
+        "rate Hz", "span s", "gap s", "MiB");
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    const TopicStatistics& s = inspection.statistics[i];
+    const std::string kind(to_string(topic.kind));
+    if (topic.kind == TopicKind::other) {
+      const std::string messages = topic.messages ? std::to_string(*topic.messages) : "?";
+      print("%-*s  %-*s  %-10s %9s", name, topic.name.c_str(), type, topic.type.c_str(),
+            kind.c_str(), messages.c_str());
+      continue;
+    }
+    print("%-*s  %-*s  %-10s %9llu %9.2f %9.2f %9.3f %9.2f", name, topic.name.c_str(), type,
+          topic.type.c_str(), kind.c_str(), static_cast<unsigned long long>(s.events), s.rate(),
+          s.span(), s.largest_interval, static_cast<double>(s.bytes) / 1048576.0);
+  }
+}
+
+void print(const Inspection& inspection, std::ostream& out) {
+  out << inspection.description << "\n\n";
+  print_table(inspection, out);
+  out << "\n";
+  for (const Inference& one : infer(inspection)) {
+    out << one.topic << ": " << one.text << "\n";
+  }
+  for (const Finding& finding : inspection.findings) {
+    out << "\n"
+        << to_string(finding.severity) << ": "
+        << (finding.topic.empty() ? "" : finding.topic + ": ") << finding.found << ".\n";
+    if (!finding.effect.empty()) {
+      out << "  effect: " << finding.effect << "\n";
+    }
+    if (!finding.remedy.empty()) {
+      out << "  what to do: " << finding.remedy << "\n";
+    }
+  }
+  if (!has_problem(inspection)) {
+    out << "\nnothing is wrong with it\n";
+  }
+  out << std::flush;
+}
+
+ordered_json to_json(const Extent& extent) {
+  return {{"min", extent.least}, {"mean", extent.mean()}, {"max", extent.greatest}};
+}
+
+ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
+  ordered_json json = {{"name", topic.name}, {"type", topic.type}, {"kind", to_string(topic.kind)}};
+  json["messages_declared"] = topic.messages ? ordered_json(*topic.messages) : ordered_json();
+  if (topic.kind == TopicKind::other) {
+    return json;
+  }
+  json["events"] = s.events;
+  json["bytes"] = s.bytes;
+  json["frame"] = s.frame;
+  json["first_ns"] = s.stamps ? ordered_json(s.stamps->begin.count()) : ordered_json();
+  json["last_ns"] = s.stamps ? ordered_json(s.stamps->end.count()) : ordered_json();
+  json["period_s"] = s.period();
+  json["largest_interval_s"] = s.largest_interval;
+  json["gaps"] = s.gaps();
+  json["repeated"] = s.repeated;
+  json["backwards"] = s.backwards;
+  json["delay_s"] = to_json(s.delay);
+  if (topic.kind == TopicKind::sweeps) {
+    json["points"] = to_json(s.sweeps.points);
+    json["returns"] = to_json(s.sweeps.returns);
+    json["with_times"] = s.sweeps.with_times;
+    json["duration_s"] = to_json(s.sweeps.duration);
+    json["with_rings"] = s.sweeps.with_rings;
+    if (s.point_times) {
+      json["point_times"] = {{"field", s.point_times->field},
+                             {"unit_s", s.point_times->unit},
+                             {"absolute", s.point_times->absolute},
+                             {"first_s", s.point_times->first}};
+    }
+  } else if (topic.kind == TopicKind::imu) {
+    json["acceleration"] = to_json(s.imu.acceleration);
+    json["rotation_rad_s"] = to_json(s.imu.rotation);
+    json["at_rest"] = ordered_json::array();
+    for (const RestStretch& rest : rest_stretches(s.imu.timeline)) {
+      const Eigen::Vector3d& up = rest.acceleration;
+      json["at_rest"].push_back(
+          {{"begin_s", rest.begin},
+           {"end_s", rest.end},
+           {"gyroscope_rad_s", {rest.gyro_bias.x(), rest.gyro_bias.y(), rest.gyro_bias.z()}},
+           {"acceleration", {up.x(), up.y(), up.z()}}});
+    }
+  }
+  return json;
+}
+
+ordered_json to_json(const MotionCheck& check) {
+  ordered_json json = {{"sweeps", check.pair.sweeps.name},
+                       {"imu", check.pair.imu.name},
+                       {"compared", check.sweeps},
+                       {"tracked", check.tracked}};
+  if (check.comparison) {
+    const RotationComparison& found = *check.comparison;
+    const Eigen::Quaterniond q(found.R_range_gyro);
+    json["imu_offset_s"] = found.offset;
+    json["imu_offset_sigma_s"] = found.offset_sigma;
+    json["correlation"] = found.correlation;
+    json["R_range_imu_xyzw"] = {q.x(), q.y(), q.z(), q.w()};
+    json["misalignment_rad"] =
+        check.pair.R_range_gyro ? ordered_json(found.misalignment) : ordered_json();
+  }
+  return json;
+}
+
+ordered_json to_json(const Inspection& inspection) {
+  ordered_json json = {{"description", inspection.description}};
+  json["topics"] = ordered_json::array();
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    json["topics"].push_back(to_json(inspection.topics[i], inspection.statistics[i]));
+  }
+  json["motion"] = ordered_json::array();
+  for (const MotionCheck& check : inspection.motion) {
+    json["motion"].push_back(to_json(check));
+  }
+  json["findings"] = ordered_json::array();
+  for (const Finding& f : inspection.findings) {
+    json["findings"].push_back({{"severity", to_string(f.severity)},
+                                {"kind", f.kind},
+                                {"topic", f.topic},
+                                {"found", f.found},
+                                {"effect", f.effect},
+                                {"remedy", f.remedy}});
+  }
+  return json;
+}
+
+/// The folder that `adit run` wrote: how the run went, without a truth.
+int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
+  if (options.write_config) {
+    throw UsageError("--write-config needs a recording, and " + options.recording.string() +
+                     " is the folder of a run.");
+  }
+  const RunReview review = review_run(options.recording);
+  const std::string report = describe(review);
+  if (options.json) {
+    out << to_json(review).dump(2) << std::endl;
+  } else {
+    out << report << std::flush;
+  }
+  if (options.html) {
+    write_text_file(*options.html, run_page(options.recording.string(), report, review, nullptr));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit inspect", err, [&] {
+    std::error_code unknown;
+    if (std::filesystem::is_regular_file(RunFiles(options.recording).sweeps, unknown)) {
+      return inspect_run(options, out);
+    }
+    const Config config = load_config(options.config);
+    const Inspection inspection = inspect(options.recording, config, options.device);
+    if (options.json) {
+      out << to_json(inspection).dump(2, ' ', false, ordered_json::error_handler_t::replace)
+          << std::endl;
+    } else {
+      print(inspection, out);
+    }
+    if (options.html) {
+      write_text_file(*options.html, inspection_page(inspection));
+    }
+    if (options.write_config) {
+      write_text_file(*options.write_config, suggested_toml(inspection, config));
+    }
+    return has_problem(inspection) ? 1 : 0;
+  });
+}
+
+CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<InspectCommandOptions>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "What is in a recording, and what is wrong with it");
+  command->footer(
+      "Reads all of it. A problem says what it does to mapping, and what to do about it.\n\n"
+      "OUT, the folder of a run, can stand for RECORDING: then it is told how the run went, and\n"
+      "--html draws it: states, innovations with their gates, biases, gravity, weakly held\n"
+      "directions, how well the pose is known. `adit evaluate` does so beside a truth.\n\n"
+      "Examples:\n"
+      "  adit inspect drive.mcap\n"
+      "  adit inspect drive.bag --json\n"
+      "  adit inspect drive.mcap --html drive.html\n"
+      "  adit inspect out --html run.html\n"
+      "  adit inspect drive.mcap --write-config drive.toml\n"
+      "  adit run drive.mcap --config drive.toml -o out\n\n"
+      "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage; of a run 0 "
+      "where it can be read.");
+  command
+      ->add_option("recording", options->recording,
+                   "Any recording that `adit run` reads, or the folder of a run")
+      ->required()
+      ->type_name("RECORDING");
+  command->add_flag("--json", options->json, "Print JSON instead of text");
+  command
+      ->add_option(
+          "--html", options->html,
+          "Write a page with plots of rates, gaps, clocks, the IMU and the motion, or of a run")
+      ->type_name("FILE");
+  command
+      ->add_option("--write-config", options->write_config,
+                   "Write a configuration that makes up for what is wrong, for --config")
+      ->type_name("FILE");
+  add_config_options(*command, options->config);
+  add_device_options(*command, options->device);
+  command->callback(
+      [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit

@@ -1,0 +1,335 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/commands/command_config.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/imu_mounting.hpp"
+#include "adit/tools/run/run_mapping.hpp"
+#include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/run/run_summary.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/stop_signal.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+// A file name need not be UTF-8, JSON must be.
+constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
+
+/// "512MiB" to its bytes, in place; the result is a complaint or empty.
+std::string size_to_bytes(std::string& text) {
+  if (text.starts_with('-')) {
+    return "a size is not negative";
+  }
+  return CLI::AsSizeValue(false)(text);
+}
+
+void check_options(const RunCommandOptions& options) {
+  const MapOptions& map = options.map;
+  if (map.resolution && !(*map.resolution >= 1e-3 && *map.resolution <= 1e3)) {
+    throw UsageError("--map-resolution: must be between 0.001 and 1000 m.");
+  }
+  if (map.resolution && !map.enabled) {
+    throw UsageError("--map-resolution and --no-map exclude each other.");
+  }
+  const HighRateOptions& high_rate = options.high_rate;
+  if (!(high_rate.smoothing >= 0.0 && high_rate.smoothing <= 10.0)) {
+    throw UsageError("--high-rate-smoothing: must be between 0 and 10 s.");
+  }
+  if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
+    throw UsageError("--high-rate-smoothing needs --high-rate.");
+  }
+  if (options.start < 0 || options.count.value_or(1) < 1) {
+    throw UsageError("--start must be at least 0, --count at least 1.");
+  }
+}
+
+/// The sweeps to map, and where they come from.
+struct SweepChoice {
+  std::size_t topic = 0;
+  std::size_t size = 0;  ///< sweeps in the recording
+  SweepRange range;
+};
+
+SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& options,
+                          const std::string& name) {
+  const std::size_t topic = sweep_topic(recording, options.recording, name);
+  const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
+  const auto start = static_cast<std::size_t>(options.start);
+  if (size == 0) {
+    throw InputError(options.recording, {}, "no whole sweep is left in it",
+                     "`adit inspect` tells what is damaged");
+  }
+  if (start >= size) {
+    throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
+                     std::to_string(size - 1) + ".");
+  }
+  const std::size_t rest = size - start;
+  const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
+  return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
+}
+
+/// The IMU to use: the one that is named, else the first. None where there is none or
+/// imu.use is 0.
+std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
+  const std::string& name = config.recording.imu_topic;
+  const std::vector<Topic>& topics = recording.topics();
+  if (config.imu.use == 0) {
+    return std::nullopt;
+  }
+  const auto found = std::ranges::find_if(topics, [&](const Topic& topic) {
+    return topic.kind == TopicKind::imu && (name.empty() || topic.name == name);
+  });
+  if (found == topics.end() && !name.empty()) {
+    throw UsageError("recording.imu_topic: the recording has no IMU on '" + name +
+                     "'; adit inspect lists its topics.");
+  }
+  return found == topics.end() ? std::nullopt
+                               : std::optional(static_cast<std::size_t>(found - topics.begin()));
+}
+
+/// The settings with the recording's own mounting of the IMU, where they leave it at the default;
+/// says so where nothing tells it.
+Config with_recorded_mounting(Config config, const Recording& recording, std::size_t sweep_topic,
+                              std::optional<std::size_t> imu_topic, std::ostream* notes) {
+  if (!imu_topic || config.imu.T_imu_lidar != ImuConfig{}.T_imu_lidar) {
+    return config;
+  }
+  if (const auto T = recorded_mounting(recording, sweep_topic, *imu_topic)) {
+    const Eigen::Quaterniond q(T->linear());
+    const Eigen::Vector3d& t = T->translation();
+    config.imu.T_imu_lidar = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+  } else if (notes != nullptr) {
+    *notes << "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
+              "(imu.T_imu_lidar; imu.use=0 leaves it out)\n";
+  }
+  return config;
+}
+
+RunDescription describe_run(const RunCommandOptions& options, const Config& config,
+                            const Recording& recording, const SweepChoice& sweeps,
+                            const engine::Context& context) {
+  return {.recording = options.recording,
+          .recording_description = recording.description(),
+          .recording_sweeps = sweeps.size,
+          .times_are_assumed = recording.times_are_assumed(),
+          .range = sweeps.range,
+          .output = options.output,
+          .map = options.map,
+          .high_rate = options.high_rate,
+          .config = config,
+          .device = context.device(),
+          .device_requested = requested_device(options.device.device),
+          .software_fallback = context.software_fallback(),
+          .memory_budget_bytes = options.device.max_vram_bytes,
+          .validation = options.device.validation};
+}
+
+/// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
+/// then it is written over the old one, whose space it fits into as a rule.
+void replace_text_file(const std::filesystem::path& file, const std::string& text) {
+  const std::filesystem::path draft = file.string() + ".part";
+  std::error_code error;
+  try {
+    write_text_file(draft, text);
+    std::filesystem::rename(draft, file, error);
+  } catch (const OutputError&) {
+    error = std::make_error_code(std::errc::no_space_on_device);
+  }
+  if (error) {
+    std::filesystem::remove(draft, error);
+    write_text_file(file, text);
+  }
+}
+
+/// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
+/// it had ended before.
+RunOutcome map_and_close(const Mapping& mapping) {
+  RunOutcome outcome;
+  const auto start = std::chrono::steady_clock::now();
+  outcome.result = map_recording(mapping);
+  outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  try {
+    mapping.outputs.close();
+    if (mapping.high_rate != nullptr) {
+      mapping.high_rate->close();
+    }
+  } catch (const OutputError& error) {
+    if (outcome.result.end == RunEnd::completed) {
+      outcome.result = {RunEnd::output_error, error.what()};
+    }
+  }
+  outcome.map_points = mapping.outputs.map_points();
+  if (mapping.high_rate != nullptr) {
+    outcome.high_rate = mapping.high_rate->statistics();
+  }
+  return outcome;
+}
+
+/// Says what went wrong with a run of `sweeps` sweeps and returns the exit code.
+int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_t sweeps,
+          std::ostream& err) {
+  for (const std::string& message : outcome.validation_messages) {
+    err << "adit run: validation: " << message << "\n";
+  }
+  if (outcome.result.end != RunEnd::completed) {
+    err << "adit run: " << outcome.result.reason << "\n"
+        << "adit run: ended early, " << statistics.sweeps() << " of " << sweeps
+        << " sweeps done; what was computed is kept" << std::endl;
+    return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
+  }
+  if (statistics.sweeps() > 1 && statistics.count(OdometryState::tracking) == 0) {
+    err << "adit run: not one sweep could be aligned with the ones before it; the trajectory is a "
+           "guess"
+        << std::endl;
+    return 1;
+  }
+  return outcome.validation_messages.empty() ? 0 : 1;
+}
+
+int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  check_options(options);
+  const Config given = load_config(options.config);
+  const std::unique_ptr<Recording> recording = open_recording(options.recording, given.recording);
+  const SweepChoice sweeps = choose_sweeps(
+      *recording, options, options.topic.empty() ? given.recording.sweep_topic : options.topic);
+  require_clear_point_times(*recording, sweeps.topic, options.recording);
+  const std::optional<std::size_t> imu_topic = choose_imu(*recording, given);
+  const Config config = with_recorded_mounting(given, *recording, sweeps.topic, imu_topic,
+                                               options.quiet ? nullptr : &err);
+  const HighRateFiles high_rate_files(options.output);
+  check_writable(options.output, options.map,
+                 options.high_rate.enabled ? std::vector{high_rate_files.tum, high_rate_files.csv}
+                                           : std::vector<std::filesystem::path>());
+  engine::Context context = open_device(options.device);
+  if (context.software_fallback() && !options.quiet) {
+    err << software_note(context.device()) << std::endl;
+  }
+  const RunDescription description = describe_run(options, config, *recording, sweeps, context);
+  Odometry odometry(context, config);
+
+  RunOutputs outputs(options.output, options.map);
+  std::optional<HighRateOutput> high_rate;
+  if (options.high_rate.enabled) {
+    high_rate.emplace(options.output, config.imu, options.high_rate.smoothing);
+  }
+  const RunFiles files(options.output);
+  write_text_file(files.summary,
+                  running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
+  const StopSignal stop;
+  RunStatistics statistics(config);
+  Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
+                    "mapping", sweeps.range.count);
+  RunOutcome outcome =
+      map_and_close({.recording = *recording,
+                     .topic = sweeps.topic,
+                     .range = sweeps.range,
+                     .imu_topic = imu_topic,
+                     .reading = [&](const ImuSample& sample) { return odometry.add(sample); },
+                     .place = [&](const Sweep& sweep) { return odometry.step(sweep); },
+                     .stop = [] { return StopSignal::received() != 0; },
+                     .outputs = outputs,
+                     .high_rate = high_rate ? &*high_rate : nullptr,
+                     .statistics = statistics,
+                     .progress = progress,
+                     .quiet = options.quiet});
+  progress.finish();
+  outcome.device_peak_bytes = context.memory_peak();
+  outcome.validation_messages = context.validation_messages();
+
+  const int code = judge(outcome, statistics, sweeps.range.count, err);
+  const std::string summary =
+      final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
+  if (options.json) {
+    out << summary << std::flush;
+  } else if (!options.quiet && statistics.sweeps() > 0) {
+    out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
+  }
+  replace_text_file(files.summary, summary);
+  return code;
+}
+
+}  // namespace
+
+int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit run", err, [&] { return run(options, out, err); });
+}
+
+void add_device_options(CLI::App& command, DeviceOptions& device) {
+  command
+      .add_option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
+      ->type_name("DEVICE");
+  command.add_option("--max-vram", device.max_vram_bytes, "Most device memory to use, e.g. 512MiB")
+      ->transform(CLI::Validator(size_to_bytes, ""))
+      ->type_name("SIZE");
+  command.add_flag("--validation", device.validation,
+                   "Check every Vulkan call and barrier (slow); a complaint is a failure");
+}
+
+CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<RunCommandOptions>();
+  CLI::App* command = app.add_subcommand("run", "Map a recording: trajectory, map and summary");
+  command->footer(
+      "RECORDING is an MCAP file, a ROS 1 bag, a rosbag2 folder or .db3 file, a capture of packets "
+      "(pcap, pcapng); or a folder of "
+      "sweeps:\n"
+      "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
+      "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
+      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n\n"
+      "Examples:\n"
+      "  adit run drive/ -o out\n"
+      "  adit run drive.mcap --topic /points -o out\n"
+      "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
+      "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n\n"
+      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 130 stopped by Ctrl-C.\n"
+      "The environment's ADIT_DEVICE stands in for --device.");
+  command->add_option("recording", options->recording, "File or folder to map")
+      ->required()
+      ->type_name("RECORDING");
+  command->add_option("-o,--output", options->output, "Folder for the results; made if need be")
+      ->required()
+      ->type_name("OUT");
+  add_config_options(*command, options->config);
+  add_device_options(*command, options->device);
+  command->add_flag("--profile", options->stage_table, "Print a table of the time of every stage");
+  command
+      ->add_option("--map-resolution", options->map.resolution,
+                   "Keep one map point per voxel of this size (m)")
+      ->type_name("M");
+  command->add_flag_callback(
+      "--no-map", [options] { options->map.enabled = false; }, "Write no map.ply");
+  command->add_flag("--high-rate", options->high_rate.enabled,
+                    "Write odometry_highrate.tum and .csv: the pose at every IMU reading");
+  command
+      ->add_option("--high-rate-smoothing", options->high_rate.smoothing,
+                   "Spread the corrections that sweeps bring over this time; 0: steps")
+      ->type_name("S");
+  command
+      ->add_option("--topic", options->topic,
+                   "The topic of the sweeps, where the recording has several")
+      ->type_name("NAME");
+  command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
+  command->add_option("--count", options->count, "Sweeps at most")->type_name("N");
+  command->add_flag("--json", options->json, "Print summary.json instead of the table");
+  command->add_flag("--quiet", options->quiet, "Print errors alone");
+  command->callback(
+      [options, done = std::move(done)] { done(run_command(*options, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit

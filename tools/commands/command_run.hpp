@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit run RECORDING -o OUT`.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "adit/tools/results/high_rate_output.hpp"
+#include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/run/device_session.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+struct RunCommandOptions {
+  std::filesystem::path recording;
+  std::filesystem::path output;
+  ConfigSource config{};
+  DeviceOptions device{};
+  MapOptions map{};
+  HighRateOptions high_rate{};
+  std::string topic{};             ///< of the sweeps; empty: the only one
+  int64_t start = 0;               ///< the first sweep, counted from 0
+  std::optional<int64_t> count{};  ///< none: to the end
+  bool json = false;               ///< summary.json on `out` instead of the table
+  bool quiet = false;              ///< errors alone
+  bool stage_table = false;        ///< the table with every stage
+};
+
+/// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,
+/// 128 + signal when stopped by one. What was computed before a failure stays in the output folder.
+int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds --device, --max-vram and --validation.
+void add_device_options(CLI::App& command, DeviceOptions& device);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_simulate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/simulator/faults.hpp"
+#include "adit/tools/simulator/gnss_model.hpp"
+#include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/motion.hpp"
+#include "adit/tools/simulator/scene_file.hpp"
+#include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+/// The sensors, one after the other.
+std::string sensors_of(const SimulationOptions& options) {
+  std::string text;
+  for (const LidarOptions& lidar : options.lidars) {
+    text += (text.empty() ? "" : " and ") + lidar.sensor;
+  }
+  return text;
+}
+
+/// What the command line asks for, or the scene file.
+SimulationOptions simulation_of(const SimulateCommandOptions& command) {
+  if (std::filesystem::path(command.simulation.scene).extension() == ".toml") {
+    if (!command.besides_scene_file.empty()) {
+      throw UsageError(command.besides_scene_file +
+                       ": the scene file says all but -o; write it "
+                       "there (`adit simulate --example` shows how).");
+    }
+    SimulationOptions options = read_scene_file(command.simulation.scene);
+    options.output = command.simulation.output;
+    options.picture = command.simulation.picture;
+    return options;
+  }
+  SimulationOptions options = command.simulation;
+  LidarOptions& lidar = options.lidars.front();
+  if (!command.layout.empty()) {
+    lidar.layout = cloud_layout_named(command.layout);
+  }
+  if (command.perfect) {
+    lidar.effects = {.noise = false, .dropout = false, .mixed_pixels = false, .dust = false};
+  }
+  return options;
+}
+
+/// The first option on the command line that is none of those; empty where there is none.
+std::string given_besides(const CLI::App& command, const std::vector<std::string>& known) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() > 0 && std::ranges::count(known, option->get_name()) == 0) {
+      return option->get_name();
+    }
+  }
+  return {};
+}
+
+std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,
+                         double seconds) {
+  char text[512];
+  std::snprintf(text, sizeof text,
+                "simulated %zu sweeps of %s in %s (%zu triangles), %.1f m, up to %.2f rad/s\n"
+                "points    %.0f a sweep, %.1f %% of the pulses\n"
+                "imu       %zu samples (%s, %d Hz)\n"
+                "gnss      %zu fixes\n"
+                "time      %s, %.2f x real time\n",
+                summary.sweeps, sensors_of(options).c_str(), options.scene.c_str(),
+                summary.triangles, summary.path, summary.fastest_turn,
+                static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
+                100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
+                summary.imu_samples, options.imu.c_str(), options.imu_rate, summary.gnss_fixes,
+                format_duration(seconds).c_str(), options.duration / seconds);
+  return text;
+}
+
+int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std::ostream& err) {
+  const SimulationOptions options = simulation_of(command);
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<Progress> progress;
+  const SimulationSummary summary = simulate(options, [&](std::size_t done, std::size_t total) {
+    if (!progress) {
+      progress.emplace(err, command.quiet ? ProgressStyle::none : progress_style_of_stderr(),
+                       "simulating", total);
+    }
+    progress->update(done, 0);
+  });
+  if (progress) {
+    progress->finish();
+  }
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  if (!command.quiet) {
+    const SimulationFiles files(options.output);
+    out << summary_text(options, summary, elapsed.count()) << "wrote     "
+        << files.recording.string() << "\n          " << files.trajectory.string()
+        << " (T_world_lidar)\n          " << files.states.string()
+        << " (IMU: pose, velocity, biases)\n          " << files.loops.string()
+        << " (places that see the same)\n          " << files.scene.string() << ", "
+        << files.picture.filename().string() << ", " << files.sweep.filename().string()
+        << "\nnext      adit run " << files.recording.string()
+        << " -o OUT\n          adit evaluate OUT/trajectory.tum " << files.trajectory.string()
+        << std::endl;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int simulate_command(const SimulateCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit simulate", err, [&] { return run_simulation(options, out, err); });
+}
+
+CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
+  auto options = std::make_shared<SimulateCommandOptions>();
+  SimulationOptions& simulation = options->simulation;
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Write a recording of a simulated place, with the truth beside it");
+  command->footer(
+      "Scenes:       " + listed(scene_names()) + "\nSensors:      " + listed(range_sensor_names()) +
+      "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " + listed(imu_names()) +
+      ", none\nReceivers:    " + listed(gnss_names()) +
+      ", none\nFaults:       " + listed(fault_names()) +
+      "\n\n"
+      "The same options give the same bytes on any machine.\n\n"
+      "Examples:\n"
+      "  adit simulate mine -o mine.mcap\n"
+      "  adit simulate room -o room.mcap --sensor Mid-360 --trajectory handheld --duration 30\n"
+      "  adit simulate --example > my.toml; adit simulate my.toml -o my.mcap\n\n"
+      "Exit codes: 0 done, 1 failed, 2 usage.");
+  command->add_option("scene", simulation.scene, "Where, or a TOML file that says everything")
+      ->required()
+      ->type_name("SCENE");
+  command
+      ->add_option("-o,--output", simulation.output,
+                   "The recording to write; the truth comes "
+                   "beside it")
+      ->required()
+      ->type_name("FILE.mcap");
+  command->add_option("--sensor", simulation.lidars.front().sensor, "Range sensor")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--trajectory", simulation.trajectory, "How the sensor is carried")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--duration", simulation.duration, "Length (s)")
+      ->type_name("S")
+      ->capture_default_str();
+  command->add_option("--speed", simulation.speed, "Speed (m/s), instead of the scene's")
+      ->type_name("V");
+  command->add_option("--begin", simulation.begin, "Where along the scene's route it begins (m)")
+      ->type_name("M")
+      ->capture_default_str();
+  command->add_option("--seed", simulation.seed, "Another seed, another world and other noise")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--imu", simulation.imu, "Inertial sensor")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
+      ->type_name("HZ")
+      ->capture_default_str();
+  command->add_option("--gnss", simulation.gnss, "GNSS receiver")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
+      ->type_name("HZ")
+      ->capture_default_str();
+  command->add_option("--fault", simulation.faults, "Something that is wrong; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  command
+      ->add_option("--fields", options->layout,
+                   "Lay clouds out as another driver: velodyne, ouster, hesai, livox")
+      ->type_name("DRIVER");
+  command->add_flag("--perfect", options->perfect, "A range sensor without errors");
+  command->add_flag("--quiet", options->quiet, "Print errors alone");
+  command->add_flag_callback(
+      "--example",
+      [] {
+        std::cout << scene_file_example() << std::flush;
+        throw CLI::Success();
+      },
+      "Print a scene file with every key and stop");
+  command->callback([command, options, done = std::move(done)] {
+    options->besides_scene_file = given_besides(*command, {"scene", "--output", "--quiet"});
+    done(simulate_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit

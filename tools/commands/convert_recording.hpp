@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adit/slam/core/recording_config.hpp"
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/message_file.hpp"
+
+namespace adit {
+
+struct ConvertOptions {
+  std::filesystem::path input{};
+  std::filesystem::path output{};            ///< NAME.mcap, NAME.bag (ROS 1), or a folder (rosbag2)
+  std::vector<std::string> topics{};         ///< those to keep; empty: all
+  std::optional<double> begin_s{};           ///< s after the first message
+  std::optional<double> end_s{};             ///< s after the first message
+  std::optional<Encoding> encoding{};        ///< for MCAP; none: as it is
+  std::optional<Compression> compression{};  ///< none: the format's usual one
+  std::optional<RecordingConfig> repair{};  ///< write sweeps and IMU samples as they are understood
+};
+
+/// What became of a topic.
+struct ConvertedTopic {
+  std::string topic;
+  std::string type;
+  uint64_t messages = 0;   ///< written
+  std::string left_out{};  ///< why, where it was
+};
+
+struct ConvertReport {
+  std::vector<ConvertedTopic> topics;
+  std::vector<std::string> errors;  ///< of the input, the first ones
+  uint64_t error_count = 0;
+};
+
+/// Writes a recording anew: in another format, between ROS 1 and ROS 2, with fewer topics, cut in
+/// time. Messages whose encoding stays are copied byte for byte, of whatever type; but for those
+/// that are repaired: sweeps become PointCloud2 with x y z intensity, ring and time (float32, s
+/// after the stamp, which is their start), IMU samples keep rates and accelerations. Damage is
+/// reported and passed over. Throws UsageError where the options contradict each other, InputError
+/// where the input cannot be opened, OutputError where the result cannot be written.
+ConvertReport convert_recording(const ConvertOptions& options);
+
+}  // namespace adit

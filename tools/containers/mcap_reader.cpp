@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/containers/mcap_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "adit/tools/containers/crc32.hpp"
+#include "adit/tools/containers/mcap_cursor.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+Nanoseconds to_time(uint64_t nanoseconds) {
+  return Nanoseconds(static_cast<int64_t>(
+      std::min<uint64_t>(nanoseconds, static_cast<uint64_t>(Nanoseconds::max().count()))));
+}
+
+bool has_magic(const SeekableFile& file, uint64_t offset) {
+  std::array<std::byte, mcap::kMagic.size()> bytes;
+  if (offset > file.size() || file.size() - offset < bytes.size()) {
+    return false;
+  }
+  file.read(offset, bytes);
+  return std::memcmp(bytes.data(), mcap::kMagic.data(), bytes.size()) == 0;
+}
+
+/// What a file holds, from its summary or from all of it.
+struct Contents {
+  std::map<uint16_t, mcap::Schema> schemas;
+  std::map<uint16_t, mcap::Channel> channels;
+  std::map<uint16_t, uint64_t> counts;
+  std::optional<TimeSpan> span;
+  std::set<std::string> compressions;
+  bool indexed = false;
+  std::optional<InputError> damage;
+};
+
+void take(Contents& contents, mcap::Opcode opcode, const ByteReader& record) {
+  if (opcode == mcap::Opcode::schema) {
+    mcap::Schema schema = mcap::read_schema(record);
+    contents.schemas[schema.id] = std::move(schema);
+  } else if (opcode == mcap::Opcode::channel) {
+    mcap::Channel channel = mcap::read_channel(record);
+    contents.channels[channel.id] = std::move(channel);
+  }
+}
+
+/// The summary section, where the file has one that tells of every channel; nothing otherwise.
+std::optional<Contents> read_summary(const SeekableFile& file) {
+  constexpr uint64_t kTail = mcap::kRecordHeader + mcap::kFooterContent + mcap::kMagic.size();
+  if (file.size() < mcap::kMagic.size() + kTail || !has_magic(file, file.size() - 8)) {
+    return std::nullopt;
+  }
+  const uint64_t footer_at = file.size() - kTail;
+  const std::vector<std::byte> tail =
+      file.read(footer_at, mcap::kRecordHeader + mcap::kFooterContent);
+  ByteReader reader(file.path(), footer_at, tail);
+  const auto opcode = static_cast<mcap::Opcode>(reader.number<uint8_t>("the footer"));
+  if (opcode != mcap::Opcode::footer ||
+      reader.number<uint64_t>("the footer") != mcap::kFooterContent) {
+    return std::nullopt;
+  }
+  const mcap::Footer footer = mcap::read_footer(reader);
+  if (footer.summary_start < mcap::kMagic.size() || footer.summary_start >= footer_at) {
+    return std::nullopt;
+  }
+  const std::vector<std::byte> bytes =
+      file.read(footer.summary_start, footer_at - footer.summary_start);
+  if (footer.summary_crc != 0) {
+    const auto summed = std::span(tail).first(tail.size() - sizeof footer.summary_crc);
+    if (crc32(summed, crc32(bytes)) != footer.summary_crc) {
+      return std::nullopt;
+    }
+  }
+  Contents contents;
+  contents.indexed = true;
+  std::optional<mcap::Statistics> statistics;
+  ByteReader records(file.path(), footer.summary_start, bytes);
+  while (records.remaining() > 0) {
+    const auto kind = static_cast<mcap::Opcode>(records.number<uint8_t>("a summary record"));
+    const auto length = records.number<uint64_t>("a summary record");
+    const ByteReader record = records.part(length, "a summary record");
+    take(contents, kind, record);
+    if (kind == mcap::Opcode::statistics) {
+      statistics = mcap::read_statistics(record);
+    } else if (kind == mcap::Opcode::chunk_index) {
+      const std::string compression = mcap::read_chunk_index_compression(record);
+      contents.compressions.insert(compression.empty() ? "none" : compression);
+    }
+  }
+  if (!statistics || contents.channels.size() != statistics->channels) {
+    return std::nullopt;
+  }
+  contents.counts = std::move(statistics->channel_messages);
+  if (statistics->messages > 0) {
+    contents.span = TimeSpan{to_time(statistics->begin), to_time(statistics->end)};
+  }
+  return contents;
+}
+
+/// Reads everything once.
+Contents scan(const SeekableFile& file) {
+  Contents contents;
+  mcap::Cursor cursor(file);
+  while (true) {
+    try {
+      const std::optional<mcap::Record> record = cursor.next();
+      if (!record) {
+        break;
+      }
+      take(contents, record->opcode, record->content);
+      if (record->opcode == mcap::Opcode::message) {
+        ByteReader content = record->content;
+        const mcap::MessageHeader message = mcap::read_message_header(content);
+        const Nanoseconds time = to_time(message.log_time);
+        ++contents.counts[message.channel];
+        TimeSpan& span =
+            contents.span ? *contents.span : contents.span.emplace(TimeSpan{time, time});
+        span = {std::min(span.begin, time), std::max(span.end, time)};
+      }
+    } catch (const InputError& error) {
+      if (!contents.damage) {
+        contents.damage = error;
+      }
+    }
+  }
+  contents.compressions = cursor.compressions();
+  return contents;
+}
+
+Contents read_contents(const SeekableFile& file) {
+  try {
+    if (std::optional<Contents> contents = read_summary(file)) {
+      return std::move(*contents);
+    }
+  } catch (const InputError&) {
+    // a summary that cannot be read: the data tell the same
+  }
+  return scan(file);
+}
+
+Encoding encoding_of(const mcap::Channel& channel) {
+  if (channel.message_encoding == "cdr") {
+    return Encoding::cdr;
+  }
+  return channel.message_encoding == "ros1" ? Encoding::ros1 : Encoding::other;
+}
+
+class McapStream final : public MessageStream {
+ public:
+  McapStream(const SeekableFile& file, std::map<uint16_t, std::size_t> channels,
+             std::set<uint16_t> all_channels, Nanoseconds begin, Nanoseconds end)
+      : cursor_(file, begin, end),
+        channels_(std::move(channels)),
+        all_channels_(std::move(all_channels)),
+        begin_(begin),
+        end_(end) {}
+
+  std::optional<RawMessage> next() override {
+    while (std::optional<mcap::Record> record = cursor_.next()) {
+      if (record->opcode != mcap::Opcode::message) {
+        continue;
+      }
+      ByteReader& content = record->content;
+      const mcap::MessageHeader message = mcap::read_message_header(content);
+      const auto channel = channels_.find(message.channel);
+      if (channel == channels_.end()) {
+        if (!all_channels_.contains(message.channel)) {
+          content.fail("a message of channel " + std::to_string(message.channel) +
+                       ", which the file does not declare");
+        }
+        continue;
+      }
+      const Nanoseconds time = to_time(message.log_time);
+      if (time >= begin_ && time <= end_) {
+        return RawMessage{channel->second, time, content.bytes(content.remaining(), "a message"),
+                          record->offset};
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  mcap::Cursor cursor_;
+  std::map<uint16_t, std::size_t> channels_;  // those wanted
+  std::set<uint16_t> all_channels_;
+  Nanoseconds begin_;
+  Nanoseconds end_;
+};
+
+class McapFile final : public MessageFile {
+ public:
+  explicit McapFile(const fs::path& path) : file_(path) {
+    if (!has_magic(file_, 0)) {
+      throw InputError(path, Place::byte(0), "it does not begin as an MCAP file does",
+                       "Check that it is the right file");
+    }
+    Contents contents = read_contents(file_);
+    for (const auto& [id, channel] : contents.channels) {
+      const mcap::Schema& schema = contents.schemas[channel.schema];
+      ids_.push_back(id);
+      channels_.push_back({.topic = channel.topic,
+                           .type = plain_type_name(schema.name),
+                           .encoding = encoding_of(channel),
+                           .definition = schema.data,
+                           .messages = contents.counts[id],
+                           .metadata = channel.metadata});
+    }
+    span_ = contents.span;
+    damage_ = std::move(contents.damage);
+    format_ = "MCAP";
+    for (const std::string& compression : contents.compressions) {
+      format_ += compression == "none" ? "" : " " + compression;
+    }
+    format_ += contents.indexed ? "" : ", without an index";
+  }
+
+  const fs::path& path() const override { return file_.path(); }
+  const std::vector<Channel>& channels() const override { return channels_; }
+  std::optional<TimeSpan> span() const override { return span_; }
+  std::string format() const override { return format_; }
+  const std::optional<InputError>& damage() const override { return damage_; }
+
+  std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const override {
+    std::map<uint16_t, std::size_t> wanted;
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+      if (selection.channels.empty() || std::ranges::count(selection.channels, i) > 0) {
+        wanted[ids_[i]] = i;
+      }
+    }
+    return std::make_unique<McapStream>(file_, std::move(wanted),
+                                        std::set<uint16_t>(ids_.begin(), ids_.end()),
+                                        selection.begin, selection.end);
+  }
+
+ private:
+  SeekableFile file_;
+  std::vector<uint16_t> ids_;  // of channels_, in their order
+  std::vector<Channel> channels_;
+  std::optional<TimeSpan> span_;
+  std::string format_;
+  std::optional<InputError> damage_;
+};
+
+}  // namespace
+
+bool is_mcap(const fs::path& file) {
+  return has_magic(SeekableFile(file), 0);
+}
+
+std::unique_ptr<MessageFile> open_mcap(const fs::path& file) {
+  return std::make_unique<McapFile>(file);
+}
+
+}  // namespace adit

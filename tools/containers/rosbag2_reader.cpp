@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/containers/rosbag2_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "adit/tools/clouds/sweep_times.hpp"
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/seekable_file.hpp"
+#include "adit/tools/containers/sqlite_database.hpp"
+#include "adit/tools/containers/unpacked_file.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
+constexpr std::string_view kZstdMagic{"\x28\xb5\x2f\xfd", 4};
+constexpr uint64_t kLargestMessage = uint64_t{1} << 30U;
+
+bool begins_with(std::span<const std::byte> bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+
+std::vector<std::byte> first_bytes(const fs::path& path) {
+  const SeekableFile file(path);
+  return file.read(0, std::min<uint64_t>(file.size(), kSqliteMagic.size()));
+}
+
+Encoding encoding_of(const std::string& format) {
+  return format == "cdr" ? Encoding::cdr : format == "ros1" ? Encoding::ros1 : Encoding::other;
+}
+
+class DatabaseStream final : public MessageStream {
+ public:
+  DatabaseStream(const SqliteDatabase& database, const fs::path& path,
+                 std::map<int64_t, std::size_t> channels, const MessageSelection& selection,
+                 bool by_time)
+      : path_(&path),
+        channels_(std::move(channels)),
+        statement_(database.prepare(
+            std::string("SELECT id, topic_id, timestamp, data FROM messages WHERE timestamp >= ?1 "
+                        "AND timestamp <= ?2 ORDER BY ") +
+            (by_time ? "timestamp, id" : "id"))) {
+    statement_.bind(1, selection.begin.count()).bind(2, selection.end.count());
+  }
+
+  std::optional<RawMessage> next() override {
+    while (!ended_) {
+      ended_ = true;  // SQLite starts anew after an error: there is no way to go on behind it
+      if (!statement_.step()) {
+        break;
+      }
+      ended_ = false;
+      const auto channel = channels_.find(statement_.integer(1));
+      if (channel != channels_.end()) {
+        return RawMessage{channel->second, Nanoseconds(statement_.integer(2)),
+                          unpacked(statement_.blob(3)),
+                          static_cast<uint64_t>(statement_.integer(0))};
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// CDR never begins as a Zstandard frame does.
+  std::span<const std::byte> unpacked(std::span<const std::byte> bytes) {
+    if (!begins_with(bytes, kZstdMagic)) {
+      return bytes;
+    }
+    const std::optional<uint64_t> size = zstd_content_size(bytes);
+    const Unpacked message =
+        decompressor_.unpack(Compression::zstd, bytes, std::min(size.value_or(0), kLargestMessage));
+    if (!size || !message.problem.empty()) {
+      throw InputError(*path_, Place::named("row " + std::to_string(statement_.integer(0))),
+                       "its packed message cannot be unpacked" +
+                           (message.problem.empty() ? "" : ": " + message.problem),
+                       "The file is damaged: copy it again, or go without this message");
+    }
+    return message.bytes;
+  }
+
+  const fs::path* path_;
+  std::map<int64_t, std::size_t> channels_;
+  SqliteStatement statement_;
+  Decompressor decompressor_;
+  bool ended_ = false;
+};
+
+class DatabaseFile final : public MessageFile {
+ public:
+  explicit DatabaseFile(const fs::path& path)
+      : path_(path),
+        unpacked_(begins_with(first_bytes(path), kZstdMagic) ? unpack_file(path) : nullptr),
+        database_(unpacked_ ? unpacked_->path() : path, SqliteDatabase::Mode::read) {
+    format_ = unpacked_ ? "rosbag2 SQLite zstd" : "rosbag2 SQLite";
+    const auto channel_rows =
+        std::string("SELECT id, name, type, serialization_format FROM topics ORDER BY id");
+    SqliteStatement topics = database_.prepare(channel_rows);
+    while (topics.step()) {
+      ids_.push_back(topics.integer(0));
+      const std::string type = topics.text(2);
+      channels_.push_back({.topic = topics.text(1),
+                           .type = plain_type_name(type),
+                           .encoding = encoding_of(topics.text(3)),
+                           .definition = definition_of(type),
+                           .messages = 0});
+    }
+    count();
+    SqliteStatement index = database_.prepare(
+        "SELECT count(*) FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql "
+        "LIKE '%timestamp%'");
+    by_time_ = index.step() && index.integer(0) > 0;
+  }
+
+  const fs::path& path() const override { return path_; }
+  const std::vector<Channel>& channels() const override { return channels_; }
+  std::optional<TimeSpan> span() const override { return span_; }
+  std::string format() const override { return format_; }
+  const std::optional<InputError>& damage() const override { return damage_; }
+
+  std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const override {
+    std::map<int64_t, std::size_t> wanted;
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+      if (selection.channels.empty() || std::ranges::count(selection.channels, i) > 0) {
+        wanted[ids_[i]] = i;
+      }
+    }
+    return std::make_unique<DatabaseStream>(database_, path_, std::move(wanted), selection,
+                                            by_time_);
+  }
+
+ private:
+  /// Recordings since ROS 2 Iron have the definitions; older ones have none.
+  std::string definition_of(const std::string& type) const {
+    SqliteStatement table = database_.prepare(
+        "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'message_definitions'");
+    if (!table.step() || table.integer(0) == 0) {
+      return {};
+    }
+    SqliteStatement row = database_.prepare(
+        "SELECT encoded_message_definition FROM message_definitions WHERE topic_type = ?1");
+    row.bind(1, std::string_view(type));
+    return row.step() ? row.text(0) : std::string();
+  }
+
+  void count() {
+    try {
+      SqliteStatement rows = database_.prepare(
+          "SELECT topic_id, count(*), min(timestamp), max(timestamp) FROM messages GROUP BY "
+          "topic_id");
+      while (rows.step()) {
+        const TimeSpan span{Nanoseconds(rows.integer(2)), Nanoseconds(rows.integer(3))};
+        span_ = span_ ? TimeSpan{std::min(span_->begin, span.begin), std::max(span_->end, span.end)}
+                      : span;
+        const auto id = std::ranges::find(ids_, rows.integer(0));
+        if (id != ids_.end()) {
+          channels_[static_cast<std::size_t>(id - ids_.begin())].messages =
+              static_cast<uint64_t>(rows.integer(1));
+        }
+      }
+    } catch (const InputError& error) {
+      damage_ = error;
+      for (Channel& channel : channels_) {
+        channel.messages = std::nullopt;
+      }
+    }
+  }
+
+  fs::path path_;
+  std::unique_ptr<UnpackedFile> unpacked_;
+  SqliteDatabase database_;
+  std::vector<int64_t> ids_;  // of channels_, in their order
+  std::vector<Channel> channels_;
+  std::optional<TimeSpan> span_;
+  std::string format_;
+  std::optional<InputError> damage_;
+  bool by_time_ = false;
+};
+
+}  // namespace
+
+bool is_rosbag2_database(const fs::path& file) {
+  const std::vector<std::byte> bytes = first_bytes(file);
+  return begins_with(bytes, kSqliteMagic) || begins_with(bytes, kZstdMagic);
+}
+
+std::unique_ptr<MessageFile> open_rosbag2_database(const fs::path& file) {
+  return std::make_unique<DatabaseFile>(file);
+}
+
+std::vector<fs::path> rosbag2_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  for (const fs::directory_iterator end; !error && entries != end; entries.increment(error)) {
+    const std::string name = entries->path().filename().string();
+    if (name.ends_with(".db3") || name.ends_with(".db3.zstd") || name.ends_with(".mcap")) {
+      files.push_back(entries->path());
+    }
+  }
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+}  // namespace adit

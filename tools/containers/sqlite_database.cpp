@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/containers/sqlite_database.hpp"
+
+#include <sqlite3.h>
+
+#include <utility>
+
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+
+void SqliteStatement::Closer::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+void SqliteDatabase::Closer::operator()(sqlite3* database) const {
+  sqlite3_close(database);
+}
+
+bool SqliteStatement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code != SQLITE_ROW && code != SQLITE_DONE) {
+    database_->fail();
+  }
+  return code == SQLITE_ROW;
+}
+
+void SqliteStatement::reset() {
+  sqlite3_reset(statement_.get());
+}
+
+int64_t SqliteStatement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+std::string SqliteStatement::text(int column) const {
+  const unsigned char* text = sqlite3_column_text(statement_.get(), column);
+  return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);
+}
+
+std::span<const std::byte> SqliteStatement::blob(int column) const {
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  const int size = sqlite3_column_bytes(statement_.get(), column);
+  return {static_cast<const std::byte*>(data),
+          data == nullptr ? 0 : static_cast<std::size_t>(size)};
+}
+
+SqliteStatement& SqliteStatement::bind(int parameter, int64_t value) {
+  sqlite3_bind_int64(statement_.get(), parameter, value);
+  return *this;
+}
+
+SqliteStatement& SqliteStatement::bind(int parameter, std::string_view text) {
+  sqlite3_bind_text64(statement_.get(), parameter, text.data(), text.size(), SQLITE_TRANSIENT,
+                      SQLITE_UTF8);
+  return *this;
+}
+
+SqliteStatement& SqliteStatement::bind(int parameter, std::span<const std::byte> blob) {
+  sqlite3_bind_blob64(statement_.get(), parameter, blob.data(), blob.size(), SQLITE_TRANSIENT);
+  return *this;
+}
+
+SqliteDatabase::SqliteDatabase(std::filesystem::path path, Mode mode)
+    : path_(std::move(path)), mode_(mode) {
+  const int flags =
+      mode == Mode::read ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(path_.c_str(), &raw, flags, nullptr);
+  database_.reset(raw);
+  if (code != SQLITE_OK) {
+    fail();
+  }
+}
+
+SqliteStatement SqliteDatabase::prepare(const std::string& sql) const {
+  sqlite3_stmt* raw = nullptr;
+  if (sqlite3_prepare_v2(database_.get(), sql.c_str(), -1, &raw, nullptr) != SQLITE_OK) {
+    fail();
+  }
+  return {*this, raw};
+}
+
+void SqliteDatabase::execute(const std::string& sql) const {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) {
+    fail();
+  }
+}
+
+void SqliteDatabase::fail() const {
+  const std::string reason = sqlite3_errmsg(database_.get());
+  if (mode_ == Mode::create) {
+    throw OutputError(path_, path_.string() + ": cannot be written: " + reason + ".");
+  }
+  throw InputError(path_, {}, "cannot be read as an SQLite database: " + reason,
+                   "The file is damaged or no recording: copy it again");
+}
+
+}  // namespace adit

@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/drawing/svg.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "adit/tools/drawing/markup.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kVisibleStep = 1.0 / 3.0;  // px
+
+// What the colours of our drawings become where the reader prefers dark pages. Programs that know
+// no style sheets show the light ones.
+constexpr std::array<std::array<std::string_view, 2>, 10> kDarkColors = {{{"#ffffff", "#15181c"},
+                                                                          {"#000000", "#eceff3"},
+                                                                          {"#555555", "#a7adb5"},
+                                                                          {"#e4e4e4", "#2d3238"},
+                                                                          {"#3c3c3c", "#cfd3d8"},
+                                                                          {"#0a6ebd", "#4ba6ee"},
+                                                                          {"#d1352b", "#f2695f"},
+                                                                          {"#2a9d3a", "#49b95a"},
+                                                                          {"#d98000", "#f0a33c"},
+                                                                          {"#8a8f96", "#767c84"}}};
+
+std::string dark_style() {
+  std::string style = "<style>@media (prefers-color-scheme: dark) {";
+  for (const auto& [light, dark] : kDarkColors) {
+    for (const std::string_view what : {"fill", "stroke"}) {
+      style += " [" + std::string(what) + "=\"" + std::string(light) + "\"] { " +
+               std::string(what) + ": " + std::string(dark) + "; }";
+    }
+  }
+  return style + " }</style>\n";
+}
+
+/// A number as SVG wants it, whatever the locale; one hundredth of a pixel is enough.
+std::string number(double value) {
+  std::array<char, 64> text{};
+  const double bounded = std::clamp(value, -1e6, 1e6);
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), bounded, std::chars_format::fixed, 2);
+  return {text.data(), end.ptr};
+}
+
+std::string attribute(std::string_view name, double value) {
+  return " " + std::string(name) + "=\"" + number(value) + "\"";
+}
+
+std::string attribute(std::string_view name, std::string_view value) {
+  return " " + std::string(name) + "=\"" + std::string(value) + "\"";
+}
+
+std::string stroke_attributes(const SvgStroke& stroke) {
+  std::string text = attribute("stroke", stroke.color) + attribute("stroke-width", stroke.width);
+  return stroke.dash.empty() ? text : text + attribute("stroke-dasharray", stroke.dash);
+}
+
+std::string point_list(std::span<const Eigen::Vector2d> points) {
+  std::string list;
+  const Eigen::Vector2d* last = nullptr;
+  for (const Eigen::Vector2d& point : points) {
+    if (last != nullptr && &point != &points.back() && (point - *last).norm() < kVisibleStep) {
+      continue;
+    }
+    last = &point;
+    list += (list.empty() ? "" : " ") + number(point.x()) + "," + number(point.y());
+  }
+  return list;
+}
+
+}  // namespace
+
+SvgDocument::SvgDocument(double width, double height)
+    : head_("<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) +
+            attribute("height", height) + " viewBox=\"0 0 " + number(width) + " " + number(height) +
+            "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n" + dark_style() +
+            "<rect width=\"100%\" "
+            "height=\"100%\" "
+            "fill=\"#ffffff\"/>\n") {}
+
+void SvgDocument::line(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                       const SvgStroke& stroke) {
+  body_ += "<line" + attribute("x1", from.x()) + attribute("y1", from.y()) +
+           attribute("x2", to.x()) + attribute("y2", to.y()) + stroke_attributes(stroke) + "/>\n";
+}
+
+void SvgDocument::polyline(std::span<const Eigen::Vector2d> points, const SvgStroke& stroke) {
+  body_ += R"(<polyline fill="none" stroke-linejoin="round")" + stroke_attributes(stroke) +
+           attribute("points", point_list(points)) + "/>\n";
+}
+
+void SvgDocument::polygon(std::span<const Eigen::Vector2d> points, std::string_view fill,
+                          double opacity) {
+  body_ += "<polygon" + attribute("fill", fill) + attribute("fill-opacity", opacity) +
+           attribute("points", point_list(points)) + "/>\n";
+}
+
+void SvgDocument::rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
+                            const SvgStroke& stroke) {
+  body_ += "<rect fill=\"none\"" + attribute("x", corner.x()) + attribute("y", corner.y()) +
+           attribute("width", size.x()) + attribute("height", size.y()) +
+           stroke_attributes(stroke) + "/>\n";
+}
+
+void SvgDocument::circle(const Eigen::Vector2d& center, double radius, std::string_view fill,
+                         const SvgStroke& stroke) {
+  body_ += "<circle" + attribute("cx", center.x()) + attribute("cy", center.y()) +
+           attribute("r", radius) + attribute("fill", fill) + stroke_attributes(stroke) + "/>\n";
+}
+
+void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font) {
+  constexpr std::array<std::string_view, 3> kAnchors = {"start", "middle", "end"};
+  body_ += "<text" + attribute("x", at.x()) + attribute("y", at.y()) +
+           attribute("font-size", font.size) + attribute("fill", font.color) +
+           attribute("text-anchor", kAnchors[static_cast<std::size_t>(font.anchor)]);
+  if (font.bold) {
+    body_ += attribute("font-weight", "bold");
+  }
+  if (font.halo) {
+    body_ += R"( stroke="#ffffff" stroke-width="4" stroke-linejoin="round" paint-order="stroke")";
+  }
+  if (font.upwards) {
+    body_ += attribute("transform", "rotate(-90 " + number(at.x()) + " " + number(at.y()) + ")");
+  }
+  body_ += ">" + escape_markup(text) + "</text>\n";
+}
+
+std::string SvgDocument::str() const {
+  return head_ + body_ + "</svg>\n";
+}
+
+std::vector<double> round_ticks(double low, double high, int count) {
+  const double raw = (high - low) / std::max(count, 1);
+  if (!(raw > 0.0) || !std::isfinite(raw)) {
+    return {low};
+  }
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  const double mantissa = raw / power;
+  const double step = power * (mantissa < 1.5   ? 1.0
+                               : mantissa < 3.5 ? 2.0
+                               : mantissa < 7.5 ? 5.0
+                                                : 10.0);
+  std::vector<double> ticks;
+  const double first = std::ceil(low / step - 1e-9);
+  const double last = std::floor(high / step + 1e-9);
+  for (int i = 0; i <= std::min(static_cast<int>(last - first), 10 * count); ++i) {
+    ticks.push_back((first + i) * step);
+  }
+  return ticks;
+}
+
+std::string tick_label(double value, double step) {
+  const int decimals =
+      step > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9) : 3;
+  std::array<char, 352> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
+                                 std::chars_format::fixed, decimals);
+  std::string label(text.data(), end.ptr);
+  const bool zero = label.find_first_not_of("-0.") == std::string::npos;
+  return zero && label.front() == '-' ? label.substr(1) : label;
+}
+
+double round_length(double most) {
+  if (!(most > 0.0) || !std::isfinite(most)) {
+    return 0.0;
+  }
+  const double power = std::pow(10.0, std::floor(std::log10(most) + 1e-9));
+  const double mantissa = most / power + 1e-9;
+  return power * (mantissa >= 5.0 ? 5.0 : mantissa >= 2.0 ? 2.0 : 1.0);
+}
+
+}  // namespace adit

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/evaluation/evaluate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Eigenvalues>
+
+namespace adit {
+namespace {
+
+std::vector<std::string> find_warnings(const Trajectory& estimate, const Trajectory& truth,
+                                       const AssociationSummary& association) {
+  std::vector<std::string> warnings;
+  if (!association.by_time && association.estimate_poses != association.truth_poses) {
+    const bool one_stamped = estimate.stamped != truth.stamped;
+    warnings.push_back(
+        "the files hold " + std::to_string(association.estimate_poses) + " and " +
+        std::to_string(association.truth_poses) +
+        " poses and are matched by index: right only if both begin at the same sweep and none is "
+        "left out" +
+        (one_stamped ? "; give times to the one without (--truth-times, --estimate-times)" : ""));
+  }
+  const std::size_t possible = std::min(association.estimate_poses, association.truth_poses);
+  if (association.by_time && association.pairs * 10 < possible * 9) {
+    warnings.push_back(
+        "only " + std::to_string(association.pairs) + " of " + std::to_string(possible) +
+        " possible pairs lie within the tolerance: the figures stand for these alone");
+  }
+  return warnings;
+}
+
+/// Standard deviations of the positions along their principal axes, m, smallest first.
+Eigen::Vector3d spread_of(const std::vector<Eigen::Isometry3d>& poses) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Isometry3d& pose : poses) {
+    mean += pose.translation() / static_cast<double>(poses.size());
+  }
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Isometry3d& pose : poses) {
+    const Eigen::Vector3d off = pose.translation() - mean;
+    scatter += off * off.transpose() / static_cast<double>(poses.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+}
+
+/// On a nearly straight path, aligned by positions, errors of these turn the estimate about it.
+std::optional<std::string> find_free_rotation(const Evaluation& evaluation) {
+  constexpr double kStraight = 0.1;     // of the length, across it
+  constexpr double kHarmless = 0.0087;  // rad, half a degree
+  const Alignment alignment = evaluation.options.alignment;
+  const Eigen::Vector3d spread = spread_of(evaluation.truth);
+  const double turn = std::atan2(evaluation.ate.rmse, spread[1]);
+  if ((alignment != Alignment::se3 && alignment != Alignment::sim3) ||
+      spread[1] > kStraight * spread[2] || turn < kHarmless) {
+    return std::nullopt;
+  }
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "the path is nearly straight (%.2f m rms off a line, %.1f m along it) and aligned by "
+      "positions alone, which tell how the estimate is turned about that line to some %.1f "
+      "degrees only: the rotation of the ATE says little; that of the RPE does, or --align "
+      "origin",
+      spread[1], spread[2], turn * 180.0 / std::numbers::pi);
+  return text;
+}
+
+}  // namespace
+
+Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
+                    const EvaluationOptions& options) {
+  Evaluation result;
+  result.options = options;
+  const Association association = associate(estimate, truth, options.tolerance);
+  result.association = association.summary;
+  std::vector<Eigen::Isometry3d> unaligned;
+  unaligned.reserve(association.pairs.size());
+  for (const MatchedPair& pair : association.pairs) {
+    unaligned.push_back(estimate.poses[pair.estimate].pose);
+    result.truth.push_back(truth.poses[pair.truth].pose);
+    if (association.summary.by_time) {
+      result.stamps.push_back(std::chrono::duration<double>(truth.poses[pair.truth].stamp).count());
+    }
+  }
+  const std::optional<Similarity> alignment = align(unaligned, result.truth, options.alignment);
+  if (!alignment) {
+    throw InputError(estimate.file, {},
+                     "its " + std::to_string(unaligned.size()) +
+                         " matched positions do not determine an alignment: fewer than three, or "
+                         "all on one line or in one place",
+                     "Use --align origin or --align none");
+  }
+  result.alignment = *alignment;
+  result.estimate.reserve(unaligned.size());
+  for (const Eigen::Isometry3d& pose : unaligned) {
+    result.estimate.push_back(*alignment * pose);
+  }
+  result.truth_path = path_lengths(result.truth);
+  result.position_errors = position_errors(result.estimate, result.truth);
+  result.ate = statistics(result.position_errors);
+  result.ate_rotation = statistics(rotation_errors(result.estimate, result.truth));
+  result.ate_unaligned = statistics(position_errors(unaligned, result.truth));
+  result.rpe = relative_errors(result.estimate, result.truth, options.rpe);
+  result.segments = kitti_segment_errors(result.estimate, result.truth);
+  result.all_segments = result.segments.back();
+  result.segments.pop_back();
+  result.warnings = find_warnings(estimate, truth, result.association);
+  if (const auto free = find_free_rotation(result)) {
+    result.rotation_determined = false;
+    result.warnings.push_back(*free);
+  }
+  return result;
+}
+
+}  // namespace adit

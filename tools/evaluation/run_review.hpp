@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the files of a run say of it, without a truth: was it held, was it fused, do errors and
+// their bounds agree.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "adit/tools/results/sweep_table.hpp"
+
+namespace adit {
+
+/// A time in which some direction was held by few matches or by none.
+struct WeakStretch {
+  double begin = 0.0;  ///< s after the first sweep
+  double end = 0.0;    ///< s
+  std::size_t sweeps = 0;
+  std::size_t unheld = 0;                          ///< of these, held by no match that agrees
+  bool rotation = false;                           ///< else translation
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< mean of the weakest, unit, map
+};
+
+/// Innovations against what their covariances promise.
+struct InnovationReview {
+  std::size_t count = 0;
+  double per_degree = 0.0;      ///< mean of the squares per degree of freedom; 1 is right
+  double beyond_95 = 0.0;       ///< share beyond chi squared's 95 %; 0.05 is right
+  std::size_t beyond_gate = 0;  ///< not believed
+};
+
+struct RunReview {
+  std::vector<SweepRecord> sweeps;
+  std::vector<double> times;  ///< s after the first sweep
+  std::vector<WeakStretch> weak;
+  InnovationReview innovations;
+  std::optional<double> min_overlap;  ///< that the run's settings asked for
+};
+
+/// Of sweeps in the order of time; without min_overlap.
+RunReview review_sweeps(std::vector<SweepRecord> sweeps);
+
+/// Of the folder of a run. Throws InputError where there is no sweeps.csv.
+RunReview review_run(const std::filesystem::path& folder);
+
+/// The bound that 95 % stay below, chi squared of 1 to 6 degrees of freedom.
+double chi_squared_95(int degrees);
+
+/// Angle between gravity in the map and -z, rad; NaN where it is not known.
+double tilt_of(const SweepRecord& sweep);
+
+/// For people, and for programs.
+std::string describe(const RunReview& review);
+nlohmann::ordered_json to_json(const RunReview& review);
+
+}  // namespace adit

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/inspection/inspection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "adit/engine/error.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/inspection/clock_drift.hpp"
+#include "adit/tools/inspection/rotation_profile.hpp"
+#include "adit/tools/run/configured_recording.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kListedErrors = 10;
+constexpr Nanoseconds kStretch = std::chrono::seconds(20);
+constexpr uint64_t kLeastSweeps = 20;  // for a comparison
+
+using Profiles = std::map<std::size_t, RotationProfile>;  // by topic
+
+/// Reads it to the end; what is damaged becomes findings.
+Profiles read_all(const Recording& recording, Inspection& result) {
+  Profiles profiles;
+  uint64_t errors = 0;
+  const auto events = recording.events({});
+  for (bool more = true; more;) {
+    try {
+      const std::optional<Event> event = events->next();
+      more = event.has_value();
+      if (!event) {
+        break;
+      }
+      result.statistics[event->topic].add(*event);
+      if (const auto* sample = std::get_if<ImuSample>(&event->value);
+          sample != nullptr && !sample->angular_velocity.array().isNaN().any()) {
+        profiles[event->topic].add(event->received, sample->angular_velocity);
+      } else if (const auto* transform = std::get_if<StaticTransform>(&event->value)) {
+        result.frames.add(*transform);
+      }
+    } catch (const InputError& error) {
+      if (++errors <= kListedErrors) {
+        result.findings.push_back(damage_finding(error));
+      }
+    }
+  }
+  if (errors > kListedErrors) {
+    result.findings.push_back({Severity::problem, "damage", "",
+                               std::to_string(errors - kListedErrors) + " more damaged places", "",
+                               ""});
+  }
+  return profiles;
+}
+
+/// The first topic of sweeps with each IMU.
+std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profiles& profiles,
+                                       const Config& config) {
+  std::vector<MotionPair> pairs;
+  const std::string& sweep_topic_name = config.recording.sweep_topic;
+  const auto sweeps = std::ranges::find_if(inspection.topics, [&](const Topic& topic) {
+    return topic.kind == TopicKind::sweeps &&
+           (sweep_topic_name.empty() || topic.name == sweep_topic_name);
+  });
+  if (sweeps == inspection.topics.end()) {
+    return pairs;
+  }
+  const auto sweep_topic = static_cast<std::size_t>(sweeps - inspection.topics.begin());
+  const TopicStatistics& range = inspection.statistics[sweep_topic];
+  for (const auto& [topic, profile] : profiles) {
+    const std::optional<TimeSpan> stretch = profile.liveliest(kStretch);
+    if (!stretch || range.events < kLeastSweeps) {
+      continue;
+    }
+    MotionPair pair{.sweeps = *sweeps,
+                    .sweep_topic = sweep_topic,
+                    .imu = inspection.topics[topic],
+                    .imu_topic = topic,
+                    .stretch = *stretch,
+                    .trust_point_times = range.point_times_fit(),
+                    .R_range_gyro = std::nullopt};
+    const std::string& imu_frame = inspection.statistics[topic].frame;
+    const std::array<double, 7>& T_imu_lidar = config.imu.T_imu_lidar;
+    if (T_imu_lidar != ImuConfig{}.T_imu_lidar) {
+      pair.R_range_gyro =
+          Eigen::Quaterniond(T_imu_lidar[6], T_imu_lidar[3], T_imu_lidar[4], T_imu_lidar[5])
+              .inverse()
+              .toRotationMatrix();
+      pair.told_by = std::string("imu.T_imu_lidar");
+    } else if (inspection.frames.knows(range.frame) && inspection.frames.knows(imu_frame)) {
+      if (const auto T = inspection.frames.transform(range.frame, imu_frame)) {
+        pair.R_range_gyro = T->linear();
+      }
+    }
+    pairs.push_back(std::move(pair));
+  }
+  return pairs;
+}
+
+/// Maps the stretch of each pair on the device.
+void compare_motion(const Recording& recording, const std::vector<MotionPair>& pairs,
+                    const Config& config, const DeviceOptions& device, Inspection& result) {
+  if (pairs.empty()) {
+    return;
+  }
+  try {
+    engine::Context context = open_device(device);
+    // A guess of the motion within the sweep would enter what is compared: sweeps stand for their
+    // middles instead, and are aligned with the second before, which is skewed alike.
+    Config as_taken = config;
+    as_taken.preprocess.deskew = 0;
+    as_taken.submap = {.l = 10, .delta_trans = 0.0, .delta_rot = 0.0};
+    for (const MotionPair& pair : pairs) {
+      Odometry odometry(context, as_taken);
+      result.motion.push_back(
+          check_motion(recording, pair, [&](const Sweep& sweep) { return odometry.step(sweep); }));
+    }
+  } catch (const engine::Error& error) {
+    result.findings.push_back({Severity::notice, "no_device", "",
+                               std::string("rotations were not compared: ") + error.what(),
+                               "an offset between the sensors' clocks of less than a second, or a "
+                               "wrong mounting, is not found",
+                               "`adit devices` tells what is missing"});
+  }
+}
+
+}  // namespace
+
+Inspection inspect(const std::filesystem::path& path, const Config& config,
+                   const DeviceOptions& device) {
+  const std::unique_ptr<Recording> recording = open_recording(path, config.recording);
+  Inspection result;
+  result.description = recording->description();
+  result.topics = recording->topics();
+  result.statistics.resize(result.topics.size());
+  const Profiles profiles = read_all(*recording, result);
+  compare_motion(*recording, pairs_to_check(result, profiles, config), config, device, result);
+
+  const auto add = [&](std::vector<Finding> found) {
+    std::ranges::move(found, std::back_inserter(result.findings));
+  };
+  if (recording->times_are_assumed()) {
+    add({{Severity::notice, "assumed_times", "", "nothing in it tells the times of the sweeps",
+          "10 Hz is assumed, and speeds are as wrong as that", "Add a times.txt"}});
+  }
+  add(find_in_recording(result.topics));
+  for (std::size_t i = 0; i < result.topics.size(); ++i) {
+    add(find_in_topic(result.topics[i], result.statistics[i], result.frames));
+  }
+  add(find_clock_drift(result.topics, result.statistics));
+  for (const MotionCheck& check : result.motion) {
+    add(find_in_motion(check));
+  }
+  return result;
+}
+
+bool has_problem(const Inspection& inspection) {
+  return std::ranges::any_of(inspection.findings,
+                             [](const Finding& f) { return f.severity == Severity::problem; });
+}
+
+}  // namespace adit

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/tools/inspection/motion_check.hpp"
+#include "adit/tools/inspection/recording_findings.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/topics/frame_tree.hpp"
+#include "adit/tools/topics/topic_statistics.hpp"
+
+namespace adit {
+
+/// A recording after it was read.
+struct Inspection {
+  std::string description;
+  std::vector<Topic> topics;
+  std::vector<TopicStatistics> statistics;  ///< one a topic
+  FrameTree frames;
+  std::vector<MotionCheck> motion;  ///< of the first sweeps with every IMU
+  std::vector<Finding> findings;
+};
+
+/// Reads all of a recording, and a stretch of it a second time to compare its sensors' rotations on
+/// the device. Throws InputError where it cannot be opened, UsageError for a device that is not
+/// there; where there is none at all the rotations are not compared, and a finding says so.
+/// `config` says how the recording is to be understood.
+Inspection inspect(const std::filesystem::path& path, const Config& config,
+                   const DeviceOptions& device);
+
+bool has_problem(const Inspection& inspection);
+
+}  // namespace adit

@@ -1,0 +1,296 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/inspection/motion_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <utility>
+
+#include "adit/slam/core/lie.hpp"
+#include "adit/slam/inertial/gyroscope_integral.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kMostOffset = 0.5;             // s
+constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
+constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// Calls take(event) for each event that can be read.
+template <class Take>
+void for_each_event(const Recording& recording, const EventSelection& selection, Take&& take) {
+  const auto events = recording.events(selection);
+  for (bool more = true; more;) {
+    try {
+      const std::optional<Event> event = events->next();
+      more = event.has_value();
+      if (event) {
+        take(*event);
+      }
+    } catch (const InputError&) {
+      // reported by who reads all of it
+    }
+  }
+}
+
+/// Whole seconds from a topic's clock to the recorder's; 0 where they agree.
+class ClockShift {
+ public:
+  void add(const Event& event) {
+    sum_ += seconds(event.received - stamp_of(event));
+    ++events_;
+  }
+  Nanoseconds value() const {
+    const double mean = events_ == 0 ? 0.0 : sum_ / static_cast<double>(events_);
+    return std::abs(mean) < 1.0 ? Nanoseconds(0)
+                                : std::chrono::seconds(static_cast<int64_t>(std::llround(mean)));
+  }
+
+ private:
+  double sum_ = 0.0;
+  uint64_t events_ = 0;
+};
+
+/// When its points were taken, on average: what the pose of a sweep holds for.
+Nanoseconds middle_of(const Sweep& sweep) {
+  double sum = 0.0;
+  std::size_t returns = 0;
+  for (std::size_t i = 0; i < sweep.times.size(); ++i) {
+    const Point& p = sweep.points[i];
+    if (std::isfinite(p.x) && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F)) {
+      sum += static_cast<double>(sweep.times[i]);
+      ++returns;
+    }
+  }
+  const double mean = returns == 0 ? 0.0 : sum / static_cast<double>(returns);
+  return sweep.stamp + Nanoseconds(static_cast<int64_t>(std::llround(1e9 * mean)));
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<RotationInterval> rotations_of(const Recording& recording,
+                                           const std::function<SweepResult(const Sweep&)>& place,
+                                           MotionCheck& check) {
+  std::vector<RotationInterval> rotations;
+  std::vector<double> intervals;
+  ClockShift shift;
+  std::optional<StampedPose> last;  // tracked
+  std::optional<Nanoseconds> last_stamp;
+  const EventSelection selection{.topics = {check.pair.sweep_topic},
+                                 .begin = check.pair.stretch.begin,
+                                 .end = check.pair.stretch.end};
+  for_each_event(recording, selection, [&](const Event& event) {
+    const Sweep& sweep = std::get<Sweep>(event.value);
+    if (last_stamp && sweep.stamp <= *last_stamp) {
+      return;
+    }
+    if (last_stamp) {
+      intervals.push_back(seconds(sweep.stamp - *last_stamp));
+    }
+    last_stamp = sweep.stamp;
+    shift.add(event);
+    ++check.sweeps;
+    const bool timed = check.pair.trust_point_times && !sweep.times.empty();
+    check.point_times = check.point_times || timed;
+    const SweepResult result = place(sweep);
+    check.mapped.push_back(sweep_record(check.mapped.size(), result));
+    const StampedPose pose{timed ? middle_of(sweep) : sweep.stamp, result.T_map_lidar};
+    if (result.state != OdometryState::tracking) {
+      last = result.state == OdometryState::coasting ? std::nullopt : std::optional(pose);
+      return;
+    }
+    ++check.tracked;
+    if (last && last->stamp < pose.stamp) {
+      rotations.push_back(
+          {last->stamp, pose.stamp, so3_log(last->pose.linear().transpose() * pose.pose.linear())});
+    }
+    last = pose;
+  });
+  for (RotationInterval& one : rotations) {
+    one.begin += shift.value();
+    one.end += shift.value();
+  }
+  check.period = median(std::move(intervals));
+  return rotations;
+}
+
+std::vector<ImuSample> gyroscope_of(const Recording& recording, const MotionPair& pair) {
+  constexpr Nanoseconds kMargin = std::chrono::seconds(2);
+  std::vector<ImuSample> samples;
+  ClockShift shift;
+  const EventSelection selection{.topics = {pair.imu_topic},
+                                 .begin = pair.stretch.begin - kMargin,
+                                 .end = pair.stretch.end + kMargin};
+  for_each_event(recording, selection, [&](const Event& event) {
+    const auto& sample = std::get<ImuSample>(event.value);
+    if (sample.angular_velocity.allFinite()) {
+      samples.push_back(sample);
+      shift.add(event);
+    }
+  });
+  for (ImuSample& sample : samples) {
+    sample.stamp += shift.value();
+  }
+  return samples;
+}
+
+/// The gyroscope's bias is what its turns and those of the sweeps differ by on average.
+std::vector<ComparedTurn> compared_turns(const std::vector<RotationInterval>& rotations,
+                                         const std::vector<ImuSample>& gyroscope,
+                                         const RotationComparison& found) {
+  std::vector<ComparedTurn> turns;
+  const GyroscopeIntegral integral(gyroscope, rotations.front().begin);
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // rad/s, axes of the range sensor
+  for (const RotationInterval& one : rotations) {
+    const double begin = seconds(one.begin - rotations.front().begin);
+    const double end = seconds(one.end - rotations.front().begin);
+    if (!integral.covers(begin + found.offset, end + found.offset)) {
+      continue;
+    }
+    const Eigen::Vector3d turn =
+        integral.angle(end + found.offset) - integral.angle(begin + found.offset);
+    turns.push_back({.end = end,
+                     .duration = end - begin,
+                     .range = one.rotation,
+                     .gyroscope = found.R_range_gyro * turn});
+    bias += (turns.back().gyroscope - one.rotation) / (end - begin);
+  }
+  for (ComparedTurn& turn : turns) {
+    turn.gyroscope -= turn.duration * bias / static_cast<double>(turns.size());
+  }
+  return turns;
+}
+
+/// Roll, pitch and yaw (degrees, R = Rz Ry Rx), as people give mountings.
+std::string angles(const Eigen::Matrix3d& rotation) {
+  const double pitch = std::asin(std::clamp(-rotation(2, 0), -1.0, 1.0));
+  const double roll = std::atan2(rotation(2, 1), rotation(2, 2));
+  const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
+  char text[100];
+  std::snprintf(text, sizeof text, "roll %.1f, pitch %.1f, yaw %.1f degrees", roll * kDegrees,
+                pitch * kDegrees, yaw * kDegrees);
+  return text;
+}
+
+std::string quaternion(const Eigen::Matrix3d& rotation) {
+  const Eigen::Quaterniond q(rotation);
+  char text[100];
+  std::snprintf(text, sizeof text, "qx %.4f, qy %.4f, qz %.4f, qw %.4f", q.x(), q.y(), q.z(),
+                q.w());
+  return text;
+}
+
+Finding offset_finding(const MotionCheck& check) {
+  const RotationComparison& found = *check.comparison;
+  const std::string other = check.pair.sweeps.name;
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "the same rotation has a time %.4f s %s here than on %s (+- %.4f s; correlation "
+                "%.3f over %zu sweeps)",
+                std::abs(found.offset), found.offset > 0.0 ? "later" : "earlier", other.c_str(),
+                kSureSigmas * found.offset_sigma, found.correlation, check.sweeps);
+  char effect[200];
+  std::snprintf(effect, sizeof effect,
+                "while it turns at 1 rad/s, sweeps are corrected by %.1f degrees too much or too "
+                "little",
+                std::abs(found.offset) * kDegrees);
+  char remedy[200];
+  std::snprintf(remedy, sizeof remedy,
+                "Add %.4f s to the times of this topic, or synchronise the clocks of the sensors",
+                -found.offset);
+  return {Severity::problem, "sensor_offset", check.pair.imu.name, text, effect, remedy};
+}
+
+Finding mounting_finding(const MotionCheck& check) {
+  const RotationComparison& found = *check.comparison;
+  const Eigen::Matrix3d& told = *check.pair.R_range_gyro;
+  const bool inverted = rotation_angle(told * found.R_range_gyro) <
+                        kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(found);
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "%s mounts it to the sensor of %s with %s, the motion with %s: %.1f degrees apart "
+                "(+- %.1f)%s",
+                check.pair.told_by.c_str(), check.pair.sweeps.name.c_str(), angles(told).c_str(),
+                angles(found.R_range_gyro).c_str(), found.misalignment * kDegrees,
+                kSureSigmas * known_mounting_sigma(found) * kDegrees,
+                inverted ? "; the transform is the wrong way round" : "");
+  return {
+      Severity::problem,
+      "mounting",
+      check.pair.imu.name,
+      text,
+      "rotations and gravity act about the wrong axes: mapping with this IMU fails at the first "
+      "turn",
+      std::string(inverted ? "Invert the transform" : "Correct the transform") +
+          "; by the motion the rotation from this IMU to the range sensor is " +
+          quaternion(found.R_range_gyro)};
+}
+
+}  // namespace
+
+MotionCheck check_motion(const Recording& recording, const MotionPair& pair,
+                         const std::function<SweepResult(const Sweep&)>& place) {
+  MotionCheck check;
+  check.pair = pair;
+  const std::vector<RotationInterval> rotations = rotations_of(recording, place, check);
+  const std::vector<ImuSample> gyroscope = gyroscope_of(recording, pair);
+  check.comparison = compare_rotations(
+      rotations, gyroscope, pair.R_range_gyro.value_or(Eigen::Matrix3d::Identity()), kMostOffset);
+  if (check.comparison) {
+    check.turns = compared_turns(rotations, gyroscope, *check.comparison);
+  }
+  return check;
+}
+
+std::vector<Finding> find_in_motion(const MotionCheck& check) {
+  std::vector<Finding> findings;
+  if (!check.comparison) {
+    return findings;
+  }
+  const RotationComparison& found = *check.comparison;
+  // Without times of points a sweep's stamp may be its start, its middle or its end.
+  const double hidden = check.point_times ? kHarmlessOffset : 1.1 * check.period;
+  if (std::abs(found.offset) > hidden + kSureSigmas * found.offset_sigma) {
+    findings.push_back(offset_finding(check));
+  }
+  if (check.pair.R_range_gyro &&
+      found.misalignment > kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(found)) {
+    findings.push_back(mounting_finding(check));
+  }
+  return findings;
+}
+
+std::string describe(const MotionCheck& check) {
+  char text[300];
+  if (!check.comparison) {
+    std::snprintf(text, sizeof text,
+                  "offset and mounting to %s: cannot be told (%zu of %zu sweeps could be aligned; "
+                  "it must turn for some seconds)",
+                  check.pair.sweeps.name.c_str(), check.tracked, check.sweeps);
+    return text;
+  }
+  const RotationComparison& found = *check.comparison;
+  std::snprintf(text, sizeof text, "offset to %s %+.4f s (+- %.4f); mounting by the motion: ",
+                check.pair.sweeps.name.c_str(), found.offset, kSureSigmas * found.offset_sigma);
+  std::string line = text + angles(found.R_range_gyro);
+  const auto known = std::ranges::count_if(found.mounting_sigma,
+                                           [](double sigma) { return std::isfinite(sigma); });
+  if (known < 3) {
+    line += known == 0 ? " (a guess)" : " (about some axes a guess)";
+  }
+  std::snprintf(text, sizeof text, "; correlation %.3f over %zu sweeps", found.correlation,
+                check.sweeps);
+  return line + text;
+}
+
+}  // namespace adit

@@ -1,0 +1,313 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/inspection/recording_findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace adit {
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s²
+
+/// A number with so many digits after the point.
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string of(uint64_t part, uint64_t whole) {
+  return std::to_string(part) + " of " + std::to_string(whole);
+}
+
+/// Collects what is found in one topic.
+class Findings {
+ public:
+  Findings(const Topic& topic, std::vector<Finding>& findings)
+      : topic_(&topic), findings_(&findings) {}
+
+  void problem(std::string kind, std::string found, std::string effect, std::string remedy) {
+    add(Severity::problem, std::move(kind), std::move(found), std::move(effect), std::move(remedy));
+  }
+  void notice(std::string kind, std::string found, std::string effect, std::string remedy) {
+    add(Severity::notice, std::move(kind), std::move(found), std::move(effect), std::move(remedy));
+  }
+
+ private:
+  void add(Severity severity, std::string kind, std::string found, std::string effect,
+           std::string remedy) {
+    findings_->push_back({severity, std::move(kind), topic_->name, std::move(found),
+                          std::move(effect), std::move(remedy)});
+  }
+
+  const Topic* topic_;
+  std::vector<Finding>* findings_;
+};
+
+/// s. How far a topic's clock leaps against the recorder's; 0 where it does not. Receipts may be
+/// late by seconds, but not by just those that clocks are known to leap by.
+double leap_of(const TopicStatistics& s);
+
+void check_stamps(const TopicStatistics& s, Findings& findings) {
+  if (s.repeated > 0) {
+    findings.problem("repeated_stamps",
+                     of(s.repeated, s.events) + " messages have the time of the one before",
+                     "measurements counted twice, or a clock that stands still",
+                     "Record without the second publisher, or leave the repeats out");
+  }
+  const double leap = leap_of(s);
+  if (s.backwards > (leap < 0.0 ? 1U : 0U)) {
+    findings.problem("stamps_go_back",
+                     of(s.backwards, s.events) + " messages have a time before the one before",
+                     "their order cannot be told", "Check the sensor's clock and its publishers");
+  }
+  // A leap of the clock is no gap.
+  const bool leaps = leap > 0.0 && std::abs(s.largest_interval - leap) < 1.0;
+  const uint64_t gaps = s.gaps() - (leaps ? 1U : 0U);
+  if (gaps > 0 && s.intervals.count() >= 10) {
+    findings.problem(
+        "gaps",
+        std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + ", the longest of " +
+            fixed(s.largest_interval, 3) + " s, where " + fixed(s.period(), 4) +
+            " s is usual; it starts " +
+            fixed(std::chrono::duration<double>(s.largest_interval_at - s.stamps->begin).count(),
+                  3) +
+            " s after the first",
+        "the motion within is guessed", "Check the connection and the recorder's load");
+  }
+}
+
+/// What an offset between two clocks looks like, where it is one that is known; empty otherwise.
+std::string known_offset(double seconds) {
+  struct Known {
+    double seconds;
+    const char* name;
+  };
+  constexpr Known kKnown[] = {{37.0, "the difference of TAI and UTC"},
+                              {18.0, "the difference of GPS time and UTC"},
+                              {19.0, "the difference of TAI and GPS time"}};
+  for (const Known& known : kKnown) {
+    if (std::abs(std::abs(seconds) - known.seconds) < 0.5) {
+      return known.name;
+    }
+  }
+  return {};
+}
+
+double leap_of(const TopicStatistics& s) {
+  const double spread = s.delay.greatest - s.delay.least;
+  if (known_offset(spread).empty()) {
+    return 0.0;
+  }
+  return s.first_delay > s.delay.mean() ? spread : -spread;
+}
+
+void check_clock(const TopicStatistics& s, Findings& findings) {
+  const std::string remedy = "Set the sensor's clock to UTC, or shift its times";
+  if (const double leap = leap_of(s); leap != 0.0) {
+    findings.problem(
+        "clock_leap",
+        "its clock leaps by " + fixed(leap, 3) + " s against the recorder's: " + known_offset(leap),
+        "before or after the leap it does not fit to the other topics", remedy);
+    return;
+  }
+  const double delay = s.delay.mean();
+  if (std::abs(delay) < 1.0) {
+    return;
+  }
+  const std::string known = known_offset(delay);
+  const bool since_boot = delay > 1e8;
+  findings.problem(
+      "clock_offset",
+      "its clock is " + fixed(std::abs(delay), 3) + " s " + (delay > 0 ? "behind" : "ahead of") +
+          " the recorder's" +
+          (!known.empty() ? ": " + known
+           : since_boot   ? ": it counts from when the sensor was started"
+                          : ""),
+      "it does not fit to topics whose clock is right",
+      known.empty() && !since_boot ? "Synchronise the clocks (PTP, GPS, NTP)" : remedy);
+}
+
+/// Gravity's direction in the frame that all others are mounted to, if that is known.
+void check_gravity(const TopicStatistics& topic, const FrameTree& frames, Findings& findings) {
+  const Eigen::Vector3d& a = topic.imu.mean_acceleration;
+  if (a.norm() < 0.5 * topic.imu.acceleration.mean()) {
+    return;  // no direction
+  }
+  const bool known = frames.knows(topic.frame);
+  const auto mounting = known ? frames.mounting(topic.frame) : std::nullopt;
+  const Eigen::Vector3d up = (mounting ? mounting->T_root_frame.linear() * a : a).normalized();
+  if (up.z() > -0.7) {
+    return;
+  }
+  if (mounting) {
+    findings.problem("gravity_direction",
+                     "as /tf_static mounts it, it reads gravity along -z of " + mounting->root +
+                         " (the usual reading is +9.8 along z)",
+                     "the map would be upside down, and speeds would grow without bound",
+                     "Negate its accelerations if the driver flips the sign, else correct the "
+                     "transform");
+  } else {
+    findings.notice("gravity_direction",
+                    "at rest it reads gravity along -z: it is mounted upside down, or its driver "
+                    "flips the sign (the usual reading is +9.8 along z)",
+                    "with the wrong sign the map would be upside down",
+                    "Compare with how it is mounted");
+  }
+}
+
+void check_imu(const ImuStatistics& s, Findings& findings) {
+  if (s.not_finite > 0) {
+    findings.problem("not_finite", std::to_string(s.not_finite) + " samples have no finite numbers",
+                     "they are left out", "Check the driver");
+  }
+  if (s.acceleration.count == 0) {
+    return;
+  }
+  if (s.rotation.count == 0) {
+    findings.notice("no_gyroscope", "it has no angular velocities",
+                    "it is not used: the motion between sweeps needs them",
+                    "Record a whole inertial sensor");
+  }
+  const double norm = s.acceleration.mean();
+  const std::string mean = "the acceleration is " + fixed(norm, 3) + " on average";
+  if (norm > 0.8 && norm < 1.3) {
+    findings.problem("accelerometer_unit", mean + ": it is in g, not in m/s²",
+                     "gravity would be a tenth of what it is",
+                     "Multiply the accelerations by 9.80665");
+  } else if (norm < 0.8 * kGravity || norm > 1.3 * kGravity) {
+    findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
+                     "gravity cannot be told", "Check the accelerometer's unit and range");
+  }
+  // 35 rad/s are 2000 degrees/s, the range of most sensors; a tenth of that on average is no
+  // motion.
+  if (s.rotation.mean() > 3.5) {
+    findings.problem(
+        "gyroscope_unit", "it turns at " + fixed(s.rotation.mean(), 1) + " rad/s on average",
+        "rotations would be far too large", "Check whether the rates are in degrees per second");
+  }
+}
+
+/// For a remedy: the unit that would make the times fit, if one does.
+std::string better_unit(const TopicStatistics& topic) {
+  const std::optional<double> unit = topic.better_time_unit();
+  char text[80] = "Set recording.point_time_unit to the seconds that a step of the times is";
+  if (unit) {
+    std::snprintf(text, sizeof text, "Set recording.point_time_unit = %g", *unit);
+  }
+  return text;
+}
+
+void check_sweeps(const TopicStatistics& topic, Findings& findings) {
+  const SweepStatistics& s = topic.sweeps;
+  if (s.empty > 0) {
+    findings.problem("empty_sweeps", of(s.empty, topic.events) + " sweeps have no return",
+                     "they cannot be placed", "Check the sensor and its filters");
+  }
+  if (s.with_times < topic.events) {
+    findings.notice(
+        "no_point_times",
+        of(topic.events - s.with_times, topic.events) + " sweeps have no time per point",
+        "motion within a sweep cannot be corrected",
+        "Record with a driver that writes them (a field time, t or timestamp)");
+  }
+  if (const std::optional<Sector> sector = s.blocked_sector()) {
+    findings.notice("blocked_sector",
+                    "nothing is seen from azimuth " + fixed(sector->begin, 0) + " to " +
+                        fixed(sector->end, 0) + " degrees (from x towards y)",
+                    "none as long as the other directions tell the motion",
+                    "Expected where the vehicle or its carrier hides them, or where the sensor is "
+                    "set so; else clean the sensor");
+  }
+  if (s.not_finite > 0) {
+    findings.notice("nan_points",
+                    fixed(100.0 * static_cast<double>(s.not_finite) / s.points.sum, 2) +
+                        " % of the points are not finite (NaN): the driver's no-returns",
+                    "none, they are left out", "Nothing need be done");
+  }
+  if (!topic.point_times_fit()) {
+    findings.problem("point_time_unit",
+                     "by its points' times a sweep lasts " + fixed(s.duration.mean(), 6) +
+                         " s, but the sweeps follow each other every " + fixed(topic.period(), 4) +
+                         " s",
+                     "motion within a sweep would be corrected wrongly", better_unit(topic));
+  }
+}
+
+void check_gnss(const TopicStatistics& topic, Findings& findings) {
+  const GnssStatistics& s = topic.gnss;
+  if (s.without_fix > 0) {
+    findings.notice("no_fix", of(s.without_fix, topic.events) + " messages are without a fix",
+                    "they are not used", "Expected where the sky is not seen");
+  }
+  if (s.without_covariance > 0) {
+    findings.notice("no_covariance",
+                    of(s.without_covariance, topic.events) + " messages have no covariance",
+                    "how far they can be trusted is guessed", "Configure the receiver's driver");
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(Severity severity) {
+  return severity == Severity::problem ? "problem" : "notice";
+}
+
+std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
+                                   const FrameTree& frames) {
+  std::vector<Finding> all;
+  Findings findings(topic, all);
+  if (statistics.events == 0 || topic.kind == TopicKind::transforms) {
+    return all;
+  }
+  check_clock(statistics, findings);
+  check_stamps(statistics, findings);
+  if (topic.kind == TopicKind::imu) {
+    check_imu(statistics.imu, findings);
+    check_gravity(statistics, frames, findings);
+  } else if (topic.kind == TopicKind::sweeps) {
+    check_sweeps(statistics, findings);
+  } else if (topic.kind == TopicKind::gnss) {
+    check_gnss(statistics, findings);
+  }
+  return all;
+}
+
+std::vector<Finding> find_in_recording(const std::vector<Topic>& topics) {
+  std::vector<Finding> findings;
+  if (std::ranges::find(topics, TopicKind::sweeps, &Topic::kind) == topics.end()) {
+    findings.push_back(
+        {Severity::problem, "no_sweeps", "", "there are no sweeps of a range sensor in it",
+         "there is nothing to map with", "Record a topic of sensor_msgs/PointCloud2"});
+  }
+  for (const Topic& topic : topics) {
+    const bool depth = topic.name.find("depth") != std::string::npos;
+    if (topic.type == "sensor_msgs/CompressedImage" && topic.name.ends_with("/compressedDepth")) {
+      findings.push_back({Severity::notice, "compressed_depth", topic.name,
+                          "its depth images are compressed, which is not read",
+                          "they are no sweeps",
+                          "Record the topic without /compressedDepth, or let image_transport's "
+                          "republish write it"});
+    } else if (topic.type == "sensor_msgs/Image" && topic.kind == TopicKind::other && depth) {
+      findings.push_back({Severity::notice, "depth_without_camera", topic.name,
+                          "its images have no calibration that makes sense "
+                          "(sensor_msgs/CameraInfo on camera_info beside it), or are no depths",
+                          "they are no sweeps", "Record the camera's camera_info too"});
+    }
+  }
+  return findings;
+}
+
+Finding damage_finding(const InputError& error) {
+  const std::string place = error.place().empty() ? "" : " (" + error.place() + ")";
+  return {Severity::problem,
+          "damage",
+          "",
+          error.file().filename().string() + place + ": " + error.found(),
+          "what lies there is missing",
+          error.remedy()};
+}
+
+}  // namespace adit

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/topics/frame_tree.hpp"
+#include "adit/tools/topics/topic_statistics.hpp"
+
+namespace adit {
+
+enum class Severity {
+  notice,   ///< to know; nothing need be done
+  problem,  ///< mapping will suffer or fail
+};
+std::string_view to_string(Severity severity);
+
+/// Something about a recording, for people.
+struct Finding {
+  Severity severity = Severity::notice;
+  std::string kind;    ///< a word for programs, e.g. "accelerometer_unit"
+  std::string topic;   ///< empty: the recording as a whole
+  std::string found;   ///< what, with the numbers
+  std::string effect;  ///< on mapping
+  std::string remedy;
+};
+
+/// What is wrong with a topic, or worth knowing. Finds: an accelerometer in g, gravity along -z,
+/// gaps, stamps that repeat or go back, a clock that is off the recorder's by leap seconds or an
+/// epoch, sweeps without times or returns, directions that are hidden, and point times in the wrong
+/// unit. `frames` tell
+/// how an IMU is mounted.
+std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
+                                   const FrameTree& frames);
+
+/// What is wrong with the recording as a whole: no sweeps, depth images that are none.
+std::vector<Finding> find_in_recording(const std::vector<Topic>& topics);
+
+/// What is damaged, as a finding.
+Finding damage_finding(const InputError& error);
+
+}  // namespace adit

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/inspection/recording_inference.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/printed.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s²
+
+/// "field 't' in units of 1e-09 s, from 0.0 ms after the stamp".
+std::string times_text(const PointTimeNature& times, const SweepStatistics& s) {
+  const std::string field = times.field.empty() ? "times" : "times in field '" + times.field + "'";
+  std::string text = field + printed(", unit %g s, ", times.unit);
+  if (times.absolute) {
+    text += "absolute";
+  } else {
+    text += times.first < -1e-3 ? "up to the stamp, which is the end of the sweep"
+                                : "after the stamp, which is the start of the sweep";
+  }
+  return text + printed(" (a sweep lasts %.1f ms)", 1e3 * s.duration.mean());
+}
+
+std::string sweeps_text(const TopicStatistics& topic) {
+  const SweepStatistics& s = topic.sweeps;
+  const double share = s.points.sum > 0 ? s.returns.sum / s.points.sum : 0;
+  std::string text = printed("%.0f points a sweep, %.1f %% of them returns; %s; ", s.points.mean(),
+                             100.0 * share, s.with_rings == topic.events ? "rings" : "no rings");
+  return text + (topic.point_times ? times_text(*topic.point_times, s) : "no times");
+}
+
+/// The longest time at rest, and what the sensor read in it; empty without any.
+std::string rest_text(const ImuStatistics& s) {
+  const std::vector<RestStretch> stretches = rest_stretches(s.timeline);
+  if (stretches.empty()) {
+    return {};
+  }
+  const RestStretch& rest = *std::ranges::max_element(
+      stretches, {}, [](const RestStretch& one) { return one.end - one.begin; });
+  const Eigen::Vector3d bias = 1e3 * rest.gyro_bias;
+  const Eigen::Vector3d& up = rest.acceleration;
+  return printed(
+      "; at rest, or moving evenly, from %.1f to %.1f s after its first reading: gyroscope %.2f, "
+      "%.2f, %.2f mrad/s, gravity %.3f, up %.1f degrees off its z",
+      rest.begin, rest.end, bias.x(), bias.y(), bias.z(), up.norm(),
+      std::atan2(std::hypot(up.x(), up.y()), up.z()) * 180.0 / std::numbers::pi);
+}
+
+std::string imu_text(const ImuStatistics& s) {
+  if (s.rotation.count == 0) {
+    return printed("acceleration %.3f on average (%.2f to %.2f), no angular velocities",
+                   s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest);
+  }
+  return printed("acceleration %.3f on average (%.2f to %.2f), rotation %.3f rad/s (at most %.2f)",
+                 s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest,
+                 s.rotation.mean(), s.rotation.greatest) +
+         rest_text(s);
+}
+
+bool found(const Inspection& inspection, const std::string& kind, const std::string& topic) {
+  return std::ranges::any_of(inspection.findings,
+                             [&](const Finding& f) { return f.kind == kind && f.topic == topic; });
+}
+
+/// s to add to a topic's times where its clock is off by whole seconds or more.
+double whole_offset(const Inspection& inspection, std::size_t topic) {
+  return found(inspection, "clock_offset", inspection.topics[topic].name)
+             ? std::round(inspection.statistics[topic].delay.mean())
+             : 0.0;
+}
+
+std::optional<std::size_t> first_of(const Inspection& inspection, TopicKind kind,
+                                    const std::string& name) {
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    if (topic.kind == kind && (name.empty() || topic.name == name)) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+void correct_sweeps(const Inspection& inspection, std::size_t topic, Config& config) {
+  const TopicStatistics& s = inspection.statistics[topic];
+  config.recording.sweep_topic = inspection.topics[topic].name;
+  config.recording.sweep_time_offset += whole_offset(inspection, topic);
+  if (!s.point_times_fit() && s.better_time_unit()) {
+    config.recording.point_time_unit = *s.better_time_unit();
+  }
+}
+
+/// imu.T_imu_lidar by the motion, where that tells it and the recording does not or is wrong.
+std::optional<std::array<double, 7>> mounting_by_motion(const Inspection& inspection,
+                                                        const MotionCheck& check) {
+  constexpr double kWellKnown = 0.05;  // rad, standard deviation
+  constexpr double kAway = 0.09;       // rad, from none: 5 degrees
+  const RotationComparison& motion = *check.comparison;
+  const bool told = check.pair.R_range_gyro.has_value();
+  const bool wrong = told ? found(inspection, "mounting", check.pair.imu.name)
+                          : motion.misalignment > kAway + 8.0 * motion.mounting_sigma.maxCoeff();
+  if (!wrong || !(motion.mounting_sigma.maxCoeff() < kWellKnown)) {
+    return std::nullopt;
+  }
+  Eigen::Isometry3d T_lidar_imu = Eigen::Isometry3d::Identity();
+  if (const auto transform =
+          inspection.frames.transform(inspection.statistics[check.pair.sweep_topic].frame,
+                                      inspection.statistics[check.pair.imu_topic].frame)) {
+    T_lidar_imu = *transform;
+  }
+  T_lidar_imu.linear() = motion.R_range_gyro;
+  const Eigen::Isometry3d T = T_lidar_imu.inverse();
+  const Eigen::Quaterniond q(T.linear());
+  const Eigen::Vector3d t = T.translation();
+  return std::array<double, 7>{t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+void correct_imu(const Inspection& inspection, std::size_t topic, Config& config) {
+  const std::string& name = inspection.topics[topic].name;
+  const ImuStatistics& s = inspection.statistics[topic].imu;
+  RecordingConfig& recording = config.recording;
+  recording.imu_topic = name;
+  recording.imu_time_offset += whole_offset(inspection, topic);
+  for (const MotionCheck& check : inspection.motion) {
+    if (check.pair.imu_topic != topic || !check.comparison) {
+      continue;
+    }
+    if (found(inspection, "sensor_offset", name)) {
+      recording.imu_time_offset -= check.comparison->offset;
+    }
+    config.imu.T_imu_lidar = mounting_by_motion(inspection, check).value_or(config.imu.T_imu_lidar);
+  }
+  if (found(inspection, "accelerometer_unit", name) && s.acceleration.mean() < 0.5 * kGravity) {
+    recording.accelerometer_scale *= kGravity;
+  }
+  const bool sure = std::ranges::any_of(inspection.findings, [&](const Finding& f) {
+    return f.kind == "gravity_direction" && f.topic == name && f.severity == Severity::problem;
+  });
+  if (sure) {
+    recording.accelerometer_scale *= -1.0;
+  }
+  if (found(inspection, "gyroscope_unit", name)) {
+    recording.gyroscope_scale *= std::numbers::pi / 180.0;
+  }
+}
+
+}  // namespace
+
+std::vector<Inference> infer(const Inspection& inspection) {
+  std::vector<Inference> all;
+  for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
+    const Topic& topic = inspection.topics[i];
+    const TopicStatistics& s = inspection.statistics[i];
+    if (topic.kind == TopicKind::sweeps && s.events > 0) {
+      all.push_back({topic.name, sweeps_text(s)});
+    } else if (topic.kind == TopicKind::imu && s.imu.acceleration.count > 0) {
+      all.push_back({topic.name, imu_text(s.imu)});
+    }
+  }
+  for (const MotionCheck& check : inspection.motion) {
+    all.push_back({check.pair.imu.name, describe(check)});
+  }
+  return all;
+}
+
+Config suggest_config(const Inspection& inspection, const Config& read_with) {
+  Config config = read_with;
+  if (const auto topic = first_of(inspection, TopicKind::sweeps, read_with.recording.sweep_topic)) {
+    correct_sweeps(inspection, *topic, config);
+  }
+  if (const auto topic = first_of(inspection, TopicKind::imu, read_with.recording.imu_topic)) {
+    correct_imu(inspection, *topic, config);
+  }
+  return config;
+}
+
+std::string suggested_toml(const Inspection& inspection, const Config& read_with) {
+  std::string text;
+  const auto comment = [&](const std::string& line) {
+    std::string plain = line;
+    std::ranges::replace_if(
+        plain, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+    text += "# " + plain + "\n";
+  };
+  comment(inspection.description);
+  for (const Inference& one : infer(inspection)) {
+    comment(one.topic + ": " + one.text);
+  }
+  for (const Finding& finding : inspection.findings) {
+    comment(std::string(to_string(finding.severity)) + ": " +
+            (finding.topic.empty() ? "" : finding.topic + ": ") + finding.found);
+  }
+  return text + "\n" + to_toml(suggest_config(inspection, read_with));
+}
+
+}  // namespace adit

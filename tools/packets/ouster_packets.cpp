@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/packets/ouster_packets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kImuBytes = 48;
+constexpr double kGravity = 9.80665;                            // m/s²
+constexpr Nanoseconds kLongestSweep = std::chrono::seconds(1);  // it turns at 5 Hz at least
+
+template <class T>
+T load(std::span<const std::byte> from, std::size_t at) {
+  T value;
+  std::memcpy(&value, from.subspan(at, sizeof(T)).data(), sizeof(T));
+  return value;
+}
+
+/// Nanoseconds of the sensor's clock; times that no clock shows become the latest.
+Nanoseconds time_of(uint64_t nanoseconds) {
+  constexpr auto kLatest = static_cast<uint64_t>(std::numeric_limits<int64_t>::max() / 4);
+  return Nanoseconds(static_cast<int64_t>(std::min(nanoseconds, kLatest)));
+}
+
+/// The head of a column.
+struct Column {
+  Nanoseconds time{0};
+  std::size_t index = 0;  ///< of the turn
+  unsigned frame = 0;
+  bool valid = false;
+  std::span<const std::byte> pixels;
+};
+
+Column column_of(std::span<const std::byte> packet, std::size_t i, const OusterSensor& sensor) {
+  if (sensor.profile == OusterProfile::legacy) {
+    const auto column = packet.subspan(i * sensor.column_bytes(), sensor.column_bytes());
+    return {.time = time_of(load<uint64_t>(column, 0)),
+            .index = load<uint16_t>(column, 8),
+            .frame = load<uint16_t>(column, 10),
+            .valid = load<uint32_t>(column, column.size() - 4) == 0xffffffffU,
+            .pixels = column.subspan(16, 12 * sensor.beams)};
+  }
+  constexpr std::size_t kPacketHeader = 32;
+  const auto column =
+      packet.subspan(kPacketHeader + i * sensor.column_bytes(), sensor.column_bytes());
+  return {.time = time_of(load<uint64_t>(column, 0)),
+          .index = load<uint16_t>(column, 8),
+          .frame = load<uint16_t>(packet, 2),
+          .valid = (load<uint16_t>(column, 10) & 1U) != 0,
+          .pixels = column.subspan(12, 12 * sensor.beams)};
+}
+
+}  // namespace
+
+bool is_ouster_data(const Datagram& datagram, const OusterSensor& sensor) {
+  return datagram.payload.size() == sensor.packet_bytes() &&
+         (sensor.profile == OusterProfile::legacy || load<uint16_t>(datagram.payload, 0) == 1);
+}
+
+bool is_ouster_imu(const Datagram& datagram) {
+  return datagram.payload.size() == kImuBytes;
+}
+
+OusterSweeps::OusterSweeps(const OusterSensor& sensor, bool points)
+    : sensor_(&sensor), points_(points) {}
+
+void OusterSweeps::add_column(std::span<const std::byte> pixels, std::size_t column,
+                              Nanoseconds time) {
+  const bool legacy = sensor_->profile == OusterProfile::legacy;
+  const uint32_t mask = legacy ? 0xfffffU : 0x7ffffU;
+  const double encoder =
+      2.0 * std::numbers::pi *
+      (1.0 - static_cast<double>(column) / static_cast<double>(sensor_->columns));
+  const auto after = static_cast<float>(
+      std::max(0.0, std::chrono::duration<double>(time - sweep_->stamp).count()));
+  for (std::size_t beam = 0; beam < sensor_->beams; ++beam) {
+    const uint32_t range = load<uint32_t>(pixels, 12 * beam) & mask;
+    Point point;
+    if (range != 0) {
+      const double from_origin = 1e-3 * range - sensor_->beam_origin;
+      const double altitude = sensor_->beam_altitudes[beam];
+      const double azimuth = encoder - sensor_->beam_azimuths[beam];
+      const double flat = from_origin * std::cos(altitude);
+      point.x =
+          static_cast<float>(flat * std::cos(azimuth) + sensor_->beam_origin * std::cos(encoder));
+      point.y =
+          static_cast<float>(flat * std::sin(azimuth) + sensor_->beam_origin * std::sin(encoder));
+      point.z = static_cast<float>(from_origin * std::sin(altitude));
+      point.intensity = static_cast<float>(load<uint16_t>(pixels, 12 * beam + 6));  // signal
+    }
+    sweep_->points.push_back(point);
+    sweep_->times.push_back(after);
+    sweep_->rings.push_back(static_cast<uint16_t>(beam));
+  }
+}
+
+std::vector<Sweep> OusterSweeps::take(const Datagram& datagram) {
+  std::vector<Sweep> whole;
+  for (std::size_t i = 0; i < sensor_->columns_per_packet; ++i) {
+    const Column column = column_of(datagram.payload, i, *sensor_);
+    if (!column.valid || column.index >= sensor_->columns) {
+      continue;
+    }
+    const bool anew = sweep_ && (column.frame != frame_ || column.time < sweep_->stamp ||
+                                 column.time - sweep_->stamp > kLongestSweep);
+    if (anew) {
+      whole.push_back(std::move(*sweep_));
+      sweep_.reset();
+    }
+    if (!sweep_) {
+      sweep_.emplace();
+      sweep_->stamp = column.time;
+      frame_ = column.frame;
+    }
+    if (points_) {
+      add_column(column.pixels, column.index, column.time);
+    }
+  }
+  return whole;
+}
+
+std::optional<Sweep> OusterSweeps::finish() {
+  return std::exchange(sweep_, std::nullopt);
+}
+
+ImuSample ouster_imu(const Datagram& datagram) {
+  const auto vector = [&](std::size_t at) {
+    return Eigen::Vector3d(static_cast<double>(load<float>(datagram.payload, at)),
+                           static_cast<double>(load<float>(datagram.payload, at + 4)),
+                           static_cast<double>(load<float>(datagram.payload, at + 8)));
+  };
+  return {.stamp = time_of(load<uint64_t>(datagram.payload, 16)),
+          .angular_velocity = vector(36) * (std::numbers::pi / 180.0),
+          .linear_acceleration = vector(24) * kGravity};
+}
+
+}  // namespace adit

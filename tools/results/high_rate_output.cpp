@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/results/high_rate_output.hpp"
+
+#include <cstdio>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace adit {
+namespace {
+
+constexpr double kInterruption = 0.1;  // s
+
+std::string header() {
+  std::string line =
+      "stamp_s,x_m,y_m,z_m,qx,qy,qz,qw,vx_m_per_s,vy_m_per_s,vz_m_per_s,wx_rad_per_s,wy_rad_per_s,"
+      "wz_rad_per_s";
+  for (std::size_t i = 0; i < kTangentNames.size(); ++i) {
+    for (std::size_t j = i; j < kTangentNames.size(); ++j) {
+      line += ",cov_" + std::string(kTangentNames[i]) + "_" + std::string(kTangentNames[j]);
+    }
+  }
+  return line + "\n";
+}
+
+std::string csv_line(const LidarMotion& motion) {
+  std::string line;
+  append_stamp(line, motion.stamp);
+  const auto put = [&](double value) {
+    line += ',';
+    append_number(line, value);
+  };
+  Eigen::Quaterniond q(motion.T_map_lidar.linear());
+  q.normalize();
+  if (q.w() < 0.0) {
+    q.coeffs() = -q.coeffs();
+  }
+  const Eigen::Vector3d p = motion.T_map_lidar.translation();
+  for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}) {
+    put(value);
+  }
+  for (const Eigen::Vector3d& vector : {motion.v_map_lidar, motion.angular_velocity}) {
+    put(vector.x());
+    put(vector.y());
+    put(vector.z());
+  }
+  for (Eigen::Index i = 0; i < 9; ++i) {
+    for (Eigen::Index j = i; j < 9; ++j) {
+      put(motion.covariance(i, j));
+    }
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+void HighRateStatistics::add(Nanoseconds stamp) {
+  if (poses_ > 0) {
+    const double interval = seconds(stamp - last_);
+    const bool interrupted = interval > kInterruption;
+    interruptions_ += interrupted ? 1 : 0;
+    intervals_ += interrupted ? 0 : 1;
+    span_ += interrupted ? 0.0 : interval;
+  }
+  ++poses_;
+  last_ = stamp;
+}
+
+std::optional<double> HighRateStatistics::rate() const {
+  return intervals_ > 0 ? std::optional(static_cast<double>(intervals_) / span_) : std::nullopt;
+}
+
+HighRateOutput::HighRateOutput(const std::filesystem::path& folder, const ImuConfig& config,
+                               double smoothing)
+    : stream_(config, smoothing),
+      tum_(HighRateFiles(folder).tum, TrajectoryFormat::tum),
+      csv_(HighRateFiles(folder).csv) {
+  csv_.write(header());
+}
+
+void HighRateOutput::add(const ImuSample& sample, ImuArrival arrival) {
+  if (const std::optional<LidarMotion> motion = stream_.add(sample, arrival)) {
+    tum_.write({.stamp = motion->stamp, .pose = motion->T_map_lidar});
+    csv_.write(csv_line(*motion));
+    statistics_.add(motion->stamp);
+  }
+}
+
+void HighRateOutput::update(const InertialReport& report) {
+  stream_.update(report);
+  tum_.flush();
+  csv_.flush();
+}
+
+void HighRateOutput::close() {
+  tum_.close();
+  csv_.close();
+}
+
+nlohmann::ordered_json to_json(const HighRateStatistics& statistics) {
+  const std::optional<double> rate = statistics.rate();
+  return {{"poses", statistics.poses()},
+          {"rate_hz", rate ? nlohmann::ordered_json(*rate) : nlohmann::ordered_json()},
+          {"interruptions", statistics.interruptions()}};
+}
+
+std::string describe(const HighRateStatistics& statistics) {
+  std::string text = std::to_string(statistics.poses()) + " poses";
+  if (const std::optional<double> rate = statistics.rate()) {
+    char more[64];
+    std::snprintf(more, sizeof more, " at %.1f Hz", *rate);
+    text += more;
+  }
+  if (statistics.poses() == 0) {
+    return text + ": the IMU was never fused";
+  }
+  return statistics.interruptions() == 0
+             ? text
+             : text + ", " + std::to_string(statistics.interruptions()) +
+                   " interruption(s) while it was not fused";
+}
+
+}  // namespace adit

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/results/run_outputs.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <utility>
+
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Opens for appending: says whether the file could be written and changes nothing in it.
+void check_file(const fs::path& file) {
+  std::error_code ignored;
+  const bool existed = fs::exists(fs::symlink_status(file, ignored));
+  std::FILE* stream = std::fopen(file.c_str(), "ab");
+  if (stream == nullptr) {
+    throw OutputError(file, file.string() + ": cannot be written: " + std::strerror(errno) +
+                                ". Choose another folder with -o.");
+  }
+  std::fclose(stream);
+  if (!existed) {
+    fs::remove(file, ignored);
+  }
+}
+
+/// A write that failed half-way may have left the beginning of a line.
+void cut_half_line(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) {
+    return;
+  }
+  const auto size = static_cast<int64_t>(fs::file_size(file, error));
+  std::ifstream stream(file, std::ios::binary);
+  int64_t end = size;
+  for (char letter = 0; end > 0; --end) {
+    if (!stream.seekg(end - 1).get(letter) || letter == '\n') {
+      break;
+    }
+  }
+  if (end < size) {
+    fs::resize_file(file, static_cast<uintmax_t>(end), error);
+  }
+}
+
+}  // namespace
+
+RunFiles::RunFiles(const fs::path& folder)
+    : tum(folder / "trajectory.tum"),
+      kitti(folder / "trajectory.kitti"),
+      sweeps(folder / "sweeps.csv"),
+      map(folder / "map.ply"),
+      summary(folder / "summary.json") {}
+
+void check_writable(const fs::path& folder, const MapOptions& map,
+                    const std::vector<fs::path>& others) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::error_code unknown;
+  if (!fs::is_directory(folder, unknown)) {
+    const std::string reason =
+        error ? error.message() : std::string("there is a file of that name");
+    throw OutputError(folder, folder.string() + ": the output folder cannot be made: " + reason +
+                                  ". Choose another one with -o.");
+  }
+  const RunFiles files(folder);
+  for (const fs::path& file : {files.tum, files.kitti, files.sweeps, files.summary}) {
+    check_file(file);
+  }
+  if (map.enabled) {
+    check_file(files.map);
+  }
+  for (const fs::path& file : others) {
+    check_file(file);
+  }
+}
+
+RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map)
+    : files_(folder),
+      tum_(std::in_place, files_.tum, TrajectoryFormat::tum),
+      kitti_(std::in_place, files_.kitti, TrajectoryFormat::kitti),
+      sweeps_(std::in_place, files_.sweeps) {
+  if (map.enabled) {
+    map_.emplace(files_.map);
+  }
+  if (map.resolution) {
+    thinning_.emplace(*map.resolution);
+  }
+}
+
+void RunOutputs::write(const SweepResult& sweep, std::size_t index) {
+  const StampedPose pose{.stamp = sweep.stamp, .pose = sweep.T_map_lidar};
+  tum_->write(pose);
+  tum_->flush();
+  kitti_->write(pose);
+  kitti_->flush();
+  sweeps_->write(sweep_record(index, sweep));
+  sweeps_->flush();
+  if (map_ && sweep.keyframe) {
+    write_map(sweep);
+  }
+}
+
+void RunOutputs::write_map(const SweepResult& keyframe) {
+  points_.clear();
+  for (const Point& point : keyframe.cloud) {
+    const Eigen::Vector3d p = keyframe.T_map_lidar * Eigen::Vector3d(point.x, point.y, point.z);
+    if (!thinning_ || thinning_->take(p)) {
+      const Eigen::Vector3f single = p.cast<float>();
+      points_.push_back(
+          {.x = single.x(), .y = single.y(), .z = single.z(), .intensity = point.intensity});
+    }
+  }
+  map_->write(points_);
+  map_->flush();
+}
+
+void RunOutputs::close() {
+  std::exception_ptr first_failure;
+  const auto attempt = [&](auto& writer) {
+    try {
+      writer->close();
+    } catch (const OutputError&) {
+      if (!first_failure) {
+        first_failure = std::current_exception();
+      }
+    }
+  };
+  const auto end = [&](auto& writer, const fs::path& file) {
+    if (writer) {
+      attempt(writer);
+      writer.reset();  // so that nothing is written after the cut
+      cut_half_line(file);
+    }
+  };
+  end(tum_, files_.tum);
+  end(kitti_, files_.kitti);
+  end(sweeps_, files_.sweeps);
+  if (map_) {
+    attempt(map_);
+  }
+  if (first_failure) {
+    std::rethrow_exception(first_failure);
+  }
+}
+
+}  // namespace adit

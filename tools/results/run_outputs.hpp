@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The folder that `adit run` writes: trajectory.tum, trajectory.kitti, sweeps.csv, map.ply,
+// summary.json. Other files in it are left alone.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/clouds/ply_writer.hpp"
+#include "adit/tools/results/map_thinning.hpp"
+#include "adit/tools/results/sweep_table.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+
+namespace adit {
+
+struct MapOptions {
+  bool enabled = true;
+  std::optional<double>
+      resolution;  ///< m, one point a voxel of this size; none: every keyframe point
+};
+
+/// The paths of a run's files.
+struct RunFiles {
+  explicit RunFiles(const std::filesystem::path& folder);
+
+  std::filesystem::path tum;
+  std::filesystem::path kitti;
+  std::filesystem::path sweeps;
+  std::filesystem::path map;
+  std::filesystem::path summary;
+};
+
+/// Makes the folder and makes sure that each file in it can be written, and the `others`, without
+/// touching what an earlier run left there. Throws OutputError naming the file.
+void check_writable(const std::filesystem::path& folder, const MapOptions& map,
+                    const std::vector<std::filesystem::path>& others = {});
+
+/// Writes trajectories, table and map as the sweeps come. What is written of a sweep is with the
+/// operating system before the next sweep: it survives the end of the process, whatever ends it.
+class RunOutputs {
+ public:
+  /// Empties trajectories and table and, where there is to be one, the map. Throws OutputError.
+  RunOutputs(const std::filesystem::path& folder, const MapOptions& map);
+
+  /// Sweep `index` of the recording. Throws OutputError (a full disk); what earlier sweeps wrote
+  /// stays as it was.
+  void write(const SweepResult& sweep, std::size_t index);
+
+  /// Closes every file, then throws OutputError if one of them could not be completed. Cuts
+  /// half-written lines off.
+  void close();
+
+  uint64_t map_points() const { return map_ ? map_->count() : 0; }
+
+ private:
+  void write_map(const SweepResult& keyframe);
+
+  RunFiles files_;
+  std::optional<TrajectoryWriter> tum_;
+  std::optional<TrajectoryWriter> kitti_;
+  std::optional<SweepTableWriter> sweeps_;
+  std::optional<PlyWriter> map_;
+  std::optional<MapThinning> thinning_;
+  std::vector<Point> points_;  ///< of the current keyframe, map frame
+};
+
+}  // namespace adit

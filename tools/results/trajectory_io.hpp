@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Trajectories as text, in the two formats the field's tools share:
+//   TUM    "t tx ty tz qx qy qz qw", seconds and metres, one pose a line;
+//   KITTI  the 12 numbers of the upper 3x4 of the pose, row by row, one pose a line, no times.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/support/output_file.hpp"
+
+namespace adit {
+
+/// How columns name the parts of a tangent vector [rho, phi, v] (m, rad, m/s).
+inline constexpr std::array<std::string_view, 9> kTangentNames = {"x",  "y",  "z",  "rx", "ry",
+                                                                  "rz", "vx", "vy", "vz"};
+
+enum class TrajectoryFormat { tum, kitti };
+std::string_view to_string(TrajectoryFormat format);
+
+/// A trajectory as it was read. Where `stamped` is false the poses are numbered and their stamps
+/// are 0.
+struct Trajectory {
+  std::filesystem::path file;
+  TrajectoryFormat format = TrajectoryFormat::tum;
+  bool stamped = false;
+  std::vector<StampedPose> poses;
+};
+
+/// Reads either format, told apart by 8 or 12 columns; '#' starts a comment, blank lines are
+/// skipped. Quaternions are normalised, rotation matrices brought back to the nearest rotation.
+/// `times` (one number in seconds a line) stamps a KITTI trajectory. Throws InputError with the
+/// line: not numbers, not finite, a mixture of formats, no rotation, times that go backwards, no
+/// pose at all.
+Trajectory read_trajectory(const std::filesystem::path& file,
+                           const std::optional<std::filesystem::path>& times = std::nullopt);
+
+/// Writes poses as they come. Numbers are the shortest text that reads back to the same double;
+/// stamps have nine decimals; quaternions have qw >= 0. Throws OutputError.
+class TrajectoryWriter {
+ public:
+  TrajectoryWriter(std::filesystem::path path, TrajectoryFormat format);
+
+  void write(const StampedPose& pose);
+  void flush() { file_.flush(); }
+  void close() {
+    file_.close();
+  }  ///< must be called for the file to be whole; the destructor cannot report
+
+ private:
+  OutputFile file_;
+  TrajectoryFormat format_;
+};
+
+/// Writes a whole trajectory. Throws OutputError.
+void write_trajectory(const std::filesystem::path& path, TrajectoryFormat format,
+                      std::span<const StampedPose> poses);
+
+}  // namespace adit

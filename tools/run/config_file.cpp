@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/config_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <type_traits>
+
+#include <toml++/toml.h>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/run/presets.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A complaint about a place in a text, before it is known whether the text is a file or an option.
+struct Complaint {
+  toml::source_position where;
+  std::string found;
+  std::string remedy;
+};
+
+/// Where each setting was given, by dotted name.
+using Origins = std::map<std::string, toml::source_position>;
+
+std::string place(const toml::source_position& where) {
+  return "line " + std::to_string(where.line) + ", column " + std::to_string(where.column);
+}
+
+// ---- the names, units and help of Config::visit() ----
+
+std::vector<std::string> section_names() {
+  std::vector<std::string> names;
+  const Config config;
+  Config::visit(config, [&](const char* section, const auto&) { names.emplace_back(section); });
+  return names;
+}
+
+template <class Fields>
+std::vector<std::string> key_names(const Fields& fields) {
+  std::vector<std::string> names;
+  Fields::visit(fields, [&](const char* name, auto&&...) { names.emplace_back(name); });
+  return names;
+}
+
+// ---- TOML to Config ----
+
+std::string type_name(const toml::node& node) {
+  std::ostringstream text;
+  text << node.type();
+  return node.is_table() ? "a section" : "of type " + text.str();
+}
+
+void assign(double& to, const toml::node& node) {
+  const auto value = node.value<double>();
+  if (!value || node.is_boolean()) {
+    throw Complaint{node.source().begin, "is " + type_name(node), "Write a number, such as 0.5"};
+  }
+  to = *value;
+}
+
+void assign(int& to, const toml::node& node) {
+  const auto value = node.is_integer() ? node.value<int64_t>() : std::nullopt;
+  if (!value) {
+    throw Complaint{node.source().begin, "is " + type_name(node),
+                    "Write a whole number, such as 10"};
+  }
+  if (*value < std::numeric_limits<int>::min() || *value > std::numeric_limits<int>::max()) {
+    throw Complaint{node.source().begin, "is " + std::to_string(*value), "Write a smaller number"};
+  }
+  to = static_cast<int>(*value);
+}
+
+void assign(std::string& to, const toml::node& node) {
+  const auto value = node.value<std::string>();
+  if (!value) {
+    throw Complaint{node.source().begin, "is " + type_name(node),
+                    "Write a text in quotes, such as \"/points\""};
+  }
+  to = *value;
+}
+
+template <std::size_t n>
+void assign(std::array<double, n>& to, const toml::node& node) {
+  const toml::array* values = node.as_array();
+  if (values == nullptr || values->size() != n) {
+    throw Complaint{node.source().begin, "is " + type_name(node),
+                    "Write " + std::to_string(n) + " numbers in brackets: [1.0, 2.0, ...]"};
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    assign(to[i], *values->get(i));
+  }
+}
+
+template <class Fields>
+void read_section(Fields& fields, const std::string& section, const toml::table& table,
+                  Origins& origins) {
+  for (const auto& entry : table) {
+    const toml::key& key = entry.first;
+    const toml::node& node = entry.second;
+    const std::string dotted = section + "." + std::string(key.str());
+    bool known = false;
+    Fields::visit(fields, [&](std::string_view name, auto& value, auto&&...) {
+      if (name != key.str()) {
+        return;
+      }
+      known = true;
+      try {
+        assign(value, node);
+      } catch (Complaint& complaint) {
+        complaint.found = dotted + " " + complaint.found;
+        throw;
+      }
+      origins[dotted] = key.source().begin;
+    });
+    if (!known) {
+      throw Complaint{key.source().begin, "there is no setting '" + dotted + "'",
+                      suggestion(key.str(), key_names(fields))};
+    }
+  }
+}
+
+void read_table(Config& config, const toml::table& table, Origins& origins) {
+  for (const auto& entry : table) {
+    const toml::key& key = entry.first;
+    const toml::node& node = entry.second;
+    bool known = false;
+    Config::visit(config, [&](std::string_view section, auto& fields) {
+      if (section != key.str()) {
+        return;
+      }
+      known = true;
+      if (!node.is_table()) {
+        throw Complaint{node.source().begin, "'" + std::string(section) + "' is " + type_name(node),
+                        "Write [" + std::string(section) + "] and its settings below"};
+      }
+      read_section(fields, std::string(section), *node.as_table(), origins);
+    });
+    if (!known) {
+      throw Complaint{key.source().begin, "there is no section '" + std::string(key.str()) + "'",
+                      suggestion(key.str(), section_names())};
+    }
+  }
+}
+
+/// The origin of the setting a problem is about or, where that one has its default, of one the
+/// message names.
+const Origins::value_type* origin_of(const ConfigProblem& problem, const Origins& origins) {
+  if (const auto at = origins.find(problem.field); at != origins.end()) {
+    return &*at;
+  }
+  for (const auto& origin : origins) {
+    if (problem.message.find(origin.first) != std::string::npos) {
+      return &origin;
+    }
+  }
+  return nullptr;
+}
+
+// ---- the two sources ----
+
+std::string read_text(const fs::path& file) {
+  std::error_code error;
+  if (fs::is_directory(file, error)) {
+    throw InputError(file, Place(), "is a folder, not a configuration", "Name a TOML file");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf() || stream.peek() == EOF)) {
+    throw InputError(file, Place(), "cannot be read", "Check the path and its permissions");
+  }
+  return text.str();
+}
+
+/// InputError ends both parts with a full stop.
+std::string without_stop(std::string text) {
+  if (!text.empty() && text.back() == '.') {
+    text.pop_back();
+  }
+  return text;
+}
+
+Origins apply_file(Config& config, const fs::path& file) {
+  Origins origins;
+  try {
+    read_table(config, toml::parse(read_text(file)), origins);
+  } catch (const toml::parse_error& error) {
+    throw InputError(file, Place::named(place(error.source().begin)),
+                     "not valid TOML: " + without_stop(std::string(error.description())),
+                     "`adit config` prints a valid file");
+  } catch (const Complaint& complaint) {
+    throw InputError(file, Place::named(place(complaint.where)), complaint.found, complaint.remedy);
+  }
+  return origins;
+}
+
+/// Applies "section.key=value" and returns the dotted name.
+std::string apply_override(Config& config, const std::string& text) {
+  const auto refuse = [&](const std::string& why) {
+    throw UsageError("--set " + text + ": " + why);
+  };
+  const std::size_t equals = text.find('=');
+  const std::size_t dot = text.find('.');
+  const bool one_line = text.find_first_of("\r\n") == std::string::npos;
+  if (equals == std::string::npos || dot == std::string::npos || dot > equals || !one_line) {
+    refuse("write it as section.key=value, for example preprocess.r_input=0.5");
+  }
+  const auto bare = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  const std::string section = text.substr(0, dot);
+  const std::string key = text.substr(dot + 1, equals - dot - 1);
+  if (!std::ranges::all_of(section, bare) || !std::ranges::all_of(key, bare) || key.empty()) {
+    refuse("write it as section.key=value, without spaces");
+  }
+  try {
+    Origins origins;
+    read_table(config, toml::parse("[" + section + "]\n" + key + " = " + text.substr(equals + 1)),
+               origins);
+  } catch (const toml::parse_error&) {
+    refuse("'" + text.substr(equals + 1) +
+           "' is not a value. Write a number, or a text in quotes.");
+  } catch (const Complaint& complaint) {
+    refuse(complaint.found + ". " + complaint.remedy + ".");
+  }
+  return section + "." + key;
+}
+
+}  // namespace
+
+Config load_config(const ConfigSource& source) {
+  Config config;
+  Origins origins;
+  if (!source.preset.empty()) {
+    apply_preset(source.preset, config);
+  }
+  if (source.file) {
+    origins = apply_file(config, *source.file);
+  }
+  std::map<std::string, std::string> overridden;
+  for (const std::string& text : source.overrides) {
+    overridden[apply_override(config, text)] = text;
+  }
+
+  const auto problem = validate(config);
+  if (!problem) {
+    return config;
+  }
+  const std::string found = problem->field + " " + problem->message;
+  for (const auto& [name, text] : overridden) {
+    origins.erase(name);
+    if (name == problem->field || problem->message.find(name) != std::string::npos) {
+      throw UsageError("--set " + text + ": " + found + ".");
+    }
+  }
+  const auto* origin = origin_of(*problem, origins);
+  if (origin == nullptr) {
+    throw std::logic_error("the default configuration is not valid: " + found);
+  }
+  throw InputError(*source.file, Place::named(place(origin->second)), found,
+                   "`adit config` prints every setting with its unit and default");
+}
+
+std::string to_toml(const Config& config) {
+  // nlohmann::json prints the shortest text that reads back as the same number, and 1.0 for a whole
+  // double.
+  std::ostringstream text;
+  text << "# The effective configuration of adit: every setting, with its unit, meaning and "
+          "default.\n";
+  const auto defaults = to_json(Config{});
+  Config::visit(config, [&](const std::string& section, const auto& fields) {
+    text << "\n[" << section << "]\n";
+    std::decay_t<decltype(fields)>::visit(
+        fields, [&](const std::string& name, const auto& value, const std::string& unit,
+                    const std::string& help) {
+          text << "# " << (unit.empty() ? "" : "[" + unit + "] ") << help << "; default "
+               << defaults[section][name].dump() << "\n"
+               << name << " = " << nlohmann::json(value).dump() << "\n";
+        });
+  });
+  return text.str();
+}
+
+nlohmann::ordered_json to_json(const Config& config) {
+  nlohmann::ordered_json object;
+  Config::visit(config, [&](const std::string& section, const auto& fields) {
+    std::decay_t<decltype(fields)>::visit(
+        fields, [&](const std::string& name, const auto& value, auto&&...) {
+          object[section][name] = value;
+        });
+  });
+  return object;
+}
+
+}  // namespace adit

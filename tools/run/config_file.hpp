@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Configurations as TOML. Sections, keys, units and help come from Config::visit().
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "adit/slam/core/config.hpp"
+
+namespace adit {
+
+/// Where a configuration comes from: defaults, then the preset, the file and the overrides.
+struct ConfigSource {
+  std::optional<std::filesystem::path> file;
+  std::vector<std::string> overrides;  ///< "section.key=value", the last one of a key wins
+  std::string preset{};                ///< of presets.hpp; empty: none
+};
+
+/// Reads and validates. Throws InputError with line and column for what the file says, UsageError
+/// for what an override says: syntax, an unknown name (with the nearest valid one), a wrong type, a
+/// value that validate() refuses.
+Config load_config(const ConfigSource& source);
+
+/// The whole configuration as TOML, each setting with its unit, help and default as a comment.
+/// load_config() gives the same configuration back, bit for bit.
+std::string to_toml(const Config& config);
+
+/// The same as an object of objects, in the order of the file.
+nlohmann::ordered_json to_json(const Config& config);
+
+}  // namespace adit

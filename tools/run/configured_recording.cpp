@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/configured_recording.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "adit/tools/topics/topic_statistics.hpp"
+
+namespace adit {
+namespace {
+
+Nanoseconds nanoseconds(double seconds) {
+  return Nanoseconds(static_cast<int64_t>(std::llround(1e9 * seconds)));
+}
+
+class CorrectedStream final : public EventStream {
+ public:
+  CorrectedStream(std::unique_ptr<EventStream> events, const RecordingConfig& config)
+      : events_(std::move(events)), config_(config) {}
+
+  std::optional<Event> next() override {
+    std::optional<Event> event = events_->next();
+    if (event) {
+      event->value = corrected(std::move(event->value), config_);
+    }
+    return event;
+  }
+
+ private:
+  std::unique_ptr<EventStream> events_;
+  RecordingConfig config_;
+};
+
+class ConfiguredRecording final : public Recording {
+ public:
+  ConfiguredRecording(std::unique_ptr<Recording> recording, const RecordingConfig& config)
+      : recording_(std::move(recording)), config_(config) {}
+
+  const std::vector<Topic>& topics() const override { return recording_->topics(); }
+  std::string description() const override { return recording_->description(); }
+  bool times_are_assumed() const override { return recording_->times_are_assumed(); }
+  std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
+    EventSelection told = selection;
+    told.point_time_unit = config_.point_time_unit;
+    return std::make_unique<CorrectedStream>(recording_->events(told), config_);
+  }
+
+ private:
+  std::unique_ptr<Recording> recording_;
+  RecordingConfig config_;
+};
+
+}  // namespace
+
+EventValue corrected(EventValue value, const RecordingConfig& config) {
+  if (auto* sweep = std::get_if<Sweep>(&value)) {
+    sweep->stamp += nanoseconds(config.sweep_time_offset);
+  } else if (auto* sample = std::get_if<ImuSample>(&value)) {
+    sample->stamp += nanoseconds(config.imu_time_offset);
+    sample->linear_acceleration *= config.accelerometer_scale;
+    sample->angular_velocity *= config.gyroscope_scale;
+  }
+  return value;
+}
+
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
+                                          const RecordingConfig& config) {
+  std::unique_ptr<Recording> recording = open_recording(path);
+  if (config == RecordingConfig{}) {
+    return recording;
+  }
+  return std::make_unique<ConfiguredRecording>(std::move(recording), config);
+}
+
+void require_clear_point_times(const Recording& recording, std::size_t topic,
+                               const std::filesystem::path& path) {
+  constexpr int kSweeps = 5;
+  TopicStatistics statistics;
+  std::string place;
+  const auto events = recording.events({.topics = {topic}});
+  for (int i = 0; i < kSweeps; ++i) {
+    std::optional<Event> event;
+    try {
+      event = events->next();
+    } catch (const InputError&) {
+      return;  // whoever reads on reports it
+    }
+    if (!event) {
+      break;
+    }
+    place = std::get<Sweep>(event->value).source;
+    statistics.add(*event);
+  }
+  if (statistics.point_times_fit()) {
+    return;
+  }
+  const std::optional<double> unit = statistics.better_time_unit();
+  char found[300];
+  std::snprintf(found, sizeof found,
+                "by its points' times a sweep lasts %.6f s (understood in units of %g s), but the "
+                "sweeps follow each other every %.4f s",
+                statistics.sweeps.duration.mean(), statistics.point_times->unit,
+                statistics.period());
+  char remedy[200];
+  std::snprintf(remedy, sizeof remedy,
+                "Set the unit of the times: --set recording.point_time_unit=%g%s",
+                unit.value_or(1e-9), unit ? " would fit" : ", or what it is");
+  throw InputError(path, Place::named(place), found, remedy);
+}
+
+}  // namespace adit

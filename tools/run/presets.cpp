@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/presets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+struct Preset {
+  std::string_view name;
+  std::string_view sweep_topic;  ///< empty: the only one
+  std::string_view imu_topic;
+  /// imu.T_imu_lidar; nothing where the recordings' own transforms, or the user, must tell it.
+  std::optional<std::array<double, 7>> T_imu_lidar{};
+};
+
+// Ouster sensors by their design: points in the frame of the lidar (os_lidar, gen. 1 drivers) or of
+// the housing (os_sensor); Newer College's multi-camera release by its own calibration.
+constexpr std::array<double, 7> kOusterLidar = {-0.006253, 0.011775, 0.028535, 0.0, 0.0, 1.0, 0.0};
+constexpr std::array<double, 7> kNewerCollege2021 = {0.014, -0.012, -0.015, 0.0, 0.0, 0.0, 1.0};
+constexpr std::array<double, 7> kHilti2022 = {-0.001,      -0.00855, 0.055, 0.70710678,
+                                              -0.70710678, 0.0,      0.0};
+
+constexpr std::array<Preset, 7> kPresets = {{
+    {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu"},
+    {"hilti-2022", "/hesai/pandar", "/alphasense/imu", kHilti2022},
+    {"kitti", "", ""},
+    {"mulran", "", ""},
+    {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", kOusterLidar},
+    {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu",
+     kNewerCollege2021},
+    {"subt-mrs", "", ""},
+}};
+
+}  // namespace
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const Preset& preset : kPresets) {
+    names.emplace_back(preset.name);
+  }
+  return names;
+}
+
+void apply_preset(const std::string& name, Config& config) {
+  const auto preset = std::ranges::find(kPresets, name, &Preset::name);
+  if (preset == kPresets.end()) {
+    throw UsageError("--preset " + name + ": there is no such preset. " +
+                     suggestion(name, preset_names()) + ".");
+  }
+  config.recording.sweep_topic = preset->sweep_topic;
+  config.recording.imu_topic = preset->imu_topic;
+  config.imu.T_imu_lidar = preset->T_imu_lidar.value_or(config.imu.T_imu_lidar);
+}
+
+}  // namespace adit

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The loop of `adit run`: read a sweep, place it, write it, until the recording ends or something
+// ends it early.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/results/high_rate_output.hpp"
+#include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/support/progress.hpp"
+
+namespace adit {
+
+/// How a run ended. Whatever the end, what was computed before it is written.
+enum class RunEnd {
+  completed,
+  interrupted,   ///< the user asked for it
+  input_error,   ///< a sweep could not be read
+  output_error,  ///< a result could not be written
+  device_error,  ///< the device or its memory failed
+};
+std::string_view to_string(RunEnd end);
+
+/// A part of a recording.
+struct SweepRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
+struct MappingResult {
+  RunEnd end = RunEnd::completed;
+  std::string reason;  ///< for people; empty when completed
+};
+
+/// What map_recording() works with.
+struct Mapping {
+  const Recording& recording;
+  std::size_t topic;  ///< of the sweeps
+  SweepRange range;
+  std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
+  std::function<ImuArrival(const ImuSample&)> reading{};  ///< Odometry::add
+  std::function<SweepResult(const Sweep&)> place;         ///< Odometry::step
+  std::function<bool()> stop;                             ///< asked before each sweep
+  RunOutputs& outputs;
+  HighRateOutput* high_rate = nullptr;  ///< none: not asked for
+  RunStatistics& statistics;
+  Progress& progress;
+  bool quiet = false;  ///< no note on each failed sweep
+};
+
+/// Maps the sweeps of the range in their order. Does not close the outputs.
+MappingResult map_recording(const Mapping& mapping);
+
+}  // namespace adit

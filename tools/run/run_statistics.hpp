@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What is counted and timed while a recording is mapped.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/run/inertial_statistics.hpp"
+
+namespace adit {
+
+struct Distribution {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double p50 = 0.0;
+  double p95 = 0.0;
+  double max = 0.0;
+};
+
+/// Percentiles are the smallest value that at least that share of the values does not exceed.
+Distribution distribution(std::vector<float> values);
+
+/// Host time of one sweep by what it was spent on, ms.
+struct HostTimes {
+  double read = 0.0;      ///< reading and decoding the file
+  double host = 0.0;      ///< host work of the odometry
+  double wait = 0.0;      ///< waiting for the device
+  double write = 0.0;     ///< writing the results
+  double inertial = 0.0;  ///< of `host`: preintegration and the sliding graph
+};
+
+/// A sweep that could not be placed.
+struct SweepFailure {
+  std::size_t index = 0;  ///< in the recording, counted from 0
+  std::string source;     ///< its file
+  OdometryState state = OdometryState::coasting;
+  RegistrationStatus status = RegistrationStatus::too_few_points;
+  std::string reason;  ///< for people, with the numbers
+};
+
+/// Why a sweep failed, with the settings that decided; nothing where it did not fail.
+std::optional<std::string> failure_reason(const SweepResult& sweep, const Config& config);
+
+/// Times of a named stage, one value a sweep, ms.
+struct StageTimes {
+  std::string stage;
+  std::vector<float> ms;
+};
+
+/// Adds up sweeps.
+class RunStatistics {
+ public:
+  explicit RunStatistics(const Config& config) : config_(config) {}
+
+  /// Takes the next sweep; returns its failure, if it is one.
+  std::optional<SweepFailure> add(std::size_t index, const Sweep& sweep, const SweepResult& result,
+                                  const HostTimes& times);
+
+  /// Takes the next reading of the inertial sensor.
+  void add(ImuArrival arrival) { inertial_.add(arrival); }
+
+  std::size_t sweeps() const { return sweeps_; }
+  std::size_t deskewed() const { return deskewed_; }  ///< sweeps
+  const InertialStatistics& inertial() const { return inertial_; }
+  std::size_t keyframes() const { return keyframes_; }
+  std::size_t count(OdometryState state) const { return states_[static_cast<std::size_t>(state)]; }
+  std::size_t count(RegistrationStatus status) const {
+    return statuses_[static_cast<std::size_t>(status)];
+  }
+  /// Points of all sweeps that found no place on the device (SweepResult::lost_points); 0 is
+  /// normal.
+  std::size_t lost_points() const { return lost_points_; }
+  const std::vector<SweepFailure>& failures() const { return failures_; }
+  double distance() const { return distance_; }  ///< m, along the estimated path
+  double recorded_seconds() const;               ///< s between the first and the last stamp
+  /// "read", "host", "wait", "write", and "total", their sum.
+  const std::array<StageTimes, 5>& host_stages() const { return host_; }
+  /// Preintegration and the sliding graph, a part of "host"; the sweeps that the IMU was fused in.
+  const StageTimes& inertial_stage() const { return inertial_times_; }
+  /// In the order in which the device ran them, then "total", their sum; empty unless profiled.
+  const std::vector<StageTimes>& device_stages() const { return device_; }
+
+ private:
+  void add_device_times(const std::vector<StageTime>& stages);
+
+  Config config_;
+  InertialStatistics inertial_;
+  std::size_t sweeps_ = 0;
+  std::size_t deskewed_ = 0;
+  std::size_t keyframes_ = 0;
+  std::size_t lost_points_ = 0;
+  std::array<std::size_t, 4> states_{};
+  std::array<std::size_t, 7> statuses_{};
+  std::vector<SweepFailure> failures_;
+  double distance_ = 0.0;
+  std::optional<StampedPose> first_;
+  StampedPose last_;
+  std::array<StageTimes, 5> host_{StageTimes{"read", {}}, StageTimes{"host", {}},
+                                  StageTimes{"wait", {}}, StageTimes{"write", {}},
+                                  StageTimes{"total", {}}};
+  StageTimes inertial_times_{"imu and graph", {}};
+  std::vector<StageTimes> device_;
+};
+
+/// Every value of the two enumerations, in their order.
+inline constexpr std::array kOdometryStates{OdometryState::initializing, OdometryState::tracking,
+                                            OdometryState::coasting, OdometryState::restarted};
+inline constexpr std::array kRegistrationStatuses{
+    RegistrationStatus::converged,      RegistrationStatus::degenerate,
+    RegistrationStatus::not_converged,  RegistrationStatus::too_little_overlap,
+    RegistrationStatus::too_few_points, RegistrationStatus::diverged,
+    RegistrationStatus::doubtful};
+
+}  // namespace adit

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/run_summary.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/support/version.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json describe_run(const RunDescription& run, std::string_view status,
+                          const std::string& reason) {
+  ordered_json json;
+  json["adit"] = version();
+  json["status"] = status;
+  json["reason"] = reason;
+  json["input"] = {{"path", run.recording.string()}, {"description", run.recording_description},
+                   {"sweeps", run.recording_sweeps}, {"times_are_assumed", run.times_are_assumed},
+                   {"first", run.range.first},       {"count", run.range.count}};
+  json["device"] = to_json(run.device);
+  json["device"]["requested"] = run.device_requested;
+  json["device"]["software_fallback"] = run.software_fallback;
+  json["device"]["memory_budget_bytes"] = run.memory_budget_bytes;
+  json["configuration"] = to_json(run.config);
+  return json;
+}
+
+ordered_json describe_sweeps(const RunStatistics& statistics) {
+  ordered_json json;
+  json["processed"] = statistics.sweeps();
+  json["failed"] = statistics.failures().size();
+  json["keyframes"] = statistics.keyframes();
+  json["lost_points"] = statistics.lost_points();
+  for (const OdometryState state : kOdometryStates) {
+    json["states"][std::string(to_string(state))] = statistics.count(state);
+  }
+  for (const RegistrationStatus status : kRegistrationStatuses) {
+    json["registrations"][std::string(to_string(status))] = statistics.count(status);
+  }
+  json["failures"] = ordered_json::array();
+  for (const SweepFailure& failure : statistics.failures()) {
+    json["failures"].push_back({{"index", failure.index},
+                                {"source", failure.source},
+                                {"state", to_string(failure.state)},
+                                {"registration", to_string(failure.status)},
+                                {"reason", failure.reason}});
+  }
+  return json;
+}
+
+ordered_json describe_stage(const StageTimes& stage) {
+  const Distribution times = distribution(stage.ms);
+  return {{"sweeps", times.count},
+          {"mean", times.mean},
+          {"p50", times.p50},
+          {"p95", times.p95},
+          {"max", times.max}};
+}
+
+template <class Stages>
+ordered_json describe_stages(const Stages& stages) {
+  ordered_json json = ordered_json::object();
+  for (const StageTimes& stage : stages) {
+    json[stage.stage] = describe_stage(stage);
+  }
+  return json;
+}
+
+ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outcome) {
+  const RunFiles files(run.output);
+  ordered_json json = {{"folder", run.output.string()},
+                       {"files",
+                        {files.tum.filename().string(), files.kitti.filename().string(),
+                         files.sweeps.filename().string()}}};
+  if (run.map.enabled) {
+    json["files"].push_back(files.map.filename().string());
+    json["map_points"] = outcome.map_points;
+    json["map_resolution_m"] =
+        run.map.resolution ? ordered_json(*run.map.resolution) : ordered_json();
+  }
+  if (outcome.high_rate) {
+    const HighRateFiles high_rate(run.output);
+    json["files"].push_back(high_rate.tum.filename().string());
+    json["files"].push_back(high_rate.csv.filename().string());
+    json["high_rate"] = to_json(*outcome.high_rate);
+    json["high_rate"]["smoothing_s"] = run.high_rate.smoothing;
+  }
+  return json;
+}
+
+double rate(const RunOutcome& outcome, const RunStatistics& statistics) {
+  return outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
+}
+
+}  // namespace
+
+ordered_json running_summary(const RunDescription& run) {
+  return describe_run(run, "running",
+                      "the run has not ended, or was killed: the files hold what it had by then");
+}
+
+ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
+                           const RunStatistics& statistics) {
+  ordered_json json = describe_run(run, to_string(outcome.result.end), outcome.result.reason);
+  json["device"]["memory_peak_bytes"] = outcome.device_peak_bytes;
+  json["sweeps"] = describe_sweeps(statistics);
+  json["sweeps"]["deskewed"] = statistics.deskewed();
+  if (statistics.inertial().any()) {
+    json["imu"] = statistics.inertial().to_json();
+    json["imu"]["host_ms"] = describe_stage(statistics.inertial_stage());
+  }
+  json["distance_m"] = statistics.distance();
+  json["time"] = {{"wall_s", outcome.wall_s},
+                  {"recorded_s", statistics.recorded_seconds()},
+                  {"sweeps_per_s", rate(outcome, statistics)},
+                  {"host_ms", describe_stages(statistics.host_stages())},
+                  {"device_ms", describe_stages(statistics.device_stages())}};
+  json["output"] = describe_outputs(run, outcome);
+  json["validation"] = {{"enabled", run.validation}, {"messages", outcome.validation_messages}};
+  return json;
+}
+
+}  // namespace adit

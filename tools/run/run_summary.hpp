@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `adit run` tells at its end: summary.json for programs, a table for people.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "adit/engine/device_info.hpp"
+#include "adit/slam/core/config.hpp"
+#include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/run_mapping.hpp"
+#include "adit/tools/run/run_statistics.hpp"
+
+namespace adit {
+
+/// What is known before the first sweep.
+struct RunDescription {
+  std::filesystem::path recording;
+  std::string recording_description;
+  std::size_t recording_sweeps = 0;
+  bool times_are_assumed = false;
+  SweepRange range;
+  std::filesystem::path output;
+  MapOptions map;
+  HighRateOptions high_rate;
+  Config config;
+  engine::DeviceInfo device;
+  std::string device_requested;  ///< empty: nothing was asked for
+  bool software_fallback = false;
+  uint64_t memory_budget_bytes = 0;  ///< 0: no limit
+  bool validation = false;
+};
+
+/// What is known after the last.
+struct RunOutcome {
+  MappingResult result;
+  double wall_s =
+      0.0;  ///< s, mapping alone, from the first sweep's reading to the last one's writing
+  uint64_t map_points = 0;
+  uint64_t device_peak_bytes = 0;
+  std::optional<HighRateStatistics> high_rate;  ///< none: not asked for
+  std::vector<std::string> validation_messages;
+};
+
+/// summary.json as it stands while the run goes on: its status is "running". A process that is
+/// killed leaves this.
+nlohmann::ordered_json running_summary(const RunDescription& run);
+
+/// summary.json of a run that has ended.
+nlohmann::ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
+                                     const RunStatistics& statistics);
+
+/// The same for people, a few lines; `stages` adds a table of every stage.
+std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
+                          const RunStatistics& statistics, bool stages);
+
+}  // namespace adit

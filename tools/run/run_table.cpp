@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/run/run_summary.hpp"
+#include "adit/tools/support/printed.hpp"
+#include "adit/tools/support/progress.hpp"
+
+namespace adit {
+namespace {
+
+std::string counts(const RunStatistics& statistics) {
+  const std::size_t failed = statistics.failures().size();
+  std::string text = printed("%zu placed, %zu failed", statistics.sweeps() - failed, failed);
+  const std::size_t coasting = statistics.count(OdometryState::coasting);
+  const std::size_t restarted = statistics.count(OdometryState::restarted);
+  if (failed > 0) {
+    text += printed(" (%zu bridged by the predicted motion, %zu new starts; see summary.json)",
+                    coasting, restarted);
+  }
+  if (restarted > 0) {
+    text += "; how the pieces before and after a new start lie to each other is a guess";
+  }
+  text += printed(", %zu keyframes", statistics.keyframes());
+  if (statistics.lost_points() > 0) {
+    text += printed("; %zu points found no place on the device", statistics.lost_points());
+  }
+  return text;
+}
+
+std::string host_times(const RunStatistics& statistics) {
+  const auto mean = [&](std::size_t stage) {
+    return distribution(statistics.host_stages().at(stage).ms).mean;
+  };
+  std::string text =
+      printed("%.1f ms a sweep: read %.1f, host %.1f, device %.1f (waiting for it), write %.1f",
+              mean(4), mean(0), mean(1), mean(2), mean(3));
+  if (!statistics.device_stages().empty()) {
+    text += printed("; %.1f by the device's own clock",
+                    distribution(statistics.device_stages().back().ms).mean);
+  }
+  return text;
+}
+
+std::string inertial_text(const RunStatistics& statistics) {
+  std::string text = statistics.inertial().text();
+  const Distribution times = distribution(statistics.inertial_stage().ms);
+  if (times.count > 0) {
+    text +=
+        printed("; preintegration and graph %.2f ms a sweep, %.2f at most", times.mean, times.max);
+  }
+  return text;
+}
+
+std::string stage_table(const RunStatistics& statistics) {
+  std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
+  const auto row = [&](const char* where, const StageTimes& stage) {
+    const Distribution d = distribution(stage.ms);
+    text += printed("  %-6s %-18s %7zu  %7.3f  %7.3f  %7.3f  %7.3f\n", where, stage.stage.c_str(),
+                    d.count, d.mean, d.p50, d.p95, d.max);
+  };
+  for (const StageTimes& stage : statistics.host_stages()) {
+    row("host", stage);
+  }
+  if (!statistics.inertial_stage().ms.empty()) {
+    row("host", statistics.inertial_stage());
+  }
+  for (const StageTimes& stage : statistics.device_stages()) {
+    row("device", stage);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
+                          const RunStatistics& statistics, bool stages) {
+  const RunFiles files(run.output);
+  const double rate =
+      outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
+  std::string text = printed("mapped   %zu of %zu sweeps, %.1f m, in %s (%.1f sweeps/s)\n",
+                             statistics.sweeps(), run.range.count, statistics.distance(),
+                             format_duration(outcome.wall_s).c_str(), rate);
+  text += "sweeps   " + counts(statistics) + "\n";
+  if (statistics.inertial().any()) {
+    text += "imu      " + inertial_text(statistics) + "\n";
+  }
+  text += "time     " + host_times(statistics) + "\n";
+  text += "device   " + describe(run.device) +
+          printed("; %.1f MiB at most\n",
+                  static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
+  text += "wrote    " + files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
+          files.sweeps.string() + "\n";
+  if (run.map.enabled) {
+    text += "         " + files.map.string() +
+            printed(" (%llu points)\n", static_cast<unsigned long long>(outcome.map_points));
+  }
+  if (outcome.high_rate) {
+    text += "         " + HighRateFiles(run.output).tum.string() + " (" +
+            describe(*outcome.high_rate) + ")\n         " + HighRateFiles(run.output).csv.string() +
+            " (velocities, covariances)\n";
+  }
+  text += "         " + files.summary.string() + "\n";
+  return stages ? text + stage_table(statistics) : text;
+}
+
+}  // namespace adit

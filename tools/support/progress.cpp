@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/support/progress.hpp"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ostream>
+#include <string_view>
+
+namespace adit {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kRedrawEvery = 100ms;
+constexpr auto kLineEvery = 5s;
+constexpr auto kLineNotBefore = 1s;
+
+int percent(const ProgressState& state) {
+  return state.total == 0 ? 100 : static_cast<int>(100 * state.done / state.total);
+}
+
+/// ", 12.3/s, 0:03 left" with the given separator; empty before there is a rate.
+std::string rate_text(const ProgressState& state, const std::string& separator) {
+  if (state.done == 0 || state.elapsed_s <= 0.0) return {};
+  const double rate = static_cast<double>(state.done) / state.elapsed_s;
+  char text[64];
+  std::snprintf(text, sizeof text, rate < 10.0 ? "%.2f/s" : "%.1f/s", rate);
+  std::string result = separator + text;
+  if (state.done < state.total) {
+    result +=
+        separator + format_duration(static_cast<double>(state.total - state.done) / rate) + " left";
+  } else {
+    result += separator + format_duration(state.elapsed_s);
+  }
+  return result;
+}
+
+std::string failed_text(const ProgressState& state, const std::string& separator) {
+  return state.failed == 0 ? std::string() : separator + std::to_string(state.failed) + " failed";
+}
+
+std::string count_text(const ProgressState& state) {
+  return std::to_string(state.done) + "/" + std::to_string(state.total) + " sweeps";
+}
+
+std::size_t terminal_columns() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+}  // namespace
+
+std::string format_duration(double seconds) {
+  const auto whole = std::llround(std::max(seconds, 0.0));
+  char text[48];
+  if (whole >= 3600) {
+    std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60,
+                  whole % 60);
+  } else {
+    std::snprintf(text, sizeof text, "%lld:%02lld", whole / 60, whole % 60);
+  }
+  return text;
+}
+
+std::string format_bar(const std::string& label, const ProgressState& state, std::size_t columns) {
+  constexpr std::size_t kLongestBar = 40;
+  constexpr std::size_t kShortestBar = 5;
+  char share[16];
+  std::snprintf(share, sizeof share, "%3d %%", percent(state));
+  const std::string numbers = std::string(share) + "  " + count_text(state) +
+                              failed_text(state, "  ") + rate_text(state, "  ");
+  const std::size_t fixed = label.size() + numbers.size() + 4;  // " [", "] "
+  if (columns < fixed + kShortestBar) {
+    return (label + " " + numbers).substr(0, columns);
+  }
+
+  const std::size_t length = std::min(kLongestBar, columns - fixed);
+  const std::size_t filled = state.total == 0 ? length : length * state.done / state.total;
+  std::string bar(filled, '=');
+  if (filled < length) {
+    bar += '>';
+  }
+  bar.resize(length, ' ');
+  return label + " [" + bar + "] " + numbers;
+}
+
+std::string format_line(const std::string& label, const ProgressState& state) {
+  return label + " " + count_text(state) + " (" + std::to_string(percent(state)) + " %)" +
+         failed_text(state, ", ") + rate_text(state, ", ");
+}
+
+ProgressStyle progress_style_of_stderr() {
+  const char* terminal = std::getenv("TERM");
+  const bool can_redraw = terminal != nullptr && std::string_view(terminal) != "dumb";
+  return isatty(STDERR_FILENO) != 0 && can_redraw ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+Progress::Progress(std::ostream& stream, ProgressStyle style, std::string label, std::size_t total,
+                   Clock::time_point start)
+    : stream_(stream),
+      style_(style),
+      label_(std::move(label)),
+      start_(start),
+      drawn_at_(start),
+      state_{.done = 0, .total = total, .failed = 0, .elapsed_s = 0.0} {}
+
+void Progress::update(std::size_t done, std::size_t failed, Clock::time_point now) {
+  state_.done = done;
+  state_.failed = failed;
+  state_.elapsed_s = std::chrono::duration<double>(now - start_).count();
+  const bool last = done >= state_.total;
+  const auto since = now - drawn_at_;
+  if (style_ == ProgressStyle::bar && (last || !bar_visible_ || since >= kRedrawEvery)) {
+    draw_bar();
+    drawn_at_ = now;
+  }
+  if (style_ == ProgressStyle::lines) {
+    const std::size_t tenth = state_.total == 0 ? 10 : 10 * done / state_.total;
+    if (last || since >= kLineEvery || (tenth > drawn_tenth_ && since >= kLineNotBefore)) {
+      stream_ << format_line(label_, state_) << std::endl;
+      drawn_tenth_ = tenth;
+      drawn_at_ = now;
+    }
+  }
+}
+
+void Progress::note(const std::string& message) {
+  if (bar_visible_) {
+    stream_ << "\r\x1b[K";
+  }
+  stream_ << message << std::endl;
+  if (bar_visible_) {
+    draw_bar();
+  }
+}
+
+void Progress::finish() {
+  if (!bar_visible_) {
+    return;
+  }
+  draw_bar();
+  stream_ << std::endl;
+  bar_visible_ = false;
+}
+
+void Progress::draw_bar() {
+  // One column is left free: some terminals wrap when the last one is written.
+  stream_ << '\r' << format_bar(label_, state_, terminal_columns() - 1) << "\x1b[K" << std::flush;
+  bar_visible_ = true;
+}
+
+}  // namespace adit

@@ -1,0 +1,175 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/topics/topic_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <variant>
+
+namespace adit {
+namespace {
+
+double seconds(Nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+bool is_finite(const Point& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+bool is_return(const Point& p) {
+  return is_finite(p) && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
+}
+
+void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
+  SweepStatistics& s = topic.sweeps;
+  const auto returns = std::ranges::count_if(sweep.points, is_return);
+  s.points.add(static_cast<double>(sweep.points.size()));
+  s.returns.add(static_cast<double>(returns));
+  s.not_finite += static_cast<uint64_t>(
+      std::ranges::count_if(sweep.points, [](const Point& p) { return !is_finite(p); }));
+  s.empty += returns == 0 ? 1U : 0U;
+  s.with_rings += sweep.rings.empty() ? 0U : 1U;
+  constexpr std::size_t kStride = 7;  // shares no factor with usual numbers of beams
+  for (std::size_t i = 0; i < sweep.points.size(); i += kStride) {
+    const Point& p = sweep.points[i];
+    if (is_return(p)) {
+      const double turn = std::atan2(p.y, p.x) / (2.0 * std::numbers::pi) + 1.0;
+      const auto bins = static_cast<double>(s.returns_by_azimuth.size());
+      ++s.returns_by_azimuth[static_cast<std::size_t>(turn * bins) % s.returns_by_azimuth.size()];
+    }
+  }
+  s.with_times += sweep.times.empty() ? 0U : 1U;
+  if (!sweep.times.empty() && returns > 0) {
+    s.duration.add(static_cast<double>(*std::ranges::max_element(sweep.times)));
+  }
+}
+
+void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received) {
+  ImuStatistics& s = topic.imu;
+  const bool turns = sample.angular_velocity.allFinite();
+  const bool no_gyroscope = sample.angular_velocity.array().isNaN().all();
+  if (!sample.linear_acceleration.allFinite() || (!turns && !no_gyroscope)) {
+    ++s.not_finite;
+    return;
+  }
+  s.timeline.add(received, one_reading(sample));
+  s.acceleration.add(sample.linear_acceleration.norm());
+  if (turns) {
+    s.rotation.add(sample.angular_velocity.norm());
+  }
+  s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
+                         static_cast<double>(s.acceleration.count);
+}
+
+void take(TopicStatistics& topic, const GnssFix& fix, Nanoseconds) {
+  topic.gnss.without_fix += fix.kind == GnssFixKind::none ? 1U : 0U;
+  topic.gnss.without_covariance += fix.covariance ? 0U : 1U;
+}
+
+void take(TopicStatistics&, const ReferencePose&, Nanoseconds) {}
+void take(TopicStatistics&, const StaticTransform&, Nanoseconds) {}
+
+}  // namespace
+
+void Extent::add(double value) {
+  least = count == 0 ? value : std::min(least, value);
+  greatest = count == 0 ? value : std::max(greatest, value);
+  sum += value;
+  ++count;
+}
+
+void TopicStatistics::add(const Event& event) {
+  const Nanoseconds stamp = stamp_of(event);
+  ++events;
+  bytes += event.bytes;
+  if (event.point_times) {
+    point_times = event.point_times;
+  }
+  if (!event.frame.empty()) {
+    frame = event.frame;
+  }
+  stamps = stamps ? TimeSpan{std::min(stamps->begin, stamp), std::max(stamps->end, stamp)}
+                  : TimeSpan{stamp, stamp};
+  delay.add(seconds(event.received - stamp));
+  if (events == 1) {
+    first_delay = seconds(event.received - stamp);
+  }
+  if (last_ && stamp == *last_) {
+    ++repeated;
+  } else if (last_ && stamp < *last_) {
+    ++backwards;
+  } else if (last_) {
+    const double interval = seconds(stamp - *last_);
+    intervals.add(interval);
+    if (interval > largest_interval) {
+      largest_interval = interval;
+      largest_interval_at = *last_;
+    }
+  }
+  timeline.add(event.received, one_event(last_ ? std::max(0.0, seconds(stamp - *last_)) : 0.0,
+                                         seconds(event.received - stamp)));
+  last_ = stamp;
+  std::visit([&](const auto& value) { take(*this, value, event.received); }, event.value);
+}
+
+double TopicStatistics::span() const {
+  return stamps ? seconds(stamps->end - stamps->begin) : 0.0;
+}
+
+double TopicStatistics::rate() const {
+  return span() > 0.0 ? static_cast<double>(events - 1) / span() : 0.0;
+}
+
+std::optional<Sector> SweepStatistics::blocked_sector() const {
+  constexpr uint64_t kLeastReturns = 20;  // a direction of the others, on average
+  constexpr std::size_t kLeastBins = 3;
+  constexpr uint64_t kNone = 100;  // a hundredth of the others' median is none
+  const std::size_t bins = returns_by_azimuth.size();
+  auto sorted = returns_by_azimuth;
+  std::ranges::sort(sorted);
+  const uint64_t usual = sorted[bins * 3 / 4];
+  const auto hidden = [&](std::size_t i) { return returns_by_azimuth[i % bins] * kNone < usual; };
+  std::size_t begin = 0;
+  std::size_t widest = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < bins; ++i) {
+    all += hidden(i) ? 1U : 0U;
+    std::size_t width = 0;
+    while (width < bins && hidden(i + width)) {
+      ++width;
+    }
+    if (width > widest) {
+      begin = i;
+      widest = width;
+    }
+  }
+  if (usual < kLeastReturns || widest < kLeastBins || all > bins / 2) {
+    return std::nullopt;
+  }
+  const double width = 360.0 / static_cast<double>(bins);
+  return Sector{width * static_cast<double>(begin), width * static_cast<double>(begin + widest)};
+}
+
+bool TopicStatistics::point_times_fit() const {
+  // Points that were all taken at once tell no unit.
+  if (sweeps.duration.count < 2 || sweeps.duration.greatest <= 0.0 || period() <= 0.0) {
+    return true;
+  }
+  const double ratio = sweeps.duration.mean() / period();
+  return ratio > 0.02 && ratio < 1.5;
+}
+
+std::optional<double> TopicStatistics::better_time_unit() const {
+  for (int power = 0; point_times && period() > 0.0 && power >= -9; power -= 3) {
+    const double unit = std::pow(10.0, power);
+    const double ratio = sweeps.duration.mean() / point_times->unit * unit / period();
+    if (ratio > 0.2 && ratio < 1.2) {
+      return unit;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace adit

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the events of a topic are like, counted while they pass; memory does not grow with them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/topics/imu_timeline.hpp"
+#include "adit/tools/topics/interval_histogram.hpp"
+#include "adit/tools/topics/timeline.hpp"
+
+namespace adit {
+
+/// Least, mean and greatest of numbers that pass.
+struct Extent {
+  uint64_t count = 0;
+  double least = 0.0;
+  double greatest = 0.0;
+  double sum = 0.0;
+
+  void add(double value);
+  double mean() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
+};
+
+struct ImuStatistics {
+  Extent acceleration;  ///< norm, m/s² if the sensor's unit is that
+  Extent rotation;      ///< norm, rad/s
+  Eigen::Vector3d mean_acceleration = Eigen::Vector3d::Zero();
+  uint64_t not_finite = 0;  ///< samples with a number that is none
+  ImuTimeline timeline;     ///< of the others
+};
+
+/// Directions about the sensor's z axis.
+struct Sector {
+  double begin = 0.0;  ///< degrees from x towards y, 0 to 360
+  double end = 0.0;    ///< degrees, greater than `begin`; may be beyond 360
+};
+
+struct SweepStatistics {
+  Extent points;            ///< a sweep
+  Extent returns;           ///< a sweep: points that are finite and not (0, 0, 0)
+  uint64_t not_finite = 0;  ///< points, of all sweeps
+  Extent duration;  ///< s, from the first to the last point; only sweeps with times and returns
+  uint64_t with_times = 0;  ///< sweeps
+  uint64_t empty = 0;       ///< sweeps without a return
+  uint64_t with_rings = 0;  ///< sweeps
+  /// Of some points of each sweep, by azimuth from 0 on, 5 degrees each.
+  std::array<uint64_t, 72> returns_by_azimuth{};
+
+  /// The widest sector of 15 degrees or more without returns, of a sensor that sees most directions
+  /// about it; a sensor that does not has a field of view.
+  std::optional<Sector> blocked_sector() const;
+};
+
+struct GnssStatistics {
+  uint64_t without_fix = 0;
+  uint64_t without_covariance = 0;
+};
+
+/// A topic as it was read.
+struct TopicStatistics {
+  uint64_t events = 0;
+  uint64_t bytes = 0;
+  std::string frame;                           ///< of the sensor, by the last event that names it
+  std::optional<PointTimeNature> point_times;  ///< as those of the last sweep with times
+  std::optional<TimeSpan> stamps;              ///< of the first and the last in time
+  Extent delay;                                ///< s from the stamp to the receipt
+  double first_delay = 0.0;                    ///< s, of the first event
+  uint64_t repeated = 0;                       ///< stamps equal to the one before
+  uint64_t backwards = 0;                      ///< stamps before the one before
+  TopicTimeline timeline;
+  IntervalHistogram intervals;         ///< s between stamps, where they increase
+  double largest_interval = 0.0;       ///< s
+  Nanoseconds largest_interval_at{0};  ///< its start
+  ImuStatistics imu;
+  SweepStatistics sweeps;
+  GnssStatistics gnss;
+
+  void add(const Event& event);
+
+  double span() const;  ///< s, from the first stamp to the last
+  double rate() const;  ///< events a second on average, 0 where there are not two
+  /// Typical time between events (s), 0 where there are not two.
+  double period() const { return intervals.quantile(0.5); }
+  /// Intervals of more than two and a half periods.
+  uint64_t gaps() const { return intervals.longer_than(2.5 * period()); }
+  /// By their points' times sweeps last about as long as it takes to the next. True where there are
+  /// no times, or no period to compare with.
+  bool point_times_fit() const;
+  /// The power of ten (s) that would make them fit instead; nothing where none does.
+  std::optional<double> better_time_unit() const;
+
+ private:
+  std::optional<Nanoseconds> last_;
+};
+
+}  // namespace adit
