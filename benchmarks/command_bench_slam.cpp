@@ -97,7 +97,7 @@ std::vector<SlamVariant> variants_of(const BenchSlamOptions& options) {
         name.find('/') != std::string::npos) {
       throw UsageError("--variant " + text +
                        ": must be NAME:section.key=value, with a name of its own, e.g. "
-                       "--variant lidar:imu.use=0.");
+                       "--variant lidar:imu.use=false.");
     }
     auto found = std::ranges::find(variants, name, &SlamVariant::name);
     if (found == variants.end()) {
@@ -245,7 +245,7 @@ CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done)
       "Examples:\n"
       "  adit bench slam --quick                       a few sequences\n"
       "  adit bench slam --json a.json --html a.html   the whole catalogue, some minutes\n"
-      "  adit bench slam --only mine --variant lidar:imu.use=0\n"
+      "  adit bench slam --only mine --variant lidar:imu.use=false\n"
       "  adit bench slam --trajectories others         others/SYSTEM/SEQUENCE.tum, a column a "
       "system\n"
       "  adit bench slam --recordings data             data/NAME.bag with data/NAME.truth.tum\n\n"

@@ -18,7 +18,7 @@ if(Git_FOUND)
   endif()
 endif()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
-#include "benchmarks/commit.hpp"
+#include "adit/benchmarks/commit.hpp"
 
 namespace adit::bench {
 

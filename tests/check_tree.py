@@ -14,6 +14,7 @@ import sys
 
 TOP_FOLDERS = {"shaders", "engine", "slam", "tools", "tests", "benchmarks", "docs"}
 HARD_LIMIT = 500
+MARKDOWN_LIMIT = 120
 CODE = {".cpp", ".hpp", ".h", ".comp", ".glsl", ".py", ".sh", ".cmake"}
 CXX = {".cpp", ".hpp", ".h"}
 GLSL = {".comp", ".glsl"}
@@ -98,6 +99,19 @@ def check_text(files):
                 yield f"{path}:{number}", "white space at the end of the line"
             if MACHINE_PATH.search(line):
                 yield f"{path}:{number}", "names a path of somebody's machine"
+
+
+def check_markdown(files):
+    """Lines of text are short; tables, code blocks and lines that cannot be broken are as long as they are."""
+    for path, text in files.items():
+        if suffix(path) != ".md":
+            continue
+        fenced = False
+        for number, line in enumerate(text.split("\n"), 1):
+            if line.lstrip().startswith("```"):
+                fenced = not fenced
+            if not fenced and len(line) > MARKDOWN_LIMIT and not line.lstrip().startswith("|") and " " in line.strip():
+                yield f"{path}:{number}", f"{len(line)} characters; lines of text end before {MARKDOWN_LIMIT}"
 
 
 def check_groups(files):
@@ -189,7 +203,7 @@ def check_links(files, folders):
 def check(files):
     """All violations in a tree given as {path: text}, as sorted 'path: message' lines."""
     folders = {str(parent) for path in files for parent in pathlib.PurePosixPath(path).parents}
-    found = [*check_layout(files), *check_text(files), *check_groups(files), *check_includes(files), *check_silence(files),
+    found = [*check_layout(files), *check_text(files), *check_markdown(files), *check_groups(files), *check_includes(files), *check_silence(files),
              *check_vulkan(files), *check_headers(files), *check_links(files, folders)]
     return sorted(f"{path}: {message}" for path, message in found)
 

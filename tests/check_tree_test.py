@@ -62,6 +62,11 @@ class CheckTree(unittest.TestCase):
         self.expect("slam/core/a.hpp", HEADER + '#include "adit/slam/odometry/odometry.hpp"\n',
                     "slam/core may not use what lies above it")
 
+    def test_a_long_line_of_text_is_found_and_one_of_a_table_or_of_code_is_not(self):
+        long = "a word " * 20
+        self.expect("docs/a.md", "# A\n" + long.strip() + "\n", "docs/a.md:2: 139 characters")
+        self.assertEqual(check_tree.check({**SOUND, "docs/a.md": f"| {long.strip()} |\n```\n{long.strip()}\n```\n"}), [])
+
     def test_a_source_outside_of_the_groups_is_found(self):
         self.expect("slam/a.hpp", HEADER, "lies in none of the groups")
 

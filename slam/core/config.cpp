@@ -93,7 +93,6 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
                  "preprocess.beam_spacing", p.beam_spacing,
                  "0 (as the first sweep shows it), or between 0.002 and 0.2 rad");
   checks.between("preprocess.surface_size", p.surface_size, 0.0, 20.0, "m");
-  checks.between("preprocess.deskew", p.deskew, 0, 1);
 }
 
 void check_registration(Checks& checks, const Config& config) {
@@ -151,11 +150,10 @@ void check_rest(Checks& checks, const Config& config) {
 }
 
 void check_imu(Checks& checks, const ImuConfig& imu) {
-  checks.between("imu.use", imu.use, 0, 1);
-  double norm = 0.0;
-  for (size_t i = 0; i < imu.T_imu_lidar.size(); ++i) {
-    checks.finite("imu.T_imu_lidar", imu.T_imu_lidar[i]);
-    norm = std::hypot(norm, i < 3 ? 0.0 : imu.T_imu_lidar[i]);
+  double norm = imu.T_imu_lidar ? 0.0 : 1.0;
+  for (size_t i = 0; imu.T_imu_lidar && i < imu.T_imu_lidar->size(); ++i) {
+    checks.finite("imu.T_imu_lidar", (*imu.T_imu_lidar)[i]);
+    norm = std::hypot(norm, i < 3 ? 0.0 : (*imu.T_imu_lidar)[i]);
   }
   checks.require(std::abs(norm - 1.0) < 1e-3, "imu.T_imu_lidar", norm,
                  "a pose x y z qx qy qz qw whose quaternion has the length 1");
@@ -175,8 +173,6 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
   checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
   checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,
                  "0, or at least 2 sweeps");
-  checks.between("imu.refine_time_offset", imu.refine_time_offset, 0, 1);
-  checks.between("imu.refine_rotation", imu.refine_rotation, 0, 1);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct PreprocessConfig {
   double r_input = 0.25;        ///< m
   double beam_spacing = 0.0;    ///< rad
   double surface_size = 0.625;  ///< m
-  int deskew = 1;               ///< 0 or 1
+  bool deskew = true;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -36,15 +36,15 @@ struct PreprocessConfig {
           "edge of the neighbourhood that a normal is estimated from near the sensor; at least "
           "2.5 r_input");
     field("deskew", self.deskew, "",
-          "1: points that have times are moved to the sweep's start, by the IMU where it is fused, "
-          "else at constant velocity; 0: they are taken as they are");
+          "true: points that have times are moved to the sweep's start, by the IMU where it is "
+          "fused, else at constant velocity; false: they are taken as they are");
   }
 };
 
 /// The inertial sensor, and its fusion with alignments (docs/theory/inertial.md).
 struct ImuConfig {
-  int use = 1;  ///< 0 or 1
-  std::array<double, 7> T_imu_lidar = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+  bool use = true;
+  std::optional<std::array<double, 7>> T_imu_lidar{};
   std::string sensor = "generic";
   double noise_scale = 5.0;
   double gyro_noise = 1e-3;    ///< rad/s/√Hz
@@ -55,15 +55,17 @@ struct ImuConfig {
   double max_gap = 0.05;       ///< s
   int lag = 20;                ///< sweeps
   int reset = 0;               ///< sweeps
-  int refine_time_offset = 0;  ///< 0 or 1
-  int refine_rotation = 0;     ///< 0 or 1
+  bool refine_time_offset = false;
+  bool refine_rotation = false;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("use", self.use, "", "1: an IMU that the recording has is used; 0: it is left alone");
+    field("use", self.use, "",
+          "true: an IMU that the recording has is used; false: it is left alone");
     field("T_imu_lidar", self.T_imu_lidar, "m, quaternion",
           "pose of the lidar in the IMU's axes: x y z qx qy qz qw; maps lidar coordinates to the "
-          "IMU's; the default stands for the recording's static transforms, if it has them");
+          "IMU's; where it is not given, the recording's static transforms tell it, or else the "
+          "axes are taken to be the same");
     field("sensor", self.sensor, "",
           "whose noise to assume: generic, bmi088, icm20948, adis16448, vn100, mti300; or custom: "
           "the four densities below");
@@ -85,10 +87,10 @@ struct ImuConfig {
           "many sweeps (the paper: 100)");
     field(
         "refine_time_offset", self.refine_time_offset, "",
-        "1: the IMU's clock is corrected whenever its turns and the sweeps' differ; 0: only where "
-        "they prove it wrong");
+        "true: the IMU's clock is corrected whenever its turns and the sweeps' differ; false: only "
+        "where they prove it wrong");
     field("refine_rotation", self.refine_rotation, "",
-          "1: so is the rotation of T_imu_lidar, as far as the motion tells it");
+          "true: so is the rotation of T_imu_lidar, as far as the motion tells it");
   }
 };
 

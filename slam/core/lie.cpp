@@ -129,6 +129,21 @@ Matrix6d adjoint(const Eigen::Isometry3d& pose) {
   return result;
 }
 
+Eigen::Isometry3d pose_of(const std::array<double, 7>& numbers) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(numbers[6], numbers[3], numbers[4], numbers[5])
+                      .normalized()
+                      .toRotationMatrix();
+  pose.translation() << numbers[0], numbers[1], numbers[2];
+  return pose;
+}
+
+std::array<double, 7> numbers_of(const Eigen::Isometry3d& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d& t = pose.translation();
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
 double rotation_angle(const Eigen::Matrix3d& rotation) {
   const Eigen::Quaterniond q = short_quaternion(rotation);
   return 2.0 * std::atan2(q.vec().norm(), q.w());

@@ -7,6 +7,8 @@
 // shaders/include/lie.glsl holds the same convention for the device.
 #pragma once
 
+#include <array>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -41,6 +43,11 @@ Eigen::Isometry3d retract(const Eigen::Isometry3d& pose, const Vector6d& xi);
 
 /// Adjoint for [rho, phi]: T Exp(xi) T^-1 = Exp(Ad(T) xi).
 Matrix6d adjoint(const Eigen::Isometry3d& pose);
+
+/// The pose that is written x y z qx qy qz qw; the quaternion is normalised.
+Eigen::Isometry3d pose_of(const std::array<double, 7>& numbers);
+/// The numbers that pose_of() reads.
+std::array<double, 7> numbers_of(const Eigen::Isometry3d& pose);
 
 /// Rotation angle of a rotation matrix, radians in [0, pi].
 double rotation_angle(const Eigen::Matrix3d& rotation);

@@ -54,13 +54,6 @@ constexpr double kFarFromRest = 2.0;  // m
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
 
-Eigen::Isometry3d pose_of(const std::array<double, 7>& v) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized().toRotationMatrix();
-  pose.translation() << v[0], v[1], v[2];
-  return pose;
-}
-
 /// Of a lidar pose, from that of the body's.
 Matrix6d lidar_covariance(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
   const Matrix6d to_lidar = adjoint(T_body_lidar.inverse());
@@ -106,7 +99,8 @@ ImuNoise imu_noise(const ImuConfig& config) {
 InertialTracker::InertialTracker(const ImuConfig& config, double configured_offset)
     : config_(config),
       noise_(imu_noise(config)),
-      T_body_lidar_(pose_of(config.T_imu_lidar)),
+      T_body_lidar_(config.T_imu_lidar ? pose_of(*config.T_imu_lidar)
+                                       : Eigen::Isometry3d::Identity()),
       configured_offset_(configured_offset) {}
 
 ImuArrival InertialTracker::add(const ImuSample& sample) {
@@ -120,7 +114,7 @@ ImuArrival InertialTracker::add(const ImuSample& sample) {
     monitor_.add(sample);
     saturation_.add(corrected);
   }
-  if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use != 0) {
+  if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use) {
     state_ = InertialState::starting;
   }
   return arrival;

@@ -72,6 +72,9 @@ class InertialTracker {
   /// have in them of recording.imu_time_offset: remedies name the sum.
   explicit InertialTracker(const ImuConfig& config, double configured_offset = 0.0);
 
+  /// In place of the settings' mounting, before the first sweep.
+  void mount(const Eigen::Isometry3d& T_imu_lidar) { T_body_lidar_ = T_imu_lidar; }
+
   ImuArrival add(const ImuSample& sample);
 
   /// Attitude of the lidar in a map whose z is up, as the readings of that time have it: within a

@@ -87,8 +87,8 @@ void InertialTracker::judge(const GyroCheck& check) {
     const bool proven = of_frame && is_known(*check.comparison, R_lidar_body());
     const bool may = (proven || accused || corrections_ > 0) && corrections_ < kMostCorrections;
     const std::string done =
-        correct(*check.comparison, {.clock = may || config_.refine_time_offset != 0,
-                                    .mounting = may || config_.refine_rotation != 0,
+        correct(*check.comparison, {.clock = may || config_.refine_time_offset,
+                                    .mounting = may || config_.refine_rotation,
                                     .least_clock = may && !timed_ ? kSweepPeriod : kLeastClock,
                                     .sigmas = may ? kSigmasOfAccused : kSigmas});
     if (!done.empty()) {

@@ -3,6 +3,7 @@
 #include "adit/slam/odometry/odometry.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -50,6 +51,14 @@ struct Expectation {
   double inertial_ms = 0.0;           ///< host time of the inertial prediction
 };
 
+/// A step between its halves.
+struct Begun {
+  SweepResult result;  ///< what is known of it by now
+  Expectation expected;
+  engine::Submission submission;
+  bool aligns = false;  ///< there is a submap
+};
+
 }  // namespace
 
 std::string_view to_string(OdometryState state) {
@@ -77,7 +86,10 @@ struct Odometry::Impl {
         drift(config_.submap.l) {}
 
   Expectation expect(const Sweep& sweep);
-  void run_on_device(const Expectation& expected, SweepResult& result);
+  engine::Submission submit(const Expectation& expected);
+  void wait(Begun& sweep);
+  void read_back(Begun& sweep);
+  void invalidate();
   void judge(const Prediction& prediction, SweepResult& result);
   void fuse(const Expectation& expected, SweepResult& result);
   void assess(const Expectation& expected, SweepResult& result);
@@ -95,6 +107,7 @@ struct Odometry::Impl {
   DriftModel drift;
   Matrix6d coasting = Matrix6d::Zero();  ///< covariance of predictions in a row
   bool joined = false;                   ///< the last sweep's cloud, the submap
+  std::optional<Begun> begun;            ///< a sweep that is on the device
   int failures_in_a_row = 0;
   std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
 };
@@ -104,6 +117,12 @@ Odometry::Odometry(engine::Context& context, const Config& config)
 Odometry::~Odometry() = default;
 
 SweepResult Odometry::step(const Sweep& sweep) {
+  begin(sweep);
+  return finish();
+}
+
+void Odometry::begin(const Sweep& sweep) {
+  assert(!impl_->begun && "the last sweep has not been finished");
   const auto start = std::chrono::steady_clock::now();
   SweepResult result;
   result.stamp = sweep.stamp;
@@ -112,17 +131,37 @@ SweepResult Odometry::step(const Sweep& sweep) {
     impl_->front_end.measure_beam_spacing(sweep.points);
   }
   impl_->front_end.upload(sweep);
-  const Expectation expected = impl_->expect(sweep);
-  impl_->run_on_device(expected, result);
-  impl_->fuse(expected, result);
+  Expectation expected = impl_->expect(sweep);
+  const bool aligns = !impl_->submap.empty();
+  engine::Submission submission = impl_->submit(expected);
+  result.host_ms = milliseconds_since(start);
+  impl_->begun.emplace(Begun{.result = std::move(result),
+                             .expected = std::move(expected),
+                             .submission = std::move(submission),
+                             .aligns = aligns});
+}
+
+SweepResult Odometry::finish() {
+  assert(impl_->begun && "no sweep has been begun");
+  Begun begun = std::move(*impl_->begun);
+  impl_->begun.reset();
+  SweepResult& result = begun.result;
+  impl_->wait(begun);
+  const auto start = std::chrono::steady_clock::now();
+  impl_->read_back(begun);
+  impl_->fuse(begun.expected, result);
   result.state = impl_->decide(result);
-  impl_->assess(expected, result);
+  impl_->assess(begun.expected, result);
   if (impl_->is_keyframe(result)) {
     result.keyframe = true;
     result.cloud = impl_->front_end.read_cloud();
   }
-  result.host_ms = milliseconds_since(start) - result.wait_ms;
-  return result;
+  result.host_ms += milliseconds_since(start);
+  return std::move(result);
+}
+
+void Odometry::mount(const Eigen::Isometry3d& T_imu_lidar) {
+  impl_->inertial.mount(T_imu_lidar);
 }
 
 ImuArrival Odometry::add(const ImuSample& sample) {
@@ -131,7 +170,7 @@ ImuArrival Odometry::add(const ImuSample& sample) {
 
 // By inertia where that is known, at constant velocity otherwise.
 Expectation Odometry::Impl::expect(const Sweep& sweep) {
-  const double duration = config.preprocess.deskew == 0 ? 0.0 : duration_of(sweep);
+  const double duration = config.preprocess.deskew ? duration_of(sweep) : 0.0;
   Expectation expected;
   expected.prediction = motion.predict(sweep.stamp);
   if (submap.empty()) {
@@ -159,45 +198,61 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
     expected.motion = predicted->motion;
   }
   expected.inertial_ms = milliseconds_since(start);
-  if (config.preprocess.deskew == 0 || !front_end.has_times()) {
+  if (!config.preprocess.deskew || !front_end.has_times()) {
     expected.motion.reset();
   }
   return expected;
 }
 
-// One submission, one wait: the last sweep joins the submap, this one is prepared and aligned with
-// it.
-void Odometry::Impl::run_on_device(const Expectation& expected, SweepResult& result) {
+// One submission: the last sweep joins the submap, this one is prepared and aligned with it.
+engine::Submission Odometry::Impl::submit(const Expectation& expected) {
   const engine::Slice surface_cloud = submap.next_cloud(front_end.capacity());
-  const bool aligns = !submap.empty();
   try {
     engine::Recorder recorder = context.make_recorder();
     submap.record_update(recorder);
     front_end.record(recorder, surface_cloud, expected.motion);
-    if (aligns) {
+    if (!submap.empty()) {
       aligner.record(recorder, expected.prediction, surface_cloud, front_end.counters(),
                      front_end.points(), submap);
     }
-    engine::Submission submission = context.submit(std::move(recorder));
-    const auto start = std::chrono::steady_clock::now();
-    submission.wait();
-    result.wait_ms = milliseconds_since(start);
-    result.stages = stage_times(submission);
+    return context.submit(std::move(recorder));
   } catch (...) {
-    submap.invalidate();
-    front_end.invalidate();
+    invalidate();
     throw;
   }
-  result.deskewed = expected.motion.has_value();
+}
+
+// The one wait of a sweep.
+void Odometry::Impl::wait(Begun& sweep) {
+  try {
+    const auto start = std::chrono::steady_clock::now();
+    sweep.submission.wait();
+    sweep.result.wait_ms = milliseconds_since(start);
+    sweep.result.stages = stage_times(sweep.submission);
+  } catch (...) {
+    invalidate();
+    throw;
+  }
+}
+
+// What is on the device is not known any more.
+void Odometry::Impl::invalidate() {
+  submap.invalidate();
+  front_end.invalidate();
+}
+
+void Odometry::Impl::read_back(Begun& sweep) {
+  SweepResult& result = sweep.result;
+  result.deskewed = sweep.expected.motion.has_value();
   const gpu::SweepCounters counters = front_end.read_counters();
   result.valid_points = static_cast<int>(counters.valid_points);
   result.cloud_points = static_cast<int>(counters.cloud_points);
   result.lost_points = static_cast<int>(counters.input_failures + counters.surface_failures);
-  if (aligns) {
+  if (sweep.aligns) {
     const gpu::VoxelMapCounters map_counters = aligner.read_map_counters();
     result.lost_points += static_cast<int>(submap.note_counters(map_counters));
     result.registration = aligner.read_result(result.cloud_points, submap);
-    judge(expected.prediction, result);
+    judge(sweep.expected.prediction, result);
   }
 }
 

@@ -74,12 +74,23 @@ class Odometry {
   Odometry(const Odometry&) = delete;
   Odometry& operator=(const Odometry&) = delete;
 
+  /// How the sensors are mounted to each other, in place of imu.T_imu_lidar; before the first
+  /// sweep.
+  void mount(const Eigen::Isometry3d& T_imu_lidar);
+
   /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before
   /// its stamp to its end.
   ImuArrival add(const ImuSample& sample);
 
   /// Takes the next sweep. Sweeps without a valid point are a failure like any other: coasting.
+  /// The same as begin() and finish().
   SweepResult step(const Sweep& sweep);
+
+  /// The half of a step before the device: predicts, uploads and submits, and does not wait. Until
+  /// finish() readings may come, another sweep may not.
+  void begin(const Sweep& sweep);
+  /// The half behind it: waits for the device, fuses and decides. A begin() must have come before.
+  SweepResult finish();
 
  private:
   struct Impl;

@@ -184,8 +184,8 @@ TEST(Saturation, OneReadingIsToldAsOne) {
 
 ImuConfig refining() {
   ImuConfig config = tracker_config();
-  config.refine_time_offset = 1;
-  config.refine_rotation = 1;
+  config.refine_time_offset = true;
+  config.refine_rotation = true;
   return config;
 }
 
@@ -204,10 +204,10 @@ TEST(Refinement, AMountingThatIsThreeDegreesOffIsCorrected) {
   const Eigen::Quaterniond wrong(test::T_body_lidar().linear() *
                                  Eigen::AngleAxisd(3.0 * std::numbers::pi / 180.0,
                                                    Eigen::Vector3d(1.0, -1.0, 0.5).normalized()));
-  config.T_imu_lidar[3] = wrong.x();
-  config.T_imu_lidar[4] = wrong.y();
-  config.T_imu_lidar[5] = wrong.z();
-  config.T_imu_lidar[6] = wrong.w();
+  (*config.T_imu_lidar)[3] = wrong.x();
+  (*config.T_imu_lidar)[4] = wrong.y();
+  (*config.T_imu_lidar)[5] = wrong.z();
+  (*config.T_imu_lidar)[6] = wrong.w();
   const Outcome outcome = run_tracker([](auto&) {}, 20.0, config);
   EXPECT_NEAR(mounting_error(outcome.reports.front()), 0.0524, 0.001);
   EXPECT_LE(mounting_error(outcome.reports.back()), 0.015) << outcome.events();

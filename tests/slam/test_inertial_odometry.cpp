@@ -89,7 +89,7 @@ TEST_F(InertialOdometry, ASwingingSensorIsFollowedToCentimetres) {
                                                T_body_lidar(), test::Lidar{}, 60);
   Config config = walking_config();
   const auto with_imu = place_all(context(), drive, config);
-  config.imu.use = 0;
+  config.imu.use = false;
   const auto steady = place_all(context(), drive, config);
   const Errors a = errors_of(with_imu, drive);
   RecordProperty("imu", text_of(a));
@@ -108,9 +108,9 @@ TEST_F(InertialOdometry, ASteadyDriveIsDeskewedAtConstantVelocityAsWell) {
   const MovingDrive drive =
       test::moving_drive(test::make_street(60.0), bend, T_body_lidar(), test::Lidar{}, 40);
   Config config = walking_config();
-  config.imu.use = 0;
+  config.imu.use = false;
   const auto moved = place_all(context(), drive, config);
-  config.preprocess.deskew = 0;
+  config.preprocess.deskew = false;
   const auto skewed = place_all(context(), drive, config);
   EXPECT_TRUE(moved.back().deskewed);
   EXPECT_FALSE(skewed.back().deskewed);
@@ -150,7 +150,7 @@ TEST_F(InertialOdometry, FastSwingsAreNotLost) {
                                                T_body_lidar(), test::Lidar{}, 60);
   Config config = walking_config();
   const auto with_imu = place_all(context(), drive, config);
-  config.imu.use = 0;
+  config.imu.use = false;
   const auto steady = place_all(context(), drive, config);
   RecordProperty("imu", text_of(errors_of(with_imu, drive)));
   RecordProperty("constant_velocity", text_of(errors_of(steady, drive)) + ", " +

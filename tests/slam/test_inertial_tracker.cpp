@@ -144,7 +144,7 @@ TEST(InertialTracker, SaturationForASecondIsRecoveredFrom) {
 
 TEST(InertialTracker, NotToBeUsedItStaysOut) {
   ImuConfig off = config();
-  off.use = 0;
+  off.use = false;
   const Outcome outcome = run([](auto&) {}, 3.0, off);
   EXPECT_EQ(outcome.reports.back().state, InertialState::absent);
 }

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/fusion/inertial_tracker.hpp"
+#include "adit/slam/odometry/motion_model.hpp"
 #include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit::test {
@@ -32,7 +33,7 @@ inline ImuConfig tracker_config() {
 }
 
 inline Eigen::Isometry3d T_body_lidar() {
-  const auto v = tracker_config().T_imu_lidar;
+  const auto v = *tracker_config().T_imu_lidar;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).toRotationMatrix();
   pose.translation() << v[0], v[1], v[2];

@@ -85,6 +85,24 @@ TEST_F(ConfigFile, WhatIsPrintedNamesUnitAndDefaultOfEverySetting) {
       << text;
 }
 
+TEST_F(ConfigFile, WhatIsNotGivenIsAbsentAndAnIdentityCanBeMeant) {
+  const std::string text = to_toml(Config{});
+  EXPECT_NE(text.find("default not given\n# T_imu_lidar = (not given)\n"), std::string::npos)
+      << text;
+  EXPECT_FALSE(load("").imu.T_imu_lidar);
+  const Config identity = load("[imu]\nT_imu_lidar = [0, 0, 0, 0, 0, 0, 1]\n");
+  ASSERT_TRUE(identity.imu.T_imu_lidar);
+  EXPECT_NE(to_toml(identity).find("T_imu_lidar = [0.0,0.0,0.0,0.0,0.0,0.0,1.0]"),
+            std::string::npos);
+}
+
+TEST_F(ConfigFile, SwitchesAreBooleansAndZeroAndOneStillServe) {
+  EXPECT_FALSE(load("[imu]\nuse = false\n").imu.use);
+  EXPECT_FALSE(load("[imu]\nuse = 0\n").imu.use);
+  EXPECT_TRUE(load("[imu]\nuse = 1\n").imu.use);
+  EXPECT_NE(to_toml(Config{}).find("deskew = true\n"), std::string::npos);
+}
+
 TEST_F(ConfigFile, IntegersServeAsNumbersAndOtherSettingsKeepTheirDefaults) {
   const Config config = load("[preprocess]\nc_max = 80\n");
   EXPECT_EQ(config.preprocess.c_max, 80.0);
@@ -156,6 +174,8 @@ TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("preprocess.r_input=").find("is not a value"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=2.5").find("whole number"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=0").find("submap.l is 0; must be"), std::string::npos);
+  EXPECT_NE(override_refusal("imu.use=2").find("Write true or false"), std::string::npos);
+  EXPECT_NE(override_refusal("imu.use=0.0").find("Write true or false"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=1\n[x]").find("section.key=value"), std::string::npos);
   EXPECT_NE(override_refusal("].l=1").find("without spaces"), std::string::npos);
 }

@@ -12,11 +12,21 @@
 namespace adit {
 namespace {
 
-void feed(HighRateOutput& output, const test::WavyMotion& motion, double begin, double end) {
-  for (const ImuSample& sample : test::readings(motion, begin, end, 200.0)) {
-    output.add(sample, ImuArrival::appended);
+/// Writes what high-rate odometry gives.
+struct Written {
+  explicit Written(const std::filesystem::path& folder) : output(folder) {}
+
+  void feed(const test::WavyMotion& motion, double begin, double end) {
+    for (const ImuSample& sample : test::readings(motion, begin, end, 200.0)) {
+      if (const auto pose = stream.add(sample, ImuArrival::appended)) {
+        output.write(*pose);
+      }
+    }
   }
-}
+
+  HighRateStream stream{ImuConfig{}, 0.0};
+  HighRateOutput output;
+};
 
 InertialReport fused_at(const test::WavyMotion& motion, double time) {
   InertialReport report;
@@ -28,14 +38,15 @@ InertialReport fused_at(const test::WavyMotion& motion, double time) {
 TEST(HighRateOutput, WritesEachPoseTwiceWithRisingStampsAndCountsThem) {
   const test::TemporaryFolder folder;
   const test::WavyMotion motion = test::hand_held_motion();
-  HighRateOutput output(folder.path(), {}, 0.0);
-  feed(output, motion, 0.0, 0.1);
-  output.update(fused_at(motion, 0.0));
-  feed(output, motion, 0.105, 0.3);
-  output.update({});  // not fused any more
-  feed(output, motion, 0.305, 0.6);
-  output.update(fused_at(motion, 0.5));
-  feed(output, motion, 0.605, 0.7);
+  Written written(folder.path());
+  HighRateOutput& output = written.output;
+  written.feed(motion, 0.0, 0.1);
+  written.stream.update(fused_at(motion, 0.0));
+  written.feed(motion, 0.105, 0.3);
+  written.stream.update({});  // not fused any more
+  written.feed(motion, 0.305, 0.6);
+  written.stream.update(fused_at(motion, 0.5));
+  written.feed(motion, 0.605, 0.7);
   output.close();
 
   const Trajectory poses = read_trajectory(folder / "odometry_highrate.tum");
@@ -64,9 +75,10 @@ TEST(HighRateOutput, WritesEachPoseTwiceWithRisingStampsAndCountsThem) {
 
 TEST(HighRateOutput, SaysThatThereWasNothingToCarryOn) {
   const test::TemporaryFolder folder;
-  HighRateOutput output(folder.path(), {}, 0.0);
-  feed(output, test::hand_held_motion(), 0.0, 1.0);
-  output.update({});
+  Written written(folder.path());
+  HighRateOutput& output = written.output;
+  written.feed(test::hand_held_motion(), 0.0, 1.0);
+  written.stream.update({});
   output.close();
   EXPECT_EQ(describe(output.statistics()), "0 poses: the IMU was never fused");
   EXPECT_TRUE(to_json(output.statistics())["rate_hz"].is_null());

@@ -71,7 +71,7 @@ TEST(InspectConfig, CleanRecordingGetsItsTopics) {
 }
 
 Eigen::Quaterniond rotation_imu_lidar(const Config& config) {
-  const std::array<double, 7>& T = config.imu.T_imu_lidar;
+  const std::array<double, 7> T = config.imu.T_imu_lidar.value_or(std::array<double, 7>{});
   return {T[6], T[3], T[4], T[5]};
 }
 
@@ -98,7 +98,9 @@ TEST(InspectConfig, MountingByTheMotionWhereTheTransformIsWrong) {
   EXPECT_LT(rotation_imu_lidar(result.config)
                 .angularDistance(Eigen::Quaterniond(MovingRig{}.T_lidar_imu.linear()).inverse()),
             0.08);
-  EXPECT_NEAR(result.config.imu.T_imu_lidar[2], -MovingRig{}.T_lidar_imu.translation().z(), 0.02);
+  ASSERT_TRUE(result.config.imu.T_imu_lidar);
+  EXPECT_NEAR((*result.config.imu.T_imu_lidar)[2], -MovingRig{}.T_lidar_imu.translation().z(),
+              0.02);
 }
 
 TEST(InspectConfig, UnitsAndSigns) {

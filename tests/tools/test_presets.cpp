@@ -26,11 +26,11 @@ TEST(Presets, MountingsAreKnownWhereTheRecordingsDoNotTellThem) {
   Config config;
   apply_preset("newer-college", config);
   // Half a turn about z: the lidar's axes and the housing's.
-  EXPECT_EQ(config.imu.T_imu_lidar[5], 1.0);
-  EXPECT_NEAR(config.imu.T_imu_lidar[2], 0.03618 - 0.007645, 1e-9);
+  EXPECT_EQ((*config.imu.T_imu_lidar)[5], 1.0);
+  EXPECT_NEAR((*config.imu.T_imu_lidar)[2], 0.03618 - 0.007645, 1e-9);
   Config other;
   apply_preset("subt-mrs", other);
-  EXPECT_EQ(other.imu.T_imu_lidar, ImuConfig{}.T_imu_lidar);
+  EXPECT_FALSE(other.imu.T_imu_lidar);
 }
 
 TEST(Presets, WhatIsGivenBesideThemWins) {

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/core/frame_tree.hpp"
 #include "adit/slam/core/lie.hpp"
 #include "adit/tools/inspection/rotation_profile.hpp"
 #include "adit/tools/support/random.hpp"
-#include "adit/tools/topics/frame_tree.hpp"
 
 namespace adit {
 namespace {

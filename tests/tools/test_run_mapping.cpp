@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <csignal>
+#include <deque>
+#include <functional>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -18,6 +22,33 @@
 namespace adit {
 namespace {
 
+/// Places sweeps as they come, as it is told.
+class PlacedAsTold : public Slam {
+ public:
+  explicit PlacedAsTold(std::function<SweepResult(const Sweep&)> place)
+      : place_(std::move(place)) {}
+
+  void add(Measurement measurement, std::string_view) override {
+    waiting_.push_back(std::get<Sweep>(std::move(measurement)));
+  }
+  void add(const StaticTransform&) override {}
+  void flush() override {}
+  std::optional<SlamResult> next() override {
+    if (waiting_.empty()) {
+      return std::nullopt;
+    }
+    Sweep sweep = std::move(waiting_.front());
+    waiting_.pop_front();
+    SweepResult result = place_(sweep);
+    return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
+  }
+  std::optional<Mounting> mounting() const override { return std::nullopt; }
+
+ private:
+  std::function<SweepResult(const Sweep&)> place_;
+  std::deque<Sweep> waiting_;
+};
+
 /// map_recording() with what it needs; the odometry is test::placed().
 class MapRecording : public testing::Test {
  protected:
@@ -25,10 +56,11 @@ class MapRecording : public testing::Test {
                     const std::function<SweepResult(const Sweep&)>& place = test::placed) {
     RunOutputs outputs(folder_.path(), {});
     Progress progress(notes_, ProgressStyle::none, "mapping", range.count);
+    PlacedAsTold slam(place);
     MappingResult result = map_recording({.recording = recording,
                                           .topic = 0,
                                           .range = range,
-                                          .place = place,
+                                          .slam = slam,
                                           .stop = [] { return StopSignal::received() != 0; },
                                           .outputs = outputs,
                                           .statistics = statistics_,

@@ -16,7 +16,6 @@
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/run/configured_recording.hpp"
-#include "adit/tools/run/imu_mounting.hpp"
 #include "adit/tools/run/run_mapping.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
@@ -85,11 +84,11 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
 }
 
 /// The IMU to use: the one that is named, else the first. None where there is none or
-/// imu.use is 0.
+/// imu.use is false.
 std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
   const std::string& name = config.recording.imu_topic;
   const std::vector<Topic>& topics = recording.topics();
-  if (config.imu.use == 0) {
+  if (!config.imu.use) {
     return std::nullopt;
   }
   const auto found = std::ranges::find_if(topics, [&](const Topic& topic) {
@@ -103,23 +102,18 @@ std::optional<std::size_t> choose_imu(const Recording& recording, const Config& 
                                : std::optional(static_cast<std::size_t>(found - topics.begin()));
 }
 
-/// The settings with the recording's own mounting of the IMU, where they leave it at the default;
-/// says so where nothing tells it.
-Config with_recorded_mounting(Config config, const Recording& recording, std::size_t sweep_topic,
-                              std::optional<std::size_t> imu_topic, std::ostream* notes) {
-  if (!imu_topic || config.imu.T_imu_lidar != ImuConfig{}.T_imu_lidar) {
-    return config;
-  }
-  if (const auto T = recorded_mounting(recording, sweep_topic, *imu_topic)) {
-    const Eigen::Quaterniond q(T->linear());
-    const Eigen::Vector3d& t = T->translation();
-    config.imu.T_imu_lidar = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
-  } else if (notes != nullptr) {
-    *notes << "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
-              "(imu.T_imu_lidar; imu.use=0 leaves it out)\n";
+/// How the IMU was found to be mounted is the effective setting.
+Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
+  if (mounting) {
+    config.imu.T_imu_lidar = numbers_of(mounting->T_imu_lidar);
   }
   return config;
 }
+
+constexpr const char* kMountingIsAssumed =
+    "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
+    "(imu.T_imu_lidar; "
+    "imu.use=false leaves it out)\n";
 
 RunDescription describe_run(const RunCommandOptions& options, const Config& config,
                             const Recording& recording, const SweepChoice& sweeps,
@@ -204,14 +198,12 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
 
 int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
-  const Config given = load_config(options.config);
-  const std::unique_ptr<Recording> recording = open_recording(options.recording, given.recording);
+  const Config config = load_config(options.config);
+  const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
   const SweepChoice sweeps = choose_sweeps(
-      *recording, options, options.topic.empty() ? given.recording.sweep_topic : options.topic);
+      *recording, options, options.topic.empty() ? config.recording.sweep_topic : options.topic);
   require_clear_point_times(*recording, sweeps.topic, options.recording);
-  const std::optional<std::size_t> imu_topic = choose_imu(*recording, given);
-  const Config config = with_recorded_mounting(given, *recording, sweeps.topic, imu_topic,
-                                               options.quiet ? nullptr : &err);
+  const std::optional<std::size_t> imu_topic = choose_imu(*recording, config);
   const HighRateFiles high_rate_files(options.output);
   check_writable(options.output, options.map,
                  options.high_rate.enabled ? std::vector{high_rate_files.tum, high_rate_files.csv}
@@ -220,14 +212,15 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   if (context.software_fallback() && !options.quiet) {
     err << software_note(context.device()) << std::endl;
   }
-  const RunDescription description = describe_run(options, config, *recording, sweeps, context);
-  Odometry odometry(context, config);
-
+  RunDescription description = describe_run(options, config, *recording, sweeps, context);
+  SlamOptions wanted{.inertial = imu_topic.has_value()};
   RunOutputs outputs(options.output, options.map);
   std::optional<HighRateOutput> high_rate;
   if (options.high_rate.enabled) {
-    high_rate.emplace(options.output, config.imu, options.high_rate.smoothing);
+    high_rate.emplace(options.output);
+    wanted.high_rate_smoothing = options.high_rate.smoothing;
   }
+  const std::unique_ptr<Slam> slam = make_slam(context, config, wanted);
   const RunFiles files(options.output);
   write_text_file(files.summary,
                   running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
@@ -235,20 +228,23 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);
-  RunOutcome outcome =
-      map_and_close({.recording = *recording,
-                     .topic = sweeps.topic,
-                     .range = sweeps.range,
-                     .imu_topic = imu_topic,
-                     .reading = [&](const ImuSample& sample) { return odometry.add(sample); },
-                     .place = [&](const Sweep& sweep) { return odometry.step(sweep); },
-                     .stop = [] { return StopSignal::received() != 0; },
-                     .outputs = outputs,
-                     .high_rate = high_rate ? &*high_rate : nullptr,
-                     .statistics = statistics,
-                     .progress = progress,
-                     .quiet = options.quiet});
+  RunOutcome outcome = map_and_close({.recording = *recording,
+                                      .topic = sweeps.topic,
+                                      .range = sweeps.range,
+                                      .imu_topic = imu_topic,
+                                      .slam = *slam,
+                                      .stop = [] { return StopSignal::received() != 0; },
+                                      .outputs = outputs,
+                                      .high_rate = high_rate ? &*high_rate : nullptr,
+                                      .statistics = statistics,
+                                      .progress = progress,
+                                      .quiet = options.quiet});
   progress.finish();
+  const std::optional<Mounting> mounting = slam->mounting();
+  description.config = with_mounting(config, mounting);
+  if (mounting && mounting->source == MountingSource::assumed && !options.quiet) {
+    err << kMountingIsAssumed;
+  }
   outcome.device_peak_bytes = context.memory_peak();
   outcome.validation_messages = context.validation_messages();
 

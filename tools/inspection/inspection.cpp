@@ -84,12 +84,8 @@ std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profi
                     .trust_point_times = range.point_times_fit(),
                     .R_range_gyro = std::nullopt};
     const std::string& imu_frame = inspection.statistics[topic].frame;
-    const std::array<double, 7>& T_imu_lidar = config.imu.T_imu_lidar;
-    if (T_imu_lidar != ImuConfig{}.T_imu_lidar) {
-      pair.R_range_gyro =
-          Eigen::Quaterniond(T_imu_lidar[6], T_imu_lidar[3], T_imu_lidar[4], T_imu_lidar[5])
-              .inverse()
-              .toRotationMatrix();
+    if (config.imu.T_imu_lidar) {
+      pair.R_range_gyro = pose_of(*config.imu.T_imu_lidar).linear().transpose();
       pair.told_by = std::string("imu.T_imu_lidar");
     } else if (inspection.frames.knows(range.frame) && inspection.frames.knows(imu_frame)) {
       if (const auto T = inspection.frames.transform(range.frame, imu_frame)) {
@@ -112,7 +108,7 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
     // A guess of the motion within the sweep would enter what is compared: sweeps stand for their
     // middles instead, and are aligned with the second before, which is skewed alike.
     Config as_taken = config;
-    as_taken.preprocess.deskew = 0;
+    as_taken.preprocess.deskew = false;
     as_taken.submap = {.l = 10, .delta_trans = 0.0, .delta_rot = 0.0};
     for (const MotionPair& pair : pairs) {
       Odometry odometry(context, as_taken);

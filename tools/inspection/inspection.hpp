@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/core/frame_tree.hpp"
 #include "adit/tools/inspection/motion_check.hpp"
 #include "adit/tools/inspection/recording_findings.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/run/device_session.hpp"
-#include "adit/tools/topics/frame_tree.hpp"
 #include "adit/tools/topics/topic_statistics.hpp"
 
 namespace adit {

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "adit/slam/core/frame_tree.hpp"
 #include "adit/slam/inertial/rotation_comparison.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/inspection/recording_findings.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/results/sweep_table.hpp"
-#include "adit/tools/topics/frame_tree.hpp"
 
 namespace adit {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/slam/core/frame_tree.hpp"
 #include "adit/tools/recordings/recording.hpp"
-#include "adit/tools/topics/frame_tree.hpp"
 #include "adit/tools/topics/topic_statistics.hpp"
 
 namespace adit {

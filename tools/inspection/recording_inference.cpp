@@ -134,7 +134,9 @@ void correct_imu(const Inspection& inspection, std::size_t topic, Config& config
     if (found(inspection, "sensor_offset", name)) {
       recording.imu_time_offset -= check.comparison->offset;
     }
-    config.imu.T_imu_lidar = mounting_by_motion(inspection, check).value_or(config.imu.T_imu_lidar);
+    if (const auto mounting = mounting_by_motion(inspection, check)) {
+      config.imu.T_imu_lidar = mounting;
+    }
   }
   if (found(inspection, "accelerometer_unit", name) && s.acceleration.mean() < 0.5 * kGravity) {
     recording.accelerometer_scale *= kGravity;

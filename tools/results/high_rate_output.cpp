@@ -71,24 +71,18 @@ std::optional<double> HighRateStatistics::rate() const {
   return intervals_ > 0 ? std::optional(static_cast<double>(intervals_) / span_) : std::nullopt;
 }
 
-HighRateOutput::HighRateOutput(const std::filesystem::path& folder, const ImuConfig& config,
-                               double smoothing)
-    : stream_(config, smoothing),
-      tum_(HighRateFiles(folder).tum, TrajectoryFormat::tum),
-      csv_(HighRateFiles(folder).csv) {
+HighRateOutput::HighRateOutput(const std::filesystem::path& folder)
+    : tum_(HighRateFiles(folder).tum, TrajectoryFormat::tum), csv_(HighRateFiles(folder).csv) {
   csv_.write(header());
 }
 
-void HighRateOutput::add(const ImuSample& sample, ImuArrival arrival) {
-  if (const std::optional<LidarMotion> motion = stream_.add(sample, arrival)) {
-    tum_.write({.stamp = motion->stamp, .pose = motion->T_map_lidar});
-    csv_.write(csv_line(*motion));
-    statistics_.add(motion->stamp);
-  }
+void HighRateOutput::write(const LidarMotion& motion) {
+  tum_.write({.stamp = motion.stamp, .pose = motion.T_map_lidar});
+  csv_.write(csv_line(motion));
+  statistics_.add(motion.stamp);
 }
 
-void HighRateOutput::update(const InertialReport& report) {
-  stream_.update(report);
+void HighRateOutput::flush() {
   tum_.flush();
   csv_.flush();
 }

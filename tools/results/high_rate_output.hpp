@@ -48,20 +48,18 @@ class HighRateStatistics {
   Nanoseconds last_{0};
 };
 
-/// Carries the odometry on with each reading and writes it. Throws OutputError.
+/// Writes the odometry at the rate of the inertial readings. Throws OutputError.
 class HighRateOutput {
  public:
-  HighRateOutput(const std::filesystem::path& folder, const ImuConfig& config, double smoothing);
+  explicit HighRateOutput(const std::filesystem::path& folder);
 
-  void add(const ImuSample& sample, ImuArrival arrival);
-  /// What the next sweep told; what was written before it is with the operating system then.
-  void update(const InertialReport& report);
+  void write(const LidarMotion& motion);
+  void flush();  ///< what was written before it is with the operating system then
   void close();
 
   const HighRateStatistics& statistics() const { return statistics_; }
 
  private:
-  HighRateStream stream_;
   TrajectoryWriter tum_;
   OutputFile csv_;
   HighRateStatistics statistics_;

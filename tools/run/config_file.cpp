@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <type_traits>
 
@@ -47,6 +48,16 @@ std::vector<std::string> section_names() {
   return names;
 }
 
+/// An empty optional is null: a setting that is not given.
+template <class Value>
+nlohmann::ordered_json json_of(const Value& value) {
+  return value;
+}
+template <class Value>
+nlohmann::ordered_json json_of(const std::optional<Value>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
 template <class Fields>
 std::vector<std::string> key_names(const Fields& fields) {
   std::vector<std::string> names;
@@ -82,6 +93,15 @@ void assign(int& to, const toml::node& node) {
   to = static_cast<int>(*value);
 }
 
+/// Also 0 and 1, which switches were before they were booleans.
+void assign(bool& to, const toml::node& node) {
+  const auto number = node.is_integer() ? node.value<int64_t>() : std::nullopt;
+  if (!node.is_boolean() && !(number && (*number == 0 || *number == 1))) {
+    throw Complaint{node.source().begin, "is " + type_name(node), "Write true or false"};
+  }
+  to = number ? *number == 1 : *node.value<bool>();
+}
+
 void assign(std::string& to, const toml::node& node) {
   const auto value = node.value<std::string>();
   if (!value) {
@@ -101,6 +121,11 @@ void assign(std::array<double, n>& to, const toml::node& node) {
   for (std::size_t i = 0; i < n; ++i) {
     assign(to[i], *values->get(i));
   }
+}
+
+template <class Value>
+void assign(std::optional<Value>& to, const toml::node& node) {
+  assign(to.emplace(), node);
 }
 
 template <class Fields>
@@ -282,9 +307,12 @@ std::string to_toml(const Config& config) {
     std::decay_t<decltype(fields)>::visit(
         fields, [&](const std::string& name, const auto& value, const std::string& unit,
                     const std::string& help) {
+          const nlohmann::ordered_json& standard = defaults[section][name];
+          const nlohmann::ordered_json given = json_of(value);
           text << "# " << (unit.empty() ? "" : "[" + unit + "] ") << help << "; default "
-               << defaults[section][name].dump() << "\n"
-               << name << " = " << nlohmann::json(value).dump() << "\n";
+               << (standard.is_null() ? "not given" : standard.dump()) << "\n"
+               << (given.is_null() ? "# " + name + " = (not given)" : name + " = " + given.dump())
+               << "\n";
         });
   });
   return text.str();
@@ -295,7 +323,7 @@ nlohmann::ordered_json to_json(const Config& config) {
   Config::visit(config, [&](const std::string& section, const auto& fields) {
     std::decay_t<decltype(fields)>::visit(
         fields, [&](const std::string& name, const auto& value, auto&&...) {
-          object[section][name] = value;
+          object[section][name] = json_of(value);
         });
   });
   return object;

@@ -57,7 +57,9 @@ void apply_preset(const std::string& name, Config& config) {
   }
   config.recording.sweep_topic = preset->sweep_topic;
   config.recording.imu_topic = preset->imu_topic;
-  config.imu.T_imu_lidar = preset->T_imu_lidar.value_or(config.imu.T_imu_lidar);
+  if (preset->T_imu_lidar) {
+    config.imu.T_imu_lidar = preset->T_imu_lidar;
+  }
 }
 
 }  // namespace adit

@@ -6,10 +6,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "adit/engine/error.hpp"
-#include "adit/tools/run/sweep_feed.hpp"
+#include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -35,34 +36,33 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
   }
 }
 
-void take_reading(const Mapping& mapping, const ImuSample& sample) {
-  const ImuArrival arrival = mapping.reading(sample);
-  mapping.statistics.add(arrival);
-  if (mapping.high_rate != nullptr) {
-    mapping.high_rate->add(sample, arrival);
+/// What the loop has done by now.
+struct Mapped {
+  std::size_t sweeps = 0;
+  std::size_t passed_over = 0;  ///< sweeps before the range
+  double read_ms = 0.0;         ///< since the last sweep
+};
+
+void write(const Mapping& mapping, const ReadingTaken& reading) {
+  mapping.statistics.add(reading.arrival);
+  if (mapping.high_rate != nullptr && reading.motion) {
+    mapping.high_rate->write(*reading.motion);
   }
 }
 
-/// One turn of the loop. Returns false where there is no further sweep.
-bool map_sweep(const Mapping& mapping, SweepFeed& feed, std::size_t index) {
+void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index, double read_ms) {
+  const SweepResult& result = placed.result;
+  HostTimes times{.read = read_ms,
+                  .host = result.host_ms,
+                  .wait = result.wait_ms,
+                  .inertial = result.inertial_ms};
   const auto start = Clock::now();
-  const std::optional<Event> event = feed.next();
-  if (!event) {
-    return false;
-  }
-  const Sweep& sweep = std::get<Sweep>(event->value);
-  HostTimes times{.read = ms_since(start)};
-  const SweepResult result = mapping.place(sweep);
-  times.host = result.host_ms;
-  times.inertial = result.inertial_ms;
-  times.wait = result.wait_ms;
-  const auto placed = Clock::now();
   mapping.outputs.write(result, index);
   if (mapping.high_rate != nullptr) {
-    mapping.high_rate->update(result.inertial);
+    mapping.high_rate->flush();
   }
-  times.write = ms_since(placed);
-  const auto failure = mapping.statistics.add(index, sweep, result, times);
+  times.write = ms_since(start);
+  const auto failure = mapping.statistics.add(index, placed.sweep, result, times);
   if (!result.inertial.event.empty() && !mapping.quiet) {
     mapping.progress.note("sweep " + std::to_string(index) + ": IMU " +
                           std::string(to_string(result.inertial.state)) + ": " +
@@ -71,7 +71,82 @@ bool map_sweep(const Mapping& mapping, SweepFeed& feed, std::size_t index) {
   if (failure && !mapping.quiet) {
     note_failure(mapping.progress, *failure, mapping.statistics.failures().size());
   }
-  return true;
+}
+
+/// Writes what has become known, up to the end of the range.
+void write_results(const Mapping& mapping, Mapped& done) {
+  while (done.sweeps < mapping.range.count) {
+    const std::optional<SlamResult> result = mapping.slam.next();
+    if (!result) {
+      return;
+    }
+    if (const auto* reading = std::get_if<ReadingTaken>(&*result)) {
+      write(mapping, *reading);
+      continue;
+    }
+    write(mapping, std::get<SweepPlaced>(*result), mapping.range.first + done.sweeps, done.read_ms);
+    done.read_ms = 0.0;
+    ++done.sweeps;
+    mapping.progress.update(done.sweeps, mapping.statistics.failures().size());
+  }
+}
+
+void add(const Mapping& mapping, Event event, Mapped& done) {
+  if (auto* sweep = std::get_if<Sweep>(&event.value)) {
+    // Without an IMU the recording passes over what lies before the range.
+    if (mapping.imu_topic && done.passed_over < mapping.range.first) {
+      ++done.passed_over;
+      return;
+    }
+    mapping.slam.add(std::move(*sweep), event.frame);
+  } else if (const auto* reading = std::get_if<ImuSample>(&event.value)) {
+    mapping.slam.add(*reading, event.frame);
+  }
+}
+
+std::unique_ptr<EventStream> open_events(const Mapping& mapping) {
+  if (!mapping.imu_topic) {
+    return mapping.recording.events({.topics = {mapping.topic}, .skip = mapping.range.first});
+  }
+  return mapping.recording.events({.topics = {mapping.topic, *mapping.imu_topic}});
+}
+
+/// True where the range ends with the recording.
+bool reaches_the_end(const Mapping& mapping) {
+  return mapping.range.first + mapping.range.count ==
+         mapping.recording.topics()[mapping.topic].messages;
+}
+
+MappingResult map_events(const Mapping& mapping) {
+  const std::unique_ptr<EventStream> events = open_events(mapping);
+  Mapped done;
+  while (done.sweeps < mapping.range.count) {
+    if (mapping.stop()) {
+      return {RunEnd::interrupted,
+              "stopped by a signal after " + std::to_string(done.sweeps) + " sweeps"};
+    }
+    std::optional<Event> event;
+    const auto start = Clock::now();
+    try {
+      event = events->next();
+    } catch (...) {
+      mapping.slam.flush();  // what came before the damage is good
+      write_results(mapping, done);
+      throw;
+    }
+    done.read_ms += ms_since(start);
+    if (!event) {
+      mapping.slam.flush();
+      write_results(mapping, done);
+      return {};
+    }
+    add(mapping, std::move(*event), done);
+    write_results(mapping, done);
+  }
+  // Behind the last sweep that could be counted, a recording that was cut off says so.
+  while (reaches_the_end(mapping) && events->next()) {
+  }
+  return {};
 }
 
 }  // namespace
@@ -94,25 +169,10 @@ std::string_view to_string(RunEnd end) {
 
 MappingResult map_recording(const Mapping& mapping) {
   try {
-    SweepFeed feed(
-        mapping.recording,
-        {.sweeps = mapping.topic, .imu = mapping.imu_topic, .first = mapping.range.first},
-        [&](const ImuSample& sample) { take_reading(mapping, sample); });
-    for (std::size_t done = 0; done < mapping.range.count; ++done) {
-      if (mapping.stop()) {
-        return {RunEnd::interrupted,
-                "stopped by a signal after " + std::to_string(done) + " sweeps"};
-      }
-      if (!map_sweep(mapping, feed, mapping.range.first + done)) {
-        break;
-      }
-      mapping.progress.update(done + 1, mapping.statistics.failures().size());
+    for (const StaticTransform& transform : static_transforms(mapping.recording)) {
+      mapping.slam.add(transform);
     }
-    // Behind the last sweep that could be counted, a recording that was cut off says so.
-    const std::size_t behind = mapping.range.first + mapping.range.count;
-    if (behind == mapping.recording.topics()[mapping.topic].messages) {
-      feed.next();
-    }
+    return map_events(mapping);
   } catch (const InputError& error) {
     return {RunEnd::input_error, error.what()};
   } catch (const OutputError& error) {
@@ -120,7 +180,6 @@ MappingResult map_recording(const Mapping& mapping) {
   } catch (const engine::Error& error) {
     return {RunEnd::device_error, error.what()};
   }
-  return {};
 }
 
 }  // namespace adit

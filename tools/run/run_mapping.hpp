@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "adit/slam/odometry/odometry.hpp"
+#include "adit/slam/executor/slam.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
@@ -47,9 +47,8 @@ struct Mapping {
   std::size_t topic;  ///< of the sweeps
   SweepRange range;
   std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
-  std::function<ImuArrival(const ImuSample&)> reading{};  ///< Odometry::add
-  std::function<SweepResult(const Sweep&)> place;         ///< Odometry::step
-  std::function<bool()> stop;                             ///< asked before each sweep
+  Slam& slam;
+  std::function<bool()> stop;  ///< asked before each event is read
   RunOutputs& outputs;
   HighRateOutput* high_rate = nullptr;  ///< none: not asked for
   RunStatistics& statistics;

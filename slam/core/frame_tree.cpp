@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/topics/frame_tree.hpp"
+#include "adit/slam/core/frame_tree.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/executor/slam.hpp"
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "adit/slam/core/frame_tree.hpp"
+
+namespace adit {
+namespace {
+
+class OfflineSlam final : public Slam {
+ public:
+  OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
+      : configured_(config.imu.T_imu_lidar),
+        inertial_(options.inertial && config.imu.use),
+        feed_(inertial_),
+        odometry_(context, config) {
+    if (options.high_rate_smoothing) {
+      high_rate_.emplace(config.imu, *options.high_rate_smoothing);
+    }
+  }
+
+  void add(Measurement measurement, std::string_view frame) override {
+    std::string* named = std::holds_alternative<Sweep>(measurement)       ? &lidar_frame_
+                         : std::holds_alternative<ImuSample>(measurement) ? &imu_frame_
+                                                                          : nullptr;
+    if (named != nullptr && named->empty()) {
+      *named = frame;
+    }
+    feed_.add(std::move(measurement));
+  }
+
+  void add(const StaticTransform& transform) override { transforms_.add(transform); }
+
+  void flush() override { feed_.flush(); }
+
+  std::optional<SlamResult> next() override {
+    while (std::optional<Measurement> due = feed_.next()) {
+      if (auto* sweep = std::get_if<Sweep>(&*due)) {
+        return place(std::move(*sweep));
+      }
+      if (const auto* reading = std::get_if<ImuSample>(&*due)) {
+        return take(*reading);
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Mounting> mounting() const override { return mounting_; }
+
+ private:
+  ReadingTaken take(const ImuSample& reading) {
+    ReadingTaken taken{.arrival = odometry_.add(reading)};
+    if (high_rate_) {
+      taken.motion = high_rate_->add(reading, taken.arrival);
+    }
+    return taken;
+  }
+
+  SweepPlaced place(Sweep sweep) {
+    if (inertial_ && !mounting_) {
+      mounting_ = find_mounting();
+      odometry_.mount(mounting_->T_imu_lidar);
+    }
+    SweepResult result = odometry_.step(sweep);
+    if (high_rate_) {
+      high_rate_->update(result.inertial);
+    }
+    return {.sweep = std::move(sweep), .result = std::move(result)};
+  }
+
+  Mounting find_mounting() const {
+    if (configured_) {
+      return {.source = MountingSource::configured, .T_imu_lidar = pose_of(*configured_)};
+    }
+    const bool named = !imu_frame_.empty() && !lidar_frame_.empty();
+    const auto told = named ? transforms_.transform(imu_frame_, lidar_frame_) : std::nullopt;
+    // By its numbers, so that the same setting gives the same bytes.
+    return told ? Mounting{.source = MountingSource::transforms,
+                           .T_imu_lidar = pose_of(numbers_of(*told))}
+                : Mounting{.source = MountingSource::assumed};
+  }
+
+  std::optional<std::array<double, 7>> configured_;
+  bool inertial_;
+  SensorFeed feed_;
+  Odometry odometry_;
+  std::optional<HighRateStream> high_rate_;
+  FrameTree transforms_;
+  std::string lidar_frame_;
+  std::string imu_frame_;
+  std::optional<Mounting> mounting_;
+};
+
+}  // namespace
+
+std::unique_ptr<Slam> make_slam(engine::Context& context, const Config& config,
+                                const SlamOptions& options) {
+  return std::make_unique<OfflineSlam>(context, config, options);
+}
+
+}  // namespace adit

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The door for programs that embed adit: measurements in, placed sweeps out.
+//
+//   engine::Context context;
+//   auto slam = make_slam(context, Config{});
+//   slam->add(measurement);                   // sweeps, readings, fixes, in any order of arrival
+//   while (auto result = slam->next()) {...}  // whatever has become known by now
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/executor/sensor_feed.hpp"
+#include "adit/slam/fusion/high_rate_stream.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+
+namespace adit {
+
+/// An inertial reading has been handed on.
+struct ReadingTaken {
+  ImuArrival arrival = ImuArrival::appended;
+  std::optional<LidarMotion>
+      motion{};  ///< at its time, where high-rate odometry is wanted and known
+};
+
+/// A sweep has been placed.
+struct SweepPlaced {
+  Sweep sweep;
+  SweepResult result;
+};
+
+using SlamResult = std::variant<ReadingTaken, SweepPlaced>;
+
+/// Who told how the inertial sensor and the range sensor are mounted to each other.
+enum class MountingSource {
+  configured,  ///< imu.T_imu_lidar
+  transforms,  ///< the static transforms that were added, by the frames of the measurements
+  assumed,     ///< nobody: their axes are taken to be the same
+};
+struct Mounting {
+  MountingSource source = MountingSource::assumed;
+  Eigen::Isometry3d T_imu_lidar = Eigen::Isometry3d::Identity();
+};
+
+struct SlamOptions {
+  bool inertial = true;  ///< there is an inertial sensor: sweeps wait for its readings
+  /// High-rate odometry is wanted: corrections are spread over so many seconds (0: they are steps).
+  std::optional<double> high_rate_smoothing{};
+};
+
+class Slam {
+ public:
+  Slam() = default;
+  virtual ~Slam() = default;
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
+
+  /// Takes a measurement, in any order of arrival (SensorFeed puts them into theirs). `frame` names
+  /// the sensor's frame, where static transforms are to tell the mounting. GNSS fixes are taken,
+  /// and not used yet.
+  virtual void add(Measurement measurement, std::string_view frame = {}) = 0;
+
+  /// How two frames are mounted; counts for the mounting if it comes before the first sweep is
+  /// placed.
+  virtual void add(const StaticTransform& transform) = 0;
+
+  /// Nothing more comes for now: sweeps wait no longer. add() may go on after that.
+  virtual void flush() = 0;
+
+  /// The next result; nothing where that needs more measurements, or a flush(). Throws
+  /// engine::Error where the device fails.
+  virtual std::optional<SlamResult> next() = 0;
+
+  /// How the sensors are mounted; nothing before the first sweep, or without an inertial sensor.
+  virtual std::optional<Mounting> mounting() const = 0;
+};
+
+/// A Slam that is driven by its measurements' own time: one thread, the same measurements give the
+/// same bytes on one device. `config` must have passed validate(); `context` outlives it.
+std::unique_ptr<Slam> make_slam(engine::Context& context, const Config& config,
+                                const SlamOptions& options = {});
+
+}  // namespace adit

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/executor/slam.hpp"
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/slam/odometry_fixture.hpp"
+#include "adit/tests/support/moving_drive.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kSweeps = 24;
+
+Eigen::Isometry3d T_imu_lidar() {
+  Vector6d xi;
+  xi << 0.05, -0.02, 0.1, 0.0, 0.1, 0.7;
+  return se3_exp(xi);
+}
+
+const test::MovingDrive& drive() {
+  static const test::MovingDrive walk =
+      test::moving_drive(test::make_street(30.0), test::walk(1.5, 0.3), T_imu_lidar(),
+                         {.beams = 16, .columns = 360}, kSweeps);
+  return walk;
+}
+
+/// As a recorder stores them: a sweep when it has ended, among the readings.
+std::vector<Measurement> arrivals() {
+  std::vector<Measurement> stored(drive().readings.begin(), drive().readings.end());
+  for (const Sweep& sweep : drive().sweeps) {
+    stored.emplace_back(sweep);
+  }
+  const auto stored_at = [](const Measurement& measurement) {
+    const bool whole = std::holds_alternative<Sweep>(measurement);
+    return stamp_of(measurement) + std::chrono::milliseconds(whole ? 100 : 0);
+  };
+  std::ranges::stable_sort(stored, {}, stored_at);
+  return stored;
+}
+
+class SlamFacade : public test::DeviceTest {
+ protected:
+  /// What comes of the measurements; sets mounting_.
+  std::vector<SlamResult> run(const std::vector<Measurement>& measurements,
+                              const SlamOptions& options = {},
+                              const Config& config = test::street_config()) {
+    const auto slam = make_slam(context(), config, options);
+    slam->add(StaticTransform{"imu", "lidar", T_imu_lidar()});
+    std::vector<SlamResult> results;
+    const auto drain = [&] {
+      while (auto result = slam->next()) {
+        results.push_back(std::move(*result));
+      }
+    };
+    for (const Measurement& measurement : measurements) {
+      slam->add(measurement, std::holds_alternative<Sweep>(measurement) ? "lidar" : "imu");
+      drain();
+    }
+    slam->flush();
+    drain();
+    mounting_ = slam->mounting();
+    return results;
+  }
+
+  static std::vector<SweepPlaced> sweeps(const std::vector<SlamResult>& results) {
+    std::vector<SweepPlaced> placed;
+    for (const SlamResult& result : results) {
+      if (const auto* sweep = std::get_if<SweepPlaced>(&result)) {
+        placed.push_back(*sweep);
+      }
+    }
+    return placed;
+  }
+
+  std::optional<Mounting> mounting_;
+};
+
+TEST_F(SlamFacade, EverySweepIsPlacedInItsOrderAndEveryReadingTaken) {
+  const std::vector<SlamResult> results = run(arrivals());
+  const std::vector<SweepPlaced> placed = sweeps(results);
+  ASSERT_EQ(placed.size(), kSweeps);
+  EXPECT_EQ(results.size() - placed.size(), drive().readings.size());
+  for (std::size_t i = 0; i < kSweeps; ++i) {
+    EXPECT_EQ(placed[i].result.stamp, drive().sweeps[i].stamp);
+    EXPECT_EQ(placed[i].sweep.points.size(), drive().sweeps[i].points.size());
+    test::expect_sane(placed[i].result);
+  }
+  EXPECT_EQ(placed.back().result.inertial.state, InertialState::fused);
+}
+
+TEST_F(SlamFacade, AnyOrderOfArrivalGivesTheSameBytes) {
+  const std::vector<SweepPlaced> expected = sweeps(run(arrivals()));
+  for (const unsigned seed : {1U, 2U}) {
+    std::vector<Measurement> shuffled = arrivals();
+    std::mt19937 random(seed);
+    for (std::size_t i = 0; i < shuffled.size(); i += 30) {
+      std::shuffle(shuffled.begin() + static_cast<long>(i),
+                   shuffled.begin() + static_cast<long>(std::min(i + 30, shuffled.size())), random);
+    }
+    const std::vector<SweepPlaced> placed = sweeps(run(shuffled));
+    ASSERT_EQ(placed.size(), expected.size());
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      EXPECT_EQ(placed[i].result.T_map_lidar.matrix(), expected[i].result.T_map_lidar.matrix())
+          << "seed " << seed << ", sweep " << i;
+    }
+  }
+}
+
+TEST_F(SlamFacade, TheMountingComesFromTheSettingsElseFromTransformsElseItIsAssumed) {
+  std::vector<Measurement> first = arrivals();
+  first.resize(60);
+  run(first);
+  ASSERT_TRUE(mounting_);
+  EXPECT_EQ(mounting_->source, MountingSource::transforms);
+  EXPECT_TRUE(mounting_->T_imu_lidar.isApprox(T_imu_lidar(), 1e-12));
+
+  Config config = test::street_config();
+  config.imu.T_imu_lidar = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+  run(first, {}, config);
+  ASSERT_TRUE(mounting_);
+  EXPECT_EQ(mounting_->source, MountingSource::configured) << "identity can be meant";
+  EXPECT_TRUE(mounting_->T_imu_lidar.isApprox(Eigen::Isometry3d::Identity()));
+
+  const auto nameless = make_slam(context(), test::street_config());
+  nameless->add(StaticTransform{"imu", "lidar", T_imu_lidar()});
+  nameless->add(drive().sweeps.front());
+  nameless->flush();
+  ASSERT_TRUE(nameless->next());
+  EXPECT_EQ(nameless->mounting()->source, MountingSource::assumed);
+}
+
+TEST_F(SlamFacade, WithoutAnInertialSensorNothingWaits) {
+  const auto slam = make_slam(context(), test::street_config(), {.inertial = false});
+  slam->add(drive().sweeps.front());
+  const auto result = slam->next();
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(std::holds_alternative<SweepPlaced>(*result));
+  EXPECT_FALSE(slam->next());
+  EXPECT_FALSE(slam->mounting());
+}
+
+TEST_F(SlamFacade, HighRateOdometryComesWithTheReadings) {
+  std::size_t motions = 0;
+  Nanoseconds last = Nanoseconds::min();
+  for (const SlamResult& result : run(arrivals(), {.high_rate_smoothing = 0.0})) {
+    const auto* taken = std::get_if<ReadingTaken>(&result);
+    if (taken != nullptr && taken->motion) {
+      EXPECT_GT(taken->motion->stamp, last);
+      last = taken->motion->stamp;
+      ++motions;
+    }
+  }
+  EXPECT_GT(motions, 100U);
+}
+
+TEST_F(SlamFacade, AStepInTwoHalvesIsTheStepAndReadingsMayComeBetweenThem) {
+  Config config = test::street_config();
+  Odometry whole(context(), config);
+  Odometry halves(context(), config);
+  whole.mount(T_imu_lidar());
+  halves.mount(T_imu_lidar());
+  std::size_t fed = 0;
+  for (const Sweep& sweep : drive().sweeps) {
+    std::vector<ImuSample> due;
+    const Nanoseconds end = sweep.stamp + std::chrono::milliseconds(105);
+    for (; fed < drive().readings.size() && drive().readings[fed].stamp <= end; ++fed) {
+      due.push_back(drive().readings[fed]);
+      whole.add(due.back());
+      halves.add(due.back());
+    }
+    const SweepResult expected = whole.step(sweep);
+    halves.begin(sweep);
+    const SweepResult result = halves.finish();
+    ASSERT_EQ(result.T_map_lidar.matrix(), expected.T_map_lidar.matrix());
+    ASSERT_EQ(result.uncertainty.local, expected.uncertainty.local);
+  }
+}
+
+}  // namespace
+}  // namespace adit

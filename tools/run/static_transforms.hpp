@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "adit/tools/recordings/recording.hpp"
+
+namespace adit {
+
+/// The static transforms of the first ten seconds of a recording, in their order; empty where it
+/// has none. Stops at damage: whoever reads on reports it.
+std::vector<StaticTransform> static_transforms(const Recording& recording);
+
+}  // namespace adit
