@@ -75,8 +75,8 @@ class Odometry {
   Odometry& operator=(const Odometry&) = delete;
 
   /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before
-  /// its stamp to its end.
-  ImuArrival add(const ImuSample& sample);
+  /// its stamp to its end. Returns the readings whose fate is known with it.
+  std::vector<TakenReading> add(const ImuSample& sample);
 
   /// Takes the next sweep. Sweeps without a valid point are a failure like any other: coasting.
   SweepResult step(const Sweep& sweep);

@@ -36,10 +36,11 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
 }
 
 void take_reading(const Mapping& mapping, const ImuSample& sample) {
-  const ImuArrival arrival = mapping.reading(sample);
-  mapping.statistics.add(arrival);
-  if (mapping.high_rate != nullptr) {
-    mapping.high_rate->add(sample, arrival);
+  for (const TakenReading& taken : mapping.reading(sample)) {
+    mapping.statistics.add(taken.arrival);
+    if (mapping.high_rate != nullptr) {
+      mapping.high_rate->add(taken.sample, taken.arrival);
+    }
   }
 }
 

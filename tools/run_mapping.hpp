@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "slam/odometry.hpp"
 #include "tools/high_rate_output.hpp"
@@ -47,9 +48,9 @@ struct Mapping {
   std::size_t topic;  ///< of the sweeps
   SweepRange range;
   std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
-  std::function<ImuArrival(const ImuSample&)> reading{};  ///< Odometry::add
-  std::function<SweepResult(const Sweep&)> place;         ///< Odometry::step
-  std::function<bool()> stop;                             ///< asked before each sweep
+  std::function<std::vector<TakenReading>(const ImuSample&)> reading{};  ///< Odometry::add
+  std::function<SweepResult(const Sweep&)> place;                        ///< Odometry::step
+  std::function<bool()> stop;  ///< asked before each sweep
   RunOutputs& outputs;
   HighRateOutput* high_rate = nullptr;  ///< none: not asked for
   RunStatistics& statistics;

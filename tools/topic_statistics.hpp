@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "slam/inertial/reading_gate.hpp"
 #include "slam/types.hpp"
 #include "tools/imu_timeline.hpp"
 #include "tools/interval_histogram.hpp"
@@ -33,7 +34,10 @@ struct ImuStatistics {
   Extent rotation;      ///< norm, rad/s
   Eigen::Vector3d mean_acceleration = Eigen::Vector3d::Zero();
   uint64_t not_finite = 0;  ///< samples with a number that is none
+  uint64_t impossible = 0;  ///< beyond what any sensor reads
+  uint64_t spikes = 0;      ///< far from those before and after, which agree
   ImuTimeline timeline;     ///< of the others
+  ReadingGate gate{{}};     ///< tells them
 };
 
 /// Directions about the sensor's z axis.
