@@ -147,6 +147,7 @@ void check_rest(Checks& checks, const Config& config) {
   checks.require(config.keyframe.delta_rot > 0.0 && config.keyframe.delta_rot <= std::numbers::pi,
                  "keyframe.delta_rot", config.keyframe.delta_rot, "greater than 0 and at most pi");
   checks.between("recovery.max_coasting", config.recovery.max_coasting, 0, 1'000'000, "sweeps");
+  checks.between("recovery.max_speed", config.recovery.max_speed, 0.1, 1e6, "m/s");
 }
 
 void check_imu(Checks& checks, const ImuConfig& imu) {
@@ -170,6 +171,8 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
   checks.between("imu.accel_walk", imu.accel_walk, 1e-9, 10.0, "m/s^3/sqrt(Hz)");
   checks.between("imu.gravity_walk", imu.gravity_walk, 1e-9, 1.0, "rad/sqrt(s)");
   checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
+  checks.between("imu.max_rate", imu.max_rate, 1.0, 1e6, "rad/s");
+  checks.between("imu.max_acceleration", imu.max_acceleration, 1.0, 1e6, "m/s^2");
   checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
   checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,
                  "0, or at least 2 sweeps");

@@ -47,14 +47,16 @@ struct ImuConfig {
   std::optional<std::array<double, 7>> T_imu_lidar{};
   std::string sensor = "generic";
   double noise_scale = 5.0;
-  double gyro_noise = 1e-3;    ///< rad/s/√Hz
-  double accel_noise = 1e-2;   ///< m/s²/√Hz
-  double gyro_walk = 3e-5;     ///< rad/s²/√Hz
-  double accel_walk = 1e-3;    ///< m/s³/√Hz
-  double gravity_walk = 1e-4;  ///< rad/√s
-  double max_gap = 0.05;       ///< s
-  int lag = 20;                ///< sweeps
-  int reset = 0;               ///< sweeps
+  double gyro_noise = 1e-3;          ///< rad/s/√Hz
+  double accel_noise = 1e-2;         ///< m/s²/√Hz
+  double gyro_walk = 3e-5;           ///< rad/s²/√Hz
+  double accel_walk = 1e-3;          ///< m/s³/√Hz
+  double gravity_walk = 1e-4;        ///< rad/√s
+  double max_gap = 0.3;              ///< s
+  double max_rate = 5000.0;          ///< rad/s
+  double max_acceleration = 2000.0;  ///< m/s²
+  int lag = 20;                      ///< sweeps
+  int reset = 0;                     ///< sweeps
   bool refine_time_offset = false;
   bool refine_rotation = false;
 
@@ -79,8 +81,14 @@ struct ImuConfig {
           "random walk of the bias, of a custom sensor");
     field("gravity_walk", self.gravity_walk, "rad/sqrt(s)",
           "how fast the direction of gravity may wander in the map, as the map drifts");
-    field("max_gap", self.max_gap, "s",
-          "a longer time without readings is not bridged: the lidar goes on alone");
+    field(
+        "max_gap", self.max_gap, "s",
+        "a longer time without readings is not bridged: the lidar goes on alone; one of more than "
+        "50 ms is, with noise for what was missed");
+    field("max_rate", self.max_rate, "rad/s",
+          "a reading beyond, on any axis, is impossible and dropped (the default leaves room for "
+          "gyroscopes that are in degrees a second)");
+    field("max_acceleration", self.max_acceleration, "m/s^2", "and so is one beyond this");
     field("lag", self.lag, "sweeps", "the sliding graph optimises the states of the last sweeps");
     field("reset", self.reset, "sweeps",
           "greater than 0: instead of the lag, the graph is reduced to its newest state every so "
@@ -147,13 +155,16 @@ struct KeyframeConfig {
 
 /// What to do when a sweep cannot be aligned.
 struct RecoveryConfig {
-  int max_coasting = 5;  ///< sweeps
+  int max_coasting = 5;      ///< sweeps
+  double max_speed = 500.0;  ///< m/s
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("max_coasting", self.max_coasting, "sweeps",
           "failed sweeps in a row that are bridged by the predicted motion; after them the submap "
           "starts anew");
+    field("max_speed", self.max_speed, "m/s",
+          "an alignment that asks for more since the last sweep is a failure");
   }
 };
 

@@ -3,6 +3,7 @@
 #include "adit/slam/executor/slam.hpp"
 
 #include <array>
+#include <deque>
 #include <string>
 #include <utility>
 
@@ -38,26 +39,32 @@ class OfflineSlam final : public Slam {
   void flush() override { feed_.flush(); }
 
   std::optional<SlamResult> next() override {
-    while (std::optional<Measurement> due = feed_.next()) {
+    while (taken_.empty()) {
+      std::optional<Measurement> due = feed_.next();
+      if (!due) {
+        return std::nullopt;
+      }
       if (auto* sweep = std::get_if<Sweep>(&*due)) {
         return place(std::move(*sweep));
       }
       if (const auto* reading = std::get_if<ImuSample>(&*due)) {
-        return take(*reading);
+        take(*reading);
       }
     }
-    return std::nullopt;
+    ReadingTaken taken = std::move(taken_.front());
+    taken_.pop_front();
+    return taken;
   }
 
   std::optional<Mounting> mounting() const override { return mounting_; }
 
  private:
-  ReadingTaken take(const ImuSample& reading) {
-    ReadingTaken taken{.arrival = odometry_.add(reading)};
-    if (high_rate_) {
-      taken.motion = high_rate_->add(reading, taken.arrival);
+  void take(const ImuSample& reading) {
+    for (const TakenReading& known : odometry_.add(reading)) {
+      taken_.push_back(
+          {.arrival = known.arrival,
+           .motion = high_rate_ ? high_rate_->add(known.sample, known.arrival) : std::nullopt});
     }
-    return taken;
   }
 
   SweepPlaced place(Sweep sweep) {
@@ -89,6 +96,7 @@ class OfflineSlam final : public Slam {
   SensorFeed feed_;
   Odometry odometry_;
   std::optional<HighRateStream> high_rate_;
+  std::deque<ReadingTaken> taken_;  ///< not asked for yet
   FrameTree transforms_;
   std::string lidar_frame_;
   std::string imu_frame_;

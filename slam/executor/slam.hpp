@@ -21,7 +21,7 @@
 
 namespace adit {
 
-/// An inertial reading has been handed on.
+/// What became of an inertial reading is known.
 struct ReadingTaken {
   ImuArrival arrival = ImuArrival::appended;
   std::optional<LidarMotion>

@@ -34,18 +34,10 @@ constexpr CovarianceModel kWhiteModel{.kappa = 0.3,
 constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
 // Alignments err more than their covariances say: by three times in woods.
 constexpr double kBeyondBelief = 10.0;
-constexpr int kSurprises = 3;              // in a row are a failure
-constexpr double kFastest = 100.0;         // m/s
-constexpr double kLargestGyroBias = 0.3;   // rad/s
-constexpr double kLargestAccelBias = 3.0;  // m/s²
-constexpr double kLongestAlone = 3.0;      // s by inertia alone
-constexpr int kLosses = 5;                 // without a long time of fusion in between
-constexpr int kLongFusion = 100;           // sweeps
-constexpr double kScaleError = 0.005;      // of readings: scale, axes that are not square
+constexpr int kLongFusion = 100;       // sweeps
+constexpr double kScaleError = 0.005;  // of readings: scale, axes that are not square
 // After a check that failed the sweeps are to tell what is wrong, without the sensor: for so many.
 constexpr int kUnexplained = 50;
-// Saturation is told when none was for so long, and with what else goes wrong in that time.
-constexpr Nanoseconds kToldAgain = std::chrono::seconds(10);
 // Readings stand for this long after the last one; then velocities stay as they were.
 constexpr Nanoseconds kHeld = milliseconds(20);
 // What the sign of an accelerometer is believed after, which started at rest.
@@ -101,9 +93,18 @@ InertialTracker::InertialTracker(const ImuConfig& config, double configured_offs
       noise_(imu_noise(config)),
       T_body_lidar_(config.T_imu_lidar ? pose_of(*config.T_imu_lidar)
                                        : Eigen::Isometry3d::Identity()),
+      gate_({.rate = config.max_rate, .acceleration = config.max_acceleration}),
       configured_offset_(configured_offset) {}
 
-ImuArrival InertialTracker::add(const ImuSample& sample) {
+std::vector<TakenReading> InertialTracker::add(const ImuSample& sample) {
+  std::vector<TakenReading> taken;
+  for (const GatedReading& known : gate_.pass(sample)) {
+    taken.push_back({known.sample, known.dropped ? *known.dropped : take(known.sample)});
+  }
+  return taken;
+}
+
+ImuArrival InertialTracker::take(const ImuSample& sample) {
   ImuSample corrected = sample;
   corrected.stamp -= std::chrono::round<Nanoseconds>(std::chrono::duration<double>(clock_offset_));
   const ImuArrival arrival = buffer_.push(corrected);
@@ -127,7 +128,8 @@ std::optional<Eigen::Matrix3d> InertialTracker::level_lidar(Nanoseconds begin,
   for (const ImuSample& sample : interval.samples) {
     sum += sample.linear_acceleration;
   }
-  if (state_ == InertialState::absent || !complaint(interval).empty() || !(sum.norm() > 0.0)) {
+  if (state_ == InertialState::absent || !complaint(interval, config_.max_gap).empty() ||
+      !(sum.norm() > 0.0)) {
     return std::nullopt;
   }
   return level_attitude(T_body_lidar_.linear().transpose() * sum);
@@ -137,46 +139,6 @@ std::vector<ImuSample> InertialTracker::scaled(std::vector<ImuSample> samples) c
   return accel_scale_ == 1.0 ? std::move(samples) : with_accel_scale(samples, accel_scale_);
 }
 
-std::string InertialTracker::complaint(const ImuInterval& interval) const {
-  const double longest =
-      std::max({interval.held_before, interval.held_after, interval.longest_gap});
-  if (interval.samples.empty()) {
-    return "there are no IMU readings";
-  }
-  return longest <= config_.max_gap ? ""
-                                    : "no IMU readings for " + in_digits(longest) +
-                                          " s (imu.max_gap is " + in_digits(config_.max_gap) + ")";
-}
-
-void InertialTracker::lose(const std::string& why) {
-  losses_ += recent_saturation().empty() ? 1 : 0;  // else it is known why, and passes
-  const bool again = losses_ >= kLosses;
-  leave(again ? InertialState::refused : InertialState::lost,
-        why + (again ? "; lost " + std::to_string(losses_) +
-                           " times, so it is not used any more: check its mounting "
-                           "(imu.T_imu_lidar), its clock and its units with adit inspect"
-                     : ""));
-}
-
-std::string InertialTracker::recent_saturation() const {
-  return buffer_.empty()
-             ? ""
-             : saturation_.evidence(buffer_.back().stamp - kToldAgain, buffer_.back().stamp);
-}
-
-void InertialTracker::leave(InertialState state, const std::string& why) {
-  const std::string saturated = recent_saturation();
-  state_ = state;
-  event_ = why + (saturated.empty() ? "" : "; " + saturated);
-  graph_.reset();
-  pending_.reset();
-  poses_.clear();
-  readings_.clear();
-  surprises_ = 0;
-  fused_sweeps_ = 0;
-  alone_since_ = 0.0;
-}
-
 std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, double duration) {
   pending_.reset();
   timed_ = duration > 0.0;
@@ -184,8 +146,8 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
     return std::nullopt;
   }
   const ImuInterval interval = buffer_.between(graph_->latest().stamp, stamp);
-  if (const std::string wrong = complaint(interval); !wrong.empty()) {
-    lose(wrong);
+  if (const std::string wrong = complaint(interval, config_.max_gap); !wrong.empty()) {
+    leave(InertialState::lost, wrong);
     after_gap_ = true;
     return std::nullopt;
   }
@@ -193,9 +155,16 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
   if (saturation_.evidence(last - kToldAgain, last).empty()) {
     event_ = saturation_.evidence(last, stamp);
   }
-  pending_ = Pending{.readings = scaled(interval.samples), .prediction = {}};
+  const double silence = interval.longest_silence();
+  pending_ = Pending{.readings = scaled(interval.samples),
+                     .prediction = {},
+                     .gap = silence > kReadingGap ? silence : 0.0};
   pending_->prediction = graph_->predict(pending_->readings);
   const StateEstimate& predicted = pending_->prediction;
+  if (const std::string wrong = impossible_motion(predicted); !wrong.empty()) {
+    lose(wrong);
+    return std::nullopt;
+  }
 
   InertialPrediction result;
   result.lidar.T_map_lidar = T_map_lidar(predicted.state);
@@ -250,37 +219,6 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   return report;
 }
 
-std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
-  const NavState& nav = estimate.state;
-  if (!nav.T_map_body.matrix().allFinite() || !nav.v_map_body.allFinite() ||
-      !estimate.covariance.allFinite()) {
-    return "the fused state is not finite";
-  }
-  if (nav.v_map_body.norm() > kFastest) {
-    return "the fused velocity is " + in_digits(nav.v_map_body.norm()) + " m/s";
-  }
-  if (nav.bias.gyro.norm() > kLargestGyroBias) {
-    return "the gyroscope's bias would be " + in_digits(nav.bias.gyro.norm()) +
-           " rad/s: is it saturated, in degrees, or mounted otherwise than imu.T_imu_lidar says?";
-  }
-  if (nav.bias.accel.norm() > kLargestAccelBias) {
-    return "the accelerometer's bias would be " + in_digits(nav.bias.accel.norm()) +
-           " m/s^2: is its unit another, or imu.T_imu_lidar wrong?";
-  }
-  if (surprises_ >= kSurprises) {
-    return std::to_string(surprises_) +
-           " alignments in a row are where the IMU says that they cannot be: are clock and "
-           "imu.T_imu_lidar right?" +
-           (rested_at_ && recent_saturation().empty()
-                ? " And the accelerometer's sign, which a start at rest cannot tell from a "
-                  "sensor upside down?"
-                : "");
-  }
-  return alone_since_ > kLongestAlone
-             ? "no sweep could be aligned for " + in_digits(alone_since_) + " s"
-             : "";
-}
-
 void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
                            InertialReport& report) {
   const StateEstimate& prediction = pending_->prediction;
@@ -301,6 +239,8 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
         rotation_angle(inertial_off.linear()) < rotation_angle(steady_off.linear());
     report.better_travel = inertial_off.translation().norm() < steady_off.translation().norm();
   }
+  report.bridged_gap = pending_->gap;
+  bridged_at_ = pending_->gap > 0.0 ? std::optional(prediction.state.stamp) : bridged_at_;
   const StateEstimate estimate = graph_->add(std::move(pending_->readings), measurement);
   pending_.reset();
   if (const std::string failed = failed_check(estimate); !failed.empty()) {

@@ -14,8 +14,10 @@
 #include "adit/slam/inertial/gyro_monitor.hpp"
 #include "adit/slam/inertial/imu_buffer.hpp"
 #include "adit/slam/inertial/imu_start.hpp"
+#include "adit/slam/inertial/reading_gate.hpp"
 #include "adit/slam/inertial/saturation.hpp"
 #include "adit/slam/inertial/sweep_motion.hpp"
+#include "adit/slam/odometry/motion_model.hpp"
 
 namespace adit {
 
@@ -45,6 +47,7 @@ struct InertialReport {
   Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
   Innovation innovation;         ///< of the alignment; 0 degrees where there was none
   double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed
+  double bridged_gap = 0.0;      ///< s, the longest time without readings that was bridged
   bool compared = false;         ///< prediction and constant velocity, against the alignment:
   bool better_turn = false;      ///< the inertial prediction's rotation was nearer
   bool better_travel = false;    ///< its translation was
@@ -75,7 +78,8 @@ class InertialTracker {
   /// In place of the settings' mounting, before the first sweep.
   void mount(const Eigen::Isometry3d& T_imu_lidar) { T_body_lidar_ = T_imu_lidar; }
 
-  ImuArrival add(const ImuSample& sample);
+  /// Takes a reading. Returns those whose fate is known with it: one that jumps waits for the next.
+  std::vector<TakenReading> add(const ImuSample& sample);
 
   /// Attitude of the lidar in a map whose z is up, as the readings of that time have it: within a
   /// few degrees for a sensor that moves. None without readings.
@@ -108,9 +112,13 @@ class InertialTracker {
   }
 
  private:
+  /// Saturation is told when none was for so long, and with what else goes wrong in that time.
+  static constexpr Nanoseconds kToldAgain = std::chrono::seconds(10);
+
   struct Pending {
     std::vector<ImuSample> readings;
     StateEstimate prediction;
+    double gap = 0.0;  ///< s, the longest among the readings; 0: none
   };
   struct Corrections {
     bool clock = false;
@@ -123,13 +131,18 @@ class InertialTracker {
     int better = 0;  ///< than constant velocity, their turns
   };
 
+  ImuArrival take(const ImuSample& sample);
   std::vector<ImuSample> scaled(std::vector<ImuSample> samples) const;
   /// What is wrong with the coverage; empty if nothing is.
-  std::string complaint(const ImuInterval& interval) const;
+  std::string complaint(const ImuInterval& interval, double most) const;
+  /// What is wrong with a prediction from the newest state of the graph; empty if nothing is.
+  std::string impossible_motion(const StateEstimate& prediction) const;
   std::string failed_check(const StateEstimate& estimate) const;
   void lose(const std::string& why);
   /// Of the last ten seconds, for people; empty without.
   std::string recent_saturation() const;
+  /// What else explains a check that failed, and passes: saturation, a gap that was bridged.
+  std::string passing_cause() const;
   /// Stops fusing, to start anew or not at all.
   void leave(InertialState state, const std::string& why);
   /// Holds the gyroscope against the sweeps; corrects the sensor where they contradict it and say
@@ -151,6 +164,7 @@ class InertialTracker {
   ImuConfig config_;
   ImuNoise noise_;
   Eigen::Isometry3d T_body_lidar_;
+  ReadingGate gate_;
   ImuBuffer buffer_;
   GyroMonitor monitor_;
   SaturationWatch saturation_;
@@ -169,8 +183,9 @@ class InertialTracker {
   std::optional<SlidingGraph> graph_;
   std::optional<Pending> pending_;
   std::optional<NavState> last_fused_;
-  bool gyro_agrees_ = true;  ///< with alignments, as far as was seen before the start
-  bool after_gap_ = false;   ///< lost for want of readings alone: gravity and biases still hold
+  bool gyro_agrees_ = true;                ///< with alignments, as far as was seen before the start
+  std::optional<Nanoseconds> bridged_at_;  ///< the last gap among the readings that was bridged
+  bool after_gap_ = false;  ///< lost for want of readings alone: gravity and biases still hold
   /// Position in the map of a start at rest: the accelerometer's sign is an assumption until the
   /// sensor has gone away from there.
   std::optional<Eigen::Vector3d> rested_at_;

@@ -33,7 +33,8 @@ std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, do
     return sample.angular_velocity.norm() > kFastestTurn;
   };
   if (state_ != InertialState::starting || !gyro_agrees_ || duration <= 0.0 ||
-      !complaint(interval).empty() || std::ranges::any_of(interval.samples, too_fast)) {
+      !complaint(interval, config_.max_gap).empty() ||
+      std::ranges::any_of(interval.samples, too_fast)) {
     return std::nullopt;
   }
   for (ImuSample& sample : interval.samples) {
@@ -63,7 +64,7 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
                                     R_body_lidar;
       gyro_agrees_ = rotation_angle(turned->transpose() * found) < kTurnDisagreement;
     }
-    hindrance_ = complaint(interval);
+    hindrance_ = complaint(interval, config_.max_gap);
     if (hindrance_.empty()) {
       readings_.push_back(std::move(interval.samples));
     } else {

@@ -37,6 +37,10 @@ std::string_view to_string(ImuArrival arrival) {
       return "restarted";
     case ImuArrival::not_finite:
       return "not finite";
+    case ImuArrival::impossible:
+      return "impossible";
+    case ImuArrival::spike:
+      return "spike";
   }
   return "unknown";
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <string_view>
@@ -20,8 +21,17 @@ enum class ImuArrival {
   restarted,   ///< more than a second older than the newest: the clock was set back, and what was
                ///< kept is of another clock and dropped
   not_finite,  ///< NaN or infinite: dropped
+  impossible,  ///< beyond what sensors read (imu.max_rate, imu.max_acceleration): dropped
+  spike,       ///< far from the readings before and after it, which agree: dropped
 };
 std::string_view to_string(ImuArrival arrival);
+constexpr std::size_t kImuArrivals = 8;
+
+/// A reading, and what became of it.
+struct TakenReading {
+  ImuSample sample;
+  ImuArrival arrival = ImuArrival::appended;
+};
 
 /// The readings of a span of time, as preintegration wants them: the first at its begin, the last
 /// at its end, both interpolated linearly between their neighbours.
@@ -31,6 +41,9 @@ struct ImuInterval {
   double held_before = 0.0;  ///< s at the begin, without readings: the first one was held
   double held_after = 0.0;   ///< s at the end, without readings: the last one was held
   double longest_gap = 0.0;  ///< s between neighbouring readings
+
+  /// The longest time without a reading, s.
+  double longest_silence() const { return std::max({held_before, held_after, longest_gap}); }
 };
 
 /// The latest readings of an inertial sensor in order of their stamps.

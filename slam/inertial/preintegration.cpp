@@ -10,10 +10,25 @@ namespace {
 constexpr double kStaleRotation = 2e-3;  // rad
 constexpr double kStaleAccelBias = 0.2;  // m/s²
 
+// Across a gap readings are taken to go straight from one to the next. What the means of rate and
+// acceleration may be off by then, at least; else by half of what the ends differ.
+constexpr double kGapRate = 0.05;  // rad/s
+constexpr double kGapForce = 0.5;  // m/s²
+
 // Places in the covariance.
 constexpr int kPosition = 0;
 constexpr int kRotation = 3;
 constexpr int kVelocity = 6;
+
+/// Of the means of rate and acceleration between two readings that are far apart.
+Vector6d gap_variance(const ImuSample& from, const ImuSample& to) {
+  const double rate = 0.5 * (to.angular_velocity - from.angular_velocity).norm();
+  const double force = 0.5 * (to.linear_acceleration - from.linear_acceleration).norm();
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(rate * rate + kGapRate * kGapRate),
+      Eigen::Vector3d::Constant(force * force + kGapForce * kGapForce);
+  return variance;
+}
 
 }  // namespace
 
@@ -64,6 +79,9 @@ Preintegration advanced(const Preintegration& so_far, const ImuSample& from, con
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(noise.gyro * noise.gyro / dt),
       Eigen::Vector3d::Constant(noise.accel * noise.accel / dt);
+  if (dt > kReadingGap) {
+    variance += gap_variance(from, to);
+  }
   next.covariance = transition * so_far.covariance * transition.transpose() +
                     input * variance.asDiagonal() * input.transpose();
   next.scale = noise.scale;

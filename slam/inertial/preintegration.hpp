@@ -35,8 +35,11 @@ struct Preintegration {
   Eigen::Matrix3d position_by_accel = Eigen::Matrix3d::Zero();  ///< d position / d b_a, s²
 };
 
+/// s. Where neighbouring readings are farther apart some are missing.
+constexpr double kReadingGap = 0.05;
+
 /// One more step of length `to.stamp - from.stamp`: the increment grows by what was read at its
-/// ends.
+/// ends. Across a gap what the missing ones might have been is in the covariance.
 Preintegration advanced(const Preintegration& so_far, const ImuSample& from, const ImuSample& to,
                         const ImuNoise& noise);
 

@@ -14,6 +14,7 @@
 #include "adit/slam/odometry/aligner.hpp"
 #include "adit/slam/odometry/doubt.hpp"
 #include "adit/slam/odometry/motion_model.hpp"
+#include "adit/slam/odometry/possible_pose.hpp"
 #include "adit/slam/odometry/submap.hpp"
 #include "adit/slam/registration/front_end.hpp"
 
@@ -86,6 +87,7 @@ struct Odometry::Impl {
         drift(config_.submap.l) {}
 
   Expectation expect(const Sweep& sweep);
+  Prediction possible_prediction(Nanoseconds stamp) const;
   engine::Submission submit(const Expectation& expected);
   void wait(Begun& sweep);
   void read_back(Begun& sweep);
@@ -164,15 +166,27 @@ void Odometry::mount(const Eigen::Isometry3d& T_imu_lidar) {
   impl_->inertial.mount(T_imu_lidar);
 }
 
-ImuArrival Odometry::add(const ImuSample& sample) {
+std::vector<TakenReading> Odometry::add(const ImuSample& sample) {
   return impl_->inertial.add(sample);
+}
+
+// At constant velocity; where that leads nowhere, as stamps a moment apart make it, the sensor
+// stays where it was.
+Prediction Odometry::Impl::possible_prediction(Nanoseconds stamp) const {
+  Prediction prediction = motion.predict(stamp);
+  if (impossible_pose({stamp, prediction.T_map_lidar}, motion.last(), config.recovery.max_speed)) {
+    prediction.T_map_lidar = motion.last()->pose;
+    prediction.T_map_onward = motion.last()->pose;
+    prediction.trusted = false;
+  }
+  return prediction;
 }
 
 // By inertia where that is known, at constant velocity otherwise.
 Expectation Odometry::Impl::expect(const Sweep& sweep) {
   const double duration = config.preprocess.deskew ? duration_of(sweep) : 0.0;
   Expectation expected;
-  expected.prediction = motion.predict(sweep.stamp);
+  expected.prediction = possible_prediction(sweep.stamp);
   if (submap.empty()) {
     const auto end = sweep.stamp + std::chrono::round<Nanoseconds>(
                                        std::chrono::duration<double>(std::max(duration, 0.1)));
@@ -261,7 +275,11 @@ void Odometry::Impl::judge(const Prediction& prediction, SweepResult& result) {
   if (!is_usable(result.registration.status)) {
     return;
   }
-  if (const auto doubt = usual_fit.doubt(result.registration, prediction)) {
+  const StampedPose found{result.stamp, result.registration.T_target_source};
+  if (const auto wrong = impossible_pose(found, motion.last(), config.recovery.max_speed)) {
+    result.registration.status = RegistrationStatus::doubtful;
+    result.doubt = *wrong;
+  } else if (const auto doubt = usual_fit.doubt(result.registration, prediction)) {
     result.registration.status = RegistrationStatus::doubtful;
     result.doubt = *doubt;
   } else if (prediction.trusted) {

@@ -79,8 +79,8 @@ class Odometry {
   void mount(const Eigen::Isometry3d& T_imu_lidar);
 
   /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before
-  /// its stamp to its end.
-  ImuArrival add(const ImuSample& sample);
+  /// its stamp to its end. Returns the readings whose fate is known with it.
+  std::vector<TakenReading> add(const ImuSample& sample);
 
   /// Takes the next sweep. Sweeps without a valid point are a failure like any other: coasting.
   /// The same as begin() and finish().

@@ -194,6 +194,35 @@ TEST_F(FaultTest, MessagesAreMissingTwiceThereOrOutOfOrder) {
   EXPECT_LT(backwards, 40U);
 }
 
+TEST_F(FaultTest, SomeReadingsAreSpikesAndSomeTimesAreSilent) {
+  const Read good = read({}, 8.0);
+  const auto spiked = [&](const char* name) {
+    const Read bad = read({name}, 8.0);
+    EXPECT_EQ(bad.imu.size(), good.imu.size());
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < bad.imu.size(); ++i) {
+      const bool turns = bad.imu[i].angular_velocity != good.imu[i].angular_velocity;
+      const bool pushes = bad.imu[i].linear_acceleration != good.imu[i].linear_acceleration;
+      EXPECT_FALSE(turns && pushes);
+      count += turns || pushes ? 1U : 0U;
+    }
+    return static_cast<double>(count) / static_cast<double>(bad.imu.size());
+  };
+  EXPECT_NEAR(spiked("many-spikes"), 0.05, 0.02);
+  EXPECT_NEAR(spiked("spikes"), 0.01, 0.006);
+  EXPECT_LT(spiked("rare-spikes"), 0.004);
+  const Read gaps = read({"gaps"}, 8.0);
+  std::size_t silences = 0;
+  for (std::size_t i = 1; i < gaps.imu.size(); ++i) {
+    const auto silence = gaps.imu[i].stamp - gaps.imu[i - 1].stamp;
+    silences += silence > std::chrono::milliseconds(50) ? 1U : 0U;
+    EXPECT_LT(silence, std::chrono::milliseconds(310));
+  }
+  EXPECT_GE(silences, 7U);
+  EXPECT_LE(silences, 8U);
+  EXPECT_EQ(gaps.sweeps.size(), good.sweeps.size());
+}
+
 TEST_F(FaultTest, ReadingsAreInOtherUnitsAndAxes) {
   const Read good = read({});
   const Read units = read({"wrong-units"});

@@ -221,8 +221,10 @@ std::vector<LidarMotion> follow(engine::Context& context, const test::MovingDriv
   for (const Sweep& sweep : drive.sweeps) {
     const Nanoseconds end = sweep.stamp + std::chrono::milliseconds(105);
     for (; fed < drive.readings.size() && drive.readings[fed].stamp <= end; ++fed) {
-      if (const auto pose = stream.add(drive.readings[fed], odometry.add(drive.readings[fed]))) {
-        given.push_back(*pose);
+      for (const TakenReading& taken : odometry.add(drive.readings[fed])) {
+        if (const auto pose = stream.add(taken.sample, taken.arrival)) {
+          given.push_back(*pose);
+        }
       }
     }
     stream.update(odometry.step(sweep).inertial);

@@ -66,5 +66,15 @@ TEST(ClockDrift, NothingIsNamedWhereThereIsNone) {
       compare(topic(steady, 10.0), topic([](double t) { return 0.05 + 3e-4 * t; }, 10.0)).empty());
 }
 
+// A channel that was announced and never written to, and recordings of a moment.
+TEST(ClockDrift, TooFewMessagesTellNothing) {
+  EXPECT_FALSE(clock_trend({}).has_value());
+  for (const double seconds : {0.0, 0.01, 0.1}) {
+    EXPECT_FALSE(clock_trend(topic(steady, seconds).timeline).has_value()) << seconds;
+    EXPECT_TRUE(compare(topic(steady), topic(steady, seconds)).empty()) << seconds;
+    EXPECT_TRUE(compare(topic(steady, seconds), topic(steady)).empty()) << seconds;
+  }
+}
+
 }  // namespace
 }  // namespace adit

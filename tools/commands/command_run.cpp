@@ -208,7 +208,8 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   check_writable(options.output, options.map,
                  options.high_rate.enabled ? std::vector{high_rate_files.tum, high_rate_files.csv}
                                            : std::vector<std::filesystem::path>());
-  engine::Context context = open_device(options.device);
+  DeviceSession session(options.device);
+  engine::Context& context = session.context();
   if (context.software_fallback() && !options.quiet) {
     err << software_note(context.device()) << std::endl;
   }

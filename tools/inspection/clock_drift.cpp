@@ -59,8 +59,11 @@ std::optional<ClockTrend> clock_trend(const TopicTimeline& timeline) {
       samples.push_back({timeline.bin_width() * static_cast<double>(i), bin.least_delay});
     }
   }
+  if (samples.size() < kLeastBins) {
+    return std::nullopt;
+  }
   const auto delays = std::ranges::minmax(samples, {}, &Sample::delay);
-  if (samples.size() < kLeastBins || delays.max.delay - delays.min.delay > kLongestDelay) {
+  if (delays.max.delay - delays.min.delay > kLongestDelay) {
     return std::nullopt;
   }
   const Line whole = fit(samples);

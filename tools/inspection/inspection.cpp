@@ -104,14 +104,14 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
     return;
   }
   try {
-    engine::Context context = open_device(device);
+    DeviceSession session(device);
     // A guess of the motion within the sweep would enter what is compared: sweeps stand for their
     // middles instead, and are aligned with the second before, which is skewed alike.
     Config as_taken = config;
     as_taken.preprocess.deskew = false;
     as_taken.submap = {.l = 10, .delta_trans = 0.0, .delta_rot = 0.0};
     for (const MotionPair& pair : pairs) {
-      Odometry odometry(context, as_taken);
+      Odometry odometry(session.context(), as_taken);
       result.motion.push_back(
           check_motion(recording, pair, [&](const Sweep& sweep) { return odometry.step(sweep); }));
     }

@@ -10,6 +10,7 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/inertial/gyroscope_integral.hpp"
+#include "adit/slam/inertial/reading_gate.hpp"
 
 namespace adit {
 namespace {
@@ -131,11 +132,15 @@ std::vector<ImuSample> gyroscope_of(const Recording& recording, const MotionPair
   const EventSelection selection{.topics = {pair.imu_topic},
                                  .begin = pair.stretch.begin - kMargin,
                                  .end = pair.stretch.end + kMargin};
+  ReadingGate gate({});
   for_each_event(recording, selection, [&](const Event& event) {
-    const auto& sample = std::get<ImuSample>(event.value);
-    if (sample.angular_velocity.allFinite()) {
-      samples.push_back(sample);
-      shift.add(event);
+    ImuSample sample = std::get<ImuSample>(event.value);
+    sample.linear_acceleration.setZero();  // of no use here, and none has to be there
+    shift.add(event);
+    for (const GatedReading& known : gate.pass(sample)) {
+      if (!known.dropped) {
+        samples.push_back(known.sample);
+      }
     }
   });
   for (ImuSample& sample : samples) {

@@ -163,6 +163,20 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
     findings.problem("not_finite", std::to_string(s.not_finite) + " samples have no finite numbers",
                      "they are left out", "Check the driver");
   }
+  const uint64_t readings = s.acceleration.count + s.spikes + s.impossible;
+  if (s.spikes > 0) {
+    findings.problem("spikes",
+                     of(s.spikes, readings) +
+                         " samples are spikes: far from those before and after them, which agree",
+                     "they are left out", "Check the sensor's cable, supply and driver");
+  }
+  if (s.impossible > 0) {
+    findings.problem("impossible_readings",
+                     of(s.impossible, readings) +
+                         " samples are beyond what sensors read (imu.max_rate, "
+                         "imu.max_acceleration)",
+                     "they are left out", "Check the sensor's cable, supply and driver");
+  }
   if (s.acceleration.count == 0) {
     return;
   }

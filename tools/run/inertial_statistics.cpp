@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/inertial_statistics.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <numbers>
 #include <numeric>
@@ -42,6 +43,20 @@ ordered_json json_of(const RotationComparison& found) {
   return json;
 }
 
+/// What the readings' gate kept out, for people; empty where that is nothing.
+std::string dropped_text(std::size_t spikes, std::size_t impossible, std::size_t readings) {
+  std::string text;
+  if (spikes > 0) {
+    text += "; " + std::to_string(spikes) + (spikes == 1 ? " spike" : " spikes") + " dropped";
+  }
+  if (impossible > 0) {
+    text += "; " + std::to_string(impossible) + " impossible " +
+            (impossible == 1 ? "reading" : "readings") +
+            " dropped (imu.max_rate, imu.max_acceleration)";
+  }
+  return text.empty() ? text : text + " of " + std::to_string(readings);
+}
+
 std::string text_of(const RotationComparison& found) {
   char text[200];
   std::snprintf(text, sizeof text,
@@ -70,6 +85,8 @@ void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
   last_ = report.nav ? report.nav : last_;
   gravity_ = report.gravity_map.norm() > 0.0 ? report.gravity_map : gravity_;
   comparison_ = report.comparison ? report.comparison : comparison_;
+  bridged_ += report.bridged_gap > 0.0 ? 1 : 0;
+  longest_gap_ = std::max(longest_gap_, report.bridged_gap);
   clock_offset_ = report.clock_offset;
   T_imu_lidar_ = report.T_body_lidar;
 }
@@ -89,7 +106,7 @@ ordered_json InertialStatistics::to_json() const {
   json["readings"] = readings();
   for (const ImuArrival arrival :
        {ImuArrival::inserted, ImuArrival::duplicate, ImuArrival::too_late, ImuArrival::restarted,
-        ImuArrival::not_finite}) {
+        ImuArrival::not_finite, ImuArrival::impossible, ImuArrival::spike}) {
     json["irregular"][std::string(to_string(arrival))] = count(arrival);
   }
   for (const InertialState state :
@@ -97,6 +114,7 @@ ordered_json InertialStatistics::to_json() const {
         InertialState::refused}) {
     json["sweeps"][std::string(to_string(state))] = count(state);
   }
+  json["gaps_bridged"] = {{"sweeps", bridged_}, {"longest_s", longest_gap_}};
   json["changes"] = ordered_json::array();
   for (const Change& change : changes_) {
     json["changes"].push_back(
@@ -137,6 +155,13 @@ std::string InertialStatistics::text() const {
       changes_.back().state != InertialState::fused) {
     text += "; " + std::string(to_string(changes_.back().state)) + ": " + changes_.back().reason;
   }
+  if (bridged_ > 0) {
+    char gaps[100];
+    std::snprintf(gaps, sizeof gaps, "; gaps of the readings of up to %.3f s bridged, in %zu %s",
+                  longest_gap_, bridged_, bridged_ == 1 ? "sweep" : "sweeps");
+    text += gaps;
+  }
+  text += dropped_text(count(ImuArrival::spike), count(ImuArrival::impossible), readings());
   return hindrance_.empty() ? text : text + "; not started: " + hindrance_;
 }
 

@@ -50,7 +50,7 @@ class InertialStatistics {
  private:
   std::optional<double> share(std::size_t better) const;
 
-  std::array<std::size_t, 6> arrivals_{};
+  std::array<std::size_t, kImuArrivals> arrivals_{};
   std::array<std::size_t, 5> states_{};
   std::vector<Change> changes_;
   std::string hindrance_;
@@ -62,6 +62,8 @@ class InertialStatistics {
   std::optional<NavState> last_;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::optional<RotationComparison> comparison_;
+  std::size_t bridged_ = 0;   ///< sweeps over gaps in the readings
+  double longest_gap_ = 0.0;  ///< s, of these
   double clock_offset_ = 0.0;
   Eigen::Isometry3d T_imu_lidar_ = Eigen::Isometry3d::Identity();
 };

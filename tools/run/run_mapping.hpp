@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "adit/slam/executor/slam.hpp"
 #include "adit/tools/recordings/recording.hpp"

@@ -10,13 +10,14 @@
 
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
+#include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Fault>, 10> kFaults{
+constexpr std::array<std::pair<std::string_view, Fault>, 14> kFaults{
     {{"clock-offset", Fault::clock_offset},
      {"clock-drift", Fault::clock_drift},
      {"gap", Fault::gap},
@@ -26,13 +27,35 @@ constexpr std::array<std::pair<std::string_view, Fault>, 10> kFaults{
      {"wrong-units", Fault::wrong_units},
      {"swapped-axes", Fault::swapped_axes},
      {"blocked-sector", Fault::blocked_sector},
-     {"truncated", Fault::truncated}}};
+     {"truncated", Fault::truncated},
+     {"rare-spikes", Fault::rare_spikes},
+     {"spikes", Fault::spikes},
+     {"many-spikes", Fault::many_spikes},
+     {"gaps", Fault::gaps}}};
 
 constexpr double kOneIn50 = 0.02;
 
 /// Each purpose of a topic's messages has its own numbers.
 uint64_t counter(uint64_t index, uint64_t purpose) {
   return index * 16U + purpose;
+}
+
+/// One of the six numbers becomes anything from what motion reaches to twice 2000 degrees/s or 16
+/// g, small and large alike.
+void spike(ImuSample& sample, const CounterRandom& random, uint64_t index) {
+  constexpr double kLeastRate = 1.0;           // rad/s
+  constexpr double kLeastAcceleration = 10.0;  // m/s^2
+  constexpr double kRates = 4.248;             // logarithm of 70, from 1 to 70 rad/s
+  constexpr double kAccelerations = 3.446;     // of 31.4, from 10 to 314 m/s^2
+  const auto choice = static_cast<Eigen::Index>(6.0 * random.uniform(counter(index, 12)));
+  const double sign = random.uniform(counter(index, 11)) < 0.5 ? -1.0 : 1.0;
+  const double part = random.uniform(counter(index, 10));
+  if (choice < 3) {
+    sample.angular_velocity(choice) = sign * kLeastRate * repeatable_exp(kRates * part);
+  } else {
+    sample.linear_acceleration(choice - 3) =
+        sign * kLeastAcceleration * repeatable_exp(kAccelerations * part);
+  }
 }
 
 }  // namespace
@@ -83,7 +106,19 @@ void FaultMaker::distort(RangeSweep& sweep) const {
   }
 }
 
+double FaultMaker::spiked_share() const {
+  return has(Fault::many_spikes)   ? 0.05
+         : has(Fault::spikes)      ? 0.01
+         : has(Fault::rare_spikes) ? 0.001
+                                   : 0.0;
+}
+
 void FaultMaker::distort(ImuSample& sample) const {
+  const CounterRandom random(seed_, RandomStream::fault);
+  const auto index = static_cast<uint64_t>(sample.stamp.count());
+  if (random.uniform(counter(index, 13)) < spiked_share()) {
+    spike(sample, random, index);
+  }
   if (has(Fault::clock_offset)) {
     sample.stamp += std::chrono::milliseconds(50);
   }
@@ -101,6 +136,18 @@ void FaultMaker::distort(ImuSample& sample) const {
     sample.linear_acceleration = turned(sample.linear_acceleration);
     sample.angular_velocity = turned(sample.angular_velocity);
   }
+}
+
+bool FaultMaker::is_silent(Nanoseconds time) const {
+  if (!has(Fault::gaps)) {
+    return false;
+  }
+  const auto second = static_cast<uint64_t>(time / std::chrono::seconds(1));
+  const double after = 1e-9 * static_cast<double>((time % std::chrono::seconds(1)).count());
+  const CounterRandom random(seed_, RandomStream::fault);
+  const double length = 0.06 + 0.09 * random.uniform(counter(second, 9));
+  const double begin = (1.0 - length) * random.uniform(counter(second, 8));
+  return after >= begin && after < begin + length;
 }
 
 int FaultMaker::copies(uint64_t topic, uint64_t index, Nanoseconds time) const {

@@ -26,6 +26,11 @@ enum class Fault {
   swapped_axes,    ///< the IMU is mounted turned by a quarter, and nothing says so
   blocked_sector,  ///< something covers 60 degrees of the range sensor, behind to the left
   truncated,       ///< the recorder was killed: the last fifth of the file is missing
+  rare_spikes,     ///< one IMU reading in 1000 is damaged: one of its six numbers is anything up
+                   ///< to twice what sensors can read
+  spikes,          ///< one in 100
+  many_spikes,     ///< one in 20
+  gaps,            ///< the IMU is silent for 60 to 150 ms, once in each second
 };
 
 std::vector<std::string> fault_names();
@@ -44,6 +49,9 @@ class FaultMaker {
   void distort(RangeSweep& sweep) const;
   void distort(ImuSample& sample) const;
 
+  /// Whether an IMU message that was recorded at `time` from the start is missing on its own.
+  bool is_silent(Nanoseconds time) const;
+
   /// How often message `index` of a topic, recorded at `time` from the start, is written: 0, 1, 2.
   int copies(uint64_t topic, uint64_t index, Nanoseconds time) const;
 
@@ -51,6 +59,8 @@ class FaultMaker {
   bool comes_late(uint64_t index) const;
 
  private:
+  double spiked_share() const;
+
   std::vector<Fault> faults_;
   double duration_;
   uint64_t seed_;

@@ -62,7 +62,7 @@ void ImuTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summa
 
 void ImuTrack::record(SimulationRecorder& recorder, SimulationSummary& summary) {
   const Nanoseconds received = time();
-  const int copies = faults_->copies(kImu, index_, received);
+  const int copies = faults_->is_silent(received) ? 0 : faults_->copies(kImu, index_, received);
   ImuSample sample = next_.sample;
   faults_->distort(sample);
   sample.stamp += kSimulationEpoch;

@@ -46,6 +46,16 @@ void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
   }
 }
 
+void take_healthy(ImuStatistics& s, const ImuSample& sample, Nanoseconds received) {
+  s.timeline.add(received, one_reading(sample));
+  s.acceleration.add(sample.linear_acceleration.norm());
+  if (sample.angular_velocity.allFinite()) {
+    s.rotation.add(sample.angular_velocity.norm());
+  }
+  s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
+                         static_cast<double>(s.acceleration.count);
+}
+
 void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received) {
   ImuStatistics& s = topic.imu;
   const bool turns = sample.angular_velocity.allFinite();
@@ -54,13 +64,17 @@ void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received)
     ++s.not_finite;
     return;
   }
-  s.timeline.add(received, one_reading(sample));
-  s.acceleration.add(sample.linear_acceleration.norm());
-  if (turns) {
-    s.rotation.add(sample.angular_velocity.norm());
+  if (no_gyroscope) {
+    take_healthy(s, sample, received);
+    return;
   }
-  s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
-                         static_cast<double>(s.acceleration.count);
+  for (const GatedReading& known : s.gate.pass(sample)) {
+    s.spikes += known.dropped == ImuArrival::spike ? 1U : 0U;
+    s.impossible += known.dropped == ImuArrival::impossible ? 1U : 0U;
+    if (!known.dropped) {
+      take_healthy(s, known.sample, received);
+    }
+  }
 }
 
 void take(TopicStatistics& topic, const GnssFix& fix, Nanoseconds) {

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/inertial/reading_gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace adit {
+namespace {
+
+// A quantile moves by this share of itself with a value, by more at first, and does not fall to
+// where it would not find back from.
+constexpr double kPace = 0.05;
+constexpr double kLeast = 1e-9;
+
+// A jump is what is beyond so many times what three in four changes stay below, and beyond what
+// harms nobody: a rate, and a share of gravity.
+constexpr double kBeyondUsual = 6.0;
+constexpr double kHarmlessTurn = 0.3;   // rad/s
+constexpr double kHarmlessForce = 0.3;  // of the usual force
+
+constexpr std::size_t kMostWaiting = 4;  // none came back: it is the motion that has changed
+// A reading agrees with the one before if it is this much nearer than that was to its own.
+constexpr double kAgrees = 0.5;
+// A spike is as far from both neighbours as from what would be there without it, up to this.
+constexpr double kAlone = 0.7;
+
+}  // namespace
+
+void UsualValue::add(double value) {
+  value_ = count_ == 0 ? value : value_;
+  const double pace = std::max(kPace, 1.0 / ++count_);
+  value_ *= std::exp(pace * (value > value_ ? share_ : share_ - 1.0));
+  value_ = std::max(value_, kLeast);
+}
+
+double ReadingGate::distance(const ImuSample& a, const ImuSample& b) const {
+  const double turn = std::max(kHarmlessTurn, kBeyondUsual * turn_change_.get());
+  const double force = std::max(kHarmlessForce * force_.get(), kBeyondUsual * force_change_.get());
+  return std::max((b.angular_velocity - a.angular_velocity).norm() / turn,
+                  (b.linear_acceleration - a.linear_acceleration).norm() / force);
+}
+
+bool ReadingGate::is_settled() const {
+  const std::size_t count = waiting_.size();
+  const ImuSample& newest = waiting_.back();
+  if (!last_ || count > kMostWaiting || distance(*last_, newest) <= static_cast<double>(count)) {
+    return true;
+  }
+  if (count == 1) {
+    return false;
+  }
+  const ImuSample& middle = waiting_[count - 2];
+  const ImuSample& first = count == 2 ? *last_ : waiting_[count - 3];
+  return distance(middle, newest) <= kAgrees * distance(first, middle) ||
+         distance(middle, interpolate(first, newest, middle.stamp)) <= 1.0;
+}
+
+bool ReadingGate::is_spike(std::size_t waiting) const {
+  if (!last_ || waiting + 1 == waiting_.size()) {
+    return false;
+  }
+  const ImuSample& one = waiting_[waiting];
+  const ImuSample& before = waiting == 0 ? *last_ : waiting_[waiting - 1];
+  const double off = distance(one, interpolate(*last_, waiting_.back(), one.stamp));
+  return off > 1.0 && distance(before, one) >= kAlone * off &&
+         distance(one, waiting_[waiting + 1]) >= kAlone * off;
+}
+
+void ReadingGate::learn(const ImuSample& passed) {
+  force_.add(passed.linear_acceleration.norm());
+  if (last_ && passed.stamp > last_->stamp) {
+    turn_change_.add((passed.angular_velocity - last_->angular_velocity).norm());
+    force_change_.add((passed.linear_acceleration - last_->linear_acceleration).norm());
+  }
+  last_ = passed;
+}
+
+std::vector<GatedReading> ReadingGate::pass(const ImuSample& reading) {
+  const Eigen::Vector3d& turn = reading.angular_velocity;
+  const Eigen::Vector3d& force = reading.linear_acceleration;
+  if (!turn.allFinite() || !force.allFinite()) {
+    return {{reading, ImuArrival::not_finite}};
+  }
+  if (turn.cwiseAbs().maxCoeff() > limits_.rate ||
+      force.cwiseAbs().maxCoeff() > limits_.acceleration) {
+    return {{reading, ImuArrival::impossible}};
+  }
+  if (std::ranges::find(waiting_, reading.stamp, &ImuSample::stamp) != waiting_.end()) {
+    return {{reading, ImuArrival::duplicate}};
+  }
+  waiting_.push_back(reading);
+  std::vector<GatedReading> known;
+  if (!is_settled()) {
+    return known;
+  }
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    known.push_back({waiting_[i], is_spike(i) ? std::optional(ImuArrival::spike) : std::nullopt});
+  }
+  waiting_.clear();
+  for (const GatedReading& one : known) {
+    if (!one.dropped) {
+      learn(one.sample);
+    }
+  }
+  return known;
+}
+
+}  // namespace adit

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The commands, run to their end on damaged input: what they owe whatever that is.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adit/engine/context.hpp"
+#include "adit/tests/commands/mutations.hpp"
+#include "adit/tests/recordings/fuzz_corpus.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+
+namespace adit::test {
+
+enum class FuzzedCommand { inspect, run, convert, evaluate };
+inline constexpr FuzzedCommand kFuzzedCommands[] = {
+    FuzzedCommand::inspect, FuzzedCommand::run, FuzzedCommand::convert, FuzzedCommand::evaluate};
+std::string_view to_string(FuzzedCommand command);
+
+/// What a command did.
+struct CommandOutcome {
+  int code = 0;
+  std::string told;       ///< on both streams
+  std::string complaint;  ///< what it owed and did not do; empty: nothing
+};
+
+/// Small recordings and runs, and the commands on damaged copies of them. A case is told by its
+/// number: the same number, the same damage.
+class CommandCases {
+ public:
+  /// Device work is done on `context`.
+  explicit CommandCases(engine::Context& context);
+
+  /// A code of 0, 1 or 2 in bounded time, and nothing written that is not a number.
+  CommandOutcome run(FuzzedCommand command, uint64_t number) const;
+
+ private:
+  std::filesystem::path damaged_recording(const std::filesystem::path& folder, Dice& dice) const;
+  std::filesystem::path damaged_messages(const std::filesystem::path& folder, Dice& dice) const;
+  std::filesystem::path damaged_folder(const std::filesystem::path& folder, Dice& dice) const;
+  int call(FuzzedCommand command, const std::filesystem::path& folder, Dice& dice,
+           std::ostream& told) const;
+  int evaluate(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
+
+  engine::Context* context_;
+  TemporaryFolder folder_;
+  std::vector<Recorded> events_;
+  std::vector<FuzzSeed> files_;  ///< whole recordings, by their format
+  std::filesystem::path run_;    ///< the folder of a healthy run
+};
+
+}  // namespace adit::test

@@ -1,0 +1,230 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tests/commands/mutations.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace adit::test {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array kNumbers = {kNone, kInfinity, -kInfinity, 1e200, -1e200, 1e30,  -1e30, 1e10,
+                                 -1e10, 1e5,       600.0,      -20.0, 0.0,    1e-30, 1e-320};
+
+double number(Dice& dice) {
+  return kNumbers[dice.below(kNumbers.size())];
+}
+
+Nanoseconds stamp(Nanoseconds before, Dice& dice) {
+  constexpr int64_t kSecond = 1'000'000'000;
+  const std::array<int64_t, 10> stamps = {0,
+                                          1,
+                                          before.count() - kSecond * 3600,
+                                          before.count() + kSecond * 3600,
+                                          before.count() + kSecond * 37,
+                                          before.count() - kSecond / 5,
+                                          before.count() + kSecond / 3,
+                                          kSecond * 4294967295,
+                                          kSecond * 2147483647,
+                                          MovingRig::kBegin.count()};
+  return Nanoseconds(stamps[dice.below(stamps.size())]);
+}
+
+void damage(Sweep& sweep, Dice& dice) {
+  const auto any = [&]() -> Point& { return sweep.points[dice.below(sweep.points.size())]; };
+  if (sweep.points.empty()) {
+    return;
+  }
+  switch (dice.below(9)) {
+    case 0:
+      sweep.points.clear();
+      sweep.times.clear();
+      sweep.rings.clear();
+      break;
+    case 1:
+      sweep.points.resize(1);
+      sweep.times.resize(std::min<std::size_t>(1, sweep.times.size()));
+      sweep.rings.resize(std::min<std::size_t>(1, sweep.rings.size()));
+      break;
+    case 2:
+      std::ranges::fill(sweep.points, any());
+      break;
+    case 3:
+      for (Point& point : sweep.points) {
+        point.z = 0.0F;
+      }
+      break;
+    case 4: {
+      const auto value = static_cast<float>(number(dice));
+      for (Point& point : sweep.points) {
+        (dice.one_in(2) ? point.x : point.y) = value;
+      }
+      break;
+    }
+    case 5:
+      for (std::size_t i = 0; i < 1 + dice.below(50); ++i) {
+        any() = {static_cast<float>(number(dice)), static_cast<float>(number(dice)),
+                 static_cast<float>(number(dice)), static_cast<float>(number(dice))};
+      }
+      break;
+    case 6:
+      for (Point& point : sweep.points) {
+        point = {1000.0F * point.x, 1000.0F * point.y, 1000.0F * point.z, point.intensity};
+      }
+      break;
+    case 7:
+      for (float& time : sweep.times) {
+        time = static_cast<float>(number(dice));
+      }
+      break;
+    default:
+      sweep.stamp = stamp(sweep.stamp, dice);
+  }
+}
+
+void damage(ImuSample& sample, Dice& dice) {
+  if (dice.one_in(5)) {
+    sample.stamp = stamp(sample.stamp, dice);
+    return;
+  }
+  Eigen::Vector3d& triad = dice.one_in(2) ? sample.angular_velocity : sample.linear_acceleration;
+  triad(static_cast<Eigen::Index>(dice.below(3))) = number(dice);
+}
+
+void damage(GnssFix& fix, Dice& dice) {
+  (dice.one_in(2) ? fix.latitude : fix.altitude) = number(dice);
+  fix.covariance = Eigen::Matrix3d::Constant(number(dice));
+}
+
+void damage(StaticTransform& transform, Dice& dice) {
+  if (dice.one_in(2)) {
+    std::swap(transform.parent, transform.child);
+  }
+  transform.T_parent_child.translation().x() = number(dice);
+}
+
+void damage(ReferencePose&, Dice&) {}
+
+}  // namespace
+
+void damage_bytes(std::string& bytes, Dice& dice) {
+  for (std::size_t change = 0; change <= dice.below(4) && !bytes.empty(); ++change) {
+    const std::size_t at = dice.below(bytes.size());
+    const std::size_t length = std::min(std::size_t{1} << dice.below(14), bytes.size() - at);
+    const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto end = begin + static_cast<std::ptrdiff_t>(length);
+    switch (dice.below(8)) {
+      case 0:
+        bytes.resize(at);
+        break;
+      case 1:
+        *begin = static_cast<char>(*begin ^ static_cast<char>(1U << dice.below(8)));
+        break;
+      case 2:
+        *begin = static_cast<char>(dice.bits());
+        break;
+      case 3:
+        std::fill(begin, end, dice.one_in(3) ? '\xff' : '\0');
+        break;
+      case 4:
+        bytes.insert(at, bytes.substr(dice.below(bytes.size()), length));
+        break;
+      case 5:
+        bytes.erase(at, length);
+        break;
+      case 6: {
+        const std::string other = bytes.substr(dice.below(bytes.size()), length);
+        bytes.replace(at, other.size(), other);
+        break;
+      }
+      default:
+        for (auto byte = begin; byte != end && byte - begin < 8; ++byte) {
+          *byte = static_cast<char>(dice.bits());
+        }
+    }
+  }
+}
+
+void damage_text(std::string& text, Dice& dice) {
+  constexpr std::array<std::string_view, 16> kWords = {
+      "nan",
+      "inf",
+      "-inf",
+      "1e200",
+      "-1e200",
+      "1e-320",
+      "0",
+      "-0",
+      "",
+      "x",
+      "9e18",
+      "1e10",
+      "99999999999999999999",
+      "-1",
+      "0x10",
+      ",",
+  };
+  if (dice.one_in(3)) {
+    damage_bytes(text, dice);
+    return;
+  }
+  for (std::size_t change = 0; change <= dice.below(6) && !text.empty(); ++change) {
+    const std::size_t from = text.find_last_of(" ,\n:[", dice.below(text.size()));
+    const std::size_t at = from == text.npos ? 0 : from + 1;
+    const std::size_t line = std::min(text.find('\n', at), text.size() - 1) + 1;
+    const std::size_t length = std::min(text.find_first_of(" ,\n]}", at), text.size()) - at;
+    switch (dice.below(4)) {
+      case 0:
+        text.erase(at, line - at);
+        break;
+      case 1:
+        text.insert(line, text.substr(at, line - at));
+        break;
+      default:
+        text.replace(at, length, kWords[dice.below(kWords.size())]);
+    }
+  }
+}
+
+void damage_events(std::vector<Recorded>& events, Dice& dice) {
+  for (std::size_t change = 0; change <= dice.below(4) && !events.empty(); ++change) {
+    const std::size_t at = dice.below(events.size());
+    const std::size_t length = std::min(std::size_t{1} << dice.below(8), events.size() - at);
+    const auto begin = events.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto end = begin + static_cast<std::ptrdiff_t>(length);
+    const std::string topic = begin->topic;
+    switch (dice.below(8)) {
+      case 0:
+        events.erase(begin, end);
+        break;
+      case 1:
+        events.resize(at);
+        break;
+      case 2:
+        std::iter_swap(begin,
+                       events.begin() + static_cast<std::ptrdiff_t>(dice.below(events.size())));
+        break;
+      case 3:
+        events.insert(begin, *begin);
+        break;
+      case 4:
+        std::erase_if(events, [&](const Recorded& event) { return event.topic == topic; });
+        break;
+      case 5:
+        begin->received = stamp(begin->received, dice);
+        break;
+      default:
+        for (auto event = begin; event != end; ++event) {
+          std::visit([&](auto& value) { damage(value, dice); }, event->value);
+        }
+    }
+  }
+}
+
+}  // namespace adit::test
