@@ -19,6 +19,7 @@
 #include "tools/imu_mounting.hpp"
 #include "tools/input_error.hpp"
 #include "tools/progress.hpp"
+#include "tools/results/output_folder.hpp"
 #include "tools/run_mapping.hpp"
 #include "tools/run_statistics.hpp"
 #include "tools/run_summary.hpp"
@@ -203,7 +204,9 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
 }
 
 int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const StopSignal stop;  // from the start: opening a recording or a device takes a while
   check_options(options);
+  const bool replaces_a_run = check_output_folder(options.recording, options.output);
   const Config given = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, given.recording);
   const SweepChoice sweeps = choose_sweeps(
@@ -223,15 +226,18 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const RunDescription description = describe_run(options, config, *recording, sweeps, context);
   Odometry odometry(context, config);
 
+  // The summary first: from here on the folder tells of this run, whatever ends it.
+  const RunFiles files(options.output);
+  replace_text_file(files.summary,
+                    running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
+  if (replaces_a_run) {
+    remove_earlier_run(options.output);
+  }
   RunOutputs outputs(options.output, options.map);
   std::optional<HighRateOutput> high_rate;
   if (options.high_rate.enabled) {
     high_rate.emplace(options.output, config.imu, options.high_rate.smoothing);
   }
-  const RunFiles files(options.output);
-  write_text_file(files.summary,
-                  running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
-  const StopSignal stop;
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);
@@ -290,7 +296,8 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "sweeps:\n"
       "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
       "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
-      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n\n"
+      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
+      "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"
       "Examples:\n"
       "  adit run drive/ -o out\n"
       "  adit run drive.mcap --topic /points -o out\n"

@@ -3,6 +3,7 @@
 #include "tools/html_page.hpp"
 
 #include "tools/markup.hpp"
+#include "tools/results/output_folder.hpp"
 
 namespace adit {
 namespace {
@@ -29,7 +30,9 @@ pre { font: 12.5px/1.5 ui-monospace, monospace; overflow-x: auto; }
 }  // namespace
 
 std::string html_page(std::string_view title, std::string_view body) {
-  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
+  return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+         "<meta name=\"generator\" content=\"" +
+         std::string(kGenerator) + "\"><title>" +
          escape_markup(title) + "</title><style>" + std::string(kStyle) +
          "</style></head><body>\n" + std::string(body) + "</body></html>\n";
 }

@@ -76,7 +76,8 @@ std::string point_list(std::span<const Eigen::Vector2d> points) {
 }  // namespace
 
 SvgDocument::SvgDocument(double width, double height)
-    : head_("<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) +
+    : head_("<svg xmlns=\"http://www.w3.org/2000/svg\" data-generator=\"adit\"" +
+            attribute("width", width) +
             attribute("height", height) + " viewBox=\"0 0 " + number(width) + " " + number(height) +
             "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n" + dark_style() +
             "<rect width=\"100%\" "
