@@ -124,7 +124,7 @@ int bench_device(const BenchCommandOptions& options, std::ostream& out, std::ost
 }  // namespace
 
 int bench_command(const BenchCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit bench", err, [&] {
+  return guarded("adit bench", out, err, [&] {
     if (!options.compare.empty()) {
       const Report before = read_report(options.compare[0]);
       const Report after = read_report(options.compare[1]);

@@ -77,7 +77,7 @@ int bench_consistency(const BenchConsistencyOptions& options, std::ostream& out,
 
 int bench_consistency_command(const BenchConsistencyOptions& options, std::ostream& out,
                               std::ostream& err) {
-  return guarded("adit bench consistency", err,
+  return guarded("adit bench consistency", out, err,
                  [&] { return bench_consistency(options, out, err); });
 }
 

@@ -62,7 +62,7 @@ int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err)
 }  // namespace
 
 int convert_command(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit convert", err, [&] { return convert(options, out, err); });
+  return guarded("adit convert", out, err, [&] { return convert(options, out, err); });
 }
 
 CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
@@ -111,14 +111,14 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
                     "seconds after the stamp, and what --config corrects");
   add_config_options(*command, *config);
   command->callback([options, repair, config, done = std::move(done)] {
-    done(guarded("adit convert", std::cerr, [&] {
+    done(guarded("adit convert", std::cout, std::cerr, [&] {
       if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
         throw UsageError("--config, --set and --preset are of use with --repair alone.");
       }
       if (*repair) {
         options->repair = load_config(*config).recording;
       }
-      return convert_command(*options, std::cout, std::cerr);
+      return convert(*options, std::cout, std::cerr);
     }));
   });
   return command;

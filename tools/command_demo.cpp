@@ -111,7 +111,7 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
 }  // namespace
 
 int demo_command(const DemoCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit demo", err, [&] { return demo(options, out, err); });
+  return guarded("adit demo", out, err, [&] { return demo(options, out, err); });
 }
 
 CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {

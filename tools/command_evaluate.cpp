@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tools/command_guard.hpp"
 #include "tools/evaluation_plot.hpp"
 #include "tools/evaluation_report.hpp"
 #include "tools/run_outputs.hpp"
@@ -44,13 +45,6 @@ void add_choice(CLI::App& command, const std::string& name, const std::string& d
       ->default_str(words.front());
 }
 
-void write_report(std::ostream& out, const std::string& text) {
-  out << text;
-  if (!out.flush()) {
-    throw OutputError("standard output", "the report cannot be written to the standard output.");
-  }
-}
-
 void write_plot(const EvaluateCommandOptions& options, const Evaluation& evaluation) {
   if (options.plot) {
     const std::string title =
@@ -66,8 +60,9 @@ Trajectory read_truth(const EvaluateCommandOptions& options) {
 void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& out) {
   const Evaluation evaluation = evaluate(read_trajectory(options.estimate, options.estimate_times),
                                          read_truth(options), options.evaluation);
-  write_report(out, options.json ? evaluation_json(evaluation, options.estimate, options.truth)
-                                 : format_evaluation(evaluation, options.estimate, options.truth));
+  out << (options.json ? evaluation_json(evaluation, options.estimate, options.truth)
+                       : format_evaluation(evaluation, options.estimate, options.truth))
+      << std::flush;
   write_plot(options, evaluation);
 }
 
@@ -99,8 +94,9 @@ void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
   json["run"] = to_json(review);
   write_text_file(page,
                   run_page(options.estimate.string(), report, review, truth ? &*truth : nullptr));
-  write_report(
-      out, options.json ? json.dump(2) + "\n" : report + "\nlook at      " + page.string() + "\n");
+  out << (options.json ? json.dump(2) + "\n"
+                       : report + "\nlook at      " + page.string() + "\n")
+      << std::flush;
   if (truth) {
     write_plot(options, truth->evaluation);
   }
@@ -109,7 +105,7 @@ void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
 }  // namespace
 
 int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
-  try {
+  return guarded("adit evaluate", out, err, [&] {
     std::error_code unknown;
     if (std::filesystem::is_directory(options.estimate, unknown)) {
       evaluate_run(options, out);
@@ -117,10 +113,7 @@ int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, s
       evaluate_trajectory(options, out);
     }
     return 0;
-  } catch (const FileError& error) {
-    err << "adit evaluate: " << error.what() << "\n";
-    return 1;
-  }
+  });
 }
 
 CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {

@@ -31,7 +31,7 @@ struct EvaluateCommandOptions {
 };
 
 /// Evaluates, prints the report on `out` and what went wrong on `err`. Returns the exit code: 0
-/// done, 1 failed on the data. Throws nothing but what has no place here (std::bad_alloc).
+/// done, 1 failed on the data, 2 usage.
 int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err);
 
 /// Adds the sub-command to the program. When the user calls it, it runs on std::cout and std::cerr

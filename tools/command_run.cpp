@@ -261,19 +261,19 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const int code = judge(outcome, statistics, sweeps.range.count, err);
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
+  replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end
   if (options.json) {
     out << summary << std::flush;
   } else if (!options.quiet && statistics.sweeps() > 0) {
     out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
   }
-  replace_text_file(files.summary, summary);
   return code;
 }
 
 }  // namespace
 
 int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit run", err, [&] { return run(options, out, err); });
+  return guarded("adit run", out, err, [&] { return run(options, out, err); });
 }
 
 void add_device_options(CLI::App& command, DeviceOptions& device) {

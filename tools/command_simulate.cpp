@@ -128,7 +128,7 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
 }  // namespace
 
 int simulate_command(const SimulateCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit simulate", err, [&] { return run_simulation(options, out, err); });
+  return guarded("adit simulate", out, err, [&] { return run_simulation(options, out, err); });
 }
 
 CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {

@@ -16,6 +16,7 @@
 #include "tools/command_demo.hpp"
 #include "tools/command_devices.hpp"
 #include "tools/command_evaluate.hpp"
+#include "tools/command_guard.hpp"
 #include "tools/command_inspect.hpp"
 #include "tools/command_run.hpp"
 #include "tools/command_simulate.hpp"
@@ -52,7 +53,7 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command) {
 /// line.
 int answer(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
-    return app.exit(error, std::cout, std::cerr);
+    return reported("adit", std::cout, std::cerr, app.exit(error, std::cout, std::cerr));
   }
   const CLI::App* command = &app;
   std::string name = "adit";

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/program.hpp"
 
+#include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <string>
 #include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -114,6 +119,44 @@ TEST(Program, DevicesListsTheDeviceOfTheTestAndItsKernels) {
   EXPECT_EQ(text.code, 0);
   EXPECT_NE(text.out.find("0: " + name), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("self-test not run"), std::string::npos) << text.out;
+}
+
+/// Calls the program with its standard output on a full disk.
+Answer call_on_full_disk(std::vector<const char*> words) {
+  words.insert(words.begin(), "adit");
+  testing::internal::CaptureStderr();
+  std::fflush(stdout);
+  const int terminal = ::dup(STDOUT_FILENO);
+  const int full = ::open("/dev/full", O_WRONLY);
+  ::dup2(full, STDOUT_FILENO);
+  const int code = program(static_cast<int>(words.size()), words.data());
+  std::cout.clear();
+  std::clearerr(stdout);
+  ::dup2(terminal, STDOUT_FILENO);
+  ::close(full);
+  ::close(terminal);
+  return {.code = code, .out = {}, .err = testing::internal::GetCapturedStderr()};
+}
+
+TEST(Program, ReportOnAFullDiskIsAFailureOfEveryCommand) {
+  const test::TemporaryFolder folder;
+  const std::string drive = test::small_recording(folder.path(), 3).recording.string();
+  const std::string truth = (folder / "truth.tum").string();
+  const std::vector<std::vector<const char*>> calls = {{"config"},
+                                                       {"config", "--help"},
+                                                       {"--version"},
+                                                       {"devices", "--no-self-test"},
+                                                       {"devices", "--no-self-test", "--json"},
+                                                       {"inspect", drive.c_str()},
+                                                       {"inspect", drive.c_str(), "--json"},
+                                                       {"evaluate", truth.c_str(), truth.c_str()},
+                                                       {"simulate", "--example"}};
+  for (const std::vector<const char*>& words : calls) {
+    const Answer answer = call_on_full_disk(words);
+    EXPECT_EQ(answer.code, 1) << words.front() << ": " << answer.err;
+    EXPECT_NE(answer.err.find("could not be written to the standard output"), std::string::npos)
+        << words.front() << ": " << answer.err;
+  }
 }
 
 TEST(Program, DemoMapsEvaluatesAndSaysWhereToLook) {
