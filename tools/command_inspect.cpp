@@ -20,6 +20,7 @@
 #include "tools/inspection_page.hpp"
 #include "tools/output_file.hpp"
 #include "tools/recording_inference.hpp"
+#include "tools/results/output_folder.hpp"
 #include "tools/run_outputs.hpp"
 #include "tools/run_page.hpp"
 #include "tools/usage_error.hpp"

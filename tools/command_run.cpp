@@ -303,7 +303,8 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "  adit run drive.mcap --topic /points -o out\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n\n"
-      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 130 stopped by Ctrl-C.\n"
+      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
+      "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
   command->add_option("recording", options->recording, "File or folder to map")
       ->required()

@@ -214,7 +214,8 @@ void SweepTableWriter::write(const SweepRecord& sweep) {
 }
 
 std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
-  const std::string text = read_text_file(file);
+  std::string text = read_text_file(file);
+  text.resize(text.rfind('\n') + 1);  // a kill may have cut the last line off
   LineReader lines(text);
   std::map<std::string_view, std::size_t> columns;
   const std::vector<std::string_view> names = cells_of(lines.next().value_or(""));

@@ -5,10 +5,14 @@
 // gives.
 #include "tools/command_run.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <thread>
+
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

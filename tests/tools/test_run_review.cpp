@@ -169,6 +169,43 @@ TEST_F(RunFolder, IsInspectedWithoutATruth) {
   EXPECT_NE(err.str().find("--write-config needs a recording"), std::string::npos) << err.str();
 }
 
+TEST_F(RunFolder, SaysThatItsRunWasKilledOrStopped) {
+  InspectCommandOptions inspect;
+  inspect.recording = folder_.path();
+  EvaluateCommandOptions evaluate;
+  evaluate.estimate = folder_.path();
+  const auto said_by_both = [&](const std::string& summary) {
+    folder_.write("summary.json", summary);
+    std::ostringstream inspected;
+    std::ostringstream evaluated;
+    std::ostringstream err;
+    EXPECT_EQ(inspect_command(inspect, inspected, err), 0) << err.str();
+    EXPECT_EQ(evaluate_command(evaluate, evaluated, err), 0) << err.str();
+    const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
+    EXPECT_EQ(first_line(inspected.str()), first_line(evaluated.str()));
+    EXPECT_NE(test::content(folder_ / "evaluation.html").find(first_line(evaluated.str())),
+              std::string::npos);
+    return first_line(inspected.str());
+  };
+  EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "running", "input": {"count": 300}})"),
+            "run          NOT COMPLETE, it was killed, or is still going on; 100 of 300 sweeps are "
+            "here");
+  EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "interrupted", "reason": "stopped"})"),
+            "run          NOT COMPLETE, it ended early (interrupted): stopped; 100 sweeps are here");
+  EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "completed", "input": {"count": 100}})"),
+            "run          completed, 100 of 100 sweeps");
+  const RunReview review = review_run(folder_.path());
+  EXPECT_EQ(to_json(review)["status"], "completed");
+  // Killed in the middle of a line, or before the first.
+  folder_.write("summary.json", R"({"adit": "0", "status": "running", "input": {"count": 300}})");
+  std::ofstream(folder_ / "sweeps.csv", std::ios::app) << "100,1700000010.0,track";
+  EXPECT_EQ(review_run(folder_.path()).sweeps.size(), 100U);
+  std::filesystem::remove(folder_ / "sweeps.csv");
+  std::ostringstream out;
+  EXPECT_EQ(inspect_command(inspect, out, out), 0);
+  EXPECT_NE(out.str().find("0 of 300 sweeps are here"), std::string::npos) << out.str();
+}
+
 TEST_F(RunFolder, WithoutItsTableIsRefused) {
   std::filesystem::remove(folder_ / "sweeps.csv");
   EXPECT_THROW(review_run(folder_.path()), InputError);
