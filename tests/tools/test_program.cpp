@@ -159,14 +159,28 @@ TEST(Program, ReportOnAFullDiskIsAFailureOfEveryCommand) {
   }
 }
 
+TEST(Program, DemoLooksForItsDeviceAndFolderBeforeItSimulates) {
+  const test::TemporaryFolder folder;
+  const std::string out = (folder / "demo").string();
+  const Answer answer = call({"demo", "-o", out.c_str(), "--device", "4711"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(answer.err.starts_with("adit demo: ")) << answer.err;
+  EXPECT_FALSE(std::filesystem::exists(out)) << "nothing was simulated";
+  folder.write("map.ply", "mine");
+  const std::string mine = folder.path().string();
+  EXPECT_EQ(call({"demo", "-o", mine.c_str()}).code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "mine.mcap"));
+}
+
 TEST(Program, DemoMapsEvaluatesAndSaysWhereToLook) {
   const test::TemporaryFolder folder;
   const std::string out = (folder / "demo").string();
   const Answer answer = call({"demo", "-o", out.c_str(), "--duration", "3"});
   ASSERT_EQ(answer.code, 0) << answer.err;
   EXPECT_NE(answer.out.find("bound 0.03 m: good"), std::string::npos) << answer.out;
-  for (const char* file : {"trajectory.tum", "map.ply", "summary.json", "mine.mcap",
-                           "mine.truth.tum", "map.svg", "evaluation.svg", "mine.scene.png"}) {
+  for (const char* file :
+       {"trajectory.tum", "map.ply", "summary.json", "mine.mcap", "mine.truth.tum", "map.svg",
+        "evaluation.svg", "mine.scene.png", "evaluation.html"}) {
     EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 0U) << file;
   }
   EXPECT_LT(std::filesystem::file_size(std::filesystem::path(out) / "map.svg"), 1'000'000U);
