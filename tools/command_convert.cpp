@@ -14,6 +14,7 @@
 
 #include "tools/command_config.hpp"
 #include "tools/command_guard.hpp"
+#include "tools/support/option_values.hpp"
 #include "tools/usage_error.hpp"
 
 namespace adit {
@@ -89,21 +90,16 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("S");
   command->add_option("--end", options->end_s, "Up to here (s after the first message)")
       ->type_name("S");
-  command
-      ->add_option("--ros", options->encoding,
-                   "Serialisation of the messages in an MCAP file: 1 or 2")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Encoding>{{"1", Encoding::ros1}, {"2", Encoding::cdr}}))
-      ->type_name("1|2");
-  command
-      ->add_option("--compression", options->compression,
-                   "none, lz4 or zstd (MCAP), bz2 (ROS 1 bags)")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, Compression>{{"none", Compression::none},
-                                                                     {"lz4", Compression::lz4},
-                                                                     {"zstd", Compression::zstd},
-                                                                     {"bz2", Compression::bz2}}))
-      ->type_name("NAME");
+  add_choice<std::optional<Encoding>, Encoding>(
+      *command, "--ros", "Serialisation of the messages in an MCAP file", options->encoding,
+      {{"1", Encoding::ros1}, {"2", Encoding::cdr}});
+  add_choice<std::optional<Compression>, Compression>(
+      *command, "--compression", "none, lz4 or zstd for MCAP; none, lz4 or bz2 for ROS 1 bags",
+      options->compression,
+      {{"none", Compression::none},
+       {"lz4", Compression::lz4},
+       {"zstd", Compression::zstd},
+       {"bz2", Compression::bz2}});
   auto repair = std::make_shared<bool>(false);
   auto config = std::make_shared<ConfigSource>();
   command->add_flag("--repair", *repair,

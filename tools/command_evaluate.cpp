@@ -7,43 +7,18 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "tools/command_guard.hpp"
+#include "tools/evaluation/run_evaluation.hpp"
 #include "tools/evaluation_plot.hpp"
 #include "tools/evaluation_report.hpp"
-#include "tools/run_outputs.hpp"
-#include "tools/run_page.hpp"
+#include "tools/support/option_values.hpp"
 
 namespace adit {
 namespace {
-
-/// An option whose value is one of a few words; the first is the default.
-template <class T>
-void add_choice(CLI::App& command, const std::string& name, const std::string& description,
-                T& target, const std::vector<std::pair<std::string, T>>& choices) {
-  std::vector<std::string> words;
-  words.reserve(choices.size());
-  for (const auto& [word, value] : choices) {
-    words.push_back(word);
-  }
-  command
-      .add_option_function<std::string>(
-          name,
-          [&target, choices](const std::string& word) {
-            for (const auto& [candidate, value] : choices) {
-              if (candidate == word) {
-                target = value;
-              }
-            }
-          },
-          description)
-      ->check(CLI::IsMember(words))
-      ->default_str(words.front());
-}
 
 void write_plot(const EvaluateCommandOptions& options, const Evaluation& evaluation) {
   if (options.plot) {
@@ -66,39 +41,21 @@ void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& ou
   write_plot(options, evaluation);
 }
 
-RunTruth beside_truth(const EvaluateCommandOptions& options, const RunReview& review) {
-  const Trajectory estimate = read_trajectory(RunFiles(options.estimate).tum);
-  const Trajectory truth = read_truth(options);
-  return {.evaluation = evaluate(estimate, truth, options.evaluation),
-          .consistency = pose_consistency(review, estimate, truth, options.evaluation.tolerance)};
-}
-
 /// The run's own figures, those against the truth if there is one, and the page with both.
-void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
-  const std::filesystem::path estimate = RunFiles(options.estimate).tum;
+void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   const std::filesystem::path page = options.html.value_or(options.estimate / "evaluation.html");
-  const RunReview review = review_run(options.estimate);
-  std::string report = describe(review);
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  std::optional<RunTruth> truth;
+  std::optional<Trajectory> truth;
   if (!options.truth.empty()) {
-    truth = beside_truth(options, review);
-    report += truth->consistency ? describe(*truth->consistency) : "";
-    report += "\n" + format_evaluation(truth->evaluation, estimate, options.truth);
-    json =
-        nlohmann::ordered_json::parse(evaluation_json(truth->evaluation, estimate, options.truth));
-    if (truth->consistency) {
-      json["consistency"] = to_json(*truth->consistency);
-    }
+    truth = read_truth(options);
   }
-  json["run"] = to_json(review);
-  write_text_file(page,
-                  run_page(options.estimate.string(), report, review, truth ? &*truth : nullptr));
-  out << (options.json ? json.dump(2) + "\n"
-                       : report + "\nlook at      " + page.string() + "\n")
+  const RunEvaluation found =
+      evaluate_run(options.estimate, truth ? &*truth : nullptr, options.evaluation);
+  write_page(found, page);
+  out << (options.json ? to_json(found, options.truth).dump(2) + "\n"
+                       : found.report + "\nlook at      " + page.string() + "\n")
       << std::flush;
-  if (truth) {
-    write_plot(options, truth->evaluation);
+  if (found.truth) {
+    write_plot(options, found.truth->evaluation);
   }
 }
 
@@ -108,7 +65,7 @@ int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, s
   return guarded("adit evaluate", out, err, [&] {
     std::error_code unknown;
     if (std::filesystem::is_directory(options.estimate, unknown)) {
-      evaluate_run(options, out);
+      evaluate_folder(options, out);
     } else {
       evaluate_trajectory(options, out);
     }
@@ -128,7 +85,8 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
       "Examples:\n"
       "  adit evaluate out/trajectory.tum truth.tum --plot error.svg\n"
       "  adit evaluate out\n"
-      "  adit evaluate out truth.tum --html page.html");
+      "  adit evaluate out truth.tum --html page.html\n\n"
+      "Exit codes: 0 done, 1 failed on the data, 2 usage.");
   command
       ->add_option("estimate", options->estimate,
                    "Trajectory to judge, TUM or KITTI format, or the folder of a run")
@@ -136,34 +94,44 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("ESTIMATE");
   command->add_option("truth", options->truth, "True trajectory, TUM or KITTI format")
       ->type_name("TRUTH");
-  add_choice<Alignment>(*command, "--align", "How the estimate is moved onto the truth",
-                        options->evaluation.alignment,
-                        {{"se3", Alignment::se3},
-                         {"sim3", Alignment::sim3},
-                         {"origin", Alignment::origin},
-                         {"none", Alignment::none}});
+  add_choice<Alignment, Alignment>(*command, "--align", "How the estimate is moved onto the truth",
+                                   options->evaluation.alignment,
+                                   {{"se3", Alignment::se3},
+                                    {"sim3", Alignment::sim3},
+                                    {"origin", Alignment::origin},
+                                    {"none", Alignment::none}})
+      ->default_str("se3");
   command
       ->add_option("--tolerance", options->evaluation.tolerance,
-                   "Largest time difference of a matched pair, s")
-      ->check(CLI::NonNegativeNumber)
+                   "Largest time difference of a matched pair (s)")
+      ->check(number_from(0.0))
+      ->type_name("S")
       ->capture_default_str();
-  command->add_option("--estimate-times", options->estimate_times,
-                      "Times of a KITTI estimate, one a line");
-  command->add_option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line");
+  command
+      ->add_option("--estimate-times", options->estimate_times,
+                   "Times of a KITTI estimate, one a line")
+      ->type_name("FILE");
+  command->add_option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line")
+      ->type_name("FILE");
   const CLI::Option* delta =
       command->add_option("--delta", rpe.delta, "RPE: distance between the poses of a pair")
-          ->check(CLI::PositiveNumber)
+          ->check(number_above(0.0))
+          ->type_name("D")
           ->capture_default_str();
-  add_choice<DeltaUnit>(*command, "--delta-unit", "RPE: metres of path or frames", rpe.unit,
-                        {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}});
-  add_choice<PairSource>(*command, "--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
-                         {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}});
+  add_choice<DeltaUnit, DeltaUnit>(*command, "--delta-unit", "RPE: metres of path or frames",
+                                   rpe.unit, {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}})
+      ->default_str("m");
+  add_choice<PairSource, PairSource>(
+      *command, "--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
+      {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}})
+      ->default_str("estimate");
   command->add_flag(
       "--from-first-pose", rpe.from_first_pose,
       "RPE: begin the first pair at the first pose, as evo does from version 1.37 on");
   command->add_flag("--json", options->json, "Report as JSON");
-  command->add_option("--plot", options->plot,
-                      "Write both trajectories and the error as an SVG file");
+  command
+      ->add_option("--plot", options->plot, "Write both trajectories and the error as an SVG file")
+      ->type_name("FILE");
   command
       ->add_option("--html", options->html,
                    "Where the page of a run goes; otherwise to its folder, as evaluation.html")

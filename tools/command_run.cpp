@@ -37,7 +37,15 @@ std::string size_to_bytes(std::string& text) {
   if (text.starts_with('-')) {
     return "a size is not negative";
   }
-  return CLI::AsSizeValue(false)(text);
+  const std::string given = text;
+  try {
+    if (CLI::AsSizeValue(false)(text).empty()) {
+      return {};
+    }
+  } catch (const CLI::ValidationError&) {
+    // It lists every unit that it knows: the complaint below is for people.
+  }
+  return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
 }
 
 void check_options(const RunCommandOptions& options) {

@@ -21,6 +21,7 @@
 #include "tools/command_run.hpp"
 #include "tools/command_simulate.hpp"
 #include "tools/nearest_name.hpp"
+#include "tools/support/option_values.hpp"
 #include "tools/version.hpp"
 
 namespace adit {
@@ -62,8 +63,8 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
     name += " " + command->get_name();
   }
   const std::string unknown = unknown_words(app, *command);
-  std::cerr << name << ": " << (unknown.empty() ? error.what() : unknown) << "\nRun `" << name
-            << " --help` for what it takes.\n";
+  std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error) : unknown) << "\nRun `"
+            << name << " --help` for what it takes.\n";
   return kUsage;
 }
 
@@ -90,7 +91,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
       "  adit run drive/ -o out           map a recording\n"
       "  adit evaluate out/trajectory.tum truth.txt\n\n"
       "`adit COMMAND --help` tells more. Exit codes: 0 done, 1 failed on the data or the device, 2 "
-      "usage.");
+      "usage,\n129, 130 or 143 stopped by SIGHUP, SIGINT (Ctrl-C) or SIGTERM.");
   app.require_subcommand(1);
   int code = 0;
   const auto done = [&code](int command_code) { code = command_code; };

@@ -83,6 +83,43 @@ TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
   expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "5 parsecs"}, "--max-vram");
 }
 
+TEST(Program, HelpAndComplaintsSpeakToPeople) {
+  for (const std::vector<const char*>& command : std::vector<std::vector<const char*>>{
+           {"run"}, {"inspect"}, {"convert"}, {"evaluate"}, {"simulate"}, {"config"}, {"demo"}}) {
+    const std::string help = call({command.front(), "--help"}).out;
+    for (const char* internal :
+         {"->", "{", "FLOAT", "INT:", " INT ", "TEXT", "NONNEGATIVE", "POSITIVE"}) {
+      EXPECT_EQ(help.find(internal), std::string::npos) << internal << " in:\n" << help;
+    }
+  }
+  expect_usage_error({"convert", "a", "b.mcap", "--ros", "0"}, "--ros: '0' is none of 1 or 2");
+  expect_usage_error({"convert", "a", "b", "--compression", "zip"},
+                     "'zip' is none of none, lz4, zstd or bz2");
+  expect_usage_error({"evaluate", "a", "b", "--align", "best"},
+                     "'best' is none of se3, sim3, origin or none");
+  expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
+                     "'-1' is not possible; it takes a number of 0 or more");
+  expect_usage_error({"run", "a", "-o", "b", "--start", "x"}, "--start: 'x' is not a number");
+  expect_usage_error({"run", "a", "-o", "b", "--max-vram", "5 parsecs"}, "write 512MiB, 2GiB");
+  for (const char* command : {"run", "demo"}) {
+    EXPECT_NE(call({command, "--help"}).out.find("129, 130 or 143"), std::string::npos) << command;
+  }
+}
+
+TEST(Program, WhatIsNoRecordingIsToldWhatIsOne) {
+  const test::TemporaryFolder folder;
+  const std::string out = (folder / "out").string();
+  for (const char* name : {"nothing", "nothing.xyz"}) {
+    const std::string file = folder.write(name, "no recording").string();
+    const std::string said = call({"run", file.c_str(), "-o", out.c_str()}).err;
+    for (const char* form : {"MCAP", "ROS 1 bag", "rosbag2", ".db3", "pcapng", "KITTI raw", "EuRoC",
+                             "TUM RGB-D", ".pcd", ".ply", ".las"}) {
+      EXPECT_NE(said.find(form), std::string::npos) << form << " in: " << said;
+    }
+    EXPECT_EQ(said.find("ends in  "), std::string::npos) << said;
+  }
+}
+
 TEST(Program, ConfigPrintsWhatItReadsBack) {
   const test::TemporaryFolder folder;
   const Answer first = call({"config", "--set", "submap.l=7", "--set", "preprocess.c_min=1"});
@@ -184,6 +221,7 @@ TEST(Program, DemoMapsEvaluatesAndSaysWhereToLook) {
     EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 0U) << file;
   }
   EXPECT_LT(std::filesystem::file_size(std::filesystem::path(out) / "map.svg"), 1'000'000U);
+  EXPECT_NE(answer.out.find(" MiB in " + out), std::string::npos) << answer.out;
 }
 
 }  // namespace
