@@ -17,6 +17,7 @@
 #include "tools/command_guard.hpp"
 #include "tools/command_run.hpp"
 #include "tools/inspection.hpp"
+#include "tools/inspection/unchecked.hpp"
 #include "tools/inspection_page.hpp"
 #include "tools/output_file.hpp"
 #include "tools/recording_inference.hpp"
@@ -78,8 +79,8 @@ void print(const Inspection& inspection, std::ostream& out) {
       out << "  what to do: " << finding.remedy << "\n";
     }
   }
-  if (!has_problem(inspection)) {
-    out << "\nnothing is wrong with it\n";
+  if (const std::string text = conclusion(inspection); !text.empty()) {
+    out << "\n" << text << "\n";
   }
   out << std::flush;
 }
@@ -170,6 +171,7 @@ ordered_json to_json(const Inspection& inspection) {
                                 {"effect", f.effect},
                                 {"remedy", f.remedy}});
   }
+  json["not_checked"] = unchecked(inspection);
   return json;
 }
 
@@ -224,7 +226,9 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
   CLI::App* command =
       app.add_subcommand("inspect", "What is in a recording, and what is wrong with it");
   command->footer(
-      "Reads all of it. A problem says what it does to mapping, and what to do about it.\n\n"
+      "Reads all of it. A problem says what it does to mapping, and what to do about it. What "
+      "could\n"
+      "not be checked is named.\n\n"
       "OUT, the folder of a run, can stand for RECORDING: then it is told how the run went, and\n"
       "--html draws it: states, innovations with their gates, biases, gravity, weakly held\n"
       "directions, how well the pose is known. `adit evaluate` does so beside a truth.\n\n"
@@ -235,7 +239,8 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       "  adit inspect out --html run.html\n"
       "  adit inspect drive.mcap --write-config drive.toml\n"
       "  adit run drive.mcap --config drive.toml -o out\n\n"
-      "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage; of a run 0 "
+      "Exit codes: 0 no fault found, 1 a problem found, or it cannot be opened, 2 usage; of a run "
+      "0 "
       "where it can be read.");
   command
       ->add_option("recording", options->recording,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tools/html_page.hpp"
+#include "tools/inspection/unchecked.hpp"
 #include "tools/markup.hpp"
 #include "tools/motion_plots.hpp"
 #include "tools/printed.hpp"
@@ -163,9 +164,11 @@ std::string findings_part(const Inspection& inspection) {
     html += f.remedy.empty() ? "" : "<p>What to do: " + escape_markup(f.remedy) + "</p>";
     html += "</div>\n";
   }
-  return has_problem(inspection)
-             ? html
-             : html + "<div class=\"finding good\"><p>Nothing is wrong with it.</p></div>\n";
+  if (const std::string text = conclusion(inspection); !text.empty()) {
+    html += std::string("<div class=\"finding") + (has_problem(inspection) ? "" : " good") +
+            "\"><p>" + escape_markup(text) + ".</p></div>\n";
+  }
+  return html;
 }
 
 std::string topics_part(const Inspection& inspection) {

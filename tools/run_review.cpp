@@ -190,8 +190,8 @@ RunReview review_run(const std::filesystem::path& folder) {
   RunEnding ending = read_ending(summary);
   std::error_code error;
   const bool begun = std::filesystem::file_size(files.sweeps, error) > 0 && !error;
-  RunReview review = review_sweeps(
-      begun || ending.status.empty() ? read_sweep_table(files.sweeps) : std::vector<SweepRecord>());
+  RunReview review = review_sweeps(begun || ending.status.empty() ? read_sweep_table(files.sweeps)
+                                                                  : std::vector<SweepRecord>());
   review.min_overlap = value_at<double>(summary, "/configuration/registration/min_overlap");
   review.ending = std::move(ending);
   return review;
@@ -213,14 +213,14 @@ std::string describe(const RunEnding& ending, std::size_t sweeps) {
 }
 
 std::string describe(const RunReview& review) {
-  std::string text = review.ending ? "run          " +
-                                         describe(*review.ending, review.sweeps.size()) + "\n"
-                                   : "";
+  std::string text =
+      review.ending ? "run          " + describe(*review.ending, review.sweeps.size()) + "\n" : "";
   if (review.sweeps.empty()) {
     return text;
   }
   text += "sweeps       " + counted(review.sweeps, [](const SweepRecord& s) { return s.state; }) +
-      "\nimu          " + counted(review.sweeps, [](const SweepRecord& s) { return s.imu; }) + "\n";
+          "\nimu          " + counted(review.sweeps, [](const SweepRecord& s) { return s.imu; }) +
+          "\n";
   text += "weakly held  ";
   for (std::size_t i = 0; i < std::min(kNamed, review.weak.size()); ++i) {
     text += (i == 0 ? "" : "             ") + weak_text(review.weak[i]) + "\n";

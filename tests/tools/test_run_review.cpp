@@ -190,8 +190,9 @@ TEST_F(RunFolder, SaysThatItsRunWasKilledOrStopped) {
   EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "running", "input": {"count": 300}})"),
             "run          NOT COMPLETE, it was killed, or is still going on; 100 of 300 sweeps are "
             "here");
-  EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "interrupted", "reason": "stopped"})"),
-            "run          NOT COMPLETE, it ended early (interrupted): stopped; 100 sweeps are here");
+  EXPECT_EQ(
+      said_by_both(R"({"adit": "0", "status": "interrupted", "reason": "stopped"})"),
+      "run          NOT COMPLETE, it ended early (interrupted): stopped; 100 sweeps are here");
   EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "completed", "input": {"count": 100}})"),
             "run          completed, 100 of 100 sweeps");
   const RunReview review = review_run(folder_.path());

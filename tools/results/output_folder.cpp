@@ -81,13 +81,14 @@ bool holds_a_run(const fs::path& folder) {
 
 bool check_output_folder(const fs::path& recording, const fs::path& folder) {
   if (is_within(folder, recording)) {
-    throw UsageError("-o " + folder.string() + ": the results would be written into the recording " +
-                     recording.string() + ". Name a folder outside of it.");
+    throw UsageError("-o " + folder.string() +
+                     ": the results would be written into the recording " + recording.string() +
+                     ". Name a folder outside of it.");
   }
   std::vector<fs::path> files = result_files(folder);
   files.push_back(RunFiles(folder).summary);
-  const auto input = std::ranges::find_if(
-      files, [&](const fs::path& file) { return same_file(file, recording); });
+  const auto input =
+      std::ranges::find_if(files, [&](const fs::path& file) { return same_file(file, recording); });
   if (input != files.end()) {
     throw UsageError("-o " + folder.string() + ": the results would replace the recording " +
                      input->string() + ". Name another folder.");
