@@ -11,6 +11,7 @@
 #include "tools/command_run.hpp"
 #include "tools/evaluate.hpp"
 #include "tools/evaluation_plot.hpp"
+#include "tools/html_page.hpp"
 #include "tools/input_error.hpp"
 #include "tools/usage_error.hpp"
 
@@ -57,7 +58,9 @@ SlamResult compare(const SlamSequence& sequence, const std::string& system,
                                                         : std::nullopt,
                            .path = found.association.truth_path,
                            .covered = found.association.covered_path},
-      .drawing = plot_evaluation(found, system + " on " + sequence.name)};
+      .drawing = html_drawing([&](double width) {
+        return plot_evaluation(found, system + " on " + sequence.name, width);
+      })};
 }
 
 }  // namespace

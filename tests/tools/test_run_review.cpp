@@ -118,7 +118,7 @@ TEST_F(RunFolder, IsEvaluatedWithAndWithoutATruth) {
   EXPECT_NE(out.str().find("weakly held"), std::string::npos);
   EXPECT_EQ(out.str().find("ATE"), std::string::npos);
   const std::string alone = test::content(folder_ / "evaluation.html");
-  EXPECT_EQ(count(alone, "<svg"), 1U);
+  EXPECT_EQ(count(alone, "<svg"), 2U) << "for a desktop and for a telephone";
   options.truth = folder_ / "truth.tum";
   options.html = folder_ / "page.html";
   options.json = true;
@@ -127,7 +127,7 @@ TEST_F(RunFolder, IsEvaluatedWithAndWithoutATruth) {
   const nlohmann::json json = nlohmann::json::parse(out.str());
   EXPECT_LT(json["ate"]["position_m"]["rmse"].get<double>(), 1e-6);
   EXPECT_EQ(json["run"]["weakly_held"].size(), 1U);
-  EXPECT_EQ(count(test::content(folder_ / "page.html"), "<svg"), 2U);
+  EXPECT_EQ(count(test::content(folder_ / "page.html"), "<svg"), 4U);
 }
 
 TEST_F(RunFolder, ThePageDrawsEveryQuantityItsGatesAndNothingThatIsNoNumber) {
