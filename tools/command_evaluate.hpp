@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit evaluate ESTIMATE TRUTH`, `adit evaluate OUT [TRUTH]`.
+// `adit evaluate ESTIMATE... TRUTH`, `adit evaluate OUT [TRUTH]`.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,10 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/evaluate.hpp"
+#include "tools/evaluation/comparison.hpp"
 
 namespace CLI {
 class App;
@@ -19,13 +21,16 @@ class App;
 namespace adit {
 
 struct EvaluateCommandOptions {
-  std::filesystem::path estimate;  ///< or the folder of a run
-  std::filesystem::path truth;     ///< empty: none, which only the folder of a run can do without
-  std::optional<std::filesystem::path> estimate_times;  ///< for a KITTI estimate
-  std::optional<std::filesystem::path> truth_times;     ///< for a KITTI truth
-  EvaluationOptions evaluation;
-  bool json = false;                          ///< JSON on `out` instead of the table
-  std::optional<std::filesystem::path> plot;  ///< SVG to write, of an estimate and a truth
+  std::vector<std::filesystem::path> estimates;  ///< trajectories, or folders of runs
+  std::filesystem::path truth;  ///< empty: none, which only the folder of one run can do without
+  std::optional<std::filesystem::path> estimate_times{};  ///< for KITTI estimates
+  std::optional<std::filesystem::path> truth_times{};     ///< for a KITTI truth
+  std::string estimate_topic{};  ///< of the poses in a recording; empty: the only ones
+  std::string truth_topic{};
+  EvaluationOptions evaluation{};
+  bool json = false;                            ///< JSON on `out` instead of the report
+  std::optional<TableFormat> table{};           ///< one line an estimate instead of the report
+  std::optional<std::filesystem::path> plot{};  ///< picture to write, .svg or .html
   /// HTML to write, of a run; none: evaluation.html in its folder.
   std::optional<std::filesystem::path> html{};
 };

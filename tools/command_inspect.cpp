@@ -198,9 +198,7 @@ int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
 
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit inspect", out, err, [&] {
-    std::error_code unknown;
-    if (holds_a_run(options.recording) ||
-        std::filesystem::is_regular_file(RunFiles(options.recording).sweeps, unknown)) {
+    if (is_run(options.recording)) {
       return inspect_run(options, out);
     }
     const Config config = load_config(options.config);

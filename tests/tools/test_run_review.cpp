@@ -111,7 +111,7 @@ TEST_F(RunFolder, TellsBiasesAndTilt) {
 
 TEST_F(RunFolder, IsEvaluatedWithAndWithoutATruth) {
   EvaluateCommandOptions options;
-  options.estimate = folder_.path();
+  options.estimates = {folder_.path()};
   std::ostringstream out;
   std::ostringstream err;
   EXPECT_EQ(evaluate_command(options, out, err), 0) << err.str();
@@ -173,7 +173,7 @@ TEST_F(RunFolder, SaysThatItsRunWasKilledOrStopped) {
   InspectCommandOptions inspect;
   inspect.recording = folder_.path();
   EvaluateCommandOptions evaluate;
-  evaluate.estimate = folder_.path();
+  evaluate.estimates = {folder_.path()};
   const auto said_by_both = [&](const std::string& summary) {
     folder_.write("summary.json", summary);
     std::ostringstream inspected;

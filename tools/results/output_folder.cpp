@@ -79,6 +79,11 @@ bool holds_a_run(const fs::path& folder) {
   return json.is_object() && json.contains("adit") && json.contains("status");
 }
 
+bool is_run(const fs::path& folder) {
+  std::error_code unknown;
+  return holds_a_run(folder) || fs::is_regular_file(RunFiles(folder).sweeps, unknown);
+}
+
 bool check_output_folder(const fs::path& recording, const fs::path& folder) {
   if (is_within(folder, recording)) {
     throw UsageError("-o " + folder.string() +

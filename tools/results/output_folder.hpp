@@ -16,6 +16,9 @@ inline constexpr std::string_view kGenerator = "adit";
 /// Whether a run of adit wrote the folder: its summary.json names the program and how it ended.
 bool holds_a_run(const std::filesystem::path& folder);
 
+/// Whether it is the folder of a run: one that holds a run, or a table of sweeps.
+bool is_run(const std::filesystem::path& folder);
+
 /// Checks, without writing, that a run of the recording may write into the folder. Returns whether
 /// an earlier run's results are in it. Throws UsageError where the folder is the recording or lies
 /// inside it (links are followed), and where a file of a result's name was written by something
