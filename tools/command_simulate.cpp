@@ -15,6 +15,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/command_guard.hpp"
+#include "tools/printed.hpp"
 #include "tools/progress.hpp"
 #include "tools/simulator/faults.hpp"
 #include "tools/simulator/gnss_model.hpp"
@@ -77,6 +78,19 @@ std::string given_besides(const CLI::App& command, const std::vector<std::string
   return {};
 }
 
+/// Empty where the way is free.
+std::string crossing_note(const SimulationSummary& summary) {
+  if (summary.crossings.empty()) {
+    return {};
+  }
+  const Crossing& first = summary.crossings.front();
+  return printed(
+      "note: the trajectory passes through walls or other solid things, %zu times, first after "
+      "%.1f s at (%.1f, %.1f, %.1f) m; sweeps from within them show what no sensor sees. Other "
+      "waypoints, corner_radius or --begin avoid it.\n",
+      summary.crossings.size(), first.time, first.at.x(), first.at.y(), first.at.z());
+}
+
 std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,
                          double seconds) {
   char text[512];
@@ -108,6 +122,9 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
   });
   if (progress) {
     progress->finish();
+  }
+  if (!command.quiet) {
+    err << crossing_note(summary) << std::flush;
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.quiet) {
