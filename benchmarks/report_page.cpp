@@ -117,7 +117,7 @@ class LogChart {
     for (std::size_t i = 0; i < shown.size(); ++i) {
       const double wanted = 28.0 + text_width(shown[i].name, 12.0) + 18.0;
       if (at.x() > 16.0 && at.x() + wanted > width) {
-        at = {16.0, at.y() + kLine};
+        at = Eigen::Vector2d(16.0, at.y() + kLine);
       }
       put(i, at);
       at.x() += wanted;

@@ -94,6 +94,7 @@ TEST(OutputFolder, SecondRunLeavesNothingOfTheFirst) {
   RunCommandOptions options;
   options.recording = test::small_recording(folder.path(), 3).recording;
   options.output = folder / "out";
+  options.config.overrides = {"preprocess.beam_spacing=0.03"};
   options.high_rate.enabled = true;
   std::ostringstream said;
   ASSERT_EQ(run_command(options, said, said), 0) << said.str();

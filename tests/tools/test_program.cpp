@@ -179,15 +179,16 @@ TEST(Program, ReportOnAFullDiskIsAFailureOfEveryCommand) {
   const test::TemporaryFolder folder;
   const std::string drive = test::small_recording(folder.path(), 3).recording.string();
   const std::string truth = (folder / "truth.tum").string();
-  const std::vector<std::vector<const char*>> calls = {{"config"},
-                                                       {"config", "--help"},
-                                                       {"--version"},
-                                                       {"devices", "--no-self-test"},
-                                                       {"devices", "--no-self-test", "--json"},
-                                                       {"inspect", drive.c_str()},
-                                                       {"inspect", drive.c_str(), "--json"},
-                                                       {"evaluate", truth.c_str(), truth.c_str()},
-                                                       {"simulate", "--example"}};
+  const std::vector<std::vector<const char*>> calls = {
+      {"config"},
+      {"config", "--help"},
+      {"--version"},
+      {"devices", "--no-self-test"},
+      {"devices", "--no-self-test", "--json"},
+      {"inspect", drive.c_str()},
+      {"inspect", drive.c_str(), "--json"},
+      {"evaluate", truth.c_str(), truth.c_str(), "--align", "none"},
+      {"simulate", "--example"}};
   for (const std::vector<const char*>& words : calls) {
     const Answer answer = call_on_full_disk(words);
     EXPECT_EQ(answer.code, 1) << words.front() << ": " << answer.err;

@@ -46,7 +46,7 @@ std::map<std::string, std::vector<StampedPose>> poses_of(const Recording& record
   while (const std::optional<Event> event = events->next()) {
     if (const auto* pose = std::get_if<ReferencePose>(&event->value)) {
       std::vector<StampedPose>& series = found[{event->topic, pose->child}];
-      frames[event->topic] += series.empty() ? 1 : 0;
+      frames[event->topic] += series.empty() ? 1U : 0U;
       series.push_back({.stamp = pose->stamp, .pose = pose->T_parent_child});
     }
   }
