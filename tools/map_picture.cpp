@@ -23,13 +23,13 @@ constexpr std::array<std::string_view, 8> kRamp{"#3b3f8f", "#3a5ba0", "#3778a8",
                                                 "#45ae94", "#6fc378", "#a5d05a", "#dcd64a"};
 constexpr std::string_view kPathColor = kSeriesColors[1];
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
-constexpr double kCells = 500.0;     ///< along the longer side
-constexpr double kTop = 92.0;        ///< px, title and legend
-constexpr double kLeft = 64.0;       ///< px, labels of the axis
-constexpr double kRight = 24.0;      ///< px
-constexpr double kBottom = 56.0;     ///< px
-constexpr double kWidest = 900.0;    ///< px, of the map
-constexpr double kHighest = 1200.0;  ///< px
+constexpr double kCells = 500.0;    ///< along the longer side
+constexpr double kTop = 104.0;      ///< px, title and legend
+constexpr double kLeft = 72.0;      ///< px, labels of the axis
+constexpr double kRight = 24.0;     ///< px
+constexpr double kBottom = 62.0;    ///< px
+constexpr double kWidest = 620.0;   ///< px, of the map
+constexpr double kHighest = 900.0;  ///< px
 
 /// The highest point of each cell; row 0 is the northernmost.
 struct Raster {
@@ -125,10 +125,10 @@ std::string cells(const Raster& raster, const Layout& layout, std::pair<float, f
       strokes[color] << 'M' << start << ' ' << row << ".5h" << column - start;
     }
   }
-  std::string text = "<g shape-rendering=\"crispEdges\" transform=\"translate(" +
-                     tick_label(layout.corner.x(), 0.01) + " " +
-                     tick_label(layout.corner.y(), 0.01) + ") scale(" +
-                     tick_label(layout.scale, 1e-5) + ")\">\n";
+  std::string text =
+      "<g shape-rendering=\"crispEdges\" stroke-width=\"1.2\" transform=\"translate(" +
+      tick_label(layout.corner.x(), 0.01) + " " + tick_label(layout.corner.y(), 0.01) + ") scale(" +
+      tick_label(layout.scale, 1e-5) + ")\">\n";
   for (std::size_t color = 0; color < kRamp.size(); ++color) {
     text +=
         "<path stroke=\"" + std::string(kRamp[color]) + "\" d=\"" + strokes[color].str() + "\"/>\n";
@@ -142,7 +142,7 @@ void draw_axes(SvgDocument& svg, const Raster& raster, const Layout& layout) {
                                                  static_cast<double>(raster.rows));
   const Eigen::Vector2d end = layout.corner + layout.size;
   const double longest = (high - raster.low).maxCoeff();
-  const std::vector<double> steps = round_ticks(0.0, longest, layout.size.x() < 400.0 ? 5 : 9);
+  const std::vector<double> steps = round_ticks(0.0, longest, layout.size.x() < 400.0 ? 4 : 8);
   const double step = steps.size() > 1 ? steps[1] - steps[0] : 1.0;
   const auto each = [&](int axis, auto&& draw) {
     for (double at = std::ceil(raster.low[axis] / step) * step; at <= high[axis]; at += step) {
@@ -152,47 +152,53 @@ void draw_axes(SvgDocument& svg, const Raster& raster, const Layout& layout) {
   each(0, [&](double x) {
     const double px = layout(raster.place({x, raster.low.y()})).x();
     svg.line({px, end.y()}, {px, end.y() + 5.0}, {.color = kAxisColor});
-    svg.text({px, end.y() + 19.0}, tick_label(x, step),
-             {.size = 12.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+    svg.text({px, end.y() + 21.0}, tick_label(x, step),
+             {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
   });
   each(1, [&](double y) {
     const double py = layout(raster.place({raster.low.x(), y})).y();
     svg.line({layout.corner.x() - 5.0, py}, {layout.corner.x(), py}, {.color = kAxisColor});
     svg.text({layout.corner.x() - 9.0, py + 4.0}, tick_label(y, step),
-             {.size = 12.0, .color = kAxisColor, .anchor = SvgAnchor::end});
+             {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::end});
   });
   svg.rectangle(layout.corner, layout.size, {.color = kAxisColor});
-  svg.text({0.5 * (layout.corner.x() + end.x()), end.y() + 40.0}, "x (m)",
-           {.size = 13.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+  svg.text({0.5 * (layout.corner.x() + end.x()), end.y() + 46.0}, "x (m)",
+           {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
   svg.text({15.0, 0.5 * (layout.corner.y() + end.y())}, "y (m)",
-           {.size = 13.0, .color = kAxisColor, .anchor = SvgAnchor::middle, .upwards = true});
+           {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle, .upwards = true});
 }
 
 /// What the colours stand for, and the path.
-void draw_legend(SvgDocument& svg, std::pair<float, float> heights, double right) {
+void draw_legend(SvgDocument& svg, std::pair<float, float> heights) {
   constexpr double kSwatch = 16.0;  // px
+  /// Returns how far to go on to the right.
+  const auto entry = [&](double left, double base, const std::string& words, auto&& symbol) {
+    symbol(left, base - 5.0);
+    svg.text({left + 32.0, base}, words, {.size = 14.0, .color = kAxisColor});
+    return 32.0 + text_width(words, 14.0) + 16.0;
+  };
   double x = kLeft;
-  double y = 52.0;
+  double y = 56.0;
   const std::string low = "height " + tick_label(heights.first, 0.1) + " m";
-  svg.text({x, y}, low, {.size = 12.0, .color = kAxisColor});
-  x += text_width(low, 12.0) + 10.0;
+  svg.text({x, y}, low, {.size = 14.0, .color = kAxisColor});
+  x += text_width(low, 14.0) + 10.0;
   for (const std::string_view color : kRamp) {
-    svg.square({x + 0.5 * kSwatch, y - 4.0}, kSwatch, color, {.color = color});
+    svg.square({x + 0.5 * kSwatch, y - 5.0}, kSwatch, color, {.color = color});
     x += kSwatch;
   }
-  const std::string high = tick_label(heights.second, 0.1) + " m and higher";
-  svg.text({x + 8.0, y}, high, {.size = 12.0, .color = kAxisColor});
-  x += text_width(high, 12.0) + 30.0;
-  if (x + 200.0 > right) {
-    x = kLeft;
-    y += 24.0;
-  }
-  svg.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {.color = kPathColor, .width = 2.5});
-  svg.text({x + 30.0, y}, "path", {.size = 12.0, .color = kAxisColor});
-  svg.circle({x + 78.0, y - 4.0}, 5.0, kGoodColor, {.color = "#ffffff", .width = 1.2});
-  svg.text({x + 88.0, y}, "start", {.size = 12.0, .color = kAxisColor});
-  svg.square({x + 136.0, y - 4.0}, 9.0, kBadColor, {.color = "#ffffff", .width = 1.2});
-  svg.text({x + 146.0, y}, "end", {.size = 12.0, .color = kAxisColor});
+  svg.text({x + 8.0, y}, tick_label(heights.second, 0.1) + " m and higher",
+           {.size = 14.0, .color = kAxisColor});
+  x = kLeft;
+  y = 84.0;
+  x += entry(x, y, "path", [&](double at, double middle) {
+    svg.line({at, middle}, {at + 24.0, middle}, {.color = kPathColor, .width = 3.0});
+  });
+  x += entry(x, y, "start", [&](double at, double middle) {
+    svg.circle({at + 20.0, middle}, 5.5, kGoodColor, {.color = "#ffffff", .width = 1.2});
+  });
+  entry(x, y, "end", [&](double at, double middle) {
+    svg.square({at + 20.0, middle}, 10.0, kBadColor, {.color = "#ffffff", .width = 1.2});
+  });
 }
 
 void draw_path(SvgDocument& svg, const Raster& raster, const Layout& layout,
@@ -220,7 +226,7 @@ void draw_scale_bar(SvgDocument& svg, const Raster& raster, const Layout& layout
     svg.line({left, y}, {right, y}, {.color = color, .width = width});
   }
   svg.text({0.5 * (left + right), y - 8.0}, tick_label(length, length) + " m",
-           {.size = 12.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
+           {.size = 14.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
 }
 
 }  // namespace
@@ -230,10 +236,10 @@ std::string map_picture(std::span<const Point> points, std::span<const StampedPo
   const Raster raster = rasterize(points, path);
   const Layout layout(raster);
   const std::pair<float, float> heights = height_range(raster);
-  const double width = std::max(kLeft + layout.size.x() + kRight, 420.0);
+  const double width = std::max(kLeft + layout.size.x() + kRight, 480.0);
   SvgDocument svg(width, kTop + layout.size.y() + kBottom);
-  svg.text({kLeft, 28.0}, title, {.size = 17.0, .bold = true});
-  draw_legend(svg, heights, width - kRight);
+  svg.text({kLeft, 28.0}, title, {.size = 18.0, .bold = true});
+  draw_legend(svg, heights);
   svg.raw(cells(raster, layout, heights));
   draw_axes(svg, raster, layout);
   draw_path(svg, raster, layout, path);

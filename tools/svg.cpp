@@ -85,7 +85,9 @@ SvgDocument::SvgDocument(double width, double height)
     : head_("<svg xmlns=\"http://www.w3.org/2000/svg\" data-generator=\"adit\"" +
             attribute("width", width) + attribute("height", height) + " viewBox=\"0 0 " +
             number(width) + " " + number(height) +
-            "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n" + dark_style() +
+            "\" style=\"max-width:100%;height:auto\" font-family=\"DejaVu Sans, Helvetica, Arial, "
+            "sans-serif\">\n" +
+            dark_style() +
             "<rect width=\"100%\" "
             "height=\"100%\" "
             "fill=\"#ffffff\"/>\n") {}
