@@ -27,7 +27,7 @@ constexpr std::array kStyles{
                 .height = 1.4,
                 .speed = 3.0,
                 .step = 1.05,
-                .bounce = 0.048,
+                .bounce = 0.054,
                 .swing = 1.0,
                 .pace = 2.2},
     MotionStyle{.name = "stop-and-go", .height = 1.3, .stops = true},
