@@ -17,6 +17,7 @@
 #include "adit/benchmarks/kernels/report.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -124,7 +125,7 @@ int bench_device(const BenchCommandOptions& options, std::ostream& out, std::ost
 }  // namespace
 
 int bench_command(const BenchCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit bench", err, [&] {
+  return guarded("adit bench", out, err, [&] {
     if (!options.compare.empty()) {
       const Report before = read_report(options.compare[0]);
       const Report after = read_report(options.compare[1]);
@@ -157,22 +158,26 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
   command->add_flag("--list", options->list, "Name the cases and do nothing");
   command->add_option("--sizes", options->sizes, "Raw points of the simulated sweeps")
       ->delimiter(',')
-      ->check(CLI::Range(100, 2'000'000))
+      ->check(number_from(100, 2e6))
+      ->type_name("N")
       ->capture_default_str();
   command->add_option("--batches", options->batches, "Pairs of the batches")
       ->delimiter(',')
-      ->check(CLI::Range(1, 4096))
+      ->check(number_from(1, 4096))
+      ->type_name("N")
       ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "Time for each case and size, at least")
-      ->check(CLI::Range(0.0, 600.0))
+  command->add_option("--seconds", options->seconds, "Time for each case and size, at least (s)")
+      ->check(number_from(0.0, 600.0))
+      ->type_name("S")
       ->capture_default_str();
   command
       ->add_option("--input", options->input,
                    "A recording or one or two point clouds instead of the simulated sweeps")
       ->expected(1, 2)
       ->type_name("FILE");
-  command->add_option("--r-input", options->r_input, "Down-sampling of --input, m")
-      ->check(CLI::Range(0.01, 10.0))
+  command->add_option("--r-input", options->r_input, "Down-sampling of --input (m)")
+      ->check(number_from(0.01, 10.0))
+      ->type_name("M")
       ->capture_default_str();
   command->add_flag_callback(
       "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
@@ -181,7 +186,8 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
   command->add_option("--compare", options->compare, "Compare two files of --json, measure nothing")
       ->expected(2)
       ->type_name("BEFORE AFTER");
-  command->add_option("--device", options->device.device, "Index, UUID or part of the name");
+  command->add_option("--device", options->device.device, "Index, UUID or part of the name")
+      ->type_name("DEVICE");
   add_bench_slam_command(*command, done);
   add_bench_consistency_command(*command, done);
   command->callback([command, options, done = std::move(done)] {

@@ -15,6 +15,7 @@
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -77,7 +78,7 @@ int bench_consistency(const BenchConsistencyOptions& options, std::ostream& out,
 
 int bench_consistency_command(const BenchConsistencyOptions& options, std::ostream& out,
                               std::ostream& err) {
-  return guarded("adit bench consistency", err,
+  return guarded("adit bench consistency", out, err,
                  [&] { return bench_consistency(options, out, err); });
 }
 
@@ -98,13 +99,16 @@ CLI::App* add_bench_consistency_command(CLI::App& bench, std::function<void(int)
   command->add_option("--sensor", options->sensor, "This range sensor instead of the cases' own")
       ->type_name("NAME");
   command->add_option("--runs", options->runs, "Runs in all, shared evenly among the cases")
-      ->check(CLI::Range(1, 100'000))
+      ->check(number_from(1, 100'000))
+      ->type_name("N")
       ->capture_default_str();
-  command->add_option("--duration", options->duration, "Time of a run, s")
-      ->check(CLI::Range(2.0, 600.0))
+  command->add_option("--duration", options->duration, "Time of a run (s)")
+      ->check(number_from(2.0, 600.0))
+      ->type_name("S")
       ->capture_default_str();
   add_config_options(*command, options->config);
-  command->add_option("--device", options->device.device, "Index, UUID or part of the name");
+  command->add_option("--device", options->device.device, "Index, UUID or part of the name")
+      ->type_name("DEVICE");
   command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
   command->callback([options, done = std::move(done)] {
     done(bench_consistency_command(*options, std::cout, std::cerr));

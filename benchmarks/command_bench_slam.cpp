@@ -232,7 +232,7 @@ int bench_slam(const BenchSlamOptions& options, std::ostream& out, std::ostream&
 }  // namespace
 
 int bench_slam_command(const BenchSlamOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit bench slam", err, [&] { return bench_slam(options, out, err); });
+  return guarded("adit bench slam", out, err, [&] { return bench_slam(options, out, err); });
 }
 
 CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done) {

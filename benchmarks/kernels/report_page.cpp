@@ -9,21 +9,24 @@
 #include <sstream>
 
 #include "adit/benchmarks/kernels/report.hpp"
+#include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/svg.hpp"
 
 namespace adit::bench {
 namespace {
 
-constexpr std::array<std::string_view, 10> kColors = {"#1f77b4", "#d62728", "#2ca02c", "#9467bd",
-                                                      "#ff7f0e", "#17becf", "#8c564b", "#e377c2",
-                                                      "#7f7f7f", "#bcbd22"};
-constexpr double kWidth = 900.0;
-constexpr double kHeight = 480.0;
-constexpr double kLeft = 70.0;
-constexpr double kRight = 240.0;  // for the legend
+constexpr double kHeight = 400.0;  // px, of the chart alone
+constexpr double kRight = 24.0;
 constexpr double kTop = 20.0;
 constexpr double kBottom = 50.0;
+
+/// The colours, then again with dashes.
+SvgStroke stroke_of(std::size_t index) {
+  constexpr std::array<std::string_view, 4> kDashes = {"", "7 4", "2 3", "9 3 2 3"};
+  return {kSeriesColors[index % kSeriesColors.size()], 1.8,
+          kDashes[index / kSeriesColors.size() % kDashes.size()]};
+}
 
 std::string digits(double value) {
   std::ostringstream text;
@@ -51,18 +54,23 @@ struct Series {
   std::vector<Eigen::Vector2d> points;
 };
 
-// A chart with both axes logarithmic.
+// A chart with both axes logarithmic, its legend below.
 class LogChart {
  public:
-  LogChart(const std::vector<Series>& series, const std::string& x_title,
-           const std::string& y_title)
-      : svg_(kWidth, kHeight) {
+  /// `shown` are in the legend; `framed` too must fit in.
+  LogChart(const std::vector<Series>& shown, const std::vector<Series>& framed, double width,
+           const std::string& x_title, const std::string& y_title)
+      : left_(width < 600.0 ? 58.0 : 70.0),
+        width_(width),
+        svg_(width, kHeight + legend_height(shown, width)) {
     low_.setConstant(1e300);
     high_.setConstant(1e-300);
-    for (const Series& one : series) {
-      for (const Eigen::Vector2d& p : one.points) {
-        low_ = low_.cwiseMin(p);
-        high_ = high_.cwiseMax(p);
+    for (const std::vector<Series>* group : {&shown, &framed}) {
+      for (const Series& one : *group) {
+        for (const Eigen::Vector2d& p : one.points) {
+          low_ = low_.cwiseMin(p);
+          high_ = high_.cwiseMax(p);
+        }
       }
     }
     for (int k = 0; k < 2; ++k) {
@@ -70,6 +78,10 @@ class LogChart {
       high_[k] = std::max(std::pow(10.0, std::ceil(std::log10(high_[k]))), 10.0 * low_[k]);
     }
     axes(x_title, y_title);
+    place_legend(shown, width, [&](std::size_t i, const Eigen::Vector2d& at) {
+      svg_.line(at - Eigen::Vector2d(0.0, 4.0), at + Eigen::Vector2d(22.0, -4.0), stroke_of(i));
+      svg_.text(at + Eigen::Vector2d(28.0, 0.0), shown[i].name, {.size = 12.0});
+    });
   }
 
   Eigen::Vector2d place(const Eigen::Vector2d& p) const {
@@ -77,33 +89,46 @@ class LogChart {
       return (std::log10(p[k]) - std::log10(low_[k])) /
              (std::log10(high_[k]) - std::log10(low_[k]));
     };
-    return {kLeft + part(0) * (kWidth - kLeft - kRight),
+    return {left_ + part(0) * (width_ - left_ - kRight),
             kHeight - kBottom - part(1) * (kHeight - kTop - kBottom)};
   }
   const Eigen::Vector2d& low() const { return low_; }
   const Eigen::Vector2d& high() const { return high_; }
   SvgDocument& svg() { return svg_; }
 
-  void curve(const Series& series, size_t index, bool connected) {
-    const std::string_view color = kColors[index % kColors.size()];
-    const std::string_view dash = index < kColors.size() ? "" : "5 4";
+  void curve(const Series& series, std::size_t index) {
+    const SvgStroke stroke = stroke_of(index);
     std::vector<Eigen::Vector2d> placed;
     for (const Eigen::Vector2d& p : series.points) {
       placed.push_back(place(p));
-      svg_.circle(placed.back(), 3.5, color, {.color = "#ffffff", .width = 1.0});
     }
-    if (connected) {
-      svg_.polyline(placed, {.color = color, .width = 1.6, .dash = dash});
+    svg_.polyline(placed, stroke);
+    for (const Eigen::Vector2d& at : placed) {
+      svg_.circle(at, 3.5, stroke.color, {.color = "#ffffff", .width = 1.0});
     }
-    const double y = kTop + 10.0 + 17.0 * static_cast<double>(index);
-    const double x = kWidth - kRight + 20.0;
-    svg_.line({x, y}, {x + 22.0, y}, {.color = color, .width = 2.0, .dash = dash});
-    svg_.text({x + 28.0, y + 4.0}, series.name, {.size = 12.0});
   }
 
  private:
+  /// Calls put(i, where) for each name, in rows; returns the height of them.
+  template <class Put>
+  static double place_legend(const std::vector<Series>& shown, double width, Put&& put) {
+    constexpr double kLine = 19.0;  // px
+    Eigen::Vector2d at(16.0, kHeight + 14.0);
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const double wanted = 28.0 + text_width(shown[i].name, 12.0) + 18.0;
+      if (at.x() > 16.0 && at.x() + wanted > width) {
+        at = Eigen::Vector2d(16.0, at.y() + kLine);
+      }
+      put(i, at);
+      at.x() += wanted;
+    }
+    return at.y() + 12.0 - kHeight;
+  }
+  static double legend_height(const std::vector<Series>& shown, double width) {
+    return place_legend(shown, width, [](std::size_t, const Eigen::Vector2d&) {});
+  }
+
   void axes(const std::string& x_title, const std::string& y_title) {
-    const SvgStroke grid{.color = "#dddddd", .width = 1.0};
     for (int k = 0; k < 2; ++k) {
       const int first = static_cast<int>(std::lround(std::log10(low_[k])));
       const int last = static_cast<int>(std::lround(std::log10(high_[k])));
@@ -112,21 +137,27 @@ class LogChart {
         from[k] = std::pow(10.0, e);
         Eigen::Vector2d to = high_;
         to[k] = from[k];
-        svg_.line(place(from), place(to), grid);
+        svg_.line(place(from), place(to), {.color = kGridColor});
         const Eigen::Vector2d at = place(from);
         if (k == 0) {
-          svg_.text({at.x(), at.y() + 18.0}, power_label(e), {.anchor = SvgAnchor::middle});
+          svg_.text({at.x(), at.y() + 18.0}, power_label(e),
+                    {.color = kAxisColor, .anchor = SvgAnchor::middle});
         } else {
-          svg_.text({at.x() - 8.0, at.y() + 4.0}, power_label(e), {.anchor = SvgAnchor::end});
+          svg_.text({at.x() - 8.0, at.y() + 4.0}, power_label(e),
+                    {.color = kAxisColor, .anchor = SvgAnchor::end});
         }
       }
     }
-    svg_.text({0.5 * (kLeft + kWidth - kRight), kHeight - 10.0}, x_title,
-              {.anchor = SvgAnchor::middle, .bold = true});
-    svg_.text({16.0, 0.5 * (kTop + kHeight - kBottom)}, y_title,
-              {.anchor = SvgAnchor::middle, .bold = true, .upwards = true});
+    svg_.rectangle({left_, kTop}, {width_ - left_ - kRight, kHeight - kTop - kBottom},
+                   {.color = kAxisColor});
+    svg_.text({0.5 * (left_ + width_ - kRight), kHeight - 10.0}, x_title,
+              {.size = 13.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+    svg_.text({15.0, 0.5 * (kTop + kHeight - kBottom)}, y_title,
+              {.size = 13.0, .color = kAxisColor, .anchor = SvgAnchor::middle, .upwards = true});
   }
 
+  double left_;
+  double width_;
   SvgDocument svg_;
   Eigen::Vector2d low_;
   Eigen::Vector2d high_;
@@ -153,11 +184,13 @@ std::string chart(const std::vector<Series>& series, const std::string& x, const
   if (series.empty()) {
     return "<p>Nothing of this was measured.</p>";
   }
-  LogChart made(series, x, y);
-  for (size_t i = 0; i < series.size(); ++i) {
-    made.curve(series[i], i, true);
-  }
-  return made.svg().str();
+  return html_drawing([&](double width) {
+    LogChart made(series, {}, width, x, y);
+    for (std::size_t i = 0; i < series.size(); ++i) {
+      made.curve(series[i], i);
+    }
+    return made.svg().str();
+  });
 }
 
 std::string roofline(const Report& report) {
@@ -173,22 +206,25 @@ std::string roofline(const Report& report) {
   }
   const double flop = 1e-9 * report.limits.flop;
   const double bytes = 1e-9 * report.limits.copy_bytes;
-  std::vector<Series> framed = series;
-  framed.push_back({.name = "", .points = {{0.3, flop}, {100.0, flop}, {0.3, 0.3 * bytes}}});
-  LogChart made(framed, "FLOP a byte that has to move", "GFLOP/s");
-  const Eigen::Vector2d ridge(flop / bytes, flop);
-  const double left = std::max(made.low().x(), made.low().y() / bytes);
-  const SvgStroke roof{.color = "#000000", .width = 2.0};
-  made.svg().line(made.place({left, left * bytes}), made.place(ridge), roof);
-  made.svg().line(made.place(ridge), made.place({made.high().x(), flop}), roof);
-  made.svg().text(made.place({ridge.x() * 1.2, flop}) - Eigen::Vector2d(0.0, 8.0),
-                  "multiply-add " + digits(flop) + " GFLOP/s", {.halo = true});
-  made.svg().text(made.place({left, left * bytes}) + Eigen::Vector2d(12.0, -14.0),
-                  "copy " + digits(bytes) + " GB/s", {.halo = true});
-  for (size_t i = 0; i < series.size(); ++i) {
-    made.curve(series[i], i, true);
-  }
-  return made.svg().str();
+  const std::vector<Series> roofs = {
+      {.name = "", .points = {{0.3, flop}, {100.0, flop}, {0.3, 0.3 * bytes}}}};
+  return html_drawing([&](double width) {
+    LogChart made(series, roofs, width, "FLOP a byte that has to move", "GFLOP/s");
+    const Eigen::Vector2d ridge(flop / bytes, flop);
+    const double left = std::max(made.low().x(), made.low().y() / bytes);
+    const SvgStroke roof{.color = kTextColor, .width = 2.0};
+    made.svg().line(made.place({left, left * bytes}), made.place(ridge), roof);
+    made.svg().line(made.place(ridge), made.place({made.high().x(), flop}), roof);
+    for (std::size_t i = 0; i < series.size(); ++i) {
+      made.curve(series[i], i);
+    }
+    made.svg().text(made.place({made.high().x(), flop}) + Eigen::Vector2d(-6.0, -8.0),
+                    "multiply-add " + digits(flop) + " GFLOP/s",
+                    {.anchor = SvgAnchor::end, .halo = true});
+    made.svg().text(made.place({left, left * bytes}) + Eigen::Vector2d(12.0, -14.0),
+                    "copy " + digits(bytes) + " GB/s", {.halo = true});
+    return made.svg().str();
+  });
 }
 
 std::string cell(const std::optional<Spread>& spread) {
@@ -200,13 +236,13 @@ std::string cell(const std::optional<Spread>& spread) {
 std::string table(const Report& report) {
   std::ostringstream out;
   out << "<table><tr><th>case<th>size<th>items<th>runs<th>device ms<th>submit to wait ms<th>host "
-         "ms<th>ns an item<th>GB/s<th>GFLOP/s<th>share of the limit<th>times its peer<th>verified "
-         "by<th>result</tr>\n";
+         "ms<th>ns an item<th>GB/s<th>GFLOP/s<th>share of the limit<th>times its peer<th "
+         "class=left>verified by<th class=left>result</tr>\n";
   for (const Row& row : report.rows) {
     out << "<tr><td>" << escape_markup(row.name) << "</td><td>" << row.size << "</td><td>"
         << row.items << "</td>";
     if (!row.problem.empty()) {
-      out << "<td colspan=11 class=wrong>wrong, not timed: " << escape_markup(row.problem)
+      out << "<td colspan=11 class=\"left wrong\">wrong, not timed: " << escape_markup(row.problem)
           << "</td></tr>\n";
       continue;
     }
@@ -227,7 +263,7 @@ std::string table(const Report& report) {
       out << digits(ms / peer->timing.best().median) << " <small>" << escape_markup(peer->name)
           << "</small>";
     }
-    out << "</td><td>" << escape_markup(row.verified_by) << "</td><td>";
+    out << "</td><td class=left>" << escape_markup(row.verified_by) << "</td><td class=left>";
     const char* separator = "";
     for (const auto& [name, value] : row.figures) {
       out << separator << escape_markup(name) << " " << digits(value);
@@ -252,31 +288,22 @@ std::string to_html(const Report& report) {
     });
   };
   std::ostringstream out;
-  out << "<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>adit bench: "
-      << escape_markup(s.device)
-      << "</title>\n<style>body{font:15px/1.5 sans-serif;margin:2em "
-         "auto;max-width:1200px;padding:0 "
-         "1em}table{border-collapse:collapse;font-size:12px}td,th{border-bottom:1px solid "
-         "#ddd;padding:2px 8px;text-align:right;white-space:nowrap}td:first-child,th:first-child,"
-         "td:nth-last-child(-n+2),th:nth-last-child(-n+2){text-align:left}small{color:#777}"
-         ".wrong{color:#b00;text-align:left}.wide{overflow-x:auto}dt{float:left;width:9em;color:#"
-         "777}dd{margin-left:9em}svg{max-width:100%;height:auto}"
-         "@media(prefers-color-scheme:dark){body{background:#15181c;color:#eceff3}}</style>\n<h1>"
-      << escape_markup(s.device) << "</h1>\n<dl><dt>driver<dd>" << escape_markup(s.driver) << " "
-      << escape_markup(s.driver_version) << ", Vulkan " << escape_markup(s.vulkan)
+  out << "<h1>" << escape_markup(s.device) << "</h1>\n<dl><dt>driver<dd>" << escape_markup(s.driver)
+      << " " << escape_markup(s.driver_version) << ", Vulkan " << escape_markup(s.vulkan)
       << (s.software ? ", software" : "") << "<dt>host<dd>" << escape_markup(s.host) << ", "
       << s.threads << " threads<dt>adit<dd>" << escape_markup(s.version) << " ("
       << escape_markup(s.commit) << "), " << escape_markup(s.date) << "<dt>peers<dd>"
       << escape_markup(s.peers) << "<dt>clouds<dd>" << escape_markup(s.input)
       << "</dl>\n<h2>Limits of the device, measured in the same run</h2>\n"
-      << "<table><tr><th>limit<th>value</tr><tr><td>copy, read and written bytes counted<td>"
+      << "<div class=scroll><table><tr><th>limit<th>value</tr><tr><td>copy, read and written bytes "
+         "counted<td>"
       << digits(1e-9 * l.copy_bytes) << " GB/s</tr><tr><td>float32 multiply-adds, 2 each<td>"
       << digits(1e-9 * l.flop) << " GFLOP/s</tr><tr><td>64-byte reads at random places of 1 MiB<td>"
       << digits(1e-6 * l.near_reads) << " M/s</tr><tr><td>of 64 MiB<td>" << digits(1e-6 * l.reads)
       << " M/s</tr><tr><td>integer atomic additions at random places of 1 MiB<td>"
       << digits(1e-6 * l.atomics) << " M/s</tr><tr><td>a further dispatch after a barrier<td>"
       << digits(1e6 * l.dispatch_s) << " us</tr><tr><td>an empty submission and its wait<td>"
-      << digits(1e6 * l.submission_s) << " us</tr></table>\n"
+      << digits(1e6 * l.submission_s) << " us</tr></table></div>\n"
       << "<h2>Roofline</h2>\n<p>Work and bytes are what a kernel has to do at least; what stays in "
          "caches can be above the slanted roof. Dots of a case: its sizes.</p>\n"
       << roofline(report) << "\n<h2>Scaling of kernels</h2>\n"
@@ -289,9 +316,9 @@ std::string to_html(const Report& report) {
       << chart(scaling(CaseKind::peer), "points", "ns a point, host clock")
       << "\n<h2>All figures</h2>\n<p>Medians, with the 10th to 90th percentile. The share of the "
          "limit is the least time that the tightest limit allows, over the time "
-         "measured.</p>\n<div class=wide>\n"
-      << table(report) << "</div>\n</html>\n";
-  return out.str();
+         "measured.</p>\n<div class=scroll>\n"
+      << table(report) << "</div>\n";
+  return html_page("adit bench: " + s.device, out.str());
 }
 
 }  // namespace adit::bench

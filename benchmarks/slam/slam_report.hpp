@@ -52,7 +52,7 @@ struct SlamResult {
   std::string why{};                   ///< it failed
   std::optional<SlamErrors> errors{};  ///< none where there is no trajectory to judge
   std::optional<SlamEffort> effort{};
-  std::string drawing{};  ///< SVG: against the truth
+  std::string drawing{};  ///< HTML: against the truth
 };
 
 /// Judges by what is known of it. A failure that is known already stays.

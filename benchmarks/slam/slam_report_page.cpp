@@ -2,25 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The page: what was measured on, the errors by sequence and system, all figures, the trajectories.
+#include <algorithm>
 #include <cstdio>
 #include <sstream>
 
 #include "adit/benchmarks/slam/slam_report.hpp"
+#include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 
 namespace adit::bench {
 namespace {
-
-constexpr std::string_view kStyle = R"(
-body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 1100px; padding: 0 1em; }
-table { border-collapse: collapse; font-size: 13px; }
-td, th { border-bottom: 1px solid #ddd; padding: 2px 10px; text-align: right; white-space: nowrap; }
-td:first-child, th:first-child, td.left, th.left { text-align: left; }
-.wrong { color: #b00; } .best { font-weight: bold; } .wide { overflow-x: auto; }
-dt { float: left; width: 9em; color: #777; } dd { margin-left: 9em; }
-svg { max-width: 100%; height: auto; } small { color: #777; }
-@media (prefers-color-scheme: dark) { body { background: #15181c; color: #eceff3; } }
-)";
 
 std::string number(double value, const char* format) {
   char text[64];
@@ -38,7 +29,8 @@ std::string error_cell(const SlamRow& row, std::size_t system) {
     case SlamVerdict::good:
       break;
   }
-  return (best_of(row) == system ? "<td class=best>" : "<td>") +
+  const auto good = std::ranges::count(row.results, SlamVerdict::good, &SlamResult::verdict);
+  return (good > 1 && best_of(row) == system ? "<td class=best>" : "<td>") +
          number(result.errors->ate, "%.3f") + "</td>";
 }
 
@@ -118,7 +110,7 @@ std::string drawings(const SlamReport& report) {
       const std::string& drawing = row.results[i].drawing;
       if (!drawing.empty()) {
         html += "<details><summary>" + escape_markup(row.sequence + ", " + report.systems[i].name) +
-                "</summary>\n" + drawing.substr(drawing.find("<svg")) + "</details>\n";
+                "</summary>\n" + drawing + "</details>\n";
       }
     }
   }
@@ -131,26 +123,26 @@ std::string to_html(const SlamReport& report) {
   const Setting& s = report.setting;
   const SlamLimits& l = report.limits;
   std::ostringstream out;
-  out << "<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>adit bench slam</title>\n"
-      << "<style>" << kStyle << "</style>\n<h1>Accuracy of trajectories</h1>\n<dl><dt>device<dd>"
-      << escape_markup(s.device) << (s.software ? ", software" : "") << "<dt>driver<dd>"
+  out << "<h1>Accuracy of trajectories</h1>\n<dl><dt>device<dd>" << escape_markup(s.device)
+      << (s.software ? ", software" : "") << "<dt>driver<dd>"
       << escape_markup(s.driver + " " + s.driver_version) << "<dt>host<dd>" << escape_markup(s.host)
       << ", " << s.threads << " threads<dt>adit<dd>" << escape_markup(s.version) << " ("
       << escape_markup(s.commit) << "), " << escape_markup(s.date);
   for (const SlamSystem& system : report.systems) {
     out << "<dt>" << escape_markup(system.name) << "<dd>" << escape_markup(system.origin);
   }
-  out << "</dl>\n<h2>ATE RMSE (m)</h2>\n<p>All poses, SE(3)-aligned. Bold: least of its row. "
+  out << "</dl>\n<h2>ATE RMSE (m)</h2>\n<p>All poses, SE(3)-aligned. Bold: least of its row, where "
+         "several are. "
          "&times;: failed, that is an error above "
       << number(100.0 * l.error_share, "%g") << " % of the path and " << number(l.error_least, "%g")
       << " m, more than " << number(100.0 * l.lost_share, "%g")
       << " % of the sweeps not placed, or less than " << number(100.0 * l.covered_share, "%g")
-      << " % of the path covered.</p>\n<div class=wide>" << error_table(report)
+      << " % of the path covered.</p>\n<div class=scroll>" << error_table(report)
       << "</div>\n<h2>All figures</h2>\n<p>Drift: the mean error of "
-      << "stretches of 10 m. Time: of the host, with reading and writing.</p>\n<div class=wide>"
+      << "stretches of 10 m. Time: of the host, with reading and writing.</p>\n<div class=scroll>"
       << figure_table(report) << "</div>\n<h2>Trajectories</h2>\n"
-      << drawings(report) << "</html>\n";
-  return out.str();
+      << drawings(report);
+  return html_page("adit bench slam", out.str());
 }
 
 }  // namespace adit::bench

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/support/input_error.hpp"
@@ -57,7 +58,9 @@ SlamResult compare(const SlamSequence& sequence, const std::string& system,
                                                         : std::nullopt,
                            .path = found.association.truth_path,
                            .covered = found.association.covered_path},
-      .drawing = plot_evaluation(found, system + " on " + sequence.name)};
+      .drawing = html_drawing([&](double width) {
+        return plot_evaluation(found, system + " on " + sequence.name, width);
+      })};
 }
 
 }  // namespace

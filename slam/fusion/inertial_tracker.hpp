@@ -17,7 +17,6 @@
 #include "adit/slam/inertial/reading_gate.hpp"
 #include "adit/slam/inertial/saturation.hpp"
 #include "adit/slam/inertial/sweep_motion.hpp"
-#include "adit/slam/odometry/motion_model.hpp"
 
 namespace adit {
 

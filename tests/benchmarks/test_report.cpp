@@ -135,7 +135,10 @@ TEST(Report, PageStandsAlone) {
   for (size_t at = page.find("<svg"); at != std::string::npos; at = page.find("<svg", at + 1)) {
     drawings += 1;
   }
-  EXPECT_EQ(drawings, 4U) << "roofline, kernels, batches, peers; nothing of whole registrations";
+  EXPECT_EQ(drawings, 8U) << "roofline, kernels, batches, peers; nothing of whole registrations; "
+                             "each for a desktop and for a telephone";
+  EXPECT_NE(page.find("prefers-color-scheme: dark"), std::string::npos);
+  EXPECT_NE(page.find("name=\"viewport\""), std::string::npos);
 }
 
 }  // namespace

@@ -233,6 +233,53 @@ TEST_F(FaultTest, ReadingsAreInOtherUnitsAndAxes) {
   EXPECT_EQ(axes.imu[50].angular_velocity.y(), -good.imu[50].angular_velocity.x());
 }
 
+/// The mount is hit every 4 s and comes to rest where it was.
+TEST(Faults, ShockRingsAndLeavesNoVelocity) {
+  const FaultMaker faults({fault_named("shock")}, 12.0, 1);
+  constexpr double kStep = 1e-4;  // s
+  Vector3d velocity = Vector3d::Zero();
+  Vector3d turned = Vector3d::Zero();
+  double hardest = 0.0;
+  double fastest = 0.0;
+  for (int i = 0; i < 120'000; ++i) {
+    ImuSample sample;
+    sample.stamp = std::chrono::microseconds(100 * i);
+    faults.distort(sample);
+    const double time = kStep * i;
+    if (time < 3.0 || (time > 3.5 && time < 7.0)) {
+      EXPECT_LT(sample.linear_acceleration.norm(), 1e-6) << time;
+    }
+    velocity += kStep * sample.linear_acceleration;
+    turned += kStep * sample.angular_velocity;
+    hardest = std::max(hardest, sample.linear_acceleration.norm());
+    fastest = std::max(fastest, sample.angular_velocity.norm());
+  }
+  EXPECT_GT(hardest, 80.0);
+  EXPECT_LT(hardest, 120.0);
+  EXPECT_GT(fastest, 0.5);
+  EXPECT_LT(fastest, 1.5);
+  EXPECT_LT(velocity.norm(), 1e-4);
+  EXPECT_LT(turned.norm(), 1e-5);
+}
+
+TEST(Faults, RainScattersPulsesBackAndHidesWhatIsFar) {
+  const FaultMaker faults({fault_named("rain")}, 1.0, 1);
+  RangeSweep sweep{.start = 0, .firings = {}, .returns = {}};
+  sweep.firings.resize(40'000);
+  sweep.returns.assign(40'000, {.range = 30.0, .intensity = 50.0F});
+  faults.distort(sweep);
+  const auto share = [&](auto&& which) {
+    return static_cast<double>(std::ranges::count_if(sweep.returns, which)) / 40'000.0;
+  };
+  const double drops = share([](const Return& r) { return r.range > 0.0 && r.range < 30.0; });
+  EXPECT_NEAR(drops, 1.0 - std::exp(-0.003 * 20.0), 0.005);
+  EXPECT_NEAR(share([](const Return& r) { return r.range == 0.0; }),
+              (1.0 - drops) * (1.0 - std::exp(-0.004 * 30.0)), 0.006);
+  for (const Return& back : sweep.returns) {
+    EXPECT_TRUE(back.range == 30.0 || back.intensity < 3.0F) << "drops are faint";
+  }
+}
+
 TEST_F(FaultTest, ReturnsAreLostOrNotANumber) {
   const Read good = read({});
   const Read nan = read({"nan"});

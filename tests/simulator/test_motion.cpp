@@ -8,6 +8,7 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
+#include "adit/tools/simulator/crossings.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -83,6 +84,44 @@ TEST(Motion, EachStyleDoesWhatItsNameSays) {
   EXPECT_LT(stops.at(11.5).velocity.norm(), 1e-9);
   EXPECT_GT(stops.at(15.5).velocity.norm(), 0.5 * scene.speed);
   EXPECT_THROW(motion_named("fly"), UsageError);
+}
+
+TEST(Motion, RunWithInTheHandIsFastAndRough) {
+  for (const char* name : {"room", "office", "mine"}) {
+    const SplineTrajectory motion =
+        make_trajectory(make_scene(name, 1), motion_named("fast-handheld"), 12.0);
+    double fastest = 0.0;
+    double hardest = 0.0;
+    double turn = 0.0;
+    for (double time = 0.0; time < 12.0; time += 0.005) {
+      const MotionState state = motion.at(time);
+      fastest = std::max(fastest, state.velocity.head<2>().norm());
+      hardest = std::max(hardest, state.acceleration.norm());
+      turn = std::max(turn, state.angular_velocity.norm());
+    }
+    EXPECT_NEAR(fastest, 3.0, 0.4) << name;
+    EXPECT_GT(hardest, 13.0) << name;
+    EXPECT_LT(hardest, 25.0) << name;
+    EXPECT_GT(turn, 3.0) << name;
+    EXPECT_LT(turn, 10.0) << name;
+  }
+}
+
+TEST(Motion, WayThroughAWallIsTold) {
+  Mesh mesh;
+  add_block(mesh, {4.0, -5.0, 0.0}, {4.2, 5.0, 3.0}, Material::concrete);
+  const RayScene still(mesh);
+  // Ahead at 1 m/s, through both faces of the wall, which are one crossing.
+  const auto ahead = [](double time) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() << time, 0.3, 1.0;
+    return pose;
+  };
+  const std::vector<Crossing> found = find_crossings(ahead, 10.0, still);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].time, 4.0, 0.03);
+  EXPECT_LT((found[0].at - Vector3d(4.0, 0.3, 1.0)).norm(), 1e-6);
+  EXPECT_TRUE(find_crossings(ahead, 3.9, still).empty());
 }
 
 TEST(Motion, NothingStandsInTheWayOfARoute) {

@@ -33,7 +33,7 @@ std::string circle(double drift) {
 class CommandEvaluate : public testing::Test {
  protected:
   CommandEvaluate() {
-    options_.estimate = folder_.write("estimate.tum", circle(0.01));
+    options_.estimates = {folder_.write("estimate.tum", circle(0.01))};
     options_.truth = folder_.write("truth.tum", circle(0.0));
   }
 
@@ -71,7 +71,7 @@ TEST_F(CommandEvaluate, JsonHoldsTheSameFigures) {
   EXPECT_EQ(run(), 0);
   const nlohmann::json report = nlohmann::json::parse(out_.str());
   const Evaluation direct =
-      evaluate(read_trajectory(options_.estimate), read_trajectory(options_.truth), {});
+      evaluate(read_trajectory(options_.estimates[0]), read_trajectory(options_.truth), {});
   EXPECT_EQ(report["ate"]["position_m"]["rmse"].get<double>(), direct.ate.rmse);
   EXPECT_EQ(report["rpe"]["translation_m"]["count"].get<std::size_t>(),
             direct.rpe.translation.count);
@@ -101,7 +101,7 @@ std::string drive(double bow, double error) {
 }
 
 TEST_F(CommandEvaluate, AStraightPathSaysThatItsRotationIsFree) {
-  options_.estimate = folder_.write("straight.tum", drive(0.0, 0.05));
+  options_.estimates = {folder_.write("straight.tum", drive(0.0, 0.05))};
   options_.truth = folder_.write("straight_truth.tum", drive(0.05, 0.0));
   EXPECT_EQ(run(), 0);
   EXPECT_NE(out_.str().find("the path is nearly straight"), std::string::npos) << out_.str();
@@ -111,12 +111,12 @@ TEST_F(CommandEvaluate, AStraightPathSaysThatItsRotationIsFree) {
   EXPECT_EQ(run(), 0);
   EXPECT_EQ(nlohmann::json::parse(out_.str())["ate"]["rotation_determined"], false);
   out_.str("");
-  options_.estimate = folder_.write("bow.tum", drive(10.0, 0.05));
+  options_.estimates = {folder_.write("bow.tum", drive(10.0, 0.05))};
   options_.truth = folder_.write("bow_truth.tum", drive(10.0, 0.0));
   EXPECT_EQ(run(), 0);
   EXPECT_EQ(nlohmann::json::parse(out_.str())["ate"]["rotation_determined"], true);
   out_.str("");
-  options_.estimate = folder_ / "straight.tum";
+  options_.estimates = {folder_ / "straight.tum"};
   options_.truth = folder_ / "straight_truth.tum";
   options_.evaluation.alignment = Alignment::origin;
   EXPECT_EQ(run(), 0);
@@ -125,8 +125,8 @@ TEST_F(CommandEvaluate, AStraightPathSaysThatItsRotationIsFree) {
 }
 
 TEST_F(CommandEvaluate, OnlyTheFolderOfARunDoesWithoutATruth) {
-  EXPECT_THROW(parse({"evaluate", options_.estimate.string()}), CLI::ParseError);
-  EXPECT_THROW(parse({"evaluate", options_.estimate.string(), options_.truth.string(), "--html",
+  EXPECT_THROW(parse({"evaluate", options_.estimates[0].string()}), CLI::ParseError);
+  EXPECT_THROW(parse({"evaluate", options_.estimates[0].string(), options_.truth.string(), "--html",
                       (folder_ / "a.html").string()}),
                CLI::ParseError);
 }
@@ -146,7 +146,7 @@ TEST_F(CommandEvaluate, PlotIsAnSvgWithBothPaths) {
 }
 
 TEST_F(CommandEvaluate, BadInputIsCodeOneWithTheFileAndNoReport) {
-  options_.estimate = folder_.write("bad.tum", "1 2 3\n");
+  options_.estimates = {folder_.write("bad.tum", "1 2 3\n")};
   EXPECT_EQ(run(), 1);
   EXPECT_EQ(out_.str(), "");
   EXPECT_NE(err_.str().find("bad.tum, line 1"), std::string::npos) << err_.str();
@@ -166,7 +166,7 @@ TEST_F(CommandEvaluate, OutputThatCannotBeWrittenIsCodeOne) {
 
 TEST_F(CommandEvaluate, OptionsReachTheEvaluation) {
   testing::internal::CaptureStdout();
-  EXPECT_EQ(parse({"evaluate", options_.estimate.string(), options_.truth.string(), "--json",
+  EXPECT_EQ(parse({"evaluate", options_.estimates[0].string(), options_.truth.string(), "--json",
                    "--align", "origin", "--delta", "3", "--delta-unit", "f", "--pairs", "truth",
                    "--tolerance", "0.02", "--from-first-pose"}),
             0);
@@ -181,7 +181,7 @@ TEST_F(CommandEvaluate, OptionsReachTheEvaluation) {
 
 TEST_F(CommandEvaluate, FramesDefaultToOne) {
   testing::internal::CaptureStdout();
-  EXPECT_EQ(parse({"evaluate", options_.estimate.string(), options_.truth.string(), "--json",
+  EXPECT_EQ(parse({"evaluate", options_.estimates[0].string(), options_.truth.string(), "--json",
                    "--delta-unit", "f"}),
             0);
   EXPECT_EQ(nlohmann::json::parse(testing::internal::GetCapturedStdout())["rpe"]["delta"], 1.0);

@@ -169,7 +169,7 @@ TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("r_input=0.5").find("section.key=value"), std::string::npos);
   EXPECT_NE(override_refusal("preprocess.r_inptu=0.5").find("'r_input'"), std::string::npos);
   EXPECT_NE(override_refusal("preproces.r_input=0.5").find("'preprocess'"), std::string::npos);
-  EXPECT_NE(override_refusal("preprocess.r_input=half").find("'half' is not a value"),
+  EXPECT_NE(override_refusal("preprocess.r_input=half").find("Write a number, such as 0.5"),
             std::string::npos);
   EXPECT_NE(override_refusal("preprocess.r_input=").find("is not a value"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=2.5").find("whole number"), std::string::npos);
@@ -178,6 +178,16 @@ TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("imu.use=0.0").find("Write true or false"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=1\n[x]").find("section.key=value"), std::string::npos);
   EXPECT_NE(override_refusal("].l=1").find("without spaces"), std::string::npos);
+}
+
+TEST(ConfigOverride, TextNeedsNoQuotesThatAShellWouldTakeAway) {
+  const Config config = load_config(
+      {.file = std::nullopt,
+       .overrides = {"imu.sensor=vn100", "recording.sweep_topic=/os_cloud_node/points"}});
+  EXPECT_EQ(config.imu.sensor, "vn100");
+  EXPECT_EQ(config.recording.sweep_topic, "/os_cloud_node/points");
+  EXPECT_EQ(load_config({.file = std::nullopt, .overrides = {"imu.sensor=\"vn100\""}}).imu.sensor,
+            "vn100");
 }
 
 TEST(NearestName, EditDistanceCountsInsertionsDeletionsReplacementsAndSwaps) {

@@ -73,6 +73,24 @@ TEST(HighRateOutput, WritesEachPoseTwiceWithRisingStampsAndCountsThem) {
             "60 poses at 200.0 Hz, 1 interruption(s) while it was not fused");
 }
 
+/// At 200 Hz a line of the table is what fills the disk.
+TEST(HighRateOutput, LineIsHalfAsLongAsThatOfDoubles) {
+  const test::TemporaryFolder folder;
+  const test::WavyMotion motion = test::hand_held_motion();
+  HighRateOutput output(folder.path(), {}, 0.0);
+  InertialReport report = fused_at(motion, 0.0);
+  const Eigen::VectorXd uneven = Eigen::VectorXd::LinSpaced(report.nav_covariance.rows(), 0.1, 0.7);
+  report.nav_covariance += 1e-5 * uneven * uneven.transpose();
+  feed(output, motion, 0.0, 0.5);
+  output.update(report);
+  feed(output, motion, 0.505, 1.0);
+  output.close();
+  const std::string csv = test::content(folder / "odometry_highrate.csv");
+  const std::size_t lines = test::lines(folder / "odometry_highrate.csv");
+  ASSERT_GT(lines, 100U);
+  EXPECT_LT(static_cast<double>(csv.size()) / static_cast<double>(lines), 800.0);
+}
+
 TEST(HighRateOutput, SaysThatThereWasNothingToCarryOn) {
   const test::TemporaryFolder folder;
   Written written(folder.path());

@@ -3,10 +3,12 @@
 //
 // `adit inspect` on a clean recording and on ones that are each spoilt in one way: what is wrong is
 // named, and nothing else is.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -228,11 +230,48 @@ TEST(Inspect, TableTellsWhatThereIs) {
   for (const char* part :
        {"60 sweeps on /points", "sensor_msgs/PointCloud2", "7200 points a sweep,",
         "rings; times in field 'time', unit 1 s", "lasts 99.7 ms", "acceleration 9.8",
-        "offset to /points", "nothing is wrong with it"}) {
+        "offset to /points", "no fault found"}) {
     EXPECT_NE(out.str().find(part), std::string::npos) << part << "\n" << out.str();
   }
   EXPECT_EQ(inspect_command(of(folder / "none"), out, err), 1);
   EXPECT_NE(err.str().find("there is no such file or folder"), std::string::npos);
+}
+
+/// "no fault found" is no more than what was looked at.
+TEST(Inspect, WhatCouldNotBeCheckedIsNamed) {
+  const test::TemporaryFolder folder;
+  const auto said = [&](const std::vector<Recorded>& events, bool json) {
+    std::ostringstream out;
+    std::ostringstream err;
+    InspectCommandOptions options = of(write(folder, events));
+    options.json = json;
+    inspect_command(options, out, err);
+    return out.str();
+  };
+  std::vector<Recorded> few;  // fewer sweeps than a comparison needs
+  std::ranges::copy_if(clean_recording(), std::back_inserter(few), [](const Recorded& event) {
+    return event.received < kBegin + std::chrono::seconds(1);
+  });
+  EXPECT_NE(said(few, false)
+                .find("\nno fault found; not checked: clock and mounting of /imu against "
+                      "the sweeps (there are too few sweeps"),
+            std::string::npos)
+      << said(few, false);
+  EXPECT_EQ(nlohmann::json::parse(said(few, true))["not_checked"].size(), 1U);
+  std::vector<Recorded> untimed = clean_recording();
+  for (Recorded& event : untimed) {
+    if (auto* sweep = std::get_if<Sweep>(&event.value)) {
+      sweep->times.clear();
+    }
+  }
+  EXPECT_NE(said(untimed, false).find("not checked: times of points on /points (there are none)"),
+            std::string::npos)
+      << said(untimed, false);
+  std::vector<Recorded> unmounted = clean_recording();
+  std::erase_if(unmounted, [](const Recorded& event) { return event.topic == "/tf_static"; });
+  EXPECT_NE(said(unmounted, false).find("mounting of /imu (nothing says how it is mounted)"),
+            std::string::npos)
+      << said(unmounted, false);
 }
 
 TEST(IntervalHistogram, QuantilesToOnePercent) {

@@ -34,6 +34,20 @@ TEST(MapPicture, NeighbouringCellsOfOneHeightAreOneStroke) {
   EXPECT_EQ(picture.find("nan"), std::string::npos);
 }
 
+TEST(MapPicture, HasTitleLegendAxesScaleAndFollowsTheReadersGround) {
+  std::vector<Point> points;
+  for (int i = 0; i < 400; ++i) {
+    points.push_back({0.25F * static_cast<float>(i % 80), 0.5F * static_cast<float>(i / 20),
+                      0.1F * static_cast<float>(i % 7), 0.0F});
+  }
+  const std::vector<StampedPose> path(3);
+  const std::string picture = map_picture(points, path, "A hall");
+  for (const char* part : {">A hall<", ">x (m)<", ">y (m)<", ">path<", ">start<", ">end<",
+                           "m and higher<", "height ", "prefers-color-scheme: dark", " m</text>"}) {
+    EXPECT_EQ(count(picture, part) > 0, true) << part << " in:\n" << picture.substr(0, 4000);
+  }
+}
+
 TEST(MapPicture, HighestPointGivesTheColour) {
   const std::vector<Point> low{{0.0F, 0.0F, 0.0F, 0.0F}, {5.0F, 5.0F, 8.0F, 0.0F}};
   std::vector<Point> both = low;

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/program.hpp"
 
+#include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <string>
 #include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -78,6 +83,43 @@ TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
   expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "5 parsecs"}, "--max-vram");
 }
 
+TEST(Program, HelpAndComplaintsSpeakToPeople) {
+  for (const std::vector<const char*>& command : std::vector<std::vector<const char*>>{
+           {"run"}, {"inspect"}, {"convert"}, {"evaluate"}, {"simulate"}, {"config"}, {"demo"}}) {
+    const std::string help = call({command.front(), "--help"}).out;
+    for (const char* internal :
+         {"->", "{", "FLOAT", "INT:", " INT ", "TEXT", "NONNEGATIVE", "POSITIVE"}) {
+      EXPECT_EQ(help.find(internal), std::string::npos) << internal << " in:\n" << help;
+    }
+  }
+  expect_usage_error({"convert", "a", "b.mcap", "--ros", "0"}, "--ros: '0' is none of 1 or 2");
+  expect_usage_error({"convert", "a", "b", "--compression", "zip"},
+                     "'zip' is none of none, lz4, zstd or bz2");
+  expect_usage_error({"evaluate", "a", "b", "--align", "best"},
+                     "'best' is none of se3, sim3, origin or none");
+  expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
+                     "'-1' is not possible; it takes a number of 0 or more");
+  expect_usage_error({"run", "a", "-o", "b", "--start", "x"}, "--start: 'x' is not a number");
+  expect_usage_error({"run", "a", "-o", "b", "--max-vram", "5 parsecs"}, "write 512MiB, 2GiB");
+  for (const char* command : {"run", "demo"}) {
+    EXPECT_NE(call({command, "--help"}).out.find("129, 130 or 143"), std::string::npos) << command;
+  }
+}
+
+TEST(Program, WhatIsNoRecordingIsToldWhatIsOne) {
+  const test::TemporaryFolder folder;
+  const std::string out = (folder / "out").string();
+  for (const char* name : {"nothing", "nothing.xyz"}) {
+    const std::string file = folder.write(name, "no recording").string();
+    const std::string said = call({"run", file.c_str(), "-o", out.c_str()}).err;
+    for (const char* form : {"MCAP", "ROS 1 bag", "rosbag2", ".db3", "pcapng", "KITTI raw", "EuRoC",
+                             "TUM RGB-D", ".pcd", ".ply", ".las"}) {
+      EXPECT_NE(said.find(form), std::string::npos) << form << " in: " << said;
+    }
+    EXPECT_EQ(said.find("ends in  "), std::string::npos) << said;
+  }
+}
+
 TEST(Program, ConfigPrintsWhatItReadsBack) {
   const test::TemporaryFolder folder;
   const Answer first = call({"config", "--set", "submap.l=7", "--set", "preprocess.c_min=1"});
@@ -116,17 +158,71 @@ TEST(Program, DevicesListsTheDeviceOfTheTestAndItsKernels) {
   EXPECT_NE(text.out.find("self-test not run"), std::string::npos) << text.out;
 }
 
+/// Calls the program with its standard output on a full disk.
+Answer call_on_full_disk(std::vector<const char*> words) {
+  words.insert(words.begin(), "adit");
+  testing::internal::CaptureStderr();
+  std::fflush(stdout);
+  const int terminal = ::dup(STDOUT_FILENO);
+  const int full = ::open("/dev/full", O_WRONLY);
+  ::dup2(full, STDOUT_FILENO);
+  const int code = program(static_cast<int>(words.size()), words.data());
+  std::cout.clear();
+  std::clearerr(stdout);
+  ::dup2(terminal, STDOUT_FILENO);
+  ::close(full);
+  ::close(terminal);
+  return {.code = code, .out = {}, .err = testing::internal::GetCapturedStderr()};
+}
+
+TEST(Program, ReportOnAFullDiskIsAFailureOfEveryCommand) {
+  const test::TemporaryFolder folder;
+  const std::string drive = test::small_recording(folder.path(), 3).recording.string();
+  const std::string truth = (folder / "truth.tum").string();
+  const std::vector<std::vector<const char*>> calls = {
+      {"config"},
+      {"config", "--help"},
+      {"--version"},
+      {"devices", "--no-self-test"},
+      {"devices", "--no-self-test", "--json"},
+      {"inspect", drive.c_str()},
+      {"inspect", drive.c_str(), "--json"},
+      {"evaluate", truth.c_str(), truth.c_str(), "--align", "none"},
+      {"simulate", "--example"}};
+  for (const std::vector<const char*>& words : calls) {
+    const Answer answer = call_on_full_disk(words);
+    EXPECT_EQ(answer.code, 1) << words.front() << ": " << answer.err;
+    EXPECT_NE(answer.err.find("could not be written to the standard output"), std::string::npos)
+        << words.front() << ": " << answer.err;
+  }
+}
+
+TEST(Program, DemoLooksForItsDeviceAndFolderBeforeItSimulates) {
+  const test::TemporaryFolder folder;
+  const std::string out = (folder / "demo").string();
+  const Answer answer = call({"demo", "-o", out.c_str(), "--device", "4711"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(answer.err.starts_with("adit demo: ")) << answer.err;
+  EXPECT_FALSE(std::filesystem::exists(out)) << "nothing was simulated";
+  folder.write("map.ply", "mine");
+  const std::string mine = folder.path().string();
+  EXPECT_EQ(call({"demo", "-o", mine.c_str()}).code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "mine.mcap"));
+}
+
 TEST(Program, DemoMapsEvaluatesAndSaysWhereToLook) {
   const test::TemporaryFolder folder;
   const std::string out = (folder / "demo").string();
   const Answer answer = call({"demo", "-o", out.c_str(), "--duration", "3"});
   ASSERT_EQ(answer.code, 0) << answer.err;
   EXPECT_NE(answer.out.find("bound 0.03 m: good"), std::string::npos) << answer.out;
-  for (const char* file : {"trajectory.tum", "map.ply", "summary.json", "mine.mcap",
-                           "mine.truth.tum", "map.svg", "evaluation.svg", "mine.scene.png"}) {
+  for (const char* file :
+       {"trajectory.tum", "map.ply", "summary.json", "mine.mcap", "mine.truth.tum", "map.svg",
+        "evaluation.svg", "mine.scene.png", "evaluation.html"}) {
     EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 0U) << file;
   }
   EXPECT_LT(std::filesystem::file_size(std::filesystem::path(out) / "map.svg"), 1'000'000U);
+  EXPECT_NE(answer.out.find(" MiB in " + out), std::string::npos) << answer.out;
 }
 
 }  // namespace

@@ -5,10 +5,14 @@
 // gives.
 #include "adit/tools/commands/command_run.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <thread>
+
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -259,6 +263,30 @@ TEST_F(RunCommand, FullDiskIsReportedAndTheRestKept) {
   EXPECT_EQ(run(options()), 1);
   EXPECT_NE(said_.str().find("map.ply"), std::string::npos) << said_.str();
   EXPECT_NE(said_.str().find("No space left"), std::string::npos) << said_.str();
+}
+
+/// A signal that comes while the device is still being opened.
+TEST_F(RunCommand, SignalBeforeTheFirstSweepLeavesASummaryThatSaysSo) {
+  const fs::path out = options().output;
+  std::thread terminal([out] {
+    while (!fs::exists(out)) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    ::kill(::getpid(), SIGHUP);
+  });
+  const int code = run(options());
+  terminal.join();
+  EXPECT_EQ(code, 128 + SIGHUP) << said_.str();
+  EXPECT_EQ(summary()["status"], "interrupted");
+  EXPECT_LT(summary()["sweeps"]["processed"], kSweeps);
+}
+
+TEST_F(RunCommand, ReportThatCannotBeWrittenFailsAndTheFilesAreThere) {
+  printed_.setstate(std::ios::badbit);
+  EXPECT_EQ(run_command(options(), printed_, said_), 1);
+  EXPECT_NE(said_.str().find("could not be written to the standard output"), std::string::npos)
+      << said_.str();
+  EXPECT_EQ(summary()["status"], "completed");
 }
 
 TEST_F(RunCommand, UnwritableOutputIsNamedBeforeAnyWork) {

@@ -157,6 +157,27 @@ TEST(StopSignal, NotesTheSignalAndGivesTheHandlersBack) {
   EXPECT_EXIT(std::raise(SIGTERM), testing::KilledBySignal(SIGTERM), "");
 }
 
+TEST(StopSignal, ClosedTerminalIsNotedUnlessNohupHadItIgnored) {
+  {
+    const StopSignal stop;
+    std::raise(SIGHUP);
+    EXPECT_EQ(StopSignal::received(), SIGHUP);
+  }
+  const auto earlier = std::signal(SIGHUP, SIG_IGN);
+  {
+    const StopSignal stop;
+    std::raise(SIGHUP);
+    EXPECT_EQ(StopSignal::received(), 0);
+  }
+  EXPECT_EQ(std::signal(SIGHUP, earlier), SIG_IGN) << "as it was";
+}
+
+TEST(StopSignal, PipeWithoutAReaderEndsNothing) {
+  const StopSignal stop;
+  std::raise(SIGPIPE);
+  EXPECT_EQ(StopSignal::received(), 0);
+}
+
 TEST(StopSignal, SecondSignalEndsTheProcess) {
   EXPECT_EXIT(
       {

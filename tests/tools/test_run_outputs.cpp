@@ -118,16 +118,6 @@ TEST(RunOutputs, ThinningTellsNegativeVoxelsFromPositiveOnesAndKnowsNoEdgeOfTheW
   EXPECT_EQ(thinning.voxels(), 4U);
 }
 
-TEST(RunOutputs, NoMapMeansThatAnEarlierMapStays) {
-  const test::TemporaryFolder folder;
-  folder.write("map.ply", "earlier");
-  test::MemoryRecording recording(1);
-  RunOutputs outputs(folder.path(), {.enabled = false, .resolution = {}});
-  outputs.write(test::placed(recording.read(0)), 0);
-  outputs.close();
-  EXPECT_EQ(test::content(folder / "map.ply"), "earlier");
-}
-
 TEST(RunOutputs, FullDiskIsReportedAndTheOtherFilesAreWhole) {
   const test::TemporaryFolder folder;
   fs::create_symlink("/dev/full", folder / "trajectory.kitti");

@@ -111,14 +111,14 @@ TEST_F(RunFolder, TellsBiasesAndTilt) {
 
 TEST_F(RunFolder, IsEvaluatedWithAndWithoutATruth) {
   EvaluateCommandOptions options;
-  options.estimate = folder_.path();
+  options.estimates = {folder_.path()};
   std::ostringstream out;
   std::ostringstream err;
   EXPECT_EQ(evaluate_command(options, out, err), 0) << err.str();
   EXPECT_NE(out.str().find("weakly held"), std::string::npos);
   EXPECT_EQ(out.str().find("ATE"), std::string::npos);
   const std::string alone = test::content(folder_ / "evaluation.html");
-  EXPECT_EQ(count(alone, "<svg"), 1U);
+  EXPECT_EQ(count(alone, "<svg"), 2U) << "for a desktop and for a telephone";
   options.truth = folder_ / "truth.tum";
   options.html = folder_ / "page.html";
   options.json = true;
@@ -127,7 +127,7 @@ TEST_F(RunFolder, IsEvaluatedWithAndWithoutATruth) {
   const nlohmann::json json = nlohmann::json::parse(out.str());
   EXPECT_LT(json["ate"]["position_m"]["rmse"].get<double>(), 1e-6);
   EXPECT_EQ(json["run"]["weakly_held"].size(), 1U);
-  EXPECT_EQ(count(test::content(folder_ / "page.html"), "<svg"), 2U);
+  EXPECT_EQ(count(test::content(folder_ / "page.html"), "<svg"), 4U);
 }
 
 TEST_F(RunFolder, ThePageDrawsEveryQuantityItsGatesAndNothingThatIsNoNumber) {
@@ -167,6 +167,44 @@ TEST_F(RunFolder, IsInspectedWithoutATruth) {
   options.write_config = folder_ / "drive.toml";
   EXPECT_EQ(inspect_command(options, out, err), 2);
   EXPECT_NE(err.str().find("--write-config needs a recording"), std::string::npos) << err.str();
+}
+
+TEST_F(RunFolder, SaysThatItsRunWasKilledOrStopped) {
+  InspectCommandOptions inspect;
+  inspect.recording = folder_.path();
+  EvaluateCommandOptions evaluate;
+  evaluate.estimates = {folder_.path()};
+  const auto said_by_both = [&](const std::string& summary) {
+    folder_.write("summary.json", summary);
+    std::ostringstream inspected;
+    std::ostringstream evaluated;
+    std::ostringstream err;
+    EXPECT_EQ(inspect_command(inspect, inspected, err), 0) << err.str();
+    EXPECT_EQ(evaluate_command(evaluate, evaluated, err), 0) << err.str();
+    const auto first_line = [](const std::string& text) { return text.substr(0, text.find('\n')); };
+    EXPECT_EQ(first_line(inspected.str()), first_line(evaluated.str()));
+    EXPECT_NE(test::content(folder_ / "evaluation.html").find(first_line(evaluated.str())),
+              std::string::npos);
+    return first_line(inspected.str());
+  };
+  EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "running", "input": {"count": 300}})"),
+            "run          NOT COMPLETE, it was killed, or is still going on; 100 of 300 sweeps are "
+            "here");
+  EXPECT_EQ(
+      said_by_both(R"({"adit": "0", "status": "interrupted", "reason": "stopped"})"),
+      "run          NOT COMPLETE, it ended early (interrupted): stopped; 100 sweeps are here");
+  EXPECT_EQ(said_by_both(R"({"adit": "0", "status": "completed", "input": {"count": 100}})"),
+            "run          completed, 100 of 100 sweeps");
+  const RunReview review = review_run(folder_.path());
+  EXPECT_EQ(to_json(review)["status"], "completed");
+  // Killed in the middle of a line, or before the first.
+  folder_.write("summary.json", R"({"adit": "0", "status": "running", "input": {"count": 300}})");
+  std::ofstream(folder_ / "sweeps.csv", std::ios::app) << "100,1700000010.0,track";
+  EXPECT_EQ(review_run(folder_.path()).sweeps.size(), 100U);
+  std::filesystem::remove(folder_ / "sweeps.csv");
+  std::ostringstream out;
+  EXPECT_EQ(inspect_command(inspect, out, out), 0);
+  EXPECT_NE(out.str().find("0 of 300 sweeps are here"), std::string::npos) << out.str();
 }
 
 TEST_F(RunFolder, WithoutItsTableIsRefused) {

@@ -14,7 +14,7 @@
 namespace adit {
 
 int config_command(const ConfigSource& source, std::ostream& out, std::ostream& err) {
-  return guarded("adit config", err, [&] {
+  return guarded("adit config", out, err, [&] {
     out << to_toml(load_config(source)) << std::flush;
     return 0;
   });

@@ -14,6 +14,7 @@
 
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -62,7 +63,7 @@ int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err)
 }  // namespace
 
 int convert_command(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit convert", err, [&] { return convert(options, out, err); });
+  return guarded("adit convert", out, err, [&] { return convert(options, out, err); });
 }
 
 CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
@@ -89,21 +90,16 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("S");
   command->add_option("--end", options->end_s, "Up to here (s after the first message)")
       ->type_name("S");
-  command
-      ->add_option("--ros", options->encoding,
-                   "Serialisation of the messages in an MCAP file: 1 or 2")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Encoding>{{"1", Encoding::ros1}, {"2", Encoding::cdr}}))
-      ->type_name("1|2");
-  command
-      ->add_option("--compression", options->compression,
-                   "none, lz4 or zstd (MCAP), bz2 (ROS 1 bags)")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, Compression>{{"none", Compression::none},
-                                                                     {"lz4", Compression::lz4},
-                                                                     {"zstd", Compression::zstd},
-                                                                     {"bz2", Compression::bz2}}))
-      ->type_name("NAME");
+  add_choice<std::optional<Encoding>, Encoding>(
+      *command, "--ros", "Serialisation of the messages in an MCAP file", options->encoding,
+      {{"1", Encoding::ros1}, {"2", Encoding::cdr}});
+  add_choice<std::optional<Compression>, Compression>(
+      *command, "--compression", "none, lz4 or zstd for MCAP; none, lz4 or bz2 for ROS 1 bags",
+      options->compression,
+      {{"none", Compression::none},
+       {"lz4", Compression::lz4},
+       {"zstd", Compression::zstd},
+       {"bz2", Compression::bz2}});
   auto repair = std::make_shared<bool>(false);
   auto config = std::make_shared<ConfigSource>();
   command->add_flag("--repair", *repair,
@@ -111,14 +107,14 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
                     "seconds after the stamp, and what --config corrects");
   add_config_options(*command, *config);
   command->callback([options, repair, config, done = std::move(done)] {
-    done(guarded("adit convert", std::cerr, [&] {
+    done(guarded("adit convert", std::cout, std::cerr, [&] {
       if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
         throw UsageError("--config, --set and --preset are of use with --repair alone.");
       }
       if (*repair) {
         options->repair = load_config(*config).recording;
       }
-      return convert_command(*options, std::cout, std::cerr);
+      return convert(*options, std::cout, std::cerr);
     }));
   });
   return command;

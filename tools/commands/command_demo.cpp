@@ -18,8 +18,12 @@
 #include "adit/tools/drawing/map_picture.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
+#include "adit/tools/evaluation/run_evaluation.hpp"
+#include "adit/tools/results/output_folder.hpp"
+#include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/simulator/simulation.hpp"
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -29,20 +33,15 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Along the first drifts, with a lidar of 64 beams.
-SimulationFiles simulate_mine(const DemoCommandOptions& options, std::ostream& err) {
-  std::error_code error;
-  fs::create_directories(options.output, error);
-  if (error) {
-    throw OutputError(options.output, options.output.string() + ": the folder cannot be made: " +
-                                          error.message() + ". Choose another one with -o.");
-  }
+void simulate_mine(const SimulationFiles& files, const DemoCommandOptions& options,
+                   std::ostream& err) {
   SimulationOptions simulation;
   simulation.scene = "mine";
   simulation.lidars.front().sensor = "OS1-64";
   simulation.lidars.front().layout = CloudLayout::velodyne;  // half the size of Ouster's
   simulation.compression = Compression::zstd;
   simulation.duration = options.duration;
-  simulation.output = options.output / "mine.mcap";
+  simulation.output = files.recording;
   std::optional<Progress> progress;
   simulate(simulation, [&](std::size_t done, std::size_t total) {
     if (!progress) {
@@ -54,14 +53,49 @@ SimulationFiles simulate_mine(const DemoCommandOptions& options, std::ostream& e
   if (progress) {
     progress->finish();
   }
-  return SimulationFiles(simulation.output);
 }
 
-void write_pictures(const fs::path& folder, const Trajectory& estimate,
-                    const Evaluation& evaluation) {
+/// What can fail at once must not fail after a minute of simulating: the folder and the device.
+void check_before(const SimulationFiles& files, const DemoCommandOptions& options) {
+  if (!(options.duration >= 3.0)) {
+    throw UsageError("--duration: at least 3 s are needed; the drive begins at rest.");
+  }
+  check_output_folder(files.recording, options.output);
+  open_device(options.device);
+  std::error_code error;
+  fs::create_directories(options.output, error);
+  if (error) {
+    throw OutputError(options.output, options.output.string() + ": the folder cannot be made: " +
+                                          error.message() + ". Choose another one with -o.");
+  }
+}
+
+void write_pictures(const fs::path& folder, const Evaluation& evaluation) {
   const CloudFile map = read_ply(RunFiles(folder).map);
+  const Trajectory estimate = read_trajectory(RunFiles(folder).tum);
   write_text_file(folder / "map.svg", map_picture(map.sweep.points, estimate.poses));
   write_text_file(folder / "evaluation.svg", plot_evaluation(evaluation, "adit demo"));
+}
+
+/// MiB of the files in the folder.
+double size_of(const fs::path& folder) {
+  uintmax_t bytes = 0;
+  std::error_code unknown;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, unknown)) {
+    bytes += entry.is_regular_file(unknown) ? entry.file_size(unknown) : 0;
+  }
+  return static_cast<double>(bytes) / 1048576.0;
+}
+
+std::string where_to_look(const SimulationFiles& files, const fs::path& folder) {
+  const std::string out = folder.string();
+  return "look at  " + out + "/evaluation.html (how the run went, beside the truth)\n         " +
+         out + "/map.svg (from above), " + out + "/map.ply (any point cloud viewer), " +
+         files.picture.string() + " (the mine)\n" + "again    adit run " +
+         files.recording.string() + " -o OUT\n         adit evaluate OUT " +
+         files.trajectory.string() + "\n" +
+         printed("takes    %.0f MiB in %s, most of it the recording %s; it can be removed\n",
+                 size_of(folder), out.c_str(), files.recording.filename().c_str());
 }
 
 std::string verdict(const Evaluation& evaluation, bool good) {
@@ -75,10 +109,9 @@ std::string verdict(const Evaluation& evaluation, bool good) {
 }
 
 int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err) {
-  if (!(options.duration >= 3.0)) {
-    throw UsageError("--duration: at least 3 s are needed; the drive begins at rest.");
-  }
-  const SimulationFiles files = simulate_mine(options, err);
+  const SimulationFiles files(options.output / "mine.mcap");
+  check_before(files, options);
+  simulate_mine(files, options, err);
   RunCommandOptions run;
   run.recording = files.recording;
   run.output = options.output;
@@ -88,18 +121,14 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
   if (code != 0) {
     return code;
   }
-  const Trajectory estimate = read_trajectory(RunFiles(options.output).tum);
-  const Evaluation evaluation = evaluate(estimate, read_trajectory(files.trajectory), {});
-  write_pictures(options.output, estimate, evaluation);
+  const Trajectory truth = read_trajectory(files.trajectory);
+  const RunEvaluation found = evaluate_run(options.output, &truth, {});
+  const Evaluation& evaluation = found.truth->evaluation;
+  write_pictures(options.output, evaluation);
+  write_page(found, options.output / "evaluation.html");
   const bool good = evaluation.ate.rmse <= kDemoErrorBound;
   if (!options.quiet) {
-    const std::string folder = options.output.string();
-    out << verdict(evaluation, good) << "look at  " << folder << "/map.svg (from above), " << folder
-        << "/evaluation.svg (against the truth), " << folder
-        << "/map.ply (any point cloud viewer),\n         " << files.picture.string()
-        << " (the mine)\n"
-        << "again    adit run " << files.recording.string() << " -o OUT\n"
-        << "         adit evaluate OUT/trajectory.tum " << files.trajectory.string() << std::endl;
+    out << verdict(evaluation, good) << where_to_look(files, options.output) << std::flush;
   }
   if (!good) {
     err << "adit demo: the error " << evaluation.ate.rmse << " m is above " << kDemoErrorBound
@@ -111,7 +140,7 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
 }  // namespace
 
 int demo_command(const DemoCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit demo", err, [&] { return demo(options, out, err); });
+  return guarded("adit demo", out, err, [&] { return demo(options, out, err); });
 }
 
 CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {
@@ -120,11 +149,13 @@ CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {
       app.add_subcommand("demo", "Simulate a mine, map it, and compare the result with the truth");
   command->footer(
       "A vehicle with a 64-beam lidar drives through a mine. Nothing is needed but a device; "
-      "`adit simulate`\nmakes longer recordings, of other places.\n\n"
+      "`adit simulate`\nmakes longer recordings, of other places. The folder takes some 10 MB a "
+      "second of the drive.\n\n"
       "Examples:\n"
       "  adit demo\n"
       "  adit demo -o /tmp/demo --device 0\n\n"
-      "Exit codes: 0 done, 1 failed or not accurate, 2 usage.");
+      "Exit codes: 0 done, 1 failed or not accurate, 2 usage, 129, 130 or 143 stopped by SIGHUP, "
+      "SIGINT\n(Ctrl-C) or SIGTERM.");
   command
       ->add_option("-o,--output", options->output,
                    "Folder for recording and results; made if need be")

@@ -140,7 +140,7 @@ int devices(const DevicesCommandOptions& options, std::ostream& out) {
 }  // namespace
 
 int devices_command(const DevicesCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit devices", err, [&] { return devices(options, out); });
+  return guarded("adit devices", out, err, [&] { return devices(options, out); });
 }
 
 CLI::App* add_devices_command(CLI::App& app, std::function<void(int)> done) {

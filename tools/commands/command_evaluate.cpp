@@ -5,122 +5,188 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/evaluation/evaluation_report.hpp"
+#include "adit/tools/evaluation/run_evaluation.hpp"
 #include "adit/tools/evaluation/run_page.hpp"
+#include "adit/tools/evaluation/trajectory_source.hpp"
+#include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/support/option_values.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
 
-/// An option whose value is one of a few words; the first is the default.
-template <class T>
-void add_choice(CLI::App& command, const std::string& name, const std::string& description,
-                T& target, const std::vector<std::pair<std::string, T>>& choices) {
-  std::vector<std::string> words;
-  words.reserve(choices.size());
-  for (const auto& [word, value] : choices) {
-    words.push_back(word);
-  }
-  command
-      .add_option_function<std::string>(
-          name,
-          [&target, choices](const std::string& word) {
-            for (const auto& [candidate, value] : choices) {
-              if (candidate == word) {
-                target = value;
-              }
-            }
-          },
-          description)
-      ->check(CLI::IsMember(words))
-      ->default_str(words.front());
-}
+namespace fs = std::filesystem;
 
-void write_report(std::ostream& out, const std::string& text) {
-  out << text;
-  if (!out.flush()) {
-    throw OutputError("standard output", "the report cannot be written to the standard output.");
+/// A picture is what its name says.
+void check_plot(const EvaluateCommandOptions& options) {
+  if (options.plot && options.plot->extension() != ".svg" && options.plot->extension() != ".html") {
+    throw UsageError("--plot " + options.plot->string() +
+                     ": a drawing is written as NAME.svg, or as a page NAME.html. Browsers, "
+                     "Inkscape and rsvg-convert turn them into PNG and PDF.");
   }
 }
 
-void write_plot(const EvaluateCommandOptions& options, const Evaluation& evaluation) {
-  if (options.plot) {
-    const std::string title =
-        options.estimate.filename().string() + " against " + options.truth.filename().string();
-    write_text_file(*options.plot, plot_evaluation(evaluation, title));
+void write_plot(const EvaluateCommandOptions& options, std::span<const PlottedEstimate> estimates,
+                const std::string& title, const std::string& report) {
+  if (!options.plot) {
+    return;
   }
+  const auto draw = [&](double width) {
+    return estimates.size() == 1 ? plot_evaluation(*estimates[0].evaluation, title, width)
+                                 : plot_evaluations(estimates, title, width);
+  };
+  const bool page = options.plot->extension() == ".html";
+  write_text_file(*options.plot, page ? html_page(title, html_text(report) + html_drawing(draw))
+                                      : draw(kDeskWidth));
+}
+
+Trajectory read_estimate(const EvaluateCommandOptions& options, const fs::path& path) {
+  return read_any_trajectory(
+      {.path = path, .times = options.estimate_times, .topic = options.estimate_topic});
 }
 
 Trajectory read_truth(const EvaluateCommandOptions& options) {
-  return read_trajectory(options.truth, options.truth_times);
+  return read_any_trajectory(
+      {.path = options.truth, .times = options.truth_times, .topic = options.truth_topic});
+}
+
+/// "a.tum against truth.tum".
+std::string title_of(const std::string& estimate, const fs::path& truth) {
+  return estimate + " against " + short_names({truth}).front();
 }
 
 void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& out) {
-  const Evaluation evaluation = evaluate(read_trajectory(options.estimate, options.estimate_times),
-                                         read_truth(options), options.evaluation);
-  write_report(out, options.json ? evaluation_json(evaluation, options.estimate, options.truth)
-                                 : format_evaluation(evaluation, options.estimate, options.truth));
-  write_plot(options, evaluation);
-}
-
-RunTruth beside_truth(const EvaluateCommandOptions& options, const RunReview& review) {
-  const Trajectory estimate = read_trajectory(RunFiles(options.estimate).tum);
+  const fs::path& path = options.estimates.front();
+  const Trajectory estimate = read_estimate(options, path);
   const Trajectory truth = read_truth(options);
-  return {.evaluation = evaluate(estimate, truth, options.evaluation),
-          .consistency = pose_consistency(review, estimate, truth, options.evaluation.tolerance)};
+  const Evaluation evaluation = evaluate(estimate, truth, options.evaluation);
+  const std::string report = format_evaluation(evaluation, estimate.file, truth.file);
+  out << (options.json ? evaluation_json(evaluation, estimate.file, truth.file) : report)
+      << std::flush;
+  const PlottedEstimate plotted{"estimate", &evaluation};
+  write_plot(options, std::span(&plotted, 1), title_of(short_names({path}).front(), options.truth),
+             report);
 }
 
 /// The run's own figures, those against the truth if there is one, and the page with both.
-void evaluate_run(const EvaluateCommandOptions& options, std::ostream& out) {
-  const std::filesystem::path estimate = RunFiles(options.estimate).tum;
-  const std::filesystem::path page = options.html.value_or(options.estimate / "evaluation.html");
-  const RunReview review = review_run(options.estimate);
-  std::string report = describe(review);
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  std::optional<RunTruth> truth;
+void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
+  const fs::path& folder = options.estimates.front();
+  const fs::path page = options.html.value_or(folder / "evaluation.html");
+  std::optional<Trajectory> truth;
   if (!options.truth.empty()) {
-    truth = beside_truth(options, review);
-    report += truth->consistency ? describe(*truth->consistency) : "";
-    report += "\n" + format_evaluation(truth->evaluation, estimate, options.truth);
-    json =
-        nlohmann::ordered_json::parse(evaluation_json(truth->evaluation, estimate, options.truth));
-    if (truth->consistency) {
-      json["consistency"] = to_json(*truth->consistency);
+    truth = read_truth(options);
+  }
+  const RunEvaluation found = evaluate_run(folder, truth ? &*truth : nullptr, options.evaluation);
+  write_page(found, page);
+  out << (options.json ? to_json(found, truth ? truth->file : fs::path()).dump(2) + "\n"
+                       : found.report + "\nlook at      " + page.string() + "\n")
+      << std::flush;
+  if (found.truth) {
+    const PlottedEstimate plotted{"estimate", &found.truth->evaluation};
+    write_plot(options, std::span(&plotted, 1),
+               title_of(short_names({folder}).front(), options.truth), found.report);
+  }
+}
+
+/// An estimate that cannot be compared is noted, and the others are compared.
+ComparedEstimate compare(const EvaluateCommandOptions& options, const fs::path& path,
+                         const std::string& name, const Trajectory& truth) {
+  ComparedEstimate result{.name = name, .evaluation = std::nullopt, .note = {}};
+  try {
+    if (holds_a_run(path)) {
+      const RunReview review = review_run(path);
+      if (review.ending && review.ending->status != "completed") {
+        result.note = describe(*review.ending, review.sweeps.size());
+      }
+    }
+    result.evaluation = evaluate(read_estimate(options, path), truth, options.evaluation);
+  } catch (const FileError& error) {
+    result.note += (result.note.empty() ? "" : "; ") + std::string(error.what());
+  }
+  return result;
+}
+
+nlohmann::ordered_json to_json(const Comparison& comparison, const EvaluateCommandOptions& options,
+                               const Trajectory& truth) {
+  nlohmann::ordered_json json = {{"truth", truth.file.string()},
+                                 {"estimates", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < comparison.estimates.size(); ++i) {
+    const ComparedEstimate& one = comparison.estimates[i];
+    nlohmann::ordered_json entry = {{"name", one.name}, {"note", one.note}};
+    if (one.evaluation) {
+      entry.update(nlohmann::ordered_json::parse(
+          evaluation_json(*one.evaluation, options.estimates[i], truth.file)));
+    }
+    json["estimates"].push_back(entry);
+  }
+  return json;
+}
+
+/// Several estimates, a line each. Returns whether all could be compared.
+bool compare_estimates(const EvaluateCommandOptions& options, std::ostream& out,
+                       std::ostream& err) {
+  const Trajectory truth = read_truth(options);
+  Comparison comparison{.truth = truth.file.string(), .estimates = {}};
+  const std::vector<std::string> names = short_names(options.estimates);
+  std::vector<PlottedEstimate> plotted;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    comparison.estimates.push_back(compare(options, options.estimates[i], names[i], truth));
+  }
+  for (const ComparedEstimate& one : comparison.estimates) {
+    if (one.evaluation) {
+      plotted.push_back({one.name, &*one.evaluation});
     }
   }
-  json["run"] = to_json(review);
-  write_text_file(page,
-                  run_page(options.estimate.string(), report, review, truth ? &*truth : nullptr));
-  write_report(
-      out, options.json ? json.dump(2) + "\n" : report + "\nlook at      " + page.string() + "\n");
-  if (truth) {
-    write_plot(options, truth->evaluation);
+  const TableFormat format = options.table.value_or(TableFormat::text);
+  const std::string table = to_table(comparison, format);
+  const std::string notes = notes_of(comparison);
+  if (options.json) {
+    out << to_json(comparison, options, truth)
+               .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+        << std::endl;
+  } else {
+    out << (format == TableFormat::text ? "truth  " + comparison.truth + "\n\n" : "") << table
+        << std::flush;
+    err << notes;
   }
+  if (!plotted.empty()) {
+    write_plot(options, plotted,
+               title_of(std::to_string(names.size()) + " estimates", options.truth),
+               to_table(comparison, TableFormat::text) + notes);
+  }
+  return comparison.complete();
+}
+
+int run(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
+  check_plot(options);
+  if (options.estimates.size() > 1 || options.table) {
+    return compare_estimates(options, out, err) ? 0 : 1;
+  }
+  if (is_run(options.estimates.front())) {
+    evaluate_folder(options, out);
+  } else {
+    evaluate_trajectory(options, out);
+  }
+  return 0;
 }
 
 }  // namespace
 
 int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
-  try {
-    std::error_code unknown;
-    if (std::filesystem::is_directory(options.estimate, unknown)) {
-      evaluate_run(options, out);
-    } else {
-      evaluate_trajectory(options, out);
-    }
-    return 0;
-  } catch (const FileError& error) {
-    err << "adit evaluate: " << error.what() << "\n";
-    return 1;
-  }
+  return guarded("adit evaluate", out, err, [&] { return run(options, out, err); });
 }
 
 CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
@@ -129,53 +195,89 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
   const auto options = std::make_shared<EvaluateCommandOptions>();
   RpeOptions& rpe = options->evaluation.rpe;
   command->footer(
+      "Trajectories are read from TUM or KITTI text, tables with named columns (EuRoC's data.csv,\n"
+      "sweeps.csv, the simulator's truth.csv), folders of runs, and the poses in any recording "
+      "that\n"
+      "`adit run` reads. Of several estimates each gets a line of one table and a curve in one "
+      "plot.\n\n"
       "OUT, the folder of a run, can stand for ESTIMATE: then states, weakly held directions,\n"
       "innovations, biases, gravity and how well poses are known are told as well and drawn on a\n"
       "page, with or without a truth; with one also whether the covariances are true (NEES).\n\n"
       "Examples:\n"
       "  adit evaluate out/trajectory.tum truth.tum --plot error.svg\n"
       "  adit evaluate out\n"
-      "  adit evaluate out truth.tum --html page.html");
+      "  adit evaluate out truth.tum --html page.html\n"
+      "  adit evaluate out mav0/state_groundtruth_estimate0/data.csv\n"
+      "  adit evaluate out drive.bag --truth-topic /odom\n"
+      "  adit evaluate ours theirs.tum others.txt truth.tum --markdown --plot all.svg\n\n"
+      "Exit codes: 0 done, 1 failed on the data, 2 usage.");
+  const auto paths = std::make_shared<std::vector<fs::path>>();
   command
-      ->add_option("estimate", options->estimate,
-                   "Trajectory to judge, TUM or KITTI format, or the folder of a run")
+      ->add_option("trajectories", *paths,
+                   "What to judge, and last the truth; the folder of one run needs none")
       ->required()
-      ->type_name("ESTIMATE");
-  command->add_option("truth", options->truth, "True trajectory, TUM or KITTI format")
-      ->type_name("TRUTH");
-  add_choice<Alignment>(*command, "--align", "How the estimate is moved onto the truth",
-                        options->evaluation.alignment,
-                        {{"se3", Alignment::se3},
-                         {"sim3", Alignment::sim3},
-                         {"origin", Alignment::origin},
-                         {"none", Alignment::none}});
+      ->type_name("ESTIMATE... TRUTH");
+  add_choice<Alignment, Alignment>(*command, "--align", "How the estimate is moved onto the truth",
+                                   options->evaluation.alignment,
+                                   {{"se3", Alignment::se3},
+                                    {"sim3", Alignment::sim3},
+                                    {"origin", Alignment::origin},
+                                    {"none", Alignment::none}})
+      ->default_str("se3");
   command
       ->add_option("--tolerance", options->evaluation.tolerance,
-                   "Largest time difference of a matched pair, s")
-      ->check(CLI::NonNegativeNumber)
+                   "Largest time difference of a matched pair (s)")
+      ->check(number_from(0.0))
+      ->type_name("S")
       ->capture_default_str();
-  command->add_option("--estimate-times", options->estimate_times,
-                      "Times of a KITTI estimate, one a line");
-  command->add_option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line");
+  command
+      ->add_option("--estimate-times", options->estimate_times,
+                   "Times of KITTI estimates, one a line")
+      ->type_name("FILE");
+  command->add_option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line")
+      ->type_name("FILE");
+  command
+      ->add_option("--estimate-topic", options->estimate_topic,
+                   "Which poses of a recording to judge; NAME:FRAME of a topic with several frames")
+      ->type_name("NAME");
+  command
+      ->add_option("--truth-topic", options->truth_topic,
+                   "Which poses of a recording are the truth")
+      ->type_name("NAME");
   const CLI::Option* delta =
       command->add_option("--delta", rpe.delta, "RPE: distance between the poses of a pair")
-          ->check(CLI::PositiveNumber)
+          ->check(number_above(0.0))
+          ->type_name("D")
           ->capture_default_str();
-  add_choice<DeltaUnit>(*command, "--delta-unit", "RPE: metres of path or frames", rpe.unit,
-                        {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}});
-  add_choice<PairSource>(*command, "--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
-                         {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}});
+  add_choice<DeltaUnit, DeltaUnit>(*command, "--delta-unit", "RPE: metres of path or frames",
+                                   rpe.unit, {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}})
+      ->default_str("m");
+  add_choice<PairSource, PairSource>(
+      *command, "--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
+      {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}})
+      ->default_str("estimate");
   command->add_flag(
       "--from-first-pose", rpe.from_first_pose,
       "RPE: begin the first pair at the first pose, as evo does from version 1.37 on");
   command->add_flag("--json", options->json, "Report as JSON");
-  command->add_option("--plot", options->plot,
-                      "Write both trajectories and the error as an SVG file");
+  const auto add_format = [&](const std::string& name, TableFormat format,
+                              const std::string& description) {
+    command->add_flag_callback(
+        name, [options, format] { options->table = format; }, description);
+  };
+  add_format("--table", TableFormat::text, "A line an estimate, also of a single one");
+  add_format("--markdown", TableFormat::markdown, "The table as Markdown");
+  add_format("--latex", TableFormat::latex, "The table for LaTeX");
+  add_format("--csv", TableFormat::csv, "The table as CSV, with all digits");
+  command
+      ->add_option("--plot", options->plot,
+                   "Draw the trajectories and their errors, into NAME.svg or NAME.html")
+      ->type_name("FILE");
   command
       ->add_option("--html", options->html,
                    "Where the page of a run goes; otherwise to its folder, as evaluation.html")
       ->type_name("FILE");
-  command->callback([options, delta, done = std::move(done)]() {
+  command->callback([options, paths, delta, done = std::move(done)]() {
     RpeOptions& chosen = options->evaluation.rpe;
     if (chosen.unit == DeltaUnit::frames) {
       chosen.delta = delta->count() == 0 ? 1.0 : chosen.delta;
@@ -183,13 +285,16 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
         throw CLI::ValidationError("--delta", "must be a whole number of frames");
       }
     }
-    std::error_code unknown;
-    const bool run = std::filesystem::is_directory(options->estimate, unknown);
-    if (options->truth.empty() && (!run || options->plot)) {
+    const bool alone = paths->size() == 1;
+    const bool run = is_run(paths->front());
+    if (alone && (!run || options->plot || options->table)) {
       throw CLI::RequiredError("TRUTH");
     }
-    if (options->html && !run) {
-      throw CLI::ValidationError("--html", "needs the folder of a run instead of a trajectory");
+    options->estimates.assign(paths->begin(), alone ? paths->end() : paths->end() - 1);
+    options->truth = alone ? fs::path() : paths->back();
+    if (options->html && (!run || options->estimates.size() > 1)) {
+      throw CLI::ValidationError(
+          "--html", "needs the folder of a run; `--plot NAME.html` draws trajectories");
     }
     done(evaluate_command(*options, std::cout, std::cerr));
   });

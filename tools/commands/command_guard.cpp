@@ -10,9 +10,21 @@
 
 namespace adit {
 
-int guarded(const std::string& command, std::ostream& err, const std::function<int()>& body) {
+int reported(const std::string& command, std::ostream& out, std::ostream& err, int code) {
+  if (out.flush()) {
+    return code;
+  }
+  err << command
+      << ": the report could not be written to the standard output. Free some space, or send it "
+         "elsewhere."
+      << std::endl;
+  return code == 0 ? 1 : code;
+}
+
+int guarded(const std::string& command, std::ostream& out, std::ostream& err,
+            const std::function<int()>& body) {
   try {
-    return body();
+    return reported(command, out, err, body());
   } catch (const UsageError& error) {
     err << command << ": " << error.what() << std::endl;
     return 2;

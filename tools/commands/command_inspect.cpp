@@ -20,6 +20,8 @@
 #include "adit/tools/inspection/inspection.hpp"
 #include "adit/tools/inspection/inspection_page.hpp"
 #include "adit/tools/inspection/recording_inference.hpp"
+#include "adit/tools/inspection/unchecked.hpp"
+#include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -77,8 +79,8 @@ void print(const Inspection& inspection, std::ostream& out) {
       out << "  what to do: " << finding.remedy << "\n";
     }
   }
-  if (!has_problem(inspection)) {
-    out << "\nnothing is wrong with it\n";
+  if (const std::string text = conclusion(inspection); !text.empty()) {
+    out << "\n" << text << "\n";
   }
   out << std::flush;
 }
@@ -169,6 +171,7 @@ ordered_json to_json(const Inspection& inspection) {
                                 {"effect", f.effect},
                                 {"remedy", f.remedy}});
   }
+  json["not_checked"] = unchecked(inspection);
   return json;
 }
 
@@ -194,9 +197,8 @@ int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
 }  // namespace
 
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit inspect", err, [&] {
-    std::error_code unknown;
-    if (std::filesystem::is_regular_file(RunFiles(options.recording).sweeps, unknown)) {
+  return guarded("adit inspect", out, err, [&] {
+    if (is_run(options.recording)) {
       return inspect_run(options, out);
     }
     const Config config = load_config(options.config);
@@ -222,7 +224,9 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
   CLI::App* command =
       app.add_subcommand("inspect", "What is in a recording, and what is wrong with it");
   command->footer(
-      "Reads all of it. A problem says what it does to mapping, and what to do about it.\n\n"
+      "Reads all of it. A problem says what it does to mapping, and what to do about it. What "
+      "could\n"
+      "not be checked is named.\n\n"
       "OUT, the folder of a run, can stand for RECORDING: then it is told how the run went, and\n"
       "--html draws it: states, innovations with their gates, biases, gravity, weakly held\n"
       "directions, how well the pose is known. `adit evaluate` does so beside a truth.\n\n"
@@ -233,7 +237,8 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       "  adit inspect out --html run.html\n"
       "  adit inspect drive.mcap --write-config drive.toml\n"
       "  adit run drive.mcap --config drive.toml -o out\n\n"
-      "Exit codes: 0 nothing is wrong, 1 something is, or it cannot be opened, 2 usage; of a run 0 "
+      "Exit codes: 0 no fault found, 1 a problem found, or it cannot be opened, 2 usage; of a run "
+      "0 "
       "where it can be read.");
   command
       ->add_option("recording", options->recording,

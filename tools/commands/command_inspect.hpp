@@ -28,8 +28,8 @@ struct InspectCommandOptions {
 };
 
 /// Reads all of a recording and tells on `out` what is in it and what is wrong with it. Returns the
-/// exit code: 0 nothing is wrong, 1 something is, or it cannot be opened. Of the folder of a run it
-/// tells how that went; 0 where that can be read.
+/// exit code: 0 no fault found, 1 a problem found, or it cannot be opened. Of the folder of a run
+/// it tells how that went; 0 where that can be read.
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err);
 
 /// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets

@@ -15,10 +15,12 @@
 
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/run_mapping.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
+#include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/stop_signal.hpp"
@@ -35,7 +37,15 @@ std::string size_to_bytes(std::string& text) {
   if (text.starts_with('-')) {
     return "a size is not negative";
   }
-  return CLI::AsSizeValue(false)(text);
+  const std::string given = text;
+  try {
+    if (CLI::AsSizeValue(false)(text).empty()) {
+      return {};
+    }
+  } catch (const CLI::ValidationError&) {
+    // It lists every unit that it knows: the complaint below is for people.
+  }
+  return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
 }
 
 void check_options(const RunCommandOptions& options) {
@@ -197,7 +207,9 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
 }
 
 int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const StopSignal stop;  // from the start: opening a recording or a device takes a while
   check_options(options);
+  const bool replaces_a_run = check_output_folder(options.recording, options.output);
   const Config config = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
   const SweepChoice sweeps = choose_sweeps(
@@ -215,6 +227,14 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   }
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
   SlamOptions wanted{.inertial = imu_topic.has_value()};
+
+  // The summary first: from here on the folder tells of this run, whatever ends it.
+  const RunFiles files(options.output);
+  replace_text_file(files.summary,
+                    running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
+  if (replaces_a_run) {
+    remove_earlier_run(options.output);
+  }
   RunOutputs outputs(options.output, options.map);
   std::optional<HighRateOutput> high_rate;
   if (options.high_rate.enabled) {
@@ -222,10 +242,6 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
     wanted.high_rate_smoothing = options.high_rate.smoothing;
   }
   const std::unique_ptr<Slam> slam = make_slam(context, config, wanted);
-  const RunFiles files(options.output);
-  write_text_file(files.summary,
-                  running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
-  const StopSignal stop;
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);
@@ -252,19 +268,19 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const int code = judge(outcome, statistics, sweeps.range.count, err);
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
+  replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end
   if (options.json) {
     out << summary << std::flush;
   } else if (!options.quiet && statistics.sweeps() > 0) {
     out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
   }
-  replace_text_file(files.summary, summary);
   return code;
 }
 
 }  // namespace
 
 int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit run", err, [&] { return run(options, out, err); });
+  return guarded("adit run", out, err, [&] { return run(options, out, err); });
 }
 
 void add_device_options(CLI::App& command, DeviceOptions& device) {
@@ -287,13 +303,15 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "sweeps:\n"
       "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
       "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
-      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n\n"
+      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
+      "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"
       "Examples:\n"
       "  adit run drive/ -o out\n"
       "  adit run drive.mcap --topic /points -o out\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n\n"
-      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 130 stopped by Ctrl-C.\n"
+      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
+      "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
   command->add_option("recording", options->recording, "File or folder to map")
       ->required()

@@ -20,6 +20,7 @@
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/motion.hpp"
 #include "adit/tools/simulator/scene_file.hpp"
+#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -77,6 +78,19 @@ std::string given_besides(const CLI::App& command, const std::vector<std::string
   return {};
 }
 
+/// Empty where the way is free.
+std::string crossing_note(const SimulationSummary& summary) {
+  if (summary.crossings.empty()) {
+    return {};
+  }
+  const Crossing& first = summary.crossings.front();
+  return printed(
+      "note: the trajectory passes through walls or other solid things, %zu times, first after "
+      "%.1f s at (%.1f, %.1f, %.1f) m; sweeps from within them show what no sensor sees. Other "
+      "waypoints, corner_radius or --begin avoid it.\n",
+      summary.crossings.size(), first.time, first.at.x(), first.at.y(), first.at.z());
+}
+
 std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,
                          double seconds) {
   char text[512];
@@ -109,6 +123,9 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
   if (progress) {
     progress->finish();
   }
+  if (!command.quiet) {
+    err << crossing_note(summary) << std::flush;
+  }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!command.quiet) {
     const SimulationFiles files(options.output);
@@ -128,7 +145,7 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
 }  // namespace
 
 int simulate_command(const SimulateCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit simulate", err, [&] { return run_simulation(options, out, err); });
+  return guarded("adit simulate", out, err, [&] { return run_simulation(options, out, err); });
 }
 
 CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {

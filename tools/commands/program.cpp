@@ -16,10 +16,12 @@
 #include "adit/tools/commands/command_demo.hpp"
 #include "adit/tools/commands/command_devices.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
+#include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -52,7 +54,7 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command) {
 /// line.
 int answer(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
-    return app.exit(error, std::cout, std::cerr);
+    return reported("adit", std::cout, std::cerr, app.exit(error, std::cout, std::cerr));
   }
   const CLI::App* command = &app;
   std::string name = "adit";
@@ -61,8 +63,8 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
     name += " " + command->get_name();
   }
   const std::string unknown = unknown_words(app, *command);
-  std::cerr << name << ": " << (unknown.empty() ? error.what() : unknown) << "\nRun `" << name
-            << " --help` for what it takes.\n";
+  std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error) : unknown) << "\nRun `"
+            << name << " --help` for what it takes.\n";
   return kUsage;
 }
 
@@ -89,7 +91,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
       "  adit run drive/ -o out           map a recording\n"
       "  adit evaluate out/trajectory.tum truth.txt\n\n"
       "`adit COMMAND --help` tells more. Exit codes: 0 done, 1 failed on the data or the device, 2 "
-      "usage.");
+      "usage,\n129, 130 or 143 stopped by SIGHUP, SIGINT (Ctrl-C) or SIGTERM.");
   app.require_subcommand(1);
   int code = 0;
   const auto done = [&code](int command_code) { code = command_code; };

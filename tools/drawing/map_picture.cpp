@@ -17,12 +17,19 @@
 namespace adit {
 namespace {
 
-// From low to high: dark blue over green to yellow, of even lightness steps.
-constexpr std::array<std::string_view, 8> kRamp{"#2b2c6b", "#2f4b8c", "#2c6f97", "#2a9290",
-                                                "#43b37c", "#86cc5c", "#c6dc3f", "#fde725"};
+// From low to high: blue over green to yellow, of even lightness steps, told apart with any kind of
+// colour vision. The ends leave the path and both grounds, white and black, to be seen.
+constexpr std::array<std::string_view, 8> kRamp{"#3b3f8f", "#3a5ba0", "#3778a8", "#3794a6",
+                                                "#45ae94", "#6fc378", "#a5d05a", "#dcd64a"};
+constexpr std::string_view kPathColor = kSeriesColors[1];
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
-constexpr double kCells = 500.0;           ///< along the longer side
-constexpr std::size_t kPixelsPerCell = 2;  ///< on the screen
+constexpr double kCells = 500.0;    ///< along the longer side
+constexpr double kTop = 104.0;      ///< px, title and legend
+constexpr double kLeft = 72.0;      ///< px, labels of the axis
+constexpr double kRight = 24.0;     ///< px
+constexpr double kBottom = 62.0;    ///< px
+constexpr double kWidest = 620.0;   ///< px, of the map
+constexpr double kHighest = 900.0;  ///< px
 
 /// The highest point of each cell; row 0 is the northernmost.
 struct Raster {
@@ -78,10 +85,26 @@ std::pair<float, float> height_range(const Raster& raster) {
   return {low, std::max(high, low + 0.1F)};
 }
 
+/// Places on the drawing.
+struct Layout {
+  explicit Layout(const Raster& raster) {
+    const auto columns = static_cast<double>(raster.columns);
+    const auto rows = static_cast<double>(raster.rows);
+    scale = std::min(kWidest / columns, kHighest / rows);
+    size = scale * Eigen::Vector2d(columns, rows);
+  }
+
+  /// From cells to px.
+  Eigen::Vector2d operator()(const Eigen::Vector2d& cells) const { return corner + scale * cells; }
+
+  double scale = 1.0;  ///< px a cell
+  Eigen::Vector2d corner{kLeft, kTop};
+  Eigen::Vector2d size;
+};
+
 /// One path element a colour: each run of cells is a horizontal stroke.
-std::string cells(const Raster& raster) {
-  const auto [low, high] = height_range(raster);
-  const auto color_of = [low = low, high = high](float z) {
+std::string cells(const Raster& raster, const Layout& layout, std::pair<float, float> heights) {
+  const auto color_of = [low = heights.first, high = heights.second](float z) {
     const float share = (z - low) / (high - low) * static_cast<float>(kRamp.size());
     return static_cast<std::size_t>(
         std::clamp(share, 0.0F, static_cast<float>(kRamp.size()) - 1.0F));
@@ -102,51 +125,126 @@ std::string cells(const Raster& raster) {
       strokes[color] << 'M' << start << ' ' << row << ".5h" << column - start;
     }
   }
-  std::ostringstream text;
+  std::string text =
+      "<g shape-rendering=\"crispEdges\" stroke-width=\"1.2\" transform=\"translate(" +
+      tick_label(layout.corner.x(), 0.01) + " " + tick_label(layout.corner.y(), 0.01) + ") scale(" +
+      tick_label(layout.scale, 1e-5) + ")\">\n";
   for (std::size_t color = 0; color < kRamp.size(); ++color) {
-    text << "<path stroke=\"" << kRamp[color] << "\" d=\"" << strokes[color].str() << "\"/>\n";
+    text +=
+        "<path stroke=\"" + std::string(kRamp[color]) + "\" d=\"" + strokes[color].str() + "\"/>\n";
   }
-  return text.str();
+  return text + "</g>\n";
 }
 
-std::string polyline(const Raster& raster, std::span<const StampedPose> path) {
-  std::ostringstream text;
-  text << R"(<polyline fill="none" stroke="#e4342c" stroke-width="1.5" points=")";
+void draw_axes(SvgDocument& svg, const Raster& raster, const Layout& layout) {
+  const Eigen::Vector2d high =
+      raster.low + raster.cell * Eigen::Vector2d(static_cast<double>(raster.columns),
+                                                 static_cast<double>(raster.rows));
+  const Eigen::Vector2d end = layout.corner + layout.size;
+  const double longest = (high - raster.low).maxCoeff();
+  const std::vector<double> steps = round_ticks(0.0, longest, layout.size.x() < 400.0 ? 4 : 8);
+  const double step = steps.size() > 1 ? steps[1] - steps[0] : 1.0;
+  const auto each = [&](int axis, auto&& draw) {
+    for (double at = std::ceil(raster.low[axis] / step) * step; at <= high[axis]; at += step) {
+      draw(at);
+    }
+  };
+  each(0, [&](double x) {
+    const double px = layout(raster.place({x, raster.low.y()})).x();
+    svg.line({px, end.y()}, {px, end.y() + 5.0}, {.color = kAxisColor});
+    svg.text({px, end.y() + 21.0}, tick_label(x, step),
+             {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+  });
+  each(1, [&](double y) {
+    const double py = layout(raster.place({raster.low.x(), y})).y();
+    svg.line({layout.corner.x() - 5.0, py}, {layout.corner.x(), py}, {.color = kAxisColor});
+    svg.text({layout.corner.x() - 9.0, py + 4.0}, tick_label(y, step),
+             {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::end});
+  });
+  svg.rectangle(layout.corner, layout.size, {.color = kAxisColor});
+  svg.text({0.5 * (layout.corner.x() + end.x()), end.y() + 46.0}, "x (m)",
+           {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+  svg.text({15.0, 0.5 * (layout.corner.y() + end.y())}, "y (m)",
+           {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle, .upwards = true});
+}
+
+/// What the colours stand for, and the path.
+void draw_legend(SvgDocument& svg, std::pair<float, float> heights) {
+  constexpr double kSwatch = 16.0;  // px
+  /// Returns how far to go on to the right.
+  const auto entry = [&](double left, double base, const std::string& words, auto&& symbol) {
+    symbol(left, base - 5.0);
+    svg.text({left + 32.0, base}, words, {.size = 14.0, .color = kAxisColor});
+    return 32.0 + text_width(words, 14.0) + 16.0;
+  };
+  double x = kLeft;
+  double y = 56.0;
+  const std::string low = "height " + tick_label(heights.first, 0.1) + " m";
+  svg.text({x, y}, low, {.size = 14.0, .color = kAxisColor});
+  x += text_width(low, 14.0) + 10.0;
+  for (const std::string_view color : kRamp) {
+    svg.square({x + 0.5 * kSwatch, y - 5.0}, kSwatch, color, {.color = color});
+    x += kSwatch;
+  }
+  svg.text({x + 8.0, y}, tick_label(heights.second, 0.1) + " m and higher",
+           {.size = 14.0, .color = kAxisColor});
+  x = kLeft;
+  y = 84.0;
+  x += entry(x, y, "path", [&](double at, double middle) {
+    svg.line({at, middle}, {at + 24.0, middle}, {.color = kPathColor, .width = 3.0});
+  });
+  x += entry(x, y, "start", [&](double at, double middle) {
+    svg.circle({at + 20.0, middle}, 5.5, kGoodColor, {.color = "#ffffff", .width = 1.2});
+  });
+  entry(x, y, "end", [&](double at, double middle) {
+    svg.square({at + 20.0, middle}, 10.0, kBadColor, {.color = "#ffffff", .width = 1.2});
+  });
+}
+
+void draw_path(SvgDocument& svg, const Raster& raster, const Layout& layout,
+               std::span<const StampedPose> path) {
+  std::vector<Eigen::Vector2d> points;
   for (const StampedPose& pose : path) {
-    const Eigen::Vector2d p = raster.place(pose.pose.translation().head<2>());
-    text << tick_label(p.x(), 0.1) << ',' << tick_label(p.y(), 0.1) << ' ';
+    points.push_back(layout(raster.place(pose.pose.translation().head<2>())));
   }
-  text << "\"/>\n";
-  return text.str();
+  if (points.empty()) {
+    return;
+  }
+  svg.polyline(points, {.color = "#ffffff", .width = 5.0});  // an edge against cells of any colour
+  svg.polyline(points, {.color = kPathColor, .width = 2.5});
+  svg.circle(points.front(), 6.0, kGoodColor, {.color = "#ffffff", .width = 1.5});
+  svg.square(points.back(), 11.0, kBadColor, {.color = "#ffffff", .width = 1.5});
 }
 
-std::string scale_bar(const Raster& raster) {
-  const double width = static_cast<double>(raster.columns) * raster.cell;
-  const double length = round_length(std::max(width, 1.0) / 2.0);
-  const double cells_long = length / raster.cell;
-  std::ostringstream text;
-  text << R"(<path stroke="#ffffff" stroke-width="2" d="M4 )" << raster.rows + 12 << 'h'
-       << tick_label(cells_long, 0.1) << "\"/>\n"
-       << R"(<text fill="#ffffff" font-family="sans-serif" font-size="9" x=")"
-       << tick_label(cells_long + 8.0, 0.1) << "\" y=\"" << raster.rows + 15 << "\">"
-       << tick_label(length, length) << " m</text>\n";
-  return text.str();
+void draw_scale_bar(SvgDocument& svg, const Raster& raster, const Layout& layout) {
+  const double metres = layout.size.x() / layout.scale * raster.cell;
+  const double length = round_length(std::max(metres, 0.1) / 4.0);
+  const double right = layout.corner.x() + layout.size.x() - 14.0;
+  const double left = right - length / raster.cell * layout.scale;
+  const double y = layout.corner.y() + layout.size.y() - 14.0;
+  for (const auto& [color, width] : {std::pair{"#ffffff", 6.0}, std::pair{"#000000", 2.0}}) {
+    svg.line({left, y}, {right, y}, {.color = color, .width = width});
+  }
+  svg.text({0.5 * (left + right), y - 8.0}, tick_label(length, length) + " m",
+           {.size = 14.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
 }
 
 }  // namespace
 
-std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path) {
+std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
+                        const std::string& title) {
   const Raster raster = rasterize(points, path);
-  const std::size_t height = raster.rows + 20;  // with the scale bar below
-  std::ostringstream text;
-  text << R"(<svg xmlns="http://www.w3.org/2000/svg" width=")" << kPixelsPerCell * raster.columns
-       << "\" height=\"" << kPixelsPerCell * height << "\" viewBox=\"0 0 " << raster.columns << ' '
-       << height << "\">\n"
-       << "<rect width=\"100%\" height=\"100%\" fill=\"#10101c\"/>\n<g "
-          "shape-rendering=\"crispEdges\">\n"
-       << cells(raster) << "</g>\n"
-       << polyline(raster, path) << scale_bar(raster) << "</svg>\n";
-  return text.str();
+  const Layout layout(raster);
+  const std::pair<float, float> heights = height_range(raster);
+  const double width = std::max(kLeft + layout.size.x() + kRight, 480.0);
+  SvgDocument svg(width, kTop + layout.size.y() + kBottom);
+  svg.text({kLeft, 28.0}, title, {.size = 18.0, .bold = true});
+  draw_legend(svg, heights);
+  svg.raw(cells(raster, layout, heights));
+  draw_axes(svg, raster, layout);
+  draw_path(svg, raster, layout, path);
+  draw_scale_bar(svg, raster, layout);
+  return svg.str();
 }
 
 }  // namespace adit

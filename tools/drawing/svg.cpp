@@ -16,16 +16,22 @@ constexpr double kVisibleStep = 1.0 / 3.0;  // px
 
 // What the colours of our drawings become where the reader prefers dark pages. Programs that know
 // no style sheets show the light ones.
-constexpr std::array<std::array<std::string_view, 2>, 10> kDarkColors = {{{"#ffffff", "#15181c"},
-                                                                          {"#000000", "#eceff3"},
-                                                                          {"#555555", "#a7adb5"},
-                                                                          {"#e4e4e4", "#2d3238"},
-                                                                          {"#3c3c3c", "#cfd3d8"},
-                                                                          {"#0a6ebd", "#4ba6ee"},
-                                                                          {"#d1352b", "#f2695f"},
-                                                                          {"#2a9d3a", "#49b95a"},
-                                                                          {"#d98000", "#f0a33c"},
-                                                                          {"#8a8f96", "#767c84"}}};
+constexpr std::array<std::array<std::string_view, 2>, 15> kDarkColors = {
+    {{"#ffffff", "#15181c"},
+     {kTextColor, "#eceff3"},
+     {kAxisColor, "#b4bac2"},
+     {kGridColor, "#2d3238"},
+     {"#3c3c3c", "#cfd3d8"},
+     {kGateColor, "#f0a33c"},
+     {kGoodColor, "#35c496"},
+     {kMiddlingColor, "#f5c542"},
+     {kBadColor, "#e5636a"},
+     {kUnknownColor, "#8a9099"},
+     {kSeriesColors[0], "#4ba6ee"},
+     {kSeriesColors[1], "#ff8a3d"},
+     {kSeriesColors[3], "#dd8abf"},
+     {kSeriesColors[4], "#8fd0f7"},
+     {kSeriesColors[5], "#c9a35a"}}};
 
 std::string dark_style() {
   std::string style = "<style>@media (prefers-color-scheme: dark) {";
@@ -76,9 +82,12 @@ std::string point_list(std::span<const Eigen::Vector2d> points) {
 }  // namespace
 
 SvgDocument::SvgDocument(double width, double height)
-    : head_("<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) +
-            attribute("height", height) + " viewBox=\"0 0 " + number(width) + " " + number(height) +
-            "\" font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n" + dark_style() +
+    : head_("<svg xmlns=\"http://www.w3.org/2000/svg\" data-generator=\"adit\"" +
+            attribute("width", width) + attribute("height", height) + " viewBox=\"0 0 " +
+            number(width) + " " + number(height) +
+            "\" style=\"max-width:100%;height:auto\" font-family=\"DejaVu Sans, Helvetica, Arial, "
+            "sans-serif\">\n" +
+            dark_style() +
             "<rect width=\"100%\" "
             "height=\"100%\" "
             "fill=\"#ffffff\"/>\n") {}
@@ -113,6 +122,40 @@ void SvgDocument::circle(const Eigen::Vector2d& center, double radius, std::stri
            attribute("r", radius) + attribute("fill", fill) + stroke_attributes(stroke) + "/>\n";
 }
 
+void SvgDocument::square(const Eigen::Vector2d& center, double side, std::string_view fill,
+                         const SvgStroke& stroke) {
+  body_ += "<rect" + attribute("x", center.x() - 0.5 * side) +
+           attribute("y", center.y() - 0.5 * side) + attribute("width", side) +
+           attribute("height", side) + attribute("fill", fill) + stroke_attributes(stroke) + "/>\n";
+}
+
+double SvgDocument::paragraph(const Eigen::Vector2d& at, std::string_view text, double right,
+                              const SvgFont& font) {
+  const double line_height = 1.6 * font.size;
+  double height = 0.0;
+  const auto put = [&](const std::string& line) {
+    this->text(at + Eigen::Vector2d(0.0, height), line, font);
+    height += line_height;
+  };
+  std::string line;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word(text.substr(begin, end - begin));
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (!line.empty() && text_width(longer, font.size) > right - at.x()) {
+      put(line);
+      line = word;
+    } else {
+      line = longer;
+    }
+    begin = end + 1;
+  }
+  if (!line.empty()) {
+    put(line);
+  }
+  return height;
+}
+
 void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font) {
   constexpr std::array<std::string_view, 3> kAnchors = {"start", "middle", "end"};
   body_ += "<text" + attribute("x", at.x()) + attribute("y", at.y()) +
@@ -132,6 +175,11 @@ void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const S
 
 std::string SvgDocument::str() const {
   return head_ + body_ + "</svg>\n";
+}
+
+double text_width(std::string_view text, double font_size) {
+  constexpr double kMeanLetter = 0.57;  // of the size, of the fonts named in the head
+  return kMeanLetter * font_size * static_cast<double>(text.size());
 }
 
 std::vector<double> round_ticks(double low, double high, int count) {

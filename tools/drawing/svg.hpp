@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,6 +11,30 @@
 #include <Eigen/Core>
 
 namespace adit {
+
+/// Widths of drawings, px: for a desktop, and for a telephone, on which the former would be read
+/// with a magnifying glass.
+inline constexpr double kDeskWidth = 960.0;
+inline constexpr double kPhoneWidth = 400.0;
+
+/// Colours for readers with any kind of colour vision, on white and, replaced by lighter ones, on
+/// black. Good, middling and bad also differ in lightness.
+inline constexpr std::string_view kTextColor = "#000000";
+inline constexpr std::string_view kAxisColor = "#555555";
+inline constexpr std::string_view kGridColor = "#e4e4e4";
+inline constexpr std::string_view kGateColor = "#b86e00";
+inline constexpr std::string_view kGoodColor = "#009e73";
+inline constexpr std::string_view kMiddlingColor = "#e6a700";
+inline constexpr std::string_view kBadColor = "#a4262c";
+inline constexpr std::string_view kUnknownColor = "#8a8f96";
+
+/// Curves in one panel: blue, vermilion, bluish green, purple, sky blue, brown.
+inline constexpr std::array<std::string_view, 6> kSeriesColors = {"#0072b2", "#d55e00", "#009e73",
+                                                                  "#b0508c", "#3392cc", "#7a5200"};
+
+/// Curves of the axes x, y and z.
+inline constexpr std::array<std::string_view, 3> kAxisColors = {kSeriesColors[1], kSeriesColors[0],
+                                                                kSeriesColors[2]};
 
 /// How a line is drawn.
 struct SvgStroke {
@@ -45,7 +70,18 @@ class SvgDocument {
                  const SvgStroke& stroke);
   void circle(const Eigen::Vector2d& center, double radius, std::string_view fill,
               const SvgStroke& stroke);
+  /// About its centre.
+  void square(const Eigen::Vector2d& center, double side, std::string_view fill,
+              const SvgStroke& stroke);
   void text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font);
+
+  /// Text from `at` in lines that end before `right`. Returns the height of what it took.
+  double paragraph(const Eigen::Vector2d& at, std::string_view text, double right,
+                   const SvgFont& font);
+
+  /// An element as it is, for what the others do not draw. Its colours follow the page where they
+  /// are among those above.
+  void raw(const std::string& element) { body_ += element; }
 
   /// The whole file.
   std::string str() const;
@@ -54,6 +90,9 @@ class SvgDocument {
   std::string head_;
   std::string body_;
 };
+
+/// About how wide a text becomes, px.
+double text_width(std::string_view text, double font_size);
 
 /// Round numbers (1, 2 or 5 times a power of ten) that divide [low, high] into about `count` parts.
 std::vector<double> round_ticks(double low, double high, int count);

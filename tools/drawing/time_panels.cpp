@@ -11,16 +11,15 @@
 namespace adit {
 namespace {
 
-constexpr double kWidth = 960.0;   // px
-constexpr double kLeft = 110.0;    // px
 constexpr double kRight = 20.0;    // px
-constexpr double kTitle = 34.0;    // px above a panel
 constexpr double kHeight = 110.0;  // px, of a panel with curves
 constexpr double kBand = 15.0;     // px, of a band
 constexpr double kFoot = 44.0;     // px below the last panel
-constexpr std::string_view kAxisColor = "#555555";
-constexpr std::string_view kGridColor = "#e4e4e4";
-constexpr std::string_view kTextColor = "#000000";
+
+/// px left of the panels.
+double left_of(double width) {
+  return width < 600.0 ? 88.0 : 110.0;
+}
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -37,6 +36,8 @@ struct Range {
 
 /// Where a panel lies and what it shows; values as drawn: logarithms where it is logarithmic.
 struct Frame {
+  double left = 0.0;
+  double right = 0.0;
   double top = 0.0;
   double height = kHeight;
   Range time;
@@ -44,7 +45,7 @@ struct Frame {
 
   double x(double t) const {
     const double share = (t - time.low) / (time.high - time.low);
-    return kLeft + (kWidth - kLeft - kRight) * share;
+    return left + (right - left) * share;
   }
   double y(double v) const {
     const double share = (value.high - v) / (value.high - value.low);
@@ -102,15 +103,17 @@ void draw_values_axis(SvgDocument& svg, const Frame& frame, const TimePanel& pan
   for (const double tick : ticks) {
     const double y = frame.y(tick);
     const double value = panel.logarithmic ? std::pow(10.0, std::round(tick)) : tick;
-    svg.line({kLeft, y}, {kWidth - kRight, y}, {.color = kGridColor});
-    svg.text({kLeft - 6.0, y + 4.0}, tick_label(value, panel.logarithmic ? value : step_of(ticks)),
+    svg.line({frame.left, y}, {frame.right, y}, {.color = kGridColor});
+    svg.text({frame.left - 6.0, y + 4.0},
+             tick_label(value, panel.logarithmic ? value : step_of(ticks)),
              {.size = 11.0, .color = kAxisColor, .anchor = SvgAnchor::end});
   }
 }
 
 /// `name` is empty where another panel below has the labels.
 void draw_times_axis(SvgDocument& svg, const Frame& frame, std::string_view name) {
-  const std::vector<double> ticks = round_ticks(frame.time.low, frame.time.high, 10);
+  const std::vector<double> ticks =
+      round_ticks(frame.time.low, frame.time.high, frame.right - frame.left < 500.0 ? 5 : 10);
   const double bottom = frame.top + frame.height;
   for (const double tick : ticks) {
     const double x = frame.x(tick);
@@ -121,7 +124,7 @@ void draw_times_axis(SvgDocument& svg, const Frame& frame, std::string_view name
     }
   }
   if (!name.empty()) {
-    svg.text({0.5 * (kLeft + kWidth - kRight), bottom + 34.0}, name,
+    svg.text({0.5 * (frame.left + frame.right), bottom + 34.0}, name,
              {.size = 12.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
   }
 }
@@ -159,7 +162,9 @@ void draw_sigma(SvgDocument& svg, std::span<const double> times, const Frame& fr
     if (next < edges.size()) {
       std::vector<Eigen::Vector2d> area = edges[next++];
       area.insert(area.end(), points.rbegin(), points.rend());
-      svg.polygon(area, curve.color, 0.16);
+      svg.polygon(area, curve.color, 0.25);
+      area.push_back(area.front());
+      svg.polyline(area, {.color = curve.color, .width = 0.7});
     }
   });
 }
@@ -185,7 +190,7 @@ void draw_bands(SvgDocument& svg, std::span<const double> times, const Frame& fr
   for (std::size_t row = 0; row < panel.bands.size(); ++row) {
     const Band& band = panel.bands[row];
     const double top = frame.top + kBand * static_cast<double>(row);
-    svg.text({kLeft - 6.0, top + 11.5}, band.name,
+    svg.text({frame.left - 6.0, top + 11.5}, band.name,
              {.size = 11.0, .color = kAxisColor, .anchor = SvgAnchor::end});
     for (std::size_t i = 0; i < times.size();) {
       std::size_t end = i + 1;
@@ -207,62 +212,95 @@ void draw_bands(SvgDocument& svg, std::span<const double> times, const Frame& fr
   }
 }
 
-/// Right of the title, from the right edge.
-void draw_legend(SvgDocument& svg, double y, const TimePanel& panel) {
-  double x = kWidth - kRight;
-  const auto entry = [&](const std::string& name, std::string_view color, std::string_view dash) {
-    x -= 6.6 * static_cast<double>(name.size());
-    svg.text({x, y}, name, {.size = 11.0, .color = kAxisColor});
-    svg.line({x - 22.0, y - 4.0}, {x - 5.0, y - 4.0}, {.color = color, .width = 3.0, .dash = dash});
-    x -= 36.0;
-  };
-  for (auto one = panel.classes.rbegin(); one != panel.classes.rend(); ++one) {
-    entry(one->name, one->color, "");
+struct LegendEntry {
+  std::string_view name;
+  std::string_view color;
+  std::string_view dash;
+  double width() const { return 30.0 + text_width(name, 11.0) + 12.0; }  // px
+};
+
+std::vector<LegendEntry> legend_of(const TimePanel& panel) {
+  std::vector<LegendEntry> entries;
+  for (const BandClass& one : panel.classes) {
+    entries.push_back({one.name, one.color, ""});
   }
-  for (auto one = panel.curves.rbegin(); one != panel.curves.rend(); ++one) {
-    if (!one->name.empty()) {
-      entry(one->name, one->color, one->dash);
+  for (const Curve& curve : panel.curves) {
+    if (!curve.name.empty()) {
+      entries.push_back({curve.name, curve.color, curve.dash});
     }
   }
+  return entries;
+}
+
+/// Title and legend: beside each other where there is room, else below each other in as many lines
+/// as they need. Returns where the panel begins.
+double draw_head(SvgDocument& svg, const TimePanel& panel, double top, double left, double right) {
+  constexpr double kLine = 17.0;  // px
+  const std::vector<LegendEntry> entries = legend_of(panel);
+  double wanted = 0.0;
+  for (const LegendEntry& entry : entries) {
+    wanted += entry.width();
+  }
+  double y = top + 26.0;
+  const double title = text_width(panel.title, 12.0) * 1.12;  // in bold
+  const bool beside = title + wanted < right - left;
+  const double begin = right - left < 500.0 ? 8.0 : left;
+  const double lines = svg.paragraph({begin, y}, panel.title, right,
+                                     {.size = 12.0, .color = kTextColor, .bold = true});
+  y += beside ? 0.0 : lines;
+  double x = beside ? right - wanted : begin;
+  for (const LegendEntry& entry : entries) {
+    if (!beside && x > begin && x + entry.width() > right) {
+      x = begin;
+      y += kLine;
+    }
+    svg.line({x, y - 4.0}, {x + 18.0, y - 4.0},
+             {.color = entry.color, .width = 3.0, .dash = entry.dash});
+    svg.text({x + 23.0, y}, entry.name, {.size = 11.0, .color = kAxisColor});
+    x += entry.width();
+  }
+  return (entries.empty() && !beside ? y - kLine : y) + 8.0;
 }
 
 void draw_gates(SvgDocument& svg, const Frame& frame, const TimePanel& panel) {
   for (const Gate& gate : panel.gates) {
     const double y = frame.y(scaled(panel, gate.value));
-    svg.line({kLeft, y}, {kWidth - kRight, y}, {.color = kPlotOrange, .width = 1.2, .dash = "7 4"});
+    svg.line({frame.left, y}, {frame.right, y}, {.color = kGateColor, .width = 1.2, .dash = "7 4"});
     const double below = y < frame.top + 16.0 ? 13.0 : -4.0;
     svg.text(
-        {kWidth - kRight - 5.0, y + below}, gate.name,
-        {.size = 11.0, .color = kPlotOrange, .anchor = SvgAnchor::end, .bold = true, .halo = true});
+        {frame.right - 5.0, y + below}, gate.name,
+        {.size = 11.0, .color = kTextColor, .anchor = SvgAnchor::end, .bold = true, .halo = true});
   }
 }
 
 }  // namespace
 
 std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels,
-                             std::string_view axis) {
+                             double width, std::string_view axis) {
+  const double left = left_of(width);
+  const double right = width - kRight;
+  SvgDocument sketch(width, 1.0);  // heights are known once heads are laid out
   std::vector<const TimePanel*> shown;
   double height = kFoot;
   for (const TimePanel& panel : panels) {
     if (!times.empty() && shows_something(panel)) {
       shown.push_back(&panel);
-      height += kTitle + height_of(panel);
+      height += draw_head(sketch, panel, 0.0, left, right) + height_of(panel);
     }
   }
   if (shown.empty()) {
     return {};
   }
-  SvgDocument svg(kWidth, height);
+  SvgDocument svg(width, height);
   const double last = std::max(times.back(), times.front() + 1e-3);
   double top = 0.0;
   for (const TimePanel* panel : shown) {
-    const Frame frame{.top = top + kTitle,
+    const Frame frame{.left = left,
+                      .right = right,
+                      .top = draw_head(svg, *panel, top, left, right),
                       .height = height_of(*panel),
                       .time = {times.front(), last},
                       .value = range_of(*panel)};
-    svg.text({kLeft, top + kTitle - 8.0}, panel->title,
-             {.size = 12.0, .color = kTextColor, .bold = true});
-    draw_legend(svg, top + kTitle - 8.0, *panel);
     draw_times_axis(svg, frame, panel == shown.back() ? axis : "");
     if (panel->bands.empty()) {
       draw_values_axis(svg, frame, *panel);
@@ -273,9 +311,8 @@ std::string draw_time_panels(std::span<const double> times, std::span<const Time
     } else {
       draw_bands(svg, times, frame, *panel);
     }
-    svg.rectangle({kLeft, frame.top}, {kWidth - kLeft - kRight, frame.height},
-                  {.color = kAxisColor});
-    top += kTitle + frame.height;
+    svg.rectangle({left, frame.top}, {right - left, frame.height}, {.color = kAxisColor});
+    top = frame.top + frame.height;
   }
   return svg.str();
 }

@@ -10,19 +10,14 @@
 #include <string_view>
 #include <vector>
 
-namespace adit {
+#include "adit/tools/drawing/svg.hpp"
 
-/// Colours of curves that are told apart by anybody, on white and on black (tools/drawing/svg.hpp).
-inline constexpr std::string_view kPlotBlue = "#0a6ebd";
-inline constexpr std::string_view kPlotRed = "#d1352b";
-inline constexpr std::string_view kPlotGreen = "#2a9d3a";
-inline constexpr std::string_view kPlotOrange = "#d98000";
-inline constexpr std::string_view kPlotGrey = "#8a8f96";
+namespace adit {
 
 /// One value a time; NaN interrupts it.
 struct Curve {
   std::string name;  ///< for the legend; empty: not in it
-  std::string_view color = kPlotBlue;
+  std::string_view color = kSeriesColors[0];
   std::vector<double> values;
   std::vector<double> sigma{};  ///< half the width of a band about it; empty: none
   std::string_view dash{};
@@ -58,10 +53,11 @@ struct TimePanel {
   std::optional<double> high{};
 };
 
-/// The panels as an SVG document. `times` in s, rising; every curve and band has as many values.
-/// Panels without a single value are left out; none left gives an empty text. `axis` names the
-/// times.
+/// The panels as an SVG document of that width (px). `times` in s, rising; every curve and band has
+/// as many values. Panels without a single value are left out; none left gives an empty text.
+/// `axis` names the times.
 std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels,
+                             double width,
                              std::string_view axis = "time since the first sweep (s)");
 
 }  // namespace adit

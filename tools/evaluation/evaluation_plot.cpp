@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "adit/tools/drawing/svg.hpp"
@@ -14,20 +15,21 @@
 namespace adit {
 namespace {
 
-constexpr double kWidth = 960.0;        // px, of the drawing
-constexpr double kLeft = 76.0;          // px, of both panels
-constexpr double kPanelWidth = 860.0;   // px
-constexpr double kMapTop = 100.0;       // px
 constexpr double kErrorHeight = 190.0;  // px
 constexpr double kGap = 74.0;           // px between the panels
-
 constexpr std::string_view kTruthColor = "#3c3c3c";
-constexpr std::string_view kEstimateColor = "#0a6ebd";
-constexpr std::string_view kAxisColor = "#555555";
-constexpr std::string_view kGridColor = "#e4e4e4";
-constexpr std::string_view kStartColor = "#2a9d3a";
-constexpr std::string_view kEndColor = "#d1352b";
-constexpr std::string_view kRmseColor = "#d98000";
+
+/// Where things lie across a drawing of some width, px.
+struct Columns {
+  explicit Columns(double width)
+      : left(width < 600.0 ? 58.0 : 76.0),
+        panel(width - left - 24.0),
+        ticks(width < 600.0 ? 5 : 10) {}
+
+  double left;
+  double panel;  ///< width of a panel
+  int ticks;
+};
 
 /// A rectangle on the page and the ranges of the data that it shows.
 struct Panel {
@@ -97,8 +99,8 @@ void draw_axes(SvgDocument& svg, const Panel& panel, std::string_view x_name,
   svg.rectangle(panel.corner, panel.size, {kAxisColor, 1.0});
   svg.text({panel.corner.x() + panel.size.x() / 2.0, bottom + 36.0}, x_name,
            {13.0, kAxisColor, SvgAnchor::middle});
-  svg.text({panel.corner.x() - 52.0, panel.corner.y() + panel.size.y() / 2.0}, y_name,
-           {13.0, kAxisColor, SvgAnchor::middle, false, true});
+  svg.text({std::max(13.0, panel.corner.x() - 52.0), panel.corner.y() + panel.size.y() / 2.0},
+           y_name, {13.0, kAxisColor, SvgAnchor::middle, false, true});
 }
 
 std::vector<Eigen::Vector2d> project(const Panel& panel, const View& view,
@@ -111,11 +113,21 @@ std::vector<Eigen::Vector2d> project(const Panel& panel, const View& view,
   return points;
 }
 
+/// The evaluation whose truth is drawn: it covers most.
+const Evaluation& widest(std::span<const PlottedEstimate> estimates) {
+  return *std::ranges::max_element(estimates, {}, [](const PlottedEstimate& one) {
+            return one.evaluation->truth_path.back();
+          })->evaluation;
+}
+
 /// A panel with the same scale in both directions that shows everything.
-Panel map_panel(const Evaluation& evaluation, const View& view) {
+Panel map_panel(std::span<const PlottedEstimate> estimates, const View& view,
+                const Columns& columns, double top) {
   Bounds bounds;
-  bounds.include(evaluation.truth);
-  bounds.include(evaluation.estimate);
+  for (const PlottedEstimate& one : estimates) {
+    bounds.include(one.evaluation->truth);
+    bounds.include(one.evaluation->estimate);
+  }
   const Eigen::Vector2d low(bounds.low(view.right), bounds.low(view.up));
   const Eigen::Vector2d high(bounds.high(view.right), bounds.high(view.up));
   const Eigen::Vector2d center = 0.5 * (low + high);
@@ -123,10 +135,10 @@ Panel map_panel(const Evaluation& evaluation, const View& view) {
   const double resolved = 1e-9 * center.cwiseAbs().maxCoeff();
   const double least = std::max({1e-3, resolved, 0.02 * (high - low).maxCoeff()});
   const Eigen::Vector2d extent = 1.1 * (high - low).cwiseMax(least);
-  const double height = std::clamp(kPanelWidth * extent.y() / extent.x(), 240.0, 720.0);
-  const double metres_per_px = std::max(extent.x() / kPanelWidth, extent.y() / height);
-  const Eigen::Vector2d half = 0.5 * metres_per_px * Eigen::Vector2d(kPanelWidth, height);
-  return {{kLeft, kMapTop}, {kPanelWidth, height}, center - half, center + half};
+  const double height = std::clamp(columns.panel * extent.y() / extent.x(), 240.0, 720.0);
+  const double metres_per_px = std::max(extent.x() / columns.panel, extent.y() / height);
+  const Eigen::Vector2d half = 0.5 * metres_per_px * Eigen::Vector2d(columns.panel, height);
+  return {{columns.left, top}, {columns.panel, height}, center - half, center + half};
 }
 
 void draw_scale_bar(SvgDocument& svg, const Panel& panel) {
@@ -143,31 +155,41 @@ void draw_scale_bar(SvgDocument& svg, const Panel& panel) {
            {12.0, kTruthColor, SvgAnchor::middle});
 }
 
-void draw_legend(SvgDocument& svg, double y, bool aligned) {
-  double x = kLeft;
-  const auto entry = [&](std::string_view name, double width, auto&& symbol) {
-    symbol(x);
-    svg.text({x + 36.0, y + 4.0}, name, {13.0});
-    x += width;
-  };
-  entry("truth", 96.0, [&](double at) {
-    svg.line({at, y}, {at + 28.0, y}, {kTruthColor, 2.4, "6 4"});
-  });
-  entry(aligned ? "estimate, aligned" : "estimate", aligned ? 186.0 : 124.0, [&](double at) {
-    svg.line({at, y}, {at + 28.0, y}, {kEstimateColor, 2.0});
-  });
-  entry("start", 84.0, [&](double at) {
-    svg.circle({at + 22.0, y}, 5.0, kStartColor, {"#ffffff", 1.2});
-  });
-  entry("end", 84.0, [&](double at) {
-    svg.circle({at + 22.0, y}, 5.0, kEndColor, {"#ffffff", 1.2});
-  });
+/// Estimates beyond the colours have dashes.
+SvgStroke stroke_of(std::size_t estimate) {
+  constexpr std::array<std::string_view, 3> kDashes = {"", "10 3", "2 3"};
+  return {kSeriesColors[estimate % kSeriesColors.size()], 2.0,
+          kDashes[estimate / kSeriesColors.size() % kDashes.size()]};
 }
 
-void draw_map(SvgDocument& svg, const Evaluation& evaluation, const Panel& panel,
-              const View& view) {
+/// Returns the height of a legend that begins at `y`, in as many rows as it needs.
+double draw_legend(SvgDocument& svg, double y, std::span<const PlottedEstimate> estimates,
+                   const Columns& columns) {
+  const double first = y;
+  double x = columns.left;
+  const auto entry = [&](const std::string& name, auto&& symbol) {
+    const double width = 50.0 + text_width(name, 13.0);
+    if (x > columns.left && x + width > columns.left + columns.panel) {
+      x = columns.left;
+      y += 22.0;
+    }
+    symbol(x);
+    svg.text({x + 34.0, y + 4.0}, name, {13.0});
+    x += width;
+  };
+  entry("truth", [&](double at) { svg.line({at, y}, {at + 28.0, y}, {kTruthColor, 2.4, "6 4"}); });
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    entry(estimates[i].name, [&](double at) { svg.line({at, y}, {at + 28.0, y}, stroke_of(i)); });
+  }
+  entry("start", [&](double at) { svg.circle({at + 22.0, y}, 5.0, kGoodColor, {"#ffffff", 1.2}); });
+  entry("end", [&](double at) { svg.square({at + 22.0, y}, 9.0, kBadColor, {"#ffffff", 1.2}); });
+  return y - first;
+}
+
+void draw_map(SvgDocument& svg, std::span<const PlottedEstimate> estimates, const Panel& panel,
+              const View& view, const Columns& columns) {
   // The same step on both axes: squares stay squares.
-  const std::vector<double> x_ticks = round_ticks(panel.low.x(), panel.high.x(), 10);
+  const std::vector<double> x_ticks = round_ticks(panel.low.x(), panel.high.x(), columns.ticks);
   const double step = x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1.0;
   const double first = std::ceil(panel.low.y() / step);
   std::vector<double> y_ticks;
@@ -176,38 +198,71 @@ void draw_map(SvgDocument& svg, const Evaluation& evaluation, const Panel& panel
   }
   draw_axes(svg, panel, kAxisNames[static_cast<std::size_t>(view.right)],
             kAxisNames[static_cast<std::size_t>(view.up)], x_ticks, y_ticks);
-  const std::vector<Eigen::Vector2d> truth = project(panel, view, evaluation.truth);
-  const std::vector<Eigen::Vector2d> estimate = project(panel, view, evaluation.estimate);
-  svg.polyline(estimate, {kEstimateColor, 2.0});
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    svg.polyline(project(panel, view, estimates[i].evaluation->estimate), stroke_of(i));
+  }
+  const std::vector<Eigen::Vector2d> truth = project(panel, view, widest(estimates).truth);
   svg.polyline(truth, {kTruthColor, 1.6, "6 4"});
-  svg.circle(estimate.front(), 6.0, kStartColor, {"#ffffff", 1.5});
-  svg.circle(estimate.back(), 6.0, kEndColor, {"#ffffff", 1.5});
+  for (const PlottedEstimate& one : estimates) {
+    const auto ends = project(panel, view, one.evaluation->estimate);
+    svg.circle(ends.front(), 6.0, kGoodColor, {"#ffffff", 1.5});
+    svg.square(ends.back(), 11.0, kBadColor, {"#ffffff", 1.5});
+  }
   draw_scale_bar(svg, panel);
 }
 
-void draw_errors(SvgDocument& svg, const Evaluation& evaluation, double top) {
-  const std::vector<double>& path = evaluation.truth_path;
-  const double length = std::max(path.back(), 1e-6);
-  const double highest = std::max(1.08 * evaluation.ate.max, 1e-6);
-  const Panel panel{{kLeft, top}, {kPanelWidth, kErrorHeight}, {0.0, 0.0}, {length, highest}};
-  const std::vector<double> x_ticks = round_ticks(0.0, length, 10);
-  const std::vector<double> y_ticks = round_ticks(0.0, highest, 5);
-  draw_axes(svg, panel, "distance along the truth (m)", "position error (m)", x_ticks, y_ticks);
-  std::vector<Eigen::Vector2d> curve;
-  curve.reserve(path.size());
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    curve.push_back(panel(path[i], evaluation.position_errors[i]));
+/// m along the truth of `reference` at each pose of the other; where both have times, estimates
+/// that begin later are drawn later.
+std::vector<double> path_of(const Evaluation& evaluation, const Evaluation& reference) {
+  std::vector<double> path = evaluation.truth_path;
+  if (evaluation.stamps.empty() || reference.stamps.empty()) {
+    return path;
   }
-  std::vector<Eigen::Vector2d> area = curve;
-  area.push_back(panel(path.back(), 0.0));
-  area.push_back(panel(0.0, 0.0));
-  svg.polygon(area, kEstimateColor, 0.15);
-  svg.polyline(curve, {kEstimateColor, 1.5});
-  const double rmse = evaluation.ate.rmse;
-  svg.line(panel(0.0, rmse), panel(length, rmse), {kRmseColor, 1.5, "7 4"});
-  svg.text(panel(length, rmse) + Eigen::Vector2d(-6.0, -5.0),
-           "rmse " + tick_label(rmse, 1e-3) + " m",
-           {12.0, kRmseColor, SvgAnchor::end, true, false, true});
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const auto after = std::ranges::lower_bound(reference.stamps, evaluation.stamps[i]);
+    const auto at = std::min(static_cast<std::size_t>(after - reference.stamps.begin()),
+                             reference.truth_path.size() - 1);
+    path[i] = reference.truth_path[at];
+  }
+  return path;
+}
+
+void draw_errors(SvgDocument& svg, std::span<const PlottedEstimate> estimates,
+                 const Columns& columns, double top) {
+  const Evaluation& reference = widest(estimates);
+  double highest = 1e-6;
+  for (const PlottedEstimate& one : estimates) {
+    highest = std::max(highest, 1.08 * one.evaluation->ate.max);
+  }
+  const double length = std::max(reference.truth_path.back(), 1e-6);
+  const Panel panel{
+      {columns.left, top}, {columns.panel, kErrorHeight}, {0.0, 0.0}, {length, highest}};
+  draw_axes(svg, panel, "distance along the truth (m)", "position error (m)",
+            round_ticks(0.0, length, columns.ticks), round_ticks(0.0, highest, 5));
+  for (std::size_t k = 0; k < estimates.size(); ++k) {
+    const Evaluation& evaluation = *estimates[k].evaluation;
+    const std::vector<double> path = path_of(evaluation, reference);
+    std::vector<Eigen::Vector2d> curve;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      curve.push_back(panel(path[i], evaluation.position_errors[i]));
+    }
+    SvgStroke stroke = stroke_of(k);
+    stroke.width = 1.5;
+    if (estimates.size() == 1) {
+      std::vector<Eigen::Vector2d> area = curve;
+      area.push_back(panel(path.back(), 0.0));
+      area.push_back(panel(path.front(), 0.0));
+      svg.polygon(area, stroke.color, 0.2);
+    }
+    svg.polyline(curve, stroke);
+  }
+  if (estimates.size() == 1) {
+    const double rmse = reference.ate.rmse;
+    svg.line(panel(0.0, rmse), panel(length, rmse), {kGateColor, 1.5, "7 4"});
+    svg.text(panel(length, rmse) + Eigen::Vector2d(-6.0, -5.0),
+             "rmse " + tick_label(rmse, 1e-3) + " m",
+             {12.0, kTextColor, SvgAnchor::end, true, false, true});
+  }
 }
 
 std::string summary(const Evaluation& evaluation) {
@@ -218,19 +273,44 @@ std::string summary(const Evaluation& evaluation) {
          tick_label(evaluation.truth_path.back(), 0.1) + " m";
 }
 
+std::string draw(std::span<const PlottedEstimate> estimates, const std::string& title,
+                 const std::string& words, double width) {
+  const Columns columns(width);
+  const double right = columns.left + columns.panel;
+  const View view = choose_view(widest(estimates).truth);
+  /// Returns where the map begins.
+  const auto draw_head = [&](SvgDocument& svg) {
+    double y = 30.0;
+    y += svg.paragraph({columns.left, y}, title, right, {17.0, kTextColor, SvgAnchor::start, true});
+    y += svg.paragraph({columns.left, y}, words, right, {13.0, kAxisColor}) + 8.0;
+    return y + draw_legend(svg, y, estimates, columns) + 20.0;
+  };
+  SvgDocument sketch(width, 1.0);  // the heights are known once it is laid out
+  const Panel map = map_panel(estimates, view, columns, draw_head(sketch));
+  const double errors_top = map.corner.y() + map.size.y() + kGap;
+  SvgDocument svg(width, errors_top + kErrorHeight + 54.0);
+  draw_head(svg);
+  draw_map(svg, estimates, map, view, columns);
+  draw_errors(svg, estimates, columns, errors_top);
+  return svg.str();
+}
+
 }  // namespace
 
-std::string plot_evaluation(const Evaluation& evaluation, const std::string& title) {
-  const View view = choose_view(evaluation.truth);
-  const Panel map = map_panel(evaluation, view);
-  const double errors_top = map.corner.y() + map.size.y() + kGap;
-  SvgDocument svg(kWidth, errors_top + kErrorHeight + 54.0);
-  svg.text({kLeft, 30.0}, title, {17.0, "#000000", SvgAnchor::start, true});
-  svg.text({kLeft, 51.0}, summary(evaluation), {13.0, kAxisColor});
-  draw_legend(svg, 80.0, evaluation.options.alignment != Alignment::none);
-  draw_map(svg, evaluation, map, view);
-  draw_errors(svg, evaluation, errors_top);
-  return svg.str();
+std::string plot_evaluations(std::span<const PlottedEstimate> estimates, const std::string& title,
+                             double width) {
+  std::string words;
+  for (const PlottedEstimate& one : estimates) {
+    words += (words.empty() ? "ATE rmse: " : ", ") + one.name + " " +
+             tick_label(one.evaluation->ate.rmse, 1e-3) + " m";
+  }
+  return draw(estimates, title, words, width);
+}
+
+std::string plot_evaluation(const Evaluation& evaluation, const std::string& title, double width) {
+  const bool aligned = evaluation.options.alignment != Alignment::none;
+  const PlottedEstimate one{aligned ? "estimate, aligned" : "estimate", &evaluation};
+  return draw(std::span(&one, 1), title, summary(evaluation), width);
 }
 
 }  // namespace adit

@@ -18,7 +18,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::array<std::string_view, 3> kAxisNames = {"x", "y", "z"};
-constexpr std::array kAxisColors = {kPlotRed, kPlotGreen, kPlotBlue};
 
 using Sweeps = std::vector<SweepRecord>;
 
@@ -57,18 +56,20 @@ Band band_of(const Sweeps& sweeps, const std::string& name, const std::vector<Ba
 }
 
 TimePanel states(const Sweeps& sweeps) {
-  const std::vector<BandClass> classes = {{"tracking", kPlotGreen},
-                                          {"coasting", kPlotOrange},
-                                          {"restarted", kPlotRed},
-                                          {"initializing", kPlotGrey}};
+  const std::vector<BandClass> classes = {{"tracking", kGoodColor},
+                                          {"coasting", kMiddlingColor},
+                                          {"restarted", kBadColor},
+                                          {"initializing", kUnknownColor}};
   return {.title = "Odometry",
           .bands = {band_of(sweeps, "sweep", classes, [](const auto& s) { return s.state; })},
           .classes = classes};
 }
 
 TimePanel inertial_states(const Sweeps& sweeps) {
-  const std::vector<BandClass> classes = {
-      {"fused", kPlotGreen}, {"starting", kPlotGrey}, {"lost", kPlotOrange}, {"refused", kPlotRed}};
+  const std::vector<BandClass> classes = {{"fused", kGoodColor},
+                                          {"starting", kUnknownColor},
+                                          {"lost", kMiddlingColor},
+                                          {"refused", kBadColor}};
   return {.title = "Inertial sensor",
           .bands = {band_of(sweeps, "IMU", classes, [](const auto& s) { return s.imu; })},
           .classes = classes};
@@ -76,7 +77,7 @@ TimePanel inertial_states(const Sweeps& sweeps) {
 
 TimePanel directions(const Sweeps& sweeps) {
   const std::vector<BandClass> classes = {
-      {"full", kPlotGreen}, {"partial", kPlotOrange}, {"none", kPlotRed}};
+      {"full", kGoodColor}, {"partial", kMiddlingColor}, {"none", kBadColor}};
   TimePanel panel{.title = "Directions held by matches, weakest first", .classes = classes};
   constexpr std::array<std::string_view, 3> kRanks = {"weakest", "second", "third"};
   for (const bool rotation : {false, true}) {
@@ -133,7 +134,7 @@ TimePanel innovations(const Sweeps& sweeps) {
        .values = values_of(sweeps, [](const auto& s) { return s.innovation_squared; }),
        .dots = true},
       {.name = "95 % of chi squared",
-       .color = kPlotGreen,
+       .color = kSeriesColors[2],
        .values = values_of(sweeps,
                            [](const SweepRecord& s) {
                              return s.innovation_degrees > 0.0
@@ -141,7 +142,7 @@ TimePanel innovations(const Sweeps& sweeps) {
                                         : kUnknown;
                            })},
       {.name = "gate",
-       .color = kPlotOrange,
+       .color = kGateColor,
        .values = values_of(sweeps, [](const auto& s) { return s.innovation_gate; }),
        .dash = "7 4"}};
   return panel;
@@ -158,8 +159,9 @@ TimePanel tilt(const Sweeps& sweeps) {
                             }),
         .sigma = values_of(sweeps, [](const auto& s) { return kDegrees * s.gravity_sigma; })};
   };
-  return {.title = "Gravity off the map's -z (degrees, band of one sigma)",
-          .curves = {towards(0, kPlotRed, "towards x"), towards(1, kPlotGreen, "towards y")}};
+  return {
+      .title = "Gravity off the map's -z (degrees, band of one sigma)",
+      .curves = {towards(0, kAxisColors[0], "towards x"), towards(1, kAxisColors[1], "towards y")}};
 }
 
 /// Roots of the traces of the covariances: `at` 0 of the position, 3 of the attitude.
@@ -171,7 +173,7 @@ TimePanel uncertainty(const Sweeps& sweeps, const std::string& title, double uni
   };
   return {.title = title,
           .curves = {{.name = "relative to the submap",
-                      .color = kPlotGreen,
+                      .color = kSeriesColors[1],
                       .values = values_of(
                           sweeps, [&](const auto& s) { return sigma(s.uncertainty.local); })},
                      {.name = "in the map",
@@ -186,7 +188,7 @@ TimePanel bounded_error(const PoseConsistency& found, Eigen::Index at) {
   const double unit = turn ? 1e3 : 100.0;
   const auto axis = static_cast<std::size_t>(at % 3);
   Curve error{.name = "error", .color = kAxisColors[axis], .values = {}};
-  Curve bound{.name = "3 sigma", .color = kPlotGrey, .values = {}};
+  Curve bound{.name = "3 sigma", .color = kSeriesColors[4], .values = {}};
   double largest = 0.0;
   for (std::size_t i = 0; i < found.errors.size(); ++i) {
     error.values.push_back(unit * found.errors[i][at]);
@@ -204,7 +206,7 @@ TimePanel bounded_error(const PoseConsistency& found, Eigen::Index at) {
 
 }  // namespace
 
-std::string draw_run(const RunReview& review) {
+std::string draw_run(const RunReview& review, double width) {
   const Sweeps& sweeps = review.sweeps;
   const std::vector<TimePanel> panels = {
       states(sweeps),
@@ -227,35 +229,34 @@ std::string draw_run(const RunReview& review) {
        .curves = axes_of(sweeps, 1.0, &SweepRecord::velocity)},
       uncertainty(sweeps, "How well the position is known (cm, one sigma of all axes)", 100.0, 0),
       uncertainty(sweeps, "How well the attitude is known (mrad, one sigma of all axes)", 1e3, 3)};
-  return draw_time_panels(review.times, panels);
+  return draw_time_panels(review.times, panels, width);
 }
 
-std::string draw_consistency(const RunReview& review, const PoseConsistency& consistency) {
+std::string draw_consistency(const RunReview& review, const PoseConsistency& consistency,
+                             double width) {
   std::vector<TimePanel> panels;
   for (Eigen::Index at = 0; at < 6; ++at) {
     panels.push_back(bounded_error(consistency, at));
   }
-  return draw_time_panels(review.times, panels);
+  return draw_time_panels(review.times, panels, width);
 }
 
 std::string run_page(const std::string& title, const std::string& report, const RunReview& review,
                      const RunTruth* truth) {
-  std::string body = "<h1>" + escape_markup(title) + "</h1>\n<pre>";
-  // Line by line: what escapes markup has no line ends.
-  for (std::size_t begin = 0; begin < report.size();) {
-    const std::size_t end = std::min(report.find('\n', begin), report.size());
-    body += escape_markup(std::string_view(report).substr(begin, end - begin)) + "\n";
-    begin = end + 1;
-  }
-  body += "</pre>\n";
+  std::string body = "<h1>" + escape_markup(title) + "</h1>\n" + html_text(report);
   if (truth != nullptr) {
-    body += "<h2>Against the truth</h2>\n" + plot_evaluation(truth->evaluation, title);
+    body += "<h2>Against the truth</h2>\n" + html_drawing([&](double width) {
+              return plot_evaluation(truth->evaluation, title, width);
+            });
     if (truth->consistency) {
       body += "<h2>Errors since the first sweep, and what the run said of them</h2>\n" +
-              draw_consistency(review, *truth->consistency);
+              html_drawing([&](double width) {
+                return draw_consistency(review, *truth->consistency, width);
+              });
     }
   }
-  return html_page(title, body + "<h2>Over time</h2>\n" + draw_run(review));
+  return html_page(title, body + "<h2>Over time</h2>\n" +
+                              html_drawing([&](double width) { return draw_run(review, width); }));
 }
 
 }  // namespace adit

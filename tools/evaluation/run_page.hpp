@@ -18,11 +18,12 @@ struct RunTruth {
 };
 
 /// States, directions, overlap, innovations, biases, gravity and uncertainty of a run over time, as
-/// an SVG. Empty without sweeps.
-std::string draw_run(const RunReview& review);
+/// an SVG of that width (px). Empty without sweeps.
+std::string draw_run(const RunReview& review, double width);
 
 /// The errors of a run's poses within bounds of three sigma over time, as an SVG.
-std::string draw_consistency(const RunReview& review, const PoseConsistency& consistency);
+std::string draw_consistency(const RunReview& review, const PoseConsistency& consistency,
+                             double width);
 
 /// Both as an HTML page that needs nothing else, with what there is to say in words and, where
 /// there is a truth, the trajectories and their error. `report` is the text of `adit evaluate`.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -81,16 +83,30 @@ InnovationReview review_innovations(const std::vector<SweepRecord>& sweeps) {
   return review;
 }
 
-std::optional<double> read_min_overlap(const std::filesystem::path& summary) {
+ordered_json read_summary(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(summary, error)) {
+  return std::filesystem::is_regular_file(file, error)
+             ? ordered_json::parse(read_text_file(file), nullptr, false)
+             : ordered_json();
+}
+
+/// What stands there, where it stands there and is of that type.
+template <class T>
+std::optional<T> value_at(const ordered_json& json, const char* pointer) {
+  const ordered_json::json_pointer at(pointer);
+  if (!json.is_object() || !json.contains(at)) {
     return std::nullopt;
   }
-  const ordered_json json = ordered_json::parse(read_text_file(summary), nullptr, false);
-  const ordered_json::json_pointer at("/configuration/registration/min_overlap");
-  return json.is_object() && json.contains(at) && json[at].is_number()
-             ? std::optional(json[at].get<double>())
-             : std::nullopt;
+  constexpr bool kText = std::is_same_v<T, std::string>;
+  const ordered_json& value = json[at];
+  return (kText ? value.is_string() : value.is_number()) ? std::optional(value.template get<T>())
+                                                         : std::nullopt;
+}
+
+RunEnding read_ending(const ordered_json& summary) {
+  return {.status = value_at<std::string>(summary, "/status").value_or(""),
+          .reason = value_at<std::string>(summary, "/reason").value_or(""),
+          .wanted = value_at<std::size_t>(summary, "/input/count")};
 }
 
 /// "394 tracking, 6 coasting".
@@ -170,15 +186,41 @@ RunReview review_sweeps(std::vector<SweepRecord> sweeps) {
 
 RunReview review_run(const std::filesystem::path& folder) {
   const RunFiles files(folder);
-  RunReview review = review_sweeps(read_sweep_table(files.sweeps));
-  review.min_overlap = read_min_overlap(files.summary);
+  const ordered_json summary = read_summary(files.summary);
+  RunEnding ending = read_ending(summary);
+  std::error_code error;
+  const bool begun = std::filesystem::file_size(files.sweeps, error) > 0 && !error;
+  RunReview review = review_sweeps(begun || ending.status.empty() ? read_sweep_table(files.sweeps)
+                                                                  : std::vector<SweepRecord>());
+  review.min_overlap = value_at<double>(summary, "/configuration/registration/min_overlap");
+  review.ending = std::move(ending);
   return review;
+}
+
+std::string describe(const RunEnding& ending, std::size_t sweeps) {
+  const std::string written = printed("%zu", sweeps) +
+                              (ending.wanted ? printed(" of %zu", *ending.wanted) : "") + " sweeps";
+  if (ending.status == "completed") {
+    return "completed, " + written;
+  }
+  if (ending.status.empty()) {
+    return "unknown how it ended, summary.json does not tell; " + written;
+  }
+  const std::string how = ending.status == "running"
+                              ? "was killed, or is still going on"
+                              : "ended early (" + ending.status + "): " + ending.reason;
+  return "NOT COMPLETE, it " + how + "; " + written + " are here";
 }
 
 std::string describe(const RunReview& review) {
   std::string text =
-      "sweeps       " + counted(review.sweeps, [](const SweepRecord& s) { return s.state; }) +
-      "\nimu          " + counted(review.sweeps, [](const SweepRecord& s) { return s.imu; }) + "\n";
+      review.ending ? "run          " + describe(*review.ending, review.sweeps.size()) + "\n" : "";
+  if (review.sweeps.empty()) {
+    return text;
+  }
+  text += "sweeps       " + counted(review.sweeps, [](const SweepRecord& s) { return s.state; }) +
+          "\nimu          " + counted(review.sweeps, [](const SweepRecord& s) { return s.imu; }) +
+          "\n";
   text += "weakly held  ";
   for (std::size_t i = 0; i < std::min(kNamed, review.weak.size()); ++i) {
     text += (i == 0 ? "" : "             ") + weak_text(review.weak[i]) + "\n";
@@ -214,6 +256,12 @@ std::string describe(const RunReview& review) {
 
 ordered_json to_json(const RunReview& review) {
   ordered_json json = {{"sweeps", review.sweeps.size()}};
+  if (review.ending) {
+    json["status"] = review.ending->status;
+    json["reason"] = review.ending->reason;
+    json["sweeps_wanted"] =
+        review.ending->wanted ? ordered_json(*review.ending->wanted) : ordered_json();
+  }
   json["weakly_held"] = ordered_json::array();
   for (const WeakStretch& weak : review.weak) {
     json["weakly_held"].push_back({{"begin_s", weak.begin},

@@ -35,18 +35,27 @@ struct InnovationReview {
   std::size_t beyond_gate = 0;  ///< not believed
 };
 
+/// How the run ended, by its summary.json.
+struct RunEnding {
+  std::string status;                 ///< RunEnd, or "running"; empty: it does not say
+  std::string reason;                 ///< for people
+  std::optional<std::size_t> wanted;  ///< sweeps that were to be mapped
+};
+
 struct RunReview {
   std::vector<SweepRecord> sweeps;
   std::vector<double> times;  ///< s after the first sweep
   std::vector<WeakStretch> weak;
   InnovationReview innovations;
   std::optional<double> min_overlap;  ///< that the run's settings asked for
+  std::optional<RunEnding> ending;    ///< none: these are not the sweeps of a run
 };
 
 /// Of sweeps in the order of time; without min_overlap.
 RunReview review_sweeps(std::vector<SweepRecord> sweeps);
 
-/// Of the folder of a run. Throws InputError where there is no sweeps.csv.
+/// Of the folder of a run, also of one that was killed. Throws InputError where there is no
+/// sweeps.csv.
 RunReview review_run(const std::filesystem::path& folder);
 
 /// The bound that 95 % stay below, chi squared of 1 to 6 degrees of freedom.
@@ -54,6 +63,9 @@ double chi_squared_95(int degrees);
 
 /// Angle between gravity in the map and -z, rad; NaN where it is not known.
 double tilt_of(const SweepRecord& sweep);
+
+/// "completed, 300 of 300 sweeps", or that the run was killed, stopped or failed.
+std::string describe(const RunEnding& ending, std::size_t sweeps);
 
 /// For people, and for programs.
 std::string describe(const RunReview& review);

@@ -15,23 +15,19 @@
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/inspection/motion_plots.hpp"
 #include "adit/tools/inspection/recording_inference.hpp"
+#include "adit/tools/inspection/unchecked.hpp"
 #include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kWidth = 960.0;   // px, of a topic's drawing
-constexpr double kHeight = 150.0;  // px
-constexpr std::string_view kLineColor = "#0a6ebd";
-constexpr std::string_view kGapColor = "#d1352b";
-constexpr std::string_view kAxisColor = "#555555";
-constexpr std::string_view kGridColor = "#e4e4e4";
+constexpr double kHeight = 150.0;  // px, of one panel with its title and axis
 
 /// A rectangle on the drawing and the ranges of the data that it shows.
 struct Panel {
   double left = 0.0;  // px
   double width = 0.0;
-  double top = 26.0;
+  double top = 0.0;
   double height = 92.0;
   double last = 1.0;  // s
   double low = 0.0;
@@ -43,19 +39,20 @@ struct Panel {
 };
 
 void draw_frame(SvgDocument& svg, const Panel& panel, std::string_view title) {
-  svg.text({panel.left, 16.0}, title, {.size = 11.0, .color = kAxisColor, .bold = true});
+  svg.text({panel.left, panel.top - 10.0}, title,
+           {.size = 12.0, .color = kTextColor, .bold = true});
   const std::vector<double> values = round_ticks(panel.low, panel.high, 4);
   const double value_step = values.size() > 1 ? values[1] - values[0] : 1.0;
   for (const double y : values) {
     svg.line(panel(0.0, y), panel(panel.last, y), {.color = kGridColor});
     svg.text(panel(0.0, y) + Eigen::Vector2d(-5.0, 3.5), tick_label(y, value_step),
-             {.size = 10.0, .color = kAxisColor, .anchor = SvgAnchor::end});
+             {.size = 11.0, .color = kAxisColor, .anchor = SvgAnchor::end});
   }
   const std::vector<double> times = round_ticks(0.0, panel.last, 4);
   const double step = times.size() > 1 ? times[1] - times[0] : 1.0;
   for (const double x : times) {
     svg.text(panel(x, panel.low) + Eigen::Vector2d(0.0, 14.0), tick_label(x, step),
-             {.size = 10.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+             {.size = 11.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
   }
   svg.rectangle({panel.left, panel.top}, {panel.width, panel.height}, {.color = kAxisColor});
 }
@@ -73,7 +70,7 @@ void draw_line(SvgDocument& svg, const Panel& panel, const TopicTimeline& timeli
                              std::clamp(value(timeline.bins()[i]), panel.low, panel.high)));
     }
   }
-  svg.polyline(points, {.color = kLineColor, .width = 1.3});
+  svg.polyline(points, {.color = kSeriesColors[0], .width = 1.3});
 }
 
 /// From the bins to so few that the eye can follow.
@@ -106,7 +103,7 @@ void draw_rate(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
   for (const Eigen::Vector2d& rate : rates) {
     points.push_back(panel(std::min(rate.x(), panel.last), rate.y()));
   }
-  svg.polyline(points, {.color = kLineColor, .width = 1.3});
+  svg.polyline(points, {.color = kSeriesColors[0], .width = 1.3});
 }
 
 void draw_intervals(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
@@ -119,8 +116,8 @@ void draw_intervals(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
     const double interval = timeline.bins()[i].largest_interval;
     if (s.period() > 0.0 && interval > 2.5 * s.period()) {
       const double x = timeline.bin_width() * (static_cast<double>(i) + 0.5);
-      svg.circle(panel(std::min(x, panel.last), 1e3 * interval), 3.5, kGapColor,
-                 {.color = kGapColor});
+      svg.circle(panel(std::min(x, panel.last), 1e3 * interval), 3.5, kBadColor,
+                 {.color = kBadColor});
     }
   }
 }
@@ -137,19 +134,24 @@ void draw_delay(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
             [](const TopicTimeline::Bin& bin) { return 1e3 * bin.greatest_delay; });
 }
 
-std::string drawing(const TopicStatistics& s) {
-  SvgDocument svg(kWidth, kHeight);
+/// The three panels: beside each other where there is room, else below each other.
+std::string drawing(const TopicStatistics& s, double width) {
+  constexpr double kLeft = 56.0;  // px, for the labels of a panel
+  const bool narrow = width < 600.0;
+  const double pitch = narrow ? width : (width + 6.0) / 3.0;
+  SvgDocument svg(width, narrow ? 3.0 * kHeight : kHeight);
   const double last = s.timeline.bin_width() *
                       static_cast<double>(std::max<std::size_t>(1, s.timeline.bins().size()));
-  constexpr double kPanelWidth = 250.0;
   const auto panel = [&](int i) {
-    return Panel{.left = 56.0 + 322.0 * i, .width = kPanelWidth, .last = last};
+    return Panel{.left = kLeft + (narrow ? 0.0 : pitch * i),
+                 .width = pitch - kLeft - 16.0,
+                 .top = 28.0 + (narrow ? kHeight * i : 0.0),
+                 .last = last};
   };
   draw_rate(svg, panel(0), s);
   draw_intervals(svg, panel(1), s);
   draw_delay(svg, panel(2), s);
-  const std::string file = svg.str();
-  return file.substr(file.find("<svg"));  // without the head of a file of its own
+  return svg.str();
 }
 
 std::string findings_part(const Inspection& inspection) {
@@ -163,20 +165,24 @@ std::string findings_part(const Inspection& inspection) {
     html += f.remedy.empty() ? "" : "<p>What to do: " + escape_markup(f.remedy) + "</p>";
     html += "</div>\n";
   }
-  return has_problem(inspection)
-             ? html
-             : html + "<div class=\"finding good\"><p>Nothing is wrong with it.</p></div>\n";
+  if (const std::string text = conclusion(inspection); !text.empty()) {
+    html += std::string("<div class=\"finding") + (has_problem(inspection) ? "" : " good") +
+            "\"><p>" + escape_markup(text) + ".</p></div>\n";
+  }
+  return html;
 }
 
 std::string topics_part(const Inspection& inspection) {
   std::string html =
-      "<table><tr><th>topic</th><th>type</th><th>kind</th><th>events</th><th>rate (Hz)</th>"
+      "<div class=\"scroll\"><table><tr><th>topic</th><th class=\"left\">type</th>"
+      "<th class=\"left\">kind</th><th>events</th><th>rate (Hz)</th>"
       "<th>span (s)</th><th>longest gap (s)</th><th>MiB</th></tr>\n";
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     const Topic& topic = inspection.topics[i];
     const TopicStatistics& s = inspection.statistics[i];
-    html += "<tr><td>" + escape_markup(topic.name) + "</td><td>" + escape_markup(topic.type) +
-            "</td><td>" + std::string(to_string(topic.kind)) + "</td>";
+    html += "<tr><td>" + escape_markup(topic.name) + "</td><td class=\"left\">" +
+            escape_markup(topic.type) + "</td><td class=\"left\">" +
+            std::string(to_string(topic.kind)) + "</td>";
     if (topic.kind == TopicKind::other) {
       html += "<td>" + (topic.messages ? std::to_string(*topic.messages) : "?") +
               "</td><td></td><td></td><td></td><td></td></tr>\n";
@@ -187,7 +193,7 @@ std::string topics_part(const Inspection& inspection) {
             printed("%.3f", s.largest_interval) + "</td><td>" +
             printed("%.2f", static_cast<double>(s.bytes) / 1048576.0) + "</td></tr>\n";
   }
-  return html + "</table>\n";
+  return html + "</table></div>\n";
 }
 
 /// How the range sensor lies to an IMU, as far as something tells.
@@ -218,7 +224,10 @@ std::string motion_part(const Inspection& inspection) {
                 "run</code> shows "
                 "the same of all sweeps, and the IMU's innovations.",
                 check.mapped.size(), begin) +
-            "</p>\n" + draw_run(review_sweeps(check.mapped)) + draw_turns(check) + "\n";
+            "</p>\n" + html_drawing([review = review_sweeps(check.mapped)](double width) {
+              return draw_run(review, width);
+            }) +
+            html_drawing([&check](double width) { return draw_turns(check, width); });
   }
   return html;
 }
@@ -236,9 +245,11 @@ std::string inspection_page(const Inspection& inspection) {
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     if (inspection.statistics[i].events > 1) {
       html += "<h2>" + escape_markup(inspection.topics[i].name) + "</h2>\n" +
-              drawing(inspection.statistics[i]) +
-              "\n<p>Times in seconds after the topic's first event.</p>\n";
-      html += draw_imu(inspection.statistics[i].imu, mounting_of(inspection, i));
+              html_drawing([&](double width) { return drawing(inspection.statistics[i], width); }) +
+              "<p>Times in seconds after the topic's first event.</p>\n";
+      html += html_drawing([&](double width) {
+        return draw_imu(inspection.statistics[i].imu, mounting_of(inspection, i), width);
+      });
     }
   }
   return html_page(inspection.description, html + motion_part(inspection));

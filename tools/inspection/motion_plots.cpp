@@ -16,14 +16,13 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::array<std::string_view, 3> kNames = {"x", "y", "z"};
-constexpr std::array kColors = {kPlotRed, kPlotGreen, kPlotBlue};
 
 /// One curve an axis; `vector(i)` at the i-th of `count` times.
 template <class Vector>
 std::vector<Curve> axes_of(std::size_t count, Vector&& vector) {
   std::vector<Curve> curves;
   for (std::size_t k = 0; k < kNames.size(); ++k) {
-    Curve curve{.name = std::string(kNames[k]), .color = kColors[k], .values = {}};
+    Curve curve{.name = std::string(kNames[k]), .color = kAxisColors[k], .values = {}};
     for (std::size_t i = 0; i < count; ++i) {
       curve.values.push_back(vector(i)[static_cast<Eigen::Index>(k)]);
     }
@@ -48,7 +47,7 @@ std::vector<const RestStretch*> rest_of(const ImuTimeline& timeline,
 TimePanel rest_panel(const ImuTimeline& timeline, const std::vector<const RestStretch*>& at_rest) {
   TimePanel panel{.title = "At rest, or moving evenly, as far as the readings tell",
                   .bands = {{.name = "IMU", .values = {}}},
-                  .classes = {{"at rest", kPlotGreen}, {"in motion", kPlotGrey}}};
+                  .classes = {{"at rest", kGoodColor}, {"in motion", kUnknownColor}}};
   for (std::size_t i = 0; i < at_rest.size(); ++i) {
     const bool known = timeline.bins()[i].turns > 0.0;
     panel.bands[0].values.push_back(!known ? -1 : at_rest[i] != nullptr ? 0 : 1);
@@ -59,8 +58,8 @@ TimePanel rest_panel(const ImuTimeline& timeline, const std::vector<const RestSt
 /// Angles of up off z, towards x and y.
 TimePanel up_panel(const ImuTimeline& timeline, const std::optional<Eigen::Matrix3d>& R_range_imu) {
   const Eigen::Matrix3d R = R_range_imu.value_or(Eigen::Matrix3d::Identity());
-  Curve x{.name = "towards x", .color = kPlotRed, .values = {}};
-  Curve y{.name = "towards y", .color = kPlotGreen, .values = {}};
+  Curve x{.name = "towards x", .color = kAxisColors[0], .values = {}};
+  Curve y{.name = "towards y", .color = kAxisColors[1], .values = {}};
   for (const ImuBin& bin : timeline.bins()) {
     const Eigen::Vector3d up = R * bin.acceleration();
     x.values.push_back(kDegrees * std::atan2(up.x(), up.z()));
@@ -73,7 +72,8 @@ TimePanel up_panel(const ImuTimeline& timeline, const std::optional<Eigen::Matri
 
 }  // namespace
 
-std::string draw_imu(const ImuStatistics& imu, const std::optional<Eigen::Matrix3d>& R_range_imu) {
+std::string draw_imu(const ImuStatistics& imu, const std::optional<Eigen::Matrix3d>& R_range_imu,
+                     double width) {
   const std::vector<ImuBin>& bins = imu.timeline.bins();
   const std::vector<RestStretch> stretches = rest_stretches(imu.timeline);
   const std::vector<const RestStretch*> at_rest = rest_of(imu.timeline, stretches);
@@ -99,10 +99,10 @@ std::string draw_imu(const ImuStatistics& imu, const std::optional<Eigen::Matrix
        .curves = {std::move(acceleration)},
        .gates = {{"gravity", kStandardGravity}}},
       up_panel(imu.timeline, R_range_imu)};
-  return draw_time_panels(times, panels, "time since the first reading (s)");
+  return draw_time_panels(times, panels, width, "time since the first reading (s)");
 }
 
-std::string draw_turns(const MotionCheck& check) {
+std::string draw_turns(const MotionCheck& check, double width) {
   const std::vector<ComparedTurn>& turns = check.turns;
   std::vector<double> times;
   for (const ComparedTurn& turn : turns) {
@@ -121,7 +121,7 @@ std::string draw_turns(const MotionCheck& check) {
       {.title = "Their difference (mrad a sweep)",
        .curves = of(
            1e3, [](const ComparedTurn& t) -> Eigen::Vector3d { return t.gyroscope - t.range; })}};
-  return draw_time_panels(times, panels, "time since the first sweep of the stretch (s)");
+  return draw_time_panels(times, panels, width, "time since the first sweep of the stretch (s)");
 }
 
 }  // namespace adit

@@ -18,9 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kWhatIsRead =
-    "A recording is an MCAP file, a ROS bag, a rosbag2 folder, a folder with velodyne/*.bin "
-    "(KITTI), with "
-    "velodyne_points/data/*.bin (KITTI raw), with .bin, .pcd, .ply or .las files, or one such file";
+    "A recording is an MCAP file, a ROS 1 bag, a rosbag2 folder or its .db3 file, a capture of "
+    "packets (.pcap, .pcapng); a folder of KITTI (velodyne/*.bin), KITTI raw "
+    "(velodyne_points/data/*.bin), EuRoC (mav0/) or TUM RGB-D (depth.txt); a folder of .bin, .pcd, "
+    ".ply or .las files, or one such file";
 
 /// What the first sweeps tell of the unit of their points' times (s); 0 for nothing. Damaged ones
 /// do not count.
@@ -145,8 +146,10 @@ class FileRecording final : public Recording {
 std::unique_ptr<Recording> open_file(const fs::path& path) {
   SweepFiles sweeps{.kind = sweep_file_kind(path), .files = {path}};
   if (sweeps.kind == nullptr) {
+    const std::string suffix = path.extension().string();
     throw InputError(path, {},
-                     "a file that ends in " + path.extension().string() + " is no recording",
+                     suffix.empty() ? "it is no recording, by its content, and has no suffix"
+                                    : "it is no recording, by its content or its suffix " + suffix,
                      kWhatIsRead);
   }
   sweeps.layout = std::string(sweeps.kind->name) + " file";

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/results/high_rate_output.hpp"
 
+#include <array>
+#include <charconv>
 #include <cstdio>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
+
+#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -24,12 +28,19 @@ std::string header() {
   return line + "\n";
 }
 
+/// A millionth of a part is enough for rates and covariances: half the length of a double's text.
+void append_single(std::string& line, double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value));
+  line.append(text.data(), end.ptr);
+}
+
 std::string csv_line(const LidarMotion& motion) {
   std::string line;
   append_stamp(line, motion.stamp);
   const auto put = [&](double value) {
     line += ',';
-    append_number(line, value);
+    append_single(line, value);
   };
   Eigen::Quaterniond q(motion.T_map_lidar.linear());
   q.normalize();
@@ -37,7 +48,10 @@ std::string csv_line(const LidarMotion& motion) {
     q.coeffs() = -q.coeffs();
   }
   const Eigen::Vector3d p = motion.T_map_lidar.translation();
-  for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}) {
+  for (const double value : {p.x(), p.y(), p.z()}) {
+    line += ',' + printed("%.6f", value);  // a micrometre, however far from the origin
+  }
+  for (const double value : {q.x(), q.y(), q.z(), q.w()}) {
     put(value);
   }
   for (const Eigen::Vector3d& vector : {motion.v_map_lidar, motion.angular_velocity}) {

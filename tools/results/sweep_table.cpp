@@ -25,6 +25,18 @@ void visit_vector(Vector& vector, const std::string& name, const std::string& un
   }
 }
 
+/// As read_any_trajectory() finds them.
+template <class Position, class Attitude, class Visitor>
+void visit_pose(Position& position, Attitude& attitude, Visitor&& field) {
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    field(std::string(kAxes[i]) + "_m", position[static_cast<Eigen::Index>(i)]);
+  }
+  constexpr std::array<std::string_view, 4> kParts = {"qx", "qy", "qz", "qw"};
+  for (std::size_t i = 0; i < kParts.size(); ++i) {
+    field(kParts[i], attitude[static_cast<Eigen::Index>(i)]);
+  }
+}
+
 template <class Directions, class Visitor>
 void visit_directions(Directions& directions, const std::string& name, const std::string& unit,
                       Visitor&& field) {
@@ -55,6 +67,7 @@ template <class Record, class Visitor>
 void visit(Record& record, Visitor&& field) {
   field("index", record.index);
   field("stamp_s", record.stamp);
+  visit_pose(record.position, record.attitude, field);
   field("state", record.state);
   field("registration", record.registration);
   field("keyframe", record.keyframe);
@@ -180,6 +193,10 @@ SweepRecord sweep_record(std::size_t index, const SweepResult& sweep) {
   SweepRecord record;
   record.index = static_cast<double>(index);
   record.stamp = sweep.stamp;
+  record.position = sweep.T_map_lidar.translation();
+  Eigen::Quaterniond attitude(sweep.T_map_lidar.linear());
+  attitude.coeffs() *= attitude.w() < 0.0 ? -1.0 : 1.0;
+  record.attitude = attitude.normalized().coeffs();
   record.state = to_string(sweep.state);
   record.keyframe = sweep.keyframe ? 1.0 : 0.0;
   record.deskewed = sweep.deskewed ? 1.0 : 0.0;
@@ -214,7 +231,8 @@ void SweepTableWriter::write(const SweepRecord& sweep) {
 }
 
 std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
-  const std::string text = read_text_file(file);
+  std::string text = read_text_file(file);
+  text.resize(text.rfind('\n') + 1);  // a kill may have cut the last line off
   LineReader lines(text);
   std::map<std::string_view, std::size_t> columns;
   const std::vector<std::string_view> names = cells_of(lines.next().value_or(""));

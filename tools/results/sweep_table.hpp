@@ -34,7 +34,9 @@ struct SweepDirection {
 struct SweepRecord {
   double index = kUnknown;  ///< in the recording, counted from 0
   Nanoseconds stamp{0};
-  std::string state;         ///< OdometryState
+  Eigen::Vector3d position = kUnknownVector;                       ///< of the lidar, map, m
+  Eigen::Vector4d attitude = Eigen::Vector4d::Constant(kUnknown);  ///< R_map_lidar: qx qy qz qw
+  std::string state;                                               ///< OdometryState
   std::string registration;  ///< RegistrationStatus; empty where nothing was aligned
   double keyframe = kUnknown;
   double deskewed = kUnknown;

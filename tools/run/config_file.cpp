@@ -230,6 +230,24 @@ Origins apply_file(Config& config, const fs::path& file) {
   return origins;
 }
 
+/// A shell takes quotes away, so that a text may come without them: imu.sensor=vn100.
+toml::table parsed_override(const std::string& section, const std::string& key,
+                            const std::string& value) {
+  const std::string line = "[" + section + "]\n" + key + " = ";
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("/_-.").find(static_cast<char>(c)) != std::string_view::npos;
+  };
+  try {
+    return toml::parse(line + value);
+  } catch (const toml::parse_error&) {
+    if (value.empty() || !std::ranges::all_of(value, plain)) {
+      throw;
+    }
+  }
+  return toml::parse(line + "\"" + value + "\"");
+}
+
 /// Applies "section.key=value" and returns the dotted name.
 std::string apply_override(Config& config, const std::string& text) {
   const auto refuse = [&](const std::string& why) {
@@ -249,11 +267,9 @@ std::string apply_override(Config& config, const std::string& text) {
   }
   try {
     Origins origins;
-    read_table(config, toml::parse("[" + section + "]\n" + key + " = " + text.substr(equals + 1)),
-               origins);
+    read_table(config, parsed_override(section, key, text.substr(equals + 1)), origins);
   } catch (const toml::parse_error&) {
-    refuse("'" + text.substr(equals + 1) +
-           "' is not a value. Write a number, or a text in quotes.");
+    refuse("'" + text.substr(equals + 1) + "' is not a value. Write a number, a text, or a list.");
   } catch (const Complaint& complaint) {
     refuse(complaint.found + ". " + complaint.remedy + ".");
   }

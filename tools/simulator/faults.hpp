@@ -25,6 +25,8 @@ enum class Fault {
   wrong_units,     ///< acceleration in g, rotation in degrees a second
   swapped_axes,    ///< the IMU is mounted turned by a quarter, and nothing says so
   blocked_sector,  ///< something covers 60 degrees of the range sensor, behind to the left
+  shock,           ///< a blow every 4 s: the mount rings at 40 Hz, up to 10 g and 1 rad/s
+  rain,            ///< drops scatter pulses back and take from what lies behind them
   truncated,       ///< the recorder was killed: the last fifth of the file is missing
   rare_spikes,     ///< one IMU reading in 1000 is damaged: one of its six numbers is anything up
                    ///< to twice what sensors can read
@@ -47,6 +49,8 @@ class FaultMaker {
   bool has(Fault fault) const;
 
   void distort(RangeSweep& sweep) const;
+
+  /// `sample` with its stamp counted from the start of the recording.
   void distort(ImuSample& sample) const;
 
   /// Whether an IMU message that was recorded at `time` from the start is missing on its own.

@@ -23,6 +23,13 @@ constexpr std::array kStyles{
     MotionStyle{.name = "drive", .height = 1.3},
     MotionStyle{.name = "walk", .height = 1.6, .speed_scale = 0.8, .step = 0.7},
     MotionStyle{.name = "handheld", .height = 1.4, .speed_scale = 0.7, .step = 0.65, .swing = 1.1},
+    MotionStyle{.name = "fast-handheld",
+                .height = 1.4,
+                .speed = 3.0,
+                .step = 1.05,
+                .bounce = 0.054,
+                .swing = 1.0,
+                .pace = 2.2},
     MotionStyle{.name = "stop-and-go", .height = 1.3, .stops = true},
     MotionStyle{.name = "moving-start", .height = 1.3, .rest = 0.0}};
 
@@ -119,7 +126,7 @@ Eigen::Isometry3d body_pose(const Path& path, const MotionStyle& style, const Sc
   at.z() += style.height;
   if (style.step > 0.0) {
     const double phase = kPi * distance / style.step;  // half a turn a step
-    at.z() += 0.025 * sine(2.0 * phase);
+    at.z() += style.bounce * sine(2.0 * phase);
     at += 0.02 * sine(phase) * left;
     roll += 0.02 * sine(phase + 0.4);
     pitch += 0.015 * sine(2.0 * phase + 0.9);
@@ -130,9 +137,10 @@ Eigen::Isometry3d body_pose(const Path& path, const MotionStyle& style, const Sc
   }
   if (style.swing > 0.0) {
     const double amount = smooth_step((time - style.rest) / 2.0);
-    yaw += amount * style.swing * sine(1.6 * (time - style.rest));
-    pitch += amount * 0.3 * style.swing * sine(1.1 * (time - style.rest) + 0.5);
-    roll += amount * 0.2 * style.swing * sine(0.9 * (time - style.rest) + 1.7);
+    const double phase = style.pace * (time - style.rest);
+    yaw += amount * style.swing * sine(1.6 * phase);
+    pitch += amount * 0.3 * style.swing * sine(1.1 * phase + 0.5);
+    roll += amount * 0.2 * style.swing * sine(0.9 * phase + 1.7);
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = rotation_from_yaw_pitch_roll(yaw, pitch, roll);
@@ -162,7 +170,8 @@ MotionStyle motion_named(std::string_view name) {
 SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, double duration,
                                  std::optional<double> speed, double begin) {
   const Path path(scene);
-  const double full = speed.value_or(scene.speed * style.speed_scale);
+  const double usual = style.speed > 0.0 ? style.speed : scene.speed * style.speed_scale;
+  const double full = speed.value_or(usual);
   const auto count = static_cast<int>(std::ceil(duration / kControlSpacing)) + 8;
   std::vector<Eigen::Isometry3d> poses;
   double distance = begin;

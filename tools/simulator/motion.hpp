@@ -19,15 +19,19 @@ struct MotionStyle {
   std::string_view name;
   double height = 1.5;       ///< m of the sensor above the floor
   double speed_scale = 1.0;  ///< of the scene's speed
+  double speed = 0.0;        ///< m/s, instead of the scene's; 0: that
   double step = 0.0;         ///< m between footfalls; 0: on wheels
+  double bounce = 0.025;     ///< m, up and down with each step
   double swing = 0.0;        ///< rad, how far the sensor is turned to the sides by hand
+  double pace = 1.0;         ///< how fast it is turned
   double rest = 1.0;         ///< s at rest before the start
   bool stops = false;        ///< stands still for a while now and then
 };
 
 std::vector<std::string> motion_names();
 
-/// drive, walk, handheld (turned at up to 2 rad/s), stop-and-go, moving-start (at full speed from
+/// drive, walk, handheld (turned at up to 2 rad/s), fast-handheld (run with, at 3 m/s, 15 m/s² and
+/// 4 rad/s), stop-and-go, moving-start (at full speed from
 /// the first moment). Throws UsageError for other names, with the nearest.
 MotionStyle motion_named(std::string_view name);
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
+#include "adit/tools/simulator/image_text.hpp"
 #include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/scene_view.hpp"
 
@@ -16,7 +18,9 @@ using Eigen::Vector3d;
 
 constexpr int kWidth = 1200;      // px
 constexpr int kViewHeight = 500;  // px
-constexpr Color kPath{214, 40, 40};
+constexpr Color kPath{213, 94, 0};
+constexpr Color kInk{20, 20, 20};
+constexpr Color kGround{255, 255, 255};
 
 Eigen::AlignedBox3d bounds_of(const Scene& scene) {
   Eigen::AlignedBox3f bounds;
@@ -51,6 +55,21 @@ void draw_path(Image& image, const Plan& plan, const SplineTrajectory& trajector
   }
 }
 
+/// What is what, and how large.
+void draw_words(Image& image, const Plan& plan, const Scene& scene) {
+  constexpr int kHeight = 26;  // px, of a line on its ground
+  const auto line = [&](int top, const std::string& words) {
+    fill(image, {0, top}, {text_width_px(words) + 16, kHeight}, kGround);
+    write_text(image, {8, top + 6}, words, kInk);
+  };
+  line(0, scene.name + " from above, x to the right, y up");
+  fill(image, {0, kHeight}, {text_width_px("path") + 60, kHeight}, kGround);
+  fill(image, {8, kHeight + 10}, {34, 4}, kPath);
+  write_text(image, {50, kHeight + 6}, "path", kInk);
+  draw_scale_bar(image, {plan.width - 24, plan.height - 20}, plan.scale);
+  line(plan.height, "from the way, ahead");
+}
+
 }  // namespace
 
 void write_scene_picture(const std::filesystem::path& file, const Scene& scene,
@@ -74,6 +93,7 @@ void write_scene_picture(const std::filesystem::path& file, const Scene& scene,
       }
     }
   });
+  draw_words(image, plan, scene);
   write_png(file, image);
 }
 

@@ -158,6 +158,8 @@ SimulationSummary simulate(
   const RangeSimulator& first = lidars.front().simulator();
   SimulationSummary summary;
   summary.triangles = scene.mesh.triangles.size();
+  summary.crossings = find_crossings([&](double time) { return first.pose(time); },
+                                     options.duration, first.still());
   ImuTrack imu(options, files, trajectory, fault_maker);
   std::optional<GnssTrack> gnss;
   if (options.gnss != "none") {

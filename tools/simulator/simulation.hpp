@@ -14,6 +14,7 @@
 
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/containers/compression.hpp"
+#include "adit/tools/simulator/crossings.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
 
@@ -81,8 +82,9 @@ struct SimulationSummary {
   std::size_t pulses = 0;
   std::size_t imu_samples = 0;
   std::size_t gnss_fixes = 0;
-  double path = 0.0;          ///< m
-  double fastest_turn = 0.0;  ///< rad/s
+  double path = 0.0;                  ///< m
+  double fastest_turn = 0.0;          ///< rad/s
+  std::vector<Crossing> crossings{};  ///< of the first range sensor with what stands still
 };
 
 /// Simulates and writes. The same options give the same bytes on any machine, where the compressor

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
+#include "adit/tools/simulator/image_text.hpp"
 #include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/scene_view.hpp"
 
@@ -22,6 +25,7 @@ constexpr int kWidth = 1600;    // px
 constexpr int kMostRows = 900;  // px of each of the two views
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr Color kPaper{246, 246, 246};
+constexpr Color kSensorColor{213, 94, 0};
 
 /// A point of the sweep, in the world and as the sensor was at the sweep's middle.
 struct Seen {
@@ -59,7 +63,7 @@ std::vector<Seen> seen_of(const RangeSweep& sweep, const RangeSimulator& lidar,
   return seen;
 }
 
-/// Violet, blue, green, yellow.
+/// From dark to light: violet, blue, green, yellow.
 Color heat(double share) {
   constexpr std::array<Color, 4> kStops{
       {{72, 20, 120}, {40, 105, 190}, {40, 170, 90}, {250, 205, 30}}};
@@ -133,6 +137,32 @@ void draw_around(Image& image, const Panorama& view, const RayScene& still,
   });
 }
 
+/// Ticks at multiples of thirty and of ten degrees.
+void draw_degrees(Image& image, int top, const Panorama& view) {
+  constexpr Color kInk{20, 20, 20};
+  constexpr Color kGround{255, 255, 255};
+  const auto label = [&](const Vector2i& at, int degrees) {
+    const std::string words = std::to_string(degrees);
+    fill(image, at - Vector2i(2, 2), {text_width_px(words) + 2, 18}, kGround);
+    write_text(image, at, words, kInk);
+  };
+  for (int azimuth = -180; azimuth <= 180; azimuth += 30) {
+    const int x = static_cast<int>(std::floor((view.high.x() - azimuth * kDegree) / view.scale));
+    if (x > 20 && x < image.width - 60) {
+      fill(image, {x, image.height - 10}, {2, 10}, kInk);
+      label({x + 6, image.height - 18}, azimuth);
+    }
+  }
+  for (int elevation = -90; elevation <= 90; elevation += 10) {
+    const int y =
+        top + static_cast<int>(std::floor((view.high.y() - elevation * kDegree) / view.scale));
+    if (y > top + 40 && y < image.height - 30) {
+      fill(image, {0, y}, {10, 2}, kInk);
+      label({14, y - 6}, elevation);
+    }
+  }
+}
+
 /// Around the sensor, as far as nine tenths of its points lie.
 Plan plan_around(const std::vector<Seen>& seen, const Vector3d& at) {
   std::vector<double> distances = {5.0};
@@ -155,6 +185,35 @@ void dot(Image& image, const Vector2i& at, int first_row, int end_row, int size,
       }
     }
   }
+}
+
+/// What is what, and how large; the plan is above, the panorama below.
+void draw_words(Image& image, const Plan& plan, const Panorama& around, const std::string& sensor) {
+  constexpr int kHeight = 26;  // px, of a line on its ground
+  constexpr Color kInk{20, 20, 20};
+  constexpr Color kGround{255, 255, 255};
+  const auto line = [&](int top, const std::string& words) {
+    fill(image, {0, top}, {text_width_px(words) + 16, kHeight}, kGround);
+    write_text(image, {8, top + 6}, words, kInk);
+  };
+  std::string name = sensor;
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  line(0, "a sweep of " + name + " from above, x to the right, y up");
+  const std::string low = "points by intensity, low ";
+  const std::string high = " high     sensor ";
+  constexpr int kBar = 120;  // px
+  const int bar = 8 + text_width_px(low);
+  fill(image, {0, kHeight}, {bar + kBar + text_width_px(high) + 30, kHeight}, kGround);
+  write_text(image, {8, kHeight + 6}, low, kInk);
+  for (int x = 0; x < kBar; ++x) {
+    fill(image, {bar + x, kHeight + 5}, {1, 16}, heat(static_cast<double>(x) / kBar));
+  }
+  write_text(image, {bar + kBar, kHeight + 6}, high, kInk);
+  fill(image, {bar + kBar + text_width_px(high), kHeight + 8}, {9, 9}, kSensorColor);
+  draw_scale_bar(image, {plan.width - 24, plan.height - 20}, plan.scale);
+  line(plan.height, "as the sensor sees it: azimuth to the left, elevation up, degrees");
+  draw_degrees(image, plan.height, around);
 }
 
 }  // namespace
@@ -181,7 +240,7 @@ void write_sweep_picture(const std::filesystem::path& file, const Scene& scene,
   for (const Seen& point : seen) {
     dot(image, plan.pixel(point.p_world), 0, plan.height, 2, heat(point.brightness));
   }
-  dot(image, plan.pixel(at) - Vector2i(3, 3), 0, plan.height, 7, {214, 40, 40});
+  dot(image, plan.pixel(at) - Vector2i(3, 3), 0, plan.height, 9, kSensorColor);
 
   Image panorama(kWidth, around.height);
   draw_around(panorama, around, lidar.still(), T_world_lidar);
@@ -190,6 +249,7 @@ void write_sweep_picture(const std::filesystem::path& file, const Scene& scene,
   }
   std::ranges::copy(panorama.pixels,
                     image.pixels.begin() + static_cast<std::ptrdiff_t>(plan.height) * kWidth);
+  draw_words(image, plan, around, lidar.sensor().name);
   write_png(file, image);
 }
 

@@ -2,30 +2,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/support/stop_signal.hpp"
 
+#include <array>
 #include <csignal>
+#include <cstddef>
 
 namespace adit {
 namespace {
+
+constexpr std::array kStops = {SIGINT, SIGTERM, SIGHUP};
 
 // A signal handler reaches nothing but variables of this kind.
 volatile std::sig_atomic_t received_signal = 0;
 
 extern "C" void note_signal(int signal) {
   received_signal = signal;
-  std::signal(signal, SIG_DFL);
+  for (const int stop : kStops) {
+    std::signal(stop, SIG_DFL);
+  }
 }
 
 }  // namespace
 
 StopSignal::StopSignal() {
   received_signal = 0;
-  earlier_interrupt_ = std::signal(SIGINT, note_signal);
-  earlier_terminate_ = std::signal(SIGTERM, note_signal);
+  for (std::size_t i = 0; i < kStops.size(); ++i) {
+    earlier_[i] = std::signal(kStops[i], note_signal);
+    if (kStops[i] == SIGHUP && earlier_[i] == SIG_IGN) {
+      std::signal(SIGHUP, SIG_IGN);
+    }
+  }
+  earlier_.back() = std::signal(SIGPIPE, SIG_IGN);
 }
 
 StopSignal::~StopSignal() {
-  std::signal(SIGINT, earlier_interrupt_);
-  std::signal(SIGTERM, earlier_terminate_);
+  for (std::size_t i = 0; i < kStops.size(); ++i) {
+    std::signal(kStops[i], earlier_[i]);
+  }
+  std::signal(SIGPIPE, earlier_.back());
 }
 
 int StopSignal::received() {

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 namespace adit {
 
-/// While it lives, the first SIGINT (Ctrl-C) or SIGTERM is noted instead of ending the process, so
-/// that work can end in good order; the second one ends it as usual. One at a time.
+/// While it lives, the first SIGINT (Ctrl-C), SIGTERM or SIGHUP (the terminal is closed) is noted
+/// instead of ending the process, so that work can end in good order; the second one ends it as
+/// usual. A SIGHUP that `nohup` had ignored stays ignored, and a pipe whose reader goes away ends
+/// nothing. One at a time.
 class StopSignal {
  public:
   StopSignal();
@@ -18,8 +22,7 @@ class StopSignal {
 
  private:
   using Handler = void (*)(int);
-  Handler earlier_interrupt_;
-  Handler earlier_terminate_;
+  std::array<Handler, 4> earlier_;
 };
 
 }  // namespace adit

@@ -6,6 +6,9 @@
 
 namespace adit {
 
+/// What pages and drawings carry, so that they are known for ours later.
+inline constexpr std::string_view kGenerator = "adit";
+
 /// "major.minor.patch", as the build sets it.
 std::string_view version();
 

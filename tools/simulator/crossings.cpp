@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/simulator/crossings.hpp"
+
+#include <cmath>
+
+namespace adit {
+
+std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(double)>& T_world_sensor,
+                                     double duration, const RayScene& still) {
+  constexpr double kStep = 0.02;    // s
+  constexpr double kApart = 0.5;    // s
+  constexpr double kAtRest = 1e-6;  // m
+  std::vector<Crossing> found;
+  double last = -kApart;
+  Eigen::Vector3d from = T_world_sensor(0.0).translation();
+  for (int i = 1; kStep * i <= duration; ++i) {
+    const double time = kStep * i;
+    const Eigen::Vector3d to = T_world_sensor(time).translation();
+    const double length = std::sqrt((to - from).squaredNorm());
+    if (length < kAtRest) {
+      continue;
+    }
+    if (const auto hit = still.cast(from, (to - from) / length, length)) {
+      if (time - last >= kApart) {
+        found.push_back({.time = time, .at = from + hit->distance / length * (to - from)});
+      }
+      last = time;
+    }
+    from = to;
+  }
+  return found;
+}
+
+}  // namespace adit
