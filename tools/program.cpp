@@ -17,6 +17,7 @@
 #include "tools/command_devices.hpp"
 #include "tools/command_evaluate.hpp"
 #include "tools/command_inspect.hpp"
+#include "tools/command_optimize.hpp"
 #include "tools/command_run.hpp"
 #include "tools/command_simulate.hpp"
 #include "tools/nearest_name.hpp"
@@ -99,6 +100,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_inspect_command(app, done);
   add_convert_command(app, done);
   add_evaluate_command(app, done);
+  add_optimize_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
   for (const AddCommand& add : more) {
