@@ -21,11 +21,11 @@ namespace adit {
 enum class InitialPoses { file, tree, chordal };
 
 struct OptimizeCommandOptions {
-  std::filesystem::path input;
-  std::optional<std::filesystem::path> output;
+  std::filesystem::path input{};
+  std::optional<std::filesystem::path> output{};
   ResidualConvention convention = ResidualConvention::quaternion;
   InitialPoses initial = InitialPoses::file;
-  RobustKernel loop_kernel;
+  RobustKernel loop_kernel{};
   int max_iterations = 100;
   bool direct = false;  ///< without condensing the chains of large graphs first
   bool json = false;

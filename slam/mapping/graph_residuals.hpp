@@ -27,15 +27,20 @@ Eigen::Matrix<double, kFreedom, 1> chosen_rows(const Vector6d& xi) {
   if constexpr (kFreedom == 6) {
     return xi;
   } else {
-    return {xi(kPlanarRows[0]), xi(kPlanarRows[1]), xi(kPlanarRows[2])};
+    return Eigen::Vector3d(xi(kPlanarRows[0]), xi(kPlanarRows[1]), xi(kPlanarRows[2]));
   }
 }
 
+/// The inverse of chosen_rows(), with zeros elsewhere.
 template <int kFreedom>
-Vector6d lifted(const double* delta) {
+Vector6d lifted(const double* rows) {
   Vector6d xi = Vector6d::Zero();
-  for (int i = 0; i < kFreedom; ++i) {
-    xi(kFreedom == 6 ? i : kPlanarRows[i]) = delta[i];
+  if constexpr (kFreedom == 6) {
+    xi = Eigen::Map<const Vector6d>(rows);
+  } else {
+    for (int i = 0; i < 3; ++i) {
+      xi(kPlanarRows[i]) = rows[i];
+    }
   }
   return xi;
 }

@@ -177,7 +177,7 @@ class GraphProblem {
                const OptimizationSettings& settings)
       : odometry_loss_(settings.odometry_kernel),
         loop_loss_(settings.loop_kernel),
-        problem_(options()) {
+        problem_(problem_options()) {
     blocks_.reserve(graph.nodes().size());
     for (const PoseNode& node : graph.nodes()) {
       blocks_.push_back(to_block(node.T_map_node));
@@ -220,7 +220,7 @@ class GraphProblem {
   }
 
  private:
-  static ceres::Problem::Options options() {
+  static ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

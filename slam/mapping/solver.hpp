@@ -23,8 +23,8 @@ struct OptimizationStep {
 
 struct OptimizationSettings {
   ResidualConvention convention = ResidualConvention::rotation;
-  RobustKernel odometry_kernel;
-  RobustKernel loop_kernel;
+  RobustKernel odometry_kernel{};
+  RobustKernel loop_kernel{};
   int max_iterations = 100;
   /// Converged once an iteration changes the cost by less than this part of it.
   double cost_tolerance = 1e-10;
@@ -34,7 +34,7 @@ struct OptimizationSettings {
   double initial_radius = 1e16;
   double cautious_radius = 1e4;
   /// Called after each iteration; false ends the optimisation.
-  std::function<bool(const OptimizationStep&)> on_step;
+  std::function<bool(const OptimizationStep&)> on_step{};
 };
 
 enum class Termination {

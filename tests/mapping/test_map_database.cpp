@@ -182,7 +182,7 @@ TEST(MapDatabase, CheckNamesWhatIsDamaged) {
   }
   {
     const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
-    raw.execute("UPDATE chunks SET zstd = x'28b52ffd0000' WHERE keyframe = 1 AND number = 0");
+    raw.execute("UPDATE chunks SET zstd = x'28b52ffd0000' WHERE keyframe = 1 AND number = 2");
     raw.execute("DELETE FROM chunks WHERE keyframe = 2 AND number = 1");
     raw.execute("UPDATE edges SET node_to = 77 WHERE id = 1");
     raw.execute("DELETE FROM places WHERE keyframe = 4");

@@ -53,8 +53,8 @@ INSTANTIATE_TEST_SUITE_P(
                         "parking-garage", {1.238691, 1.268384, 1.268385}, true, false, 5e-7},
                     PublicGraph{"torus3D", {14574.746, 24233.019, 24235.274}, false, true, 5e-4},
                     PublicGraph{"cubicle", {5946.67, 11465.6, 11483.7}, false, true, 0.05}),
-    [](const auto& info) {
-      std::string name = info.param.name;
+    [](const auto& test) {
+      std::string name = test.param.name;
       std::ranges::replace(name, '-', '_');
       return name;
     });

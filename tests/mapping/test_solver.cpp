@@ -92,7 +92,11 @@ TEST(PoseGraphSolver, OptimisesDisconnectedPartsEachInItsPlace) {
 }
 
 TEST(PoseGraphSolver, KernelsTakeTheWeightFromAWrongLoop) {
-  const SimulatedGraph simulated = simulated_graph({.nodes = 1200, .loops = 150, .seed = 3});
+  const SimulatedGraph simulated = simulated_graph({.nodes = 1200,
+                                                    .loops = 150,
+                                                    .seed = 3,
+                                                    .odometry_sigma = 0.005,
+                                                    .odometry_angle_sigma = 2e-4});
   PoseGraph graph = simulated.graph;
   PoseEdge wrong = graph.edges().back();
   wrong.from = 10;
