@@ -83,6 +83,10 @@ class CheckTree(unittest.TestCase):
     def test_vulkan_outside_the_engine_is_found(self):
         self.expect("engine/kernels/a.cpp", SPDX + "#include <vulkan/vulkan.h>\n", "only engine/")
 
+    def test_ceres_outside_its_file_is_found(self):
+        self.expect("slam/mapping/pose_graph.hpp", HEADER + "#include <ceres/ceres.h>\n", "only slam/mapping/solver.cpp")
+        self.assertEqual(check_tree.check({**SOUND, "slam/mapping/solver.cpp": SPDX + "#include <ceres/ceres.h>\n"}), [])
+
     def test_vulkan_through_a_header_is_found(self):
         tree = {**SOUND, "engine/vulkan/leak.hpp": HEADER + "#include <vulkan/vulkan.h>\n",
                 "slam/core/a.cpp": SPDX + '#include "adit/engine/vulkan/leak.hpp"\n'}

@@ -6,7 +6,8 @@
 # Runs where glibc is 2.36 or later and a Vulkan driver is installed. Called by `./dev package`.
 #
 # The C++ runtime is linked in rather than put beside: a bundled libstdc++.so would be the one that the
-# system's Vulkan driver gets as well, and a newer driver needs a newer one. The loader is C.
+# system's Vulkan driver gets as well, and a newer driver needs a newer one. The loader is C. Ceres and what
+# it needs are linked in too (docs/decisions/0015), which puts the program, not its source, under the GPL.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -20,7 +21,7 @@ die() { printf 'package: %s\n' "$*" >&2; exit 1; }
 link_flags='-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib'
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DADIT_TESTS=OFF \
-  -DADIT_PEERS=OFF -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
+  -DADIT_PEERS=OFF -DADIT_STATIC_CERES=ON -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
 cmake --build "$build" --target adit >&2
 
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
@@ -66,10 +67,33 @@ while read -r library path; do
   is_glibc "$library" || bundle "$library" "$path"
 done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 
-# Compiled in: header-only libraries and the C++ runtime.
-for package in libeigen3-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev libstdc++6; do
+# Compiled or linked in: header-only libraries, the C++ and Fortran runtimes, Ceres and what it needs.
+linked=(libceres-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libunwind-dev
+  liblzma-dev libgfortran-12-dev libstdc++6)
+for package in libeigen3-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev "${linked[@]}"; do
   add_license "$package"
 done
+for text in GPL-3 LGPL-2.1 Apache-2.0; do # which those files refer to
+  cp "/usr/share/common-licenses/$text" "$stage/licenses/$text.txt"
+done
+
+# What the package is, and where the source of each part of it is found: one line each.
+{
+  cat <<'EOT'
+The source of adit is under the Apache License 2.0 (LICENSE). The program bin/adit also contains Ceres with
+CHOLMOD, whose supernodal factorisation is under the GPL, version 2 or any later one. As a whole the program may
+therefore be passed on under the GPL, version 3 (licenses/GPL-3.txt). The Debian source packages of the versions
+below are its parts' complete source (https://snapshot.debian.org keeps all of them); adit's own is the
+repository at the version that `bin/adit --version` and `bin/adit bench` name. Who wants a program under the
+Apache License builds adit with a Ceres without SuiteSparse.
+
+Each part's licence is in licenses/NAME.txt.
+
+EOT
+  for package in "${!licensed[@]}"; do
+    dpkg-query -W -f '${Package} ${Version} (source ${source:Package} ${source:Version})\n' "$package" | head -n 1
+  done | LC_ALL=C sort
+} >"$stage/COMPONENTS.txt"
 
 # What was staged stands alone: nothing from outside but glibc, and no newer glibc than promised.
 for file in "$stage"/bin/* "$stage"/lib/*; do

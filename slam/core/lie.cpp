@@ -47,6 +47,21 @@ double cotangent_coefficient(double angle) {
                                                                      t * (1.0 / 74724249600.0))))));
 }
 
+/// d cotangent_coefficient / d a, divided by a. The series is the derivative of the one above.
+double cotangent_slope(double angle) {
+  const double t = angle * angle;
+  if (t > kSeriesSquaredAngle) {
+    const double half = 0.5 * angle;
+    const double sine = std::sin(half);
+    const double slope = 0.5 * std::cos(half) / sine - 0.5 * half / (sine * sine);
+    return -(slope / angle + 2.0 * cotangent_coefficient(angle)) / t;
+  }
+  return 2.0 * (1.0 / 720.0 + t * (2.0 / 30240.0 +
+                                   t * (3.0 / 1209600.0 +
+                                        t * (4.0 / 47900160.0 + t * (5.0 * 691.0 / 1307674368000.0 +
+                                                                     t * (6.0 / 74724249600.0))))));
+}
+
 /// The quaternion of a rotation matrix with a scalar part that is not negative.
 Eigen::Quaterniond short_quaternion(const Eigen::Matrix3d& rotation) {
   Eigen::Quaterniond q(rotation);
@@ -112,6 +127,25 @@ Vector6d se3_log(const Eigen::Isometry3d& pose) {
   Vector6d xi;
   xi << so3_right_jacobian_inverse(-phi) * pose.translation(), phi;
   return xi;
+}
+
+Matrix6d se3_right_jacobian_inverse(const Vector6d& xi) {
+  // With t = J_l(phi) rho the logarithm's first part is rho = J_l(phi)^-1 t, and what a rotation of
+  // the pose on the right does to it is the derivative of that by phi.
+  const Eigen::Vector3d phi = xi.tail<3>();
+  const Eigen::Vector3d t = so3_right_jacobian(-phi) * xi.head<3>();
+  const Eigen::Vector3d once = phi.cross(t);
+  const Eigen::Vector3d twice = phi.cross(once);
+  const double angle = phi.norm();
+  const Eigen::Matrix3d by_phi = 0.5 * skew(t) -
+                                 cotangent_coefficient(angle) * (skew(once) + skew(phi) * skew(t)) +
+                                 cotangent_slope(angle) * twice * phi.transpose();
+  const Eigen::Matrix3d rotation = so3_right_jacobian_inverse(phi);
+  Matrix6d result = Matrix6d::Zero();
+  result.topLeftCorner<3, 3>() = rotation;
+  result.topRightCorner<3, 3>() = by_phi * rotation;
+  result.bottomRightCorner<3, 3>() = rotation;
+  return result;
 }
 
 Eigen::Isometry3d retract(const Eigen::Isometry3d& pose, const Vector6d& xi) {

@@ -38,6 +38,9 @@ Eigen::Isometry3d se3_exp(const Vector6d& xi);
 /// Full logarithm of SE(3), [rho, phi] (m, rad).
 Vector6d se3_log(const Eigen::Isometry3d& pose);
 
+/// Inverse of SE(3)'s right Jacobian: Log(Exp(xi) Exp(d)) ~ xi + J d.
+Matrix6d se3_right_jacobian_inverse(const Vector6d& xi);
+
 /// The solvers' retraction (SO(3) x R3): R Exp(phi), p + R rho.
 Eigen::Isometry3d retract(const Eigen::Isometry3d& pose, const Vector6d& xi);
 

@@ -18,6 +18,7 @@
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
+#include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -101,6 +102,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_inspect_command(app, done);
   add_convert_command(app, done);
   add_evaluate_command(app, done);
+  add_optimize_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
   for (const AddCommand& add : more) {

@@ -9,6 +9,24 @@
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
+namespace {
+
+/// The path as SQLite's URI of a file that does not change.
+std::string frozen_uri(const std::filesystem::path& path) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string uri = "file:";
+  for (const char letter : std::filesystem::absolute(path).string()) {
+    if (std::string_view("%?#").find(letter) != std::string_view::npos) {
+      const auto byte = static_cast<unsigned char>(letter);
+      uri += {'%', kDigits[byte >> 4U], kDigits[byte & 15U]};
+    } else {
+      uri += letter;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
+}  // namespace
 
 void SqliteStatement::Closer::operator()(sqlite3_stmt* statement) const {
   sqlite3_finalize(statement);
@@ -33,6 +51,10 @@ int64_t SqliteStatement::integer(int column) const {
   return sqlite3_column_int64(statement_.get(), column);
 }
 
+double SqliteStatement::real(int column) const {
+  return sqlite3_column_double(statement_.get(), column);
+}
+
 std::string SqliteStatement::text(int column) const {
   const unsigned char* text = sqlite3_column_text(statement_.get(), column);
   return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);
@@ -50,6 +72,11 @@ SqliteStatement& SqliteStatement::bind(int parameter, int64_t value) {
   return *this;
 }
 
+SqliteStatement& SqliteStatement::bind(int parameter, double value) {
+  sqlite3_bind_double(statement_.get(), parameter, value);
+  return *this;
+}
+
 SqliteStatement& SqliteStatement::bind(int parameter, std::string_view text) {
   sqlite3_bind_text64(statement_.get(), parameter, text.data(), text.size(), SQLITE_TRANSIENT,
                       SQLITE_UTF8);
@@ -63,10 +90,13 @@ SqliteStatement& SqliteStatement::bind(int parameter, std::span<const std::byte>
 
 SqliteDatabase::SqliteDatabase(std::filesystem::path path, Mode mode)
     : path_(std::move(path)), mode_(mode) {
-  const int flags =
-      mode == Mode::read ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const bool frozen = mode == Mode::frozen;
+  const int flags = frozen               ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
+                    : mode == Mode::read ? SQLITE_OPEN_READONLY
+                                         : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const std::string name = frozen ? frozen_uri(path_) : path_.string();
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(path_.c_str(), &raw, flags, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &raw, flags, nullptr);
   database_.reset(raw);
   if (code != SQLITE_OK) {
     fail();
@@ -89,11 +119,11 @@ void SqliteDatabase::execute(const std::string& sql) const {
 
 void SqliteDatabase::fail() const {
   const std::string reason = sqlite3_errmsg(database_.get());
-  if (mode_ == Mode::create) {
+  if (mode_ == Mode::create || mode_ == Mode::update) {
     throw OutputError(path_, path_.string() + ": cannot be written: " + reason + ".");
   }
   throw InputError(path_, {}, "cannot be read as an SQLite database: " + reason,
-                   "The file is damaged or no recording: copy it again");
+                   "The file is damaged or something else: copy it again");
 }
 
 }  // namespace adit

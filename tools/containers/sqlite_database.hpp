@@ -25,10 +25,12 @@ class SqliteStatement {
   void reset();
 
   int64_t integer(int column) const;
+  double real(int column) const;
   std::string text(int column) const;
   std::span<const std::byte> blob(int column) const;  ///< valid until the next step()
 
   SqliteStatement& bind(int parameter, int64_t value);
+  SqliteStatement& bind(int parameter, double value);
   SqliteStatement& bind(int parameter, std::string_view text);
   SqliteStatement& bind(int parameter, std::span<const std::byte> blob);
 
@@ -49,9 +51,11 @@ class SqliteDatabase {
  public:
   enum class Mode {
     read,    ///< the file must exist and stays as it is
+    frozen,  ///< the same where nobody writes and the folder may not be written to either
     create,  ///< the file must not exist
+    update,  ///< the file is made where there is none
   };
-  /// Throws InputError (read) or OutputError (create).
+  /// Throws InputError (read, frozen) or OutputError (create, update).
   SqliteDatabase(std::filesystem::path path, Mode mode);
 
   const std::filesystem::path& path() const { return path_; }

@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The edges of a graph as whitened residuals, for the solver and for what is told of its result.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "adit/slam/mapping/between_factor.hpp"
+#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/mapping/solver.hpp"
+
+namespace adit {
+
+/// Where (x, y, yaw) stand in [rho, phi].
+inline constexpr int kPlanarRows[3] = {0, 1, 5};
+
+/// The rows of a tangent vector that a node of that many degrees of freedom has: all 6, or the
+/// plane's 3.
+template <int kFreedom>
+Eigen::Matrix<double, kFreedom, 1> chosen_rows(const Vector6d& xi) {
+  if constexpr (kFreedom == 6) {
+    return xi;
+  } else {
+    return Eigen::Vector3d(xi(kPlanarRows[0]), xi(kPlanarRows[1]), xi(kPlanarRows[2]));
+  }
+}
+
+/// The inverse of chosen_rows(), with zeros elsewhere.
+template <int kFreedom>
+Vector6d lifted(const double* rows) {
+  Vector6d xi = Vector6d::Zero();
+  if constexpr (kFreedom == 6) {
+    xi = Eigen::Map<const Vector6d>(rows);
+  } else {
+    for (int i = 0; i < 3; ++i) {
+      xi(kPlanarRows[i]) = rows[i];
+    }
+  }
+  return xi;
+}
+
+template <int kFreedom>
+Eigen::Matrix<double, kFreedom, kFreedom> chosen_block(const Matrix6d& matrix) {
+  if constexpr (kFreedom == 6) {
+    return matrix;
+  } else {
+    Eigen::Matrix3d block;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        block(row, column) = matrix(kPlanarRows[row], kPlanarRows[column]);
+      }
+    }
+    return block;
+  }
+}
+
+/// Rows whose squares add up to r' information r: upper triangular where the information is
+/// positive definite, scaled eigenvectors where it is not.
+template <int kFreedom>
+Eigen::Matrix<double, kFreedom, kFreedom> root_information(
+    const Eigen::Matrix<double, kFreedom, kFreedom>& information) {
+  using Matrix = Eigen::Matrix<double, kFreedom, kFreedom>;
+  const Eigen::LLT<Matrix> cholesky(information);
+  if (cholesky.info() == Eigen::Success) {
+    return cholesky.matrixU();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information);
+  return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+template <int kFreedom>
+struct WhitenedEdge {
+  Eigen::Matrix<double, kFreedom, 1> residual;
+  Eigen::Matrix<double, kFreedom, kFreedom> by_first;   ///< by the first node's tangent vector
+  Eigen::Matrix<double, kFreedom, kFreedom> by_second;  ///< by the second's
+};
+
+/// An edge's residual as a function of the poses of its nodes.
+template <int kFreedom>
+class EdgeResidual {
+ public:
+  EdgeResidual(const PoseEdge& edge, ResidualConvention convention)
+      : T_to_from_(edge.T_from_to.inverse()),
+        root_(root_information<kFreedom>(chosen_block<kFreedom>(edge.information))),
+        convention_(convention) {}
+
+  WhitenedEdge<kFreedom> linearized(const Eigen::Isometry3d& first, const Eigen::Isometry3d& second,
+                                    bool jacobians) const {
+    const Eigen::Isometry3d relative = first.inverse() * second;
+    const BetweenResidual between = between_residual(T_to_from_ * relative, convention_);
+    WhitenedEdge<kFreedom> edge;
+    edge.residual.noalias() = root_ * chosen_rows<kFreedom>(between.residual);
+    if (jacobians) {
+      edge.by_second.noalias() = root_ * chosen_block<kFreedom>(between.by_error);
+      edge.by_first.noalias() = edge.by_second * chosen_block<kFreedom>(error_by_first(relative));
+    }
+    return edge;
+  }
+
+ private:
+  Eigen::Isometry3d T_to_from_;
+  Eigen::Matrix<double, kFreedom, kFreedom> root_;
+  ResidualConvention convention_;
+};
+
+/// Of the active edges, with the nodes at these poses.
+std::vector<std::optional<EdgeResult>> edge_results(const PoseGraph& graph,
+                                                    std::span<const Eigen::Isometry3d> poses,
+                                                    const OptimizationSettings& settings);
+
+/// The sum of chi squared under the kernels.
+double cost_of(const PoseGraph& graph, std::span<const std::optional<EdgeResult>> edges,
+               const OptimizationSettings& settings);
+
+}  // namespace adit

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What mapping asks of the place where a map is kept. Who implements it returns from a call that
+// stores only once a loss of power could not take back what was stored.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/slam/mapping/pose_graph.hpp"
+
+namespace adit {
+
+using SessionId = int64_t;
+
+/// One recording's share of a map.
+struct MapSession {
+  SessionId id = 0;  ///< given by the store
+  std::string name;
+  std::string configuration;  ///< TOML, as `adit config` prints it
+  /// Where the session comes from: names and values such as input hashes, device, driver, version.
+  std::vector<std::pair<std::string, std::string>> provenance;
+};
+
+/// A node of the graph with the sweep it belongs to.
+struct MapKeyframe {
+  NodeId id = 0;
+  SessionId session = 0;
+  Nanoseconds stamp{0};
+  Eigen::Isometry3d T_map_keyframe = Eigen::Isometry3d::Identity();
+  bool fixed = false;
+  Matrix6d covariance = Matrix6d::Zero();  ///< of the pose, [rho, phi]: m^2, rad^2
+};
+
+/// What a keyframe has seen, in its own frame.
+struct MapSubmap {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero();  ///< corners of the box around it, m
+  Eigen::Vector3d upper = Eigen::Vector3d::Zero();
+  std::vector<std::vector<std::byte>> chunks;  ///< their content is mapping's own affair
+};
+
+enum class CandidateVerdict { waiting, accepted, rejected };
+
+/// A place that might have been seen before, and what became of that.
+struct LoopCandidate {
+  int64_t id = 0;  ///< given by the store
+  NodeId from = 0;
+  NodeId to = 0;
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  double score = 0.0;
+  double overlap = 0.0;
+  double chi2 = 0.0;
+  CandidateVerdict verdict = CandidateVerdict::waiting;
+  std::string reason;
+};
+
+/// Everything that comes with a new keyframe; it is stored as a whole or not at all.
+struct KeyframeRecord {
+  MapKeyframe keyframe;
+  MapSubmap submap;
+  std::vector<PoseEdge> edges;
+  std::vector<LoopCandidate> candidates;
+};
+
+class MapStore {
+ public:
+  virtual ~MapStore() = default;
+
+  virtual SessionId add_session(const MapSession& session) = 0;
+  virtual void store(const KeyframeRecord& record) = 0;
+  /// Edges and verdicts that come later, as a whole or not at all. Candidates with the id of a
+  /// stored one replace it.
+  virtual void store(std::span<const PoseEdge> edges,
+                     std::span<const LoopCandidate> candidates) = 0;
+  /// New poses of stored keyframes, as a whole or not at all.
+  virtual void store_poses(std::span<const PoseNode> nodes) = 0;
+  virtual void set_edge_status(std::size_t edge, EdgeStatus status) = 0;
+
+  virtual std::vector<MapSession> sessions() const = 0;
+  virtual std::vector<MapKeyframe> keyframes() const = 0;
+  /// Edges in the order in which they were stored: set_edge_status() counts them so.
+  virtual PoseGraph graph() const = 0;
+  virtual std::vector<LoopCandidate> candidates() const = 0;
+  virtual MapSubmap submap(NodeId keyframe) const = 0;
+  /// Keyframes whose submaps may reach into a box of the map frame (m), in order of ids.
+  virtual std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
+                                             const Eigen::Vector3d& upper) const = 0;
+};
+
+}  // namespace adit

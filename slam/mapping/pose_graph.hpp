@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Poses and what was measured between them, as plain values.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "adit/slam/core/lie.hpp"
+
+namespace adit {
+
+using NodeId = int64_t;
+
+struct PoseNode {
+  NodeId id = 0;
+  Eigen::Isometry3d T_map_node = Eigen::Isometry3d::Identity();
+  bool fixed = false;  ///< the optimisation leaves it where it is
+};
+
+/// Where an edge comes from; robust kernels are chosen by it.
+enum class EdgeKind { odometry, loop };
+
+/// Only active edges are optimised; the others stay on record.
+enum class EdgeStatus { active, candidate, revoked };
+
+/// A measured pose of node `to` in the frame of node `from`.
+struct PoseEdge {
+  NodeId from = 0;
+  NodeId to = 0;
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  /// Of the residual, ordered [translation, rotation] (1/m^2, 1/rad^2): symmetric, without negative
+  /// eigenvalues. Directions that the edge says nothing about have none.
+  Matrix6d information = Matrix6d::Identity();
+  EdgeKind kind = EdgeKind::odometry;
+  EdgeStatus status = EdgeStatus::active;
+};
+
+/// A graph that cannot be optimised. what() says which node or edge is wrong, and why.
+class GraphError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Nodes in order of their ids, edges in the order in which they were added.
+class PoseGraph {
+ public:
+  /// `planar`: poses are (x, y, yaw) in the plane z = 0 and edges are compared in these alone.
+  explicit PoseGraph(bool planar = false) : planar_(planar) {}
+
+  bool planar() const { return planar_; }
+  const std::vector<PoseNode>& nodes() const { return nodes_; }
+  const std::vector<PoseEdge>& edges() const { return edges_; }
+
+  /// Ids may come in any order; increasing ones cost nothing extra. Throws GraphError: the id is
+  /// taken, the pose is not finite or, in a planar graph, not in the plane.
+  void add_node(const PoseNode& node);
+
+  /// Throws GraphError: no such nodes, both the same, not finite, or an information that is not
+  /// symmetric or has a negative eigenvalue.
+  void add_edge(const PoseEdge& edge);
+
+  void set_status(std::size_t edge, EdgeStatus status) { edges_.at(edge).status = status; }
+  void set_fixed(NodeId id, bool fixed) { nodes_[index_of(id)].fixed = fixed; }
+  void set_pose(NodeId id, const Eigen::Isometry3d& T_map_node) {
+    nodes_[index_of(id)].T_map_node = T_map_node;
+  }
+  /// All poses at once, in the order of nodes().
+  void set_poses(std::span<const Eigen::Isometry3d> poses);
+
+  /// Positions in edges() of those that touch the node, whatever their status, as they were added.
+  std::span<const std::size_t> edges_of(NodeId id) const { return edges_of_[index_of(id)]; }
+  bool contains(NodeId id) const;
+  /// Position in nodes(). Throws GraphError where there is none of that id.
+  std::size_t index_of(NodeId id) const;
+
+ private:
+  bool planar_;
+  std::vector<PoseNode> nodes_;
+  std::vector<PoseEdge> edges_;
+  std::vector<std::vector<std::size_t>> edges_of_;  ///< of each node
+};
+
+/// Nodes that active edges tie to each other.
+struct GraphComponent {
+  NodeId first = 0;  ///< the lowest id
+  std::size_t nodes = 0;
+  std::size_t edges = 0;  ///< active ones
+  bool has_fixed_node = false;
+};
+
+/// Which component each node belongs to, in the order of nodes(); components in order of `first`.
+struct GraphComponents {
+  std::vector<GraphComponent> components;
+  std::vector<std::size_t> component_of;
+};
+GraphComponents connected_components(const PoseGraph& graph);
+
+/// First nodes of the components in which no node is fixed: held where they are, they give the
+/// others a place. In order of ids.
+std::vector<NodeId> nodes_to_hold(const GraphComponents& components);
+
+std::vector<Eigen::Isometry3d> poses_of(const PoseGraph& graph);
+
+}  // namespace adit

@@ -1,0 +1,332 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <span>
+#include <tuple>
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include "adit/slam/mapping/graph_residuals.hpp"
+
+namespace adit {
+namespace {
+
+// A node is a block of position and quaternion (x, y, z, qx, qy, qz, qw). Cost functions write
+// their Jacobians by the tangent vector into the first columns of the block's, which the manifold's
+// Jacobian of ones and zeros hands on: legal since every cost function here does so.
+constexpr int kBlock = 7;
+using Block = std::array<double, kBlock>;
+
+Block to_block(const Eigen::Isometry3d& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d& p = pose.translation();
+  return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+Eigen::Isometry3d to_pose(const double* block) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block);
+  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block + 3).normalized().toRotationMatrix();
+  return pose;
+}
+
+/// The decoupled retraction of lie.hpp. kFreedom 3: of (x, y, yaw) in the plane.
+template <int kFreedom>
+class PoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return kBlock; }
+  int TangentSize() const override { return kFreedom; }
+
+  bool Plus(const double* x, const double* delta, double* moved) const override {
+    const Block result = to_block(retract(to_pose(x), lifted<kFreedom>(delta)));
+    std::ranges::copy(result, moved);
+    return true;
+  }
+
+  bool PlusJacobian(const double*, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, kBlock, kFreedom, Eigen::RowMajor>>(jacobian).setIdentity();
+    return true;
+  }
+
+  bool Minus(const double* y, const double* x, double* delta) const override {
+    const Eigen::Isometry3d relative = to_pose(x).inverse() * to_pose(y);
+    Vector6d xi;
+    xi << relative.translation(), so3_log(relative.linear());
+    Eigen::Map<Eigen::Matrix<double, kFreedom, 1>>{delta} = chosen_rows<kFreedom>(xi);
+    return true;
+  }
+
+  bool MinusJacobian(const double*, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, kFreedom, kBlock, Eigen::RowMajor>>(jacobian).setIdentity();
+    return true;
+  }
+};
+
+template <int kFreedom>
+class BetweenCost final : public ceres::SizedCostFunction<kFreedom, kBlock, kBlock> {
+ public:
+  BetweenCost(const PoseEdge& edge, ResidualConvention convention) : residual_(edge, convention) {}
+
+  bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const override {
+    const Eigen::Isometry3d first = to_pose(blocks[0]);
+    const Eigen::Isometry3d second = to_pose(blocks[1]);
+    const bool wanted = jacobians != nullptr;
+    const WhitenedEdge<kFreedom> edge = residual_.linearized(first, second, wanted);
+    Eigen::Map<Eigen::Matrix<double, kFreedom, 1>>{residual} = edge.residual;
+    if (wanted) {
+      write(edge.by_first, jacobians[0]);
+      write(edge.by_second, jacobians[1]);
+    }
+    return edge.residual.allFinite();
+  }
+
+ private:
+  static void write(const Eigen::Matrix<double, kFreedom, kFreedom>& by_node, double* jacobian) {
+    if (jacobian != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, kFreedom, kBlock, Eigen::RowMajor>> whole(jacobian);
+      whole.setZero();
+      whole.template leftCols<kFreedom>() = by_node;
+    }
+  }
+
+  EdgeResidual<kFreedom> residual_;
+};
+
+class KernelLoss final : public ceres::LossFunction {
+ public:
+  explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}
+
+  void Evaluate(double squared, double result[3]) const override {
+    const KernelValue value = apply(kernel_, squared);
+    result[0] = value.cost;
+    result[1] = value.weight;
+    result[2] = value.curvature;
+  }
+
+ private:
+  RobustKernel kernel_;
+};
+
+/// Hands iterations on, and ends the solver where the caller wants it or its steps lead nowhere.
+class Watch final : public ceres::IterationCallback {
+ public:
+  Watch(const OptimizationSettings& settings, bool cautious)
+      : settings_(settings), cautious_(cautious) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    const bool rose = step.iteration > 0 && !step.step_is_successful;
+    rises_ = rose ? rises_ + 1 : 0;
+    if (settings_.on_step && !settings_.on_step({step.iteration, 2.0 * step.cost})) {
+      stopped_ = true;
+      return ceres::SOLVER_ABORT;
+    }
+    astray_ = !cautious_ && rises_ >= 2;
+    return astray_ ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+  bool stopped() const { return stopped_; }
+  bool astray() const { return astray_; }
+
+ private:
+  const OptimizationSettings& settings_;
+  bool cautious_;
+  int rises_ = 0;  ///< in a row
+  bool stopped_ = false;
+  bool astray_ = false;
+};
+
+/// The active edges in an order that does not depend on the one in which they were added.
+std::vector<std::size_t> canonical_order(const PoseGraph& graph) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    if (graph.edges()[i].status == EdgeStatus::active) {
+      order.push_back(i);
+    }
+  }
+  const auto numbers_of = [](const PoseEdge& edge) {
+    return std::pair(std::span(edge.T_from_to.data(), 16), std::span(edge.information.data(), 36));
+  };
+  std::ranges::sort(order, [&](std::size_t i, std::size_t j) {
+    const PoseEdge& a = graph.edges()[i];
+    const PoseEdge& b = graph.edges()[j];
+    const auto key = [](const PoseEdge& e) { return std::tuple(e.from, e.to, e.kind); };
+    if (key(a) != key(b)) {
+      return key(a) < key(b);
+    }
+    const auto [pose_a, information_a] = numbers_of(a);
+    const auto [pose_b, information_b] = numbers_of(b);
+    return !std::ranges::equal(pose_a, pose_b)
+               ? std::ranges::lexicographical_compare(pose_a, pose_b)
+               : std::ranges::lexicographical_compare(information_a, information_b);
+  });
+  return order;
+}
+
+/// A graph as Ceres's problem, over blocks of its nodes.
+template <int kFreedom>
+class GraphProblem {
+ public:
+  GraphProblem(const PoseGraph& graph, const std::vector<NodeId>& held,
+               const OptimizationSettings& settings)
+      : odometry_loss_(settings.odometry_kernel),
+        loop_loss_(settings.loop_kernel),
+        problem_(problem_options()) {
+    blocks_.reserve(graph.nodes().size());
+    for (const PoseNode& node : graph.nodes()) {
+      blocks_.push_back(to_block(node.T_map_node));
+    }
+    const std::vector<std::size_t> order = canonical_order(graph);
+    std::vector<bool> tied(blocks_.size());
+    for (const std::size_t i : order) {
+      const PoseEdge& edge = graph.edges()[i];
+      tied[graph.index_of(edge.from)] = true;
+      tied[graph.index_of(edge.to)] = true;
+    }
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (tied[i]) {
+        problem_.AddParameterBlock(blocks_[i].data(), kBlock, &manifold_);
+        if (graph.nodes()[i].fixed || std::ranges::binary_search(held, graph.nodes()[i].id)) {
+          problem_.SetParameterBlockConstant(blocks_[i].data());
+        }
+      }
+    }
+    for (const std::size_t i : order) {
+      const PoseEdge& edge = graph.edges()[i];
+      problem_.AddResidualBlock(new BetweenCost<kFreedom>(edge, settings.convention),
+                                loss(edge, settings), blocks_[graph.index_of(edge.from)].data(),
+                                blocks_[graph.index_of(edge.to)].data());
+    }
+    start_ = blocks_;
+  }
+
+  ceres::Problem& problem() { return problem_; }
+  void return_to_start() { blocks_ = start_; }  // in place: Ceres knows the blocks by their address
+  /// The graph's own where a node has not moved: a quaternion would change their last digits.
+  std::vector<Eigen::Isometry3d> poses(const PoseGraph& graph) const {
+    std::vector<Eigen::Isometry3d> result = poses_of(graph);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (blocks_[i] != start_[i]) {
+        result[i] = to_pose(blocks_[i].data());
+      }
+    }
+    return result;
+  }
+
+ private:
+  static ceres::Problem::Options problem_options() {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  ceres::LossFunction* loss(const PoseEdge& edge, const OptimizationSettings& settings) {
+    const bool loop = edge.kind == EdgeKind::loop;
+    const RobustKernel& kernel = loop ? settings.loop_kernel : settings.odometry_kernel;
+    return kernel.kernel == Kernel::none ? nullptr : loop ? &loop_loss_ : &odometry_loss_;
+  }
+
+  PoseManifold<kFreedom> manifold_;
+  KernelLoss odometry_loss_;
+  KernelLoss loop_loss_;
+  std::vector<Block> blocks_;
+  std::vector<Block> start_;
+  ceres::Problem problem_;
+};
+
+ceres::Solver::Options solver_options(const OptimizationSettings& settings, double radius) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type =
+      getenv("ADIT_EIGEN") ? ceres::EIGEN_SPARSE : ceres::SUITE_SPARSE;
+  options.initial_trust_region_radius = radius;
+  options.max_trust_region_radius = 1e32;
+  options.max_num_iterations = settings.max_iterations;
+  options.function_tolerance = settings.cost_tolerance;
+  options.parameter_tolerance = 1e-14;
+  options.max_solver_time_in_seconds = 1e18;  // time decides nothing
+  options.num_threads = 1;
+  options.minimizer_progress_to_stdout = false;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+Termination termination_of(const ceres::Solver::Summary& summary) {
+  switch (summary.termination_type) {
+    case ceres::CONVERGENCE:
+    case ceres::USER_SUCCESS:
+      return Termination::converged;
+    case ceres::NO_CONVERGENCE:
+      return Termination::iteration_limit;
+    default:
+      return Termination::failed;
+  }
+}
+
+template <int kFreedom>
+void solve(const PoseGraph& graph, const OptimizationSettings& settings, OptimizedGraph& result) {
+  OptimizationReport& report = result.report;
+  GraphProblem<kFreedom> problem(graph, report.held, settings);
+  for (const bool cautious : {false, true}) {
+    Watch watch(settings, cautious);
+    ceres::Solver::Options options =
+        solver_options(settings, cautious ? settings.cautious_radius : settings.initial_radius);
+    options.callbacks.push_back(&watch);
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem.problem(), &summary);
+    report.iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    report.termination = watch.stopped() ? Termination::stopped : termination_of(summary);
+    report.message = summary.message;
+    if (!watch.astray() && report.termination != Termination::failed) {
+      break;
+    }
+    if (!cautious) {
+      report.restarted = true;
+      problem.return_to_start();
+    }
+  }
+  result.poses = problem.poses(graph);
+}
+
+bool can_move(const PoseGraph& graph, const std::vector<NodeId>& held) {
+  const auto moves = [&](NodeId id) {
+    return !graph.nodes()[graph.index_of(id)].fixed && !std::ranges::binary_search(held, id);
+  };
+  return std::ranges::any_of(graph.edges(), [&](const PoseEdge& edge) {
+    return edge.status == EdgeStatus::active && (moves(edge.from) || moves(edge.to));
+  });
+}
+
+}  // namespace
+
+OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& settings) {
+  // What Ceres has to say comes back in its summary; glog would print it.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  const auto start = std::chrono::steady_clock::now();
+  OptimizedGraph result;
+  OptimizationReport& report = result.report;
+  report.components = connected_components(graph);
+  report.held = nodes_to_hold(report.components);
+  report.cost_before = graph_cost(graph, settings);
+  result.poses = poses_of(graph);
+  if (can_move(graph, report.held)) {
+    if (graph.planar()) {
+      solve<3>(graph, settings, result);
+    } else {
+      solve<6>(graph, settings, result);
+    }
+  }
+  report.edges = edge_results(graph, result.poses, settings);
+  report.cost_after = cost_of(graph, report.edges, settings);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace adit

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Least squares over a pose graph. solver.cpp is the one file that sees Ceres.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/mapping/between_factor.hpp"
+#include "adit/slam/mapping/pose_graph.hpp"
+
+namespace adit {
+
+/// The optimisation after one of its iterations.
+struct OptimizationStep {
+  int iteration = 0;
+  double cost = 0.0;
+};
+
+struct OptimizationSettings {
+  ResidualConvention convention = ResidualConvention::rotation;
+  RobustKernel odometry_kernel{};
+  RobustKernel loop_kernel{};
+  int max_iterations = 100;
+  /// Converged once an iteration changes the cost by less than this part of it.
+  double cost_tolerance = 1e-10;
+  /// Levenberg-Marquardt's first trust region. This one makes the first steps Gauss-Newton's, of
+  /// which a pose graph needs a sixth as many; where two in a row raise the cost the optimisation
+  /// starts again with `cautious_radius`.
+  double initial_radius = 1e16;
+  double cautious_radius = 1e4;
+  /// Called after each iteration; false ends the optimisation.
+  std::function<bool(const OptimizationStep&)> on_step{};
+};
+
+enum class Termination {
+  converged,
+  nothing_to_do,    ///< no active edge touches a node that may move
+  iteration_limit,  ///< of max_iterations
+  stopped,          ///< by on_step
+  failed,           ///< numerically; OptimizationReport::message says how
+};
+std::string_view to_string(Termination termination);
+
+/// An active edge at the end of the optimisation.
+struct EdgeResult {
+  double chi2 = 0.0;    ///< without kernel
+  double weight = 1.0;  ///< that the kernel leaves it
+};
+
+struct OptimizationReport {
+  Termination termination = Termination::nothing_to_do;
+  std::string message;       ///< the solver's own words
+  double cost_before = 0.0;  ///< sum of chi squared under the kernels, not halved
+  double cost_after = 0.0;
+  int iterations = 0;
+  bool restarted = false;  ///< with the cautious radius
+  double seconds = 0.0;
+  /// Of each edge in the graph's order; nothing for those that are not active.
+  std::vector<std::optional<EdgeResult>> edges;
+  GraphComponents components;
+  std::vector<NodeId>
+      held;  ///< nodes that stayed in place because nothing in their component is fixed
+};
+
+/// Poses in the order of the graph's nodes: the optimised ones, also where the iterations ended
+/// early or failed (then the best so far).
+struct OptimizedGraph {
+  std::vector<Eigen::Isometry3d> poses;
+  OptimizationReport report;
+};
+
+/// Minimises the sum of the active edges' squared residuals under their kernels. Deterministic: the
+/// order in which nodes and edges were added does not matter, and time decides nothing.
+OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& settings);
+
+/// The same sum where the graph's poses are.
+double graph_cost(const PoseGraph& graph, const OptimizationSettings& settings);
+
+}  // namespace adit

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "adit/benchmarks/simulated_graph.hpp"
+#include "adit/slam/mapping/pose_graph.hpp"
+
+namespace adit::test {
+
+inline PoseEdge edge(NodeId from, NodeId to, const Eigen::Isometry3d& T_from_to,
+                     double information = 100.0) {
+  PoseEdge edge;
+  edge.from = from;
+  edge.to = to;
+  edge.T_from_to = T_from_to;
+  edge.information *= information;
+  edge.kind = to - from == 1 ? EdgeKind::odometry : EdgeKind::loop;
+  return edge;
+}
+
+inline Eigen::Isometry3d step(double x, double yaw = 0.0) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation().x() = x;
+  pose.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return pose;
+}
+
+/// The largest difference between entries of two lists of poses.
+inline double largest_difference(const std::vector<Eigen::Isometry3d>& a,
+                                 const std::vector<Eigen::Isometry3d>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, (a[i].matrix() - b[i].matrix()).cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+}  // namespace adit::test

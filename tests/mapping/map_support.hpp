@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "adit/tests/mapping/graph_support.hpp"
+#include "adit/tools/maps/map_database.hpp"
+
+namespace adit::test {
+
+/// The keyframe of that number, 10 m on along x from the one before, with three chunks.
+inline KeyframeRecord record(NodeId id, SessionId session) {
+  KeyframeRecord record;
+  record.keyframe.id = id;
+  record.keyframe.session = session;
+  record.keyframe.stamp = Nanoseconds(1'700'000'000'123'456'789 + 100'000'000 * id);
+  record.keyframe.T_map_keyframe = step(10.0 * static_cast<double>(id), 0.0);
+  record.keyframe.covariance = Matrix6d::Identity() / (3.0 + static_cast<double>(id));
+  record.submap.lower = {-4.0, -3.0, -1.0};
+  record.submap.upper = {5.0, 3.0, 2.0};
+  for (std::size_t chunk = 0; chunk < 3; ++chunk) {
+    std::vector<std::byte> bytes(1000 * chunk);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      bytes[i] = static_cast<std::byte>((i * i + chunk + static_cast<std::size_t>(id)) % 251);
+    }
+    record.submap.chunks.push_back(bytes);
+  }
+  if (id > 0) {
+    record.edges.push_back(edge(id - 1, id, step(10.0), 100.0 + static_cast<double>(id) / 3.0));
+  }
+  return record;
+}
+
+inline SessionId add_session(MapStore& map) {
+  return map.add_session({.name = "first",
+                          .configuration = "[odometry]\nr_input = 0.25\n",
+                          .provenance = {{"input", "abc123"}, {"device", "llvmpipe"}}});
+}
+
+inline std::string dump_of(const MapDatabase& map) {
+  std::string text;
+  map.dump([&](std::string_view line) { text += std::string(line) + "\n"; });
+  return text;
+}
+
+}  // namespace adit::test

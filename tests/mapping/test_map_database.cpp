@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/maps/map_database.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/mapping/map_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+using test::dump_of;
+using test::record;
+
+template <class Action>
+std::string error_of(const Action& action) {
+  try {
+    action();
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(MapDatabase, HoldsWhatWasStored) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  std::string written;
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 20; ++id) {
+      map.store(record(id, session));
+    }
+    map.set_edge_status(3, EdgeStatus::revoked);
+    written = dump_of(map);
+  }
+  EXPECT_FALSE(fs::exists(file.string() + "-wal")) << "a clean end leaves one file";
+  EXPECT_FALSE(fs::exists(file.string() + ".lock"));
+  const MapDatabase map(file, MapAccess::read);
+  EXPECT_EQ(dump_of(map), written);
+  EXPECT_TRUE(map.check().empty());
+  const std::vector<MapKeyframe> keyframes = map.keyframes();
+  ASSERT_EQ(keyframes.size(), 20U);
+  const KeyframeRecord expected = record(7, 1);
+  EXPECT_EQ(keyframes[7].T_map_keyframe.matrix(), expected.keyframe.T_map_keyframe.matrix());
+  EXPECT_EQ(keyframes[7].covariance, expected.keyframe.covariance);
+  EXPECT_EQ(keyframes[7].stamp, expected.keyframe.stamp);
+  EXPECT_EQ(map.submap(7).chunks, expected.submap.chunks);
+  EXPECT_EQ(map.graph().edges()[3].status, EdgeStatus::revoked);
+  EXPECT_EQ(map.graph().edges()[4].information, record(5, 1).edges[0].information);
+  EXPECT_EQ(map.sessions()[0].provenance, (std::vector<std::pair<std::string, std::string>>{
+                                              {"device", "llvmpipe"}, {"input", "abc123"}}));
+}
+
+TEST(MapDatabase, StoresARecordAsAWholeOrNotAtAll) {
+  const test::TemporaryFolder folder;
+  MapDatabase map(folder / "map.adit", MapAccess::write);
+  const SessionId session = test::add_session(map);
+  map.store(record(0, session));
+  const std::string before = dump_of(map);
+  KeyframeRecord wrong = record(1, session);
+  wrong.edges.front().from = 99;  // no such keyframe
+  EXPECT_NE(error_of([&] { map.store(wrong); }).find("FOREIGN KEY"), std::string::npos);
+  EXPECT_EQ(dump_of(map), before);
+  map.store(record(1, session));
+  EXPECT_NE(error_of([&] { map.store(record(1, session)); }).find("UNIQUE"), std::string::npos);
+}
+
+TEST(MapDatabase, FindsSubmapsByPlaceAlsoWhereThatHasChanged) {
+  const test::TemporaryFolder folder;
+  MapDatabase map(folder / "map.adit", MapAccess::write);
+  const SessionId session = test::add_session(map);
+  for (NodeId id = 0; id < 50; ++id) {
+    map.store(record(id, session));  // along x, 10 m apart, each reaching 4 m
+  }
+  const auto near = [&](double x) {
+    return map.submaps_within({x - 1.0, -1.0, -1.0}, {x + 1.0, 1.0, 1.0});
+  };
+  EXPECT_EQ(near(100.0), std::vector<NodeId>{10});
+  EXPECT_EQ(near(105.0), (std::vector<NodeId>{10, 11}));
+  EXPECT_TRUE(near(-20.0).empty());
+  std::vector<PoseNode> moved = {
+      {.id = 10, .T_map_node = record(10, session).keyframe.T_map_keyframe}};
+  moved[0].T_map_node.translation().x() = -20.0;
+  map.store_poses(moved);
+  EXPECT_TRUE(near(100.0).empty());
+  EXPECT_EQ(near(-20.0), std::vector<NodeId>{10});
+  EXPECT_EQ(map.keyframes()[10].T_map_keyframe.translation().x(), -20.0);
+}
+
+TEST(MapDatabase, CandidatesAreReplacedById) {
+  const test::TemporaryFolder folder;
+  MapDatabase map(folder / "map.adit", MapAccess::write);
+  const SessionId session = test::add_session(map);
+  map.store(record(0, session));
+  map.store(record(1, session));
+  LoopCandidate candidate{.from = 1, .to = 0, .overlap = 0.5, .reason = "waits"};
+  map.store({}, std::vector{candidate});
+  candidate = map.candidates().at(0);
+  EXPECT_EQ(candidate.reason, "waits");
+  candidate.verdict = CandidateVerdict::accepted;
+  candidate.reason = "three agree";
+  PoseEdge edge = record(1, session).edges.front();
+  edge.kind = EdgeKind::loop;
+  map.store(std::vector{edge}, std::vector{candidate});
+  ASSERT_EQ(map.candidates().size(), 1U);
+  EXPECT_EQ(map.candidates()[0].verdict, CandidateVerdict::accepted);
+  EXPECT_EQ(map.graph().edges().back().kind, EdgeKind::loop);
+}
+
+TEST(MapDatabase, ReadersSeeWhatIsStoredWhileOneWrites) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  MapDatabase map(file, MapAccess::write);
+  const SessionId session = test::add_session(map);
+  map.store(record(0, session));
+  const MapDatabase first(file, MapAccess::read);
+  const MapDatabase second(file, MapAccess::read);
+  EXPECT_EQ(first.keyframes().size(), 1U);
+  map.store(record(1, session));
+  EXPECT_EQ(first.keyframes().size(), 2U);
+  EXPECT_EQ(dump_of(second), dump_of(map));
+  EXPECT_NE(error_of([&] {
+              MapDatabase other(file, MapAccess::read);
+              other.set_edge_status(0, EdgeStatus::revoked);
+            }).find("readonly"),
+            std::string::npos);
+}
+
+TEST(MapDatabase, SaysWhatAFileIsThatIsNoMap) {
+  const test::TemporaryFolder folder;
+  EXPECT_NE(error_of([&] {
+              MapDatabase map(folder / "none.adit", MapAccess::read);
+            }).find("there is no such file"),
+            std::string::npos);
+  const fs::path text = folder.write("text.adit", std::string(5000, 'x'));
+  EXPECT_NE(error_of([&] { MapDatabase map(text, MapAccess::read); }).find("not a database"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { MapDatabase map(text, MapAccess::write); }).find("not a database"),
+            std::string::npos);
+  const fs::path other = folder / "other.adit";
+  SqliteDatabase(other, SqliteDatabase::Mode::create).execute("CREATE TABLE t(a)");
+  EXPECT_NE(error_of([&] { MapDatabase map(other, MapAccess::read); }).find("but no map"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { MapDatabase map(other, MapAccess::write); }).find("but no map"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] {
+              MapDatabase map(folder / "no/map.adit", MapAccess::write);
+            }).find("No such file or directory"),
+            std::string::npos);
+}
+
+TEST(MapDatabase, RefusesANewerSchemaAndLeavesItAsItIs) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  { MapDatabase map(file, MapAccess::write); }
+  {
+    const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
+    raw.execute("PRAGMA user_version = 7");
+  }
+  for (const MapAccess access : {MapAccess::read, MapAccess::write}) {
+    const std::string error = error_of([&] { MapDatabase map(file, access); });
+    EXPECT_NE(error.find("its schema is 7, this one knows up to 1"), std::string::npos) << error;
+  }
+}
+
+TEST(MapDatabase, CheckNamesWhatIsDamaged) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 5; ++id) {
+      map.store(record(id, session));
+    }
+  }
+  {
+    const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
+    raw.execute("UPDATE chunks SET zstd = x'28b52ffd0000' WHERE keyframe = 1 AND number = 2");
+    raw.execute("DELETE FROM chunks WHERE keyframe = 2 AND number = 1");
+    raw.execute("UPDATE edges SET node_to = 77 WHERE id = 1");
+    raw.execute("DELETE FROM places WHERE keyframe = 4");
+  }
+  const MapDatabase map(file, MapAccess::read);
+  const std::vector<std::string> problems = map.check();
+  const auto told = [&](const std::string& words) {
+    return std::ranges::any_of(problems, [&](const std::string& problem) {
+      return problem.find(words) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(told("submap 1 has a damaged chunk"));
+  EXPECT_TRUE(told("submap 2 has 2 of 3 chunks"));
+  EXPECT_TRUE(told("a row of the table edges refers to one of keyframes that is missing"));
+  EXPECT_TRUE(told("submap 4 is missing from the index of places"));
+  EXPECT_EQ(map.keyframes().size(), 5U) << "the rest can be read";
+  EXPECT_EQ(map.submap(3).chunks.size(), 3U);
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_optimize.hpp"
+
+#include <array>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "adit/slam/mapping/solver.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/program.hpp"
+#include "adit/tools/maps/g2o_file.hpp"
+
+namespace adit {
+namespace {
+
+/// Three nodes on a line whose third edge is 0.3 m too long: each edge takes 0.1 m.
+constexpr const char* kTriangle =
+    "VERTEX_SE2 0 0 0 0\n"
+    "VERTEX_SE2 1 1 0 0\n"
+    "VERTEX_SE2 2 2 0 0\n"
+    "EDGE_SE2 0 1 1 0 0 100 0 0 100 0 100\n"
+    "EDGE_SE2 1 2 1 0 0 100 0 0 100 0 100\n"
+    "EDGE_SE2 0 2 2.3 0 0 100 0 0 100 0 100\n";
+
+struct Ran {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+Ran run(const OptimizeCommandOptions& options) {
+  std::ostringstream out;
+  std::ostringstream err;
+  const int code = optimize_command(options, out, err);
+  return {code, out.str(), err.str()};
+}
+
+TEST(OptimizeCommand, WritesTheOptimisedGraphAndSaysWhatItCosts) {
+  const test::TemporaryFolder folder;
+  const auto input = folder.write("in.g2o", kTriangle);
+  const Ran ran = run({.input = input, .output = folder / "out.g2o"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.err, "");
+  EXPECT_NE(ran.out.find("3 nodes, 3 edges (1 loops), SE(2)"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("held         node 0, since none is fixed"), std::string::npos);
+  EXPECT_NE(ran.out.find("cost         9 in the file, 3 optimized"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("worst edges"), std::string::npos);
+  const PoseGraph graph = read_g2o(folder / "out.g2o").graph;
+  EXPECT_NEAR(graph.nodes()[2].T_map_node.translation().x(), 2.2, 1e-9);
+}
+
+TEST(OptimizeCommand, ReportsAsJson) {
+  const test::TemporaryFolder folder;
+  const auto input = folder.write("in.g2o", std::string(kTriangle) + "VERTEX_SE2 9 5 5 0\n");
+  const Ran ran = run({.input = input, .initial = InitialPoses::chordal, .json = true});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  for (const char* part : {"\"termination\": \"converged\"", "\"initial\": \"chordal\"",
+                           "\"worst_edges\"", "\"line\": 6", "\"first\": 9"}) {
+    EXPECT_NE(ran.out.find(part), std::string::npos) << part << " in " << ran.out;
+  }
+}
+
+TEST(OptimizeCommand, NamesPartsThatNothingTies) {
+  const test::TemporaryFolder folder;
+  const auto input = folder.write("in.g2o", std::string(kTriangle) + "VERTEX_SE2 9 5 5 0\n");
+  const Ran ran = run({.input = input});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.out.find("components   2, without an edge between them"), std::string::npos);
+  EXPECT_NE(ran.out.find("from node 9: 1 nodes, 0 edges, held at its first node"),
+            std::string::npos)
+      << ran.out;
+}
+
+TEST(OptimizeCommand, FailsOnDamagedFilesWithTheirLine) {
+  const test::TemporaryFolder folder;
+  const Ran damaged =
+      run({.input = folder.write("bad.g2o", std::string(kTriangle) + "EDGE_SE2 0 7 1")});
+  EXPECT_EQ(damaged.code, 1);
+  EXPECT_NE(damaged.err.find("bad.g2o, line 7: words after EDGE_SE2: 3, expected 11"),
+            std::string::npos)
+      << damaged.err;
+  EXPECT_EQ(run({.input = folder / "none.g2o"}).code, 1);
+}
+
+TEST(OptimizeCommand, DoesNotWriteOverItsInputNorIntoNoFolder) {
+  const test::TemporaryFolder folder;
+  const auto input = folder.write("in.g2o", kTriangle);
+  EXPECT_EQ(run({.input = input, .output = input}).code, 2);
+  EXPECT_EQ(run({.input = input, .output = folder / "none/out.g2o"}).code, 1);
+}
+
+TEST(OptimizeCommand, SaysWhereIterationsDidNotDo) {
+  const test::TemporaryFolder folder;
+  const auto input = folder.write("in.g2o", kTriangle);
+  const Ran ran = run({.input = input, .output = folder / "out.g2o", .max_iterations = 1});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.err.find("not converged after 1 iterations"), std::string::npos) << ran.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out.g2o")) << "what there is, is written";
+}
+
+TEST(OptimizeCommand, TakesItsOptionsFromTheCommandLine) {
+  const test::TemporaryFolder folder;
+  const std::string input = folder.write("in.g2o", kTriangle).string();
+  const auto code = [&](auto... words) {
+    const std::array<const char*, sizeof...(words) + 3> line = {"adit", "optimize", input.c_str(),
+                                                                words...};
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int result = program(static_cast<int>(line.size()), line.data());
+    static_cast<void>(testing::internal::GetCapturedStdout());
+    static_cast<void>(testing::internal::GetCapturedStderr());
+    return result;
+  };
+  EXPECT_EQ(code("--convention", "se3", "--initial", "tree", "--loop-kernel", "dcs"), 0);
+  EXPECT_EQ(code("--convention", "half"), 2);
+  EXPECT_EQ(code("--max-iterations", "0"), 2);
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,318 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_optimize.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "adit/slam/mapping/condensation.hpp"
+#include "adit/slam/mapping/initialization.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/support/printed.hpp"
+#include "adit/tools/support/stop_signal.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t kWorstEdges = 5;
+constexpr std::size_t kComponentsTold = 5;
+constexpr int kSignalExit = 128;
+
+/// What `adit optimize` has done, for the report.
+struct Outcome {
+  G2oFile file;
+  double file_cost = 0.0;  ///< where the file has the nodes
+  OptimizedGraph optimized;
+  std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
+};
+
+std::string convention_text(ResidualConvention convention, bool planar) {
+  switch (convention) {
+    case ResidualConvention::quaternion:
+      return planar ? "(t, yaw), as g2o has it" : "(t, q_vec), as g2o has it";
+    case ResidualConvention::rotation:
+      return planar ? "(t, yaw)" : "(t, Log R)";
+    default:
+      return planar ? "Log of SE(2)" : "Log of SE(3)";
+  }
+}
+
+/// Says how far the work is, at most once a second, and ends it after a signal.
+class IterationProgress {
+ public:
+  explicit IterationProgress(std::ostream& err) : err_(err) {}
+
+  bool operator()(const OptimizationStep& step) {
+    const Clock::time_point now = Clock::now();
+    if (now - told_ >= std::chrono::seconds(1)) {
+      told_ = now;
+      err_ << printed("optimize iteration %d: cost %.9g, %.1f s", step.iteration, step.cost,
+                      std::chrono::duration<double>(now - start_).count())
+           << std::endl;
+    }
+    return StopSignal::received() == 0;
+  }
+
+ private:
+  std::ostream& err_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point told_ = start_;
+};
+
+std::vector<std::size_t> worst_edges(const OptimizationReport& report) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < report.edges.size(); ++i) {
+    if (report.edges[i]) {
+      order.push_back(i);
+    }
+  }
+  const std::size_t count = std::min(order.size(), kWorstEdges);
+  const auto end = order.begin() + static_cast<std::ptrdiff_t>(count);
+  std::ranges::partial_sort(order, end, [&](std::size_t a, std::size_t b) {
+    return std::pair(-report.edges[a]->chi2, a) < std::pair(-report.edges[b]->chi2, b);
+  });
+  order.resize(count);
+  return order;
+}
+
+Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
+  Outcome outcome;
+  outcome.file = read_g2o(options.input);
+  PoseGraph& graph = outcome.file.graph;
+  OptimizationSettings settings;
+  settings.convention = options.convention;
+  if (graph.planar() && options.convention == ResidualConvention::quaternion) {
+    settings.convention = ResidualConvention::rotation;  // g2o's EDGE_SE2 has the whole angle
+  }
+  settings.loop_kernel = options.loop_kernel;
+  settings.max_iterations = options.max_iterations;
+  settings.on_step = IterationProgress(err);
+  outcome.file_cost = graph_cost(graph, settings);
+  if (options.initial == InitialPoses::tree) {
+    graph.set_poses(spanning_tree_poses(graph));
+  } else if (options.initial == InitialPoses::chordal) {
+    graph.set_poses(chordal_poses(graph));
+  }
+  outcome.optimized =
+      options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
+  graph.set_poses(outcome.optimized.poses);
+  outcome.worst = worst_edges(outcome.optimized.report);
+  return outcome;
+}
+
+std::size_t loops_in(const PoseGraph& graph) {
+  return static_cast<std::size_t>(
+      std::ranges::count(graph.edges(), EdgeKind::loop, &PoseEdge::kind));
+}
+
+std::string initial_text(InitialPoses initial) {
+  return initial == InitialPoses::file   ? "file"
+         : initial == InitialPoses::tree ? "tree"
+                                         : "chordal";
+}
+
+/// Components beyond the first ones are counted only.
+std::string describe_components(const OptimizationReport& report) {
+  const std::vector<GraphComponent>& components = report.components.components;
+  if (components.size() < 2) {
+    return report.held.empty() ? std::string()
+                               : "held         node " + std::to_string(report.held.front()) +
+                                     ", since none is fixed\n";
+  }
+  std::string text =
+      "components   " + std::to_string(components.size()) +
+      ", without an edge between them; their places relative to each other mean nothing\n";
+  for (std::size_t i = 0; i < std::min(components.size(), kComponentsTold); ++i) {
+    const GraphComponent& component = components[i];
+    text += "             from node " + std::to_string(component.first) + ": " +
+            std::to_string(component.nodes) + " nodes, " + std::to_string(component.edges) +
+            " edges" + (component.has_fixed_node ? "" : ", held at its first node") + "\n";
+  }
+  if (components.size() > kComponentsTold) {
+    text += "             and " + std::to_string(components.size() - kComponentsTold) + " more\n";
+  }
+  return text;
+}
+
+std::string describe(const OptimizeCommandOptions& options, const Outcome& outcome) {
+  const PoseGraph& graph = outcome.file.graph;
+  const OptimizationReport& report = outcome.optimized.report;
+  const std::size_t loops = loops_in(graph);
+  std::string text =
+      printed("graph        %zu nodes, %zu edges (%zu loops), SE(%d)\n", graph.nodes().size(),
+              graph.edges().size(), loops, graph.planar() ? 2 : 3);
+  text += describe_components(report);
+  if (outcome.file.parameter_lines > 0) {
+    text +=
+        printed("left out     %zu lines with parameters, which edges between poses do not use\n",
+                outcome.file.parameter_lines);
+  }
+  text += "residual     " + convention_text(options.convention, graph.planar()) + "\n";
+  text += printed("cost         %.10g in the file", outcome.file_cost);
+  if (options.initial != InitialPoses::file) {
+    text += printed(", %.10g at the start (%s)", report.cost_before,
+                    initial_text(options.initial).c_str());
+  }
+  text += printed(", %.10g optimized\n", report.cost_after);
+  text += printed("iterations   %d, %.2f s%s: %s\n", report.iterations, report.seconds,
+                  report.restarted ? ", begun again with a small trust region" : "",
+                  std::string(to_string(report.termination)).c_str());
+  for (const std::size_t i : outcome.worst) {
+    const PoseEdge& edge = graph.edges()[i];
+    const EdgeResult& result = *report.edges[i];
+    text +=
+        printed("%s  %lld to %lld: chi squared %.6g",
+                i == outcome.worst.front() ? "worst edges" : "           ",
+                static_cast<long long>(edge.from), static_cast<long long>(edge.to), result.chi2);
+    text += result.weight < 1.0 ? printed(", weight %.3g", result.weight) : "";
+    text += printed(" (line %llu)\n", static_cast<unsigned long long>(outcome.file.edge_lines[i]));
+  }
+  return text;
+}
+
+std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcome) {
+  const PoseGraph& graph = outcome.file.graph;
+  const OptimizationReport& report = outcome.optimized.report;
+  nlohmann::ordered_json json;
+  json["file"] = options.input.string();
+  json["nodes"] = graph.nodes().size();
+  json["edges"] = graph.edges().size();
+  json["loops"] = loops_in(graph);
+  json["planar"] = graph.planar();
+  json["residual"] = convention_text(options.convention, graph.planar());
+  json["initial"] = initial_text(options.initial);
+  json["cost_file"] = outcome.file_cost;
+  json["cost_before"] = report.cost_before;
+  json["cost_after"] = report.cost_after;
+  json["iterations"] = report.iterations;
+  json["seconds"] = report.seconds;
+  json["termination"] = to_string(report.termination);
+  json["message"] = report.message;
+  json["restarted"] = report.restarted;
+  json["held"] = report.held;
+  json["components"] = nlohmann::ordered_json::array();
+  for (const GraphComponent& component : report.components.components) {
+    json["components"].push_back({{"first", component.first},
+                                  {"nodes", component.nodes},
+                                  {"edges", component.edges},
+                                  {"has_fixed_node", component.has_fixed_node}});
+  }
+  json["worst_edges"] = nlohmann::ordered_json::array();
+  for (const std::size_t i : outcome.worst) {
+    json["worst_edges"].push_back({{"from", graph.edges()[i].from},
+                                   {"to", graph.edges()[i].to},
+                                   {"line", outcome.file.edge_lines[i]},
+                                   {"chi2", report.edges[i]->chi2},
+                                   {"weight", report.edges[i]->weight}});
+  }
+  return json.dump(2) + "\n";
+}
+
+int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
+  std::error_code ignored;
+  if (options.output && std::filesystem::equivalent(options.input, *options.output, ignored)) {
+    throw UsageError("the graph cannot be written over itself. Name another file with -o.");
+  }
+  const StopSignal stop;
+  const Outcome outcome = optimize_file(options, err);
+  const Termination termination = outcome.optimized.report.termination;
+  if (StopSignal::received() != 0) {
+    err << "adit optimize: stopped; nothing was written" << std::endl;
+    return kSignalExit + StopSignal::received();
+  }
+  const bool failed = termination == Termination::failed;
+  if (options.output && !failed) {
+    write_g2o(*options.output, outcome.file.graph);
+  }
+  out << (options.json ? to_json(options, outcome) : describe(options, outcome));
+  if (options.output && !failed && !options.json) {
+    out << "wrote        " << options.output->string() << "\n";
+  }
+  if (failed) {
+    err << "adit optimize: " << options.input.string()
+        << " could not be optimised: " << outcome.optimized.report.message
+        << ". Try --initial chordal; nothing was written." << std::endl;
+  } else if (termination == Termination::iteration_limit) {
+    err << "adit optimize: not converged after " << options.max_iterations
+        << " iterations. Try --initial chordal, or more with --max-iterations." << std::endl;
+  }
+  const bool done =
+      termination == Termination::converged || termination == Termination::nothing_to_do;
+  return done && out.flush() ? 0 : 1;
+}
+
+}  // namespace
+
+int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit optimize", err, [&] { return run(options, out, err); });
+}
+
+CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done) {
+  CLI::App* command = app.add_subcommand("optimize", "Optimise a pose graph in g2o's format");
+  const auto options = std::make_shared<OptimizeCommandOptions>();
+  command->footer(
+      "GRAPH.g2o holds VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or VERTEX_SE2 and EDGE_SE2; FIX names\n"
+      "nodes that stay. Where none is fixed the first node of each connected part is held.\n"
+      "The cost is the sum of chi squared, not halved. Programs differ in what a file's "
+      "information\n"
+      "about rotations belongs to: half the angle (g2o), the angle, or the logarithm of SE(3).\n\n"
+      "Examples:\n"
+      "  adit optimize sphere2500.g2o -o optimized.g2o\n"
+      "  adit optimize torus3D.g2o --initial chordal --convention angle --json\n\n"
+      "Exit codes: 0 converged, 1 failed or not converged, 2 usage.");
+  command->add_option("graph", options->input, "The graph")->required()->type_name("GRAPH.g2o");
+  command->add_option("-o,--output", options->output, "Write the optimised graph here")
+      ->type_name("OUT.g2o");
+  command
+      ->add_option("--convention", options->convention,
+                   "What residuals are: g2o (t, q_vec), the default; angle (t, Log R); se3 (Log)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, ResidualConvention>{{"g2o", ResidualConvention::quaternion},
+                                                    {"angle", ResidualConvention::rotation},
+                                                    {"se3", ResidualConvention::logarithm}}))
+      ->type_name("NAME");
+  command
+      ->add_option("--initial", options->initial,
+                   "Start from the poses of the file (default), along a tree of the best edges, or "
+                   "rotations first (chordal)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, InitialPoses>{{"file", InitialPoses::file},
+                                              {"tree", InitialPoses::tree},
+                                              {"chordal", InitialPoses::chordal}}))
+      ->type_name("NAME");
+  command
+      ->add_option("--loop-kernel", options->loop_kernel.kernel,
+                   "Robust kernel of loops: none (default), pseudo-huber, dcs")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Kernel>{
+          {"none", Kernel::none}, {"pseudo-huber", Kernel::pseudo_huber}, {"dcs", Kernel::dcs}}))
+      ->type_name("NAME");
+  command
+      ->add_option("--kernel-width", options->loop_kernel.width,
+                   "Where the kernel begins, in standard deviations")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--max-iterations", options->max_iterations, "At most this many")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_flag("--direct", options->direct,
+                    "Large graphs too are optimised as they are, without condensing their chains");
+  command->add_flag("--json", options->json, "Report as JSON");
+  command->callback([options, done = std::move(done)] {
+    done(optimize_command(*options, std::cout, std::cerr));
+  });
+  return command;
+}
+
+}  // namespace adit

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit optimize GRAPH.g2o`.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+
+#include "adit/slam/mapping/solver.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+/// Which poses the optimisation starts from.
+enum class InitialPoses { file, tree, chordal };
+
+struct OptimizeCommandOptions {
+  std::filesystem::path input{};
+  std::optional<std::filesystem::path> output{};
+  ResidualConvention convention = ResidualConvention::quaternion;
+  InitialPoses initial = InitialPoses::file;
+  RobustKernel loop_kernel{};
+  int max_iterations = 100;
+  bool direct = false;  ///< without condensing the chains of large graphs first
+  bool json = false;
+};
+
+/// Optimises a graph, reports on `out`, progress and mistakes on `err`. Returns the exit code: 0
+/// converged, 1 failed or not converged, 2 usage, 130 or 143 after a signal (nothing is written).
+int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

@@ -1,0 +1,308 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/maps/map_database.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/maps/map_records.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kApplication = 0x61646974;  // "adit": what the file says it belongs to
+
+constexpr const char* kTables =
+    "CREATE TABLE sessions(id INTEGER PRIMARY KEY, name TEXT NOT NULL, configuration TEXT NOT "
+    "NULL);"
+    "CREATE TABLE provenance(session INTEGER NOT NULL REFERENCES sessions(id), key TEXT NOT NULL,"
+    " value TEXT NOT NULL, PRIMARY KEY(session, key)) WITHOUT ROWID;"
+    "CREATE TABLE keyframes(id INTEGER PRIMARY KEY, session INTEGER NOT NULL REFERENCES "
+    "sessions(id),"
+    " stamp_ns INTEGER NOT NULL, fixed INTEGER NOT NULL, pose BLOB NOT NULL,"
+    " covariance BLOB NOT NULL);"
+    "CREATE TABLE submaps(keyframe INTEGER PRIMARY KEY REFERENCES keyframes(id), box BLOB NOT NULL,"
+    " chunks INTEGER NOT NULL);"
+    "CREATE TABLE chunks(keyframe INTEGER NOT NULL REFERENCES submaps(keyframe),"
+    " number INTEGER NOT NULL, bytes INTEGER NOT NULL, zstd BLOB NOT NULL,"
+    " PRIMARY KEY(keyframe, number));"
+    "CREATE TABLE edges(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL REFERENCES "
+    "keyframes(id),"
+    " node_to INTEGER NOT NULL REFERENCES keyframes(id), kind INTEGER NOT NULL,"
+    " status INTEGER NOT NULL, pose BLOB NOT NULL, information BLOB NOT NULL);"
+    "CREATE TABLE candidates(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL,"
+    " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
+    " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL);"
+    "CREATE VIRTUAL TABLE places USING rtree(keyframe, min_x, max_x, min_y, max_y, min_z, max_z);";
+
+/// All that is done while it lives is kept once commit() has returned, or not at all.
+class Transaction {
+ public:
+  explicit Transaction(const SqliteDatabase& database) : database_(database) {
+    database_.execute("BEGIN IMMEDIATE");
+  }
+  ~Transaction() {
+    if (!committed_) {
+      try {
+        database_.execute("ROLLBACK");
+      } catch (const FileError&) {
+        // SQLite has rolled back by itself, as it does on a full disk.
+      }
+    }
+  }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+
+  void commit() {
+    database_.execute("COMMIT");
+    committed_ = true;
+  }
+
+ private:
+  const SqliteDatabase& database_;
+  bool committed_ = false;
+};
+
+int64_t pragma(const SqliteDatabase& database, const std::string& name) {
+  SqliteStatement statement = database.prepare("PRAGMA " + name);
+  return statement.step() ? statement.integer(0) : 0;
+}
+
+bool has_log(const fs::path& file) {
+  std::error_code ignored;
+  const fs::path log = file.string() + "-wal";
+  return fs::exists(log, ignored) && fs::file_size(log, ignored) > 0;
+}
+
+/// A reader needs a file beside the map for the WAL's index. In a folder that cannot be written to
+/// it does without, as long as there is no log that it would have to read.
+SqliteDatabase open_to_read(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) {
+    throw InputError(file, {}, "there is no such file", "Name a map that `adit run` has made");
+  }
+  try {
+    SqliteDatabase database(file, SqliteDatabase::Mode::read);
+    static_cast<void>(pragma(database, "user_version"));
+    static_cast<void>(database.prepare("SELECT count(*) FROM sqlite_schema").step());
+    return database;
+  } catch (const InputError&) {
+    if (has_log(file)) {
+      throw;
+    }
+    return {file, SqliteDatabase::Mode::frozen};
+  }
+}
+
+SqliteDatabase open_map(const fs::path& file, MapAccess access) {
+  return access == MapAccess::read ? open_to_read(file)
+                                   : SqliteDatabase(file, SqliteDatabase::Mode::update);
+}
+
+void require_map(const SqliteDatabase& database, const fs::path& file) {
+  if (pragma(database, "application_id") != kApplication) {
+    throw InputError(file, {}, "it is an SQLite database but no map",
+                     "Name a map that `adit run` has made");
+  }
+  const int64_t schema = pragma(database, "user_version");
+  if (schema > kMapSchema) {
+    throw InputError(file, {},
+                     "it was written by a newer adit: its schema is " + std::to_string(schema) +
+                         ", this one knows up to " + std::to_string(kMapSchema),
+                     "Use that version; nothing was changed");
+  }
+}
+
+}  // namespace
+
+MapDatabase::MapDatabase(const fs::path& file, MapAccess access, int64_t max_pages)
+    : lock_(access == MapAccess::write ? std::optional<WriterLock>(std::in_place, file)
+                                       : std::nullopt),
+      database_(open_map(file, access)) {
+  database_.execute("PRAGMA busy_timeout = 10000; PRAGMA foreign_keys = ON");
+  if (access == MapAccess::write) {
+    if (max_pages > 0) {
+      database_.execute("PRAGMA max_page_count = " + std::to_string(max_pages));
+    }
+    if (pragma(database_, "application_id") == 0 && pragma(database_, "page_count") == 0) {
+      create_tables();
+    }
+    require_map(database_, file);
+    database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+  } else {
+    require_map(database_, file);
+  }
+}
+
+MapDatabase::~MapDatabase() {
+  if (lock_) {
+    try {
+      database_.execute("PRAGMA wal_checkpoint(TRUNCATE)");
+    } catch (const FileError&) {
+      // The log stays beside the map, and is read with it.
+    }
+  }
+}
+
+void MapDatabase::create_tables() {
+  database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+  Transaction transaction(database_);
+  database_.execute(kTables);
+  database_.execute("PRAGMA application_id = " + std::to_string(kApplication));
+  database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
+  transaction.commit();
+}
+
+SessionId MapDatabase::add_session(const MapSession& session) {
+  Transaction transaction(database_);
+  SqliteStatement insert =
+      database_.prepare("INSERT INTO sessions(name, configuration) VALUES(?, ?) RETURNING id");
+  insert.bind(1, session.name).bind(2, session.configuration).step();
+  const SessionId id = insert.integer(0);
+  insert.reset();
+  SqliteStatement add = database_.prepare("INSERT INTO provenance VALUES(?, ?, ?)");
+  for (const auto& [key, value] : session.provenance) {
+    add.bind(1, id).bind(2, key).bind(3, value).step();
+    add.reset();
+  }
+  transaction.commit();
+  return id;
+}
+
+void MapDatabase::store(const KeyframeRecord& record) {
+  const MapKeyframe& keyframe = record.keyframe;
+  Transaction transaction(database_);
+  database_.prepare("INSERT INTO keyframes VALUES(?, ?, ?, ?, ?, ?)")
+      .bind(1, keyframe.id)
+      .bind(2, keyframe.session)
+      .bind(3, int64_t{keyframe.stamp.count()})
+      .bind(4, int64_t{keyframe.fixed})
+      .bind(5, as_bytes(pose_numbers(keyframe.T_map_keyframe)))
+      .bind(6, as_bytes(matrix_numbers(keyframe.covariance)))
+      .step();
+  std::array<double, 6> box{};
+  Eigen::Map<Vector6d>(box.data()) << record.submap.lower, record.submap.upper;
+  database_.prepare("INSERT INTO submaps VALUES(?, ?, ?)")
+      .bind(1, keyframe.id)
+      .bind(2, as_bytes(box))
+      .bind(3, static_cast<int64_t>(record.submap.chunks.size()))
+      .step();
+  SqliteStatement chunk = database_.prepare("INSERT INTO chunks VALUES(?, ?, ?, ?)");
+  for (std::size_t i = 0; i < record.submap.chunks.size(); ++i) {
+    const std::vector<std::byte>& bytes = record.submap.chunks[i];
+    chunk.bind(1, keyframe.id)
+        .bind(2, static_cast<int64_t>(i))
+        .bind(3, static_cast<int64_t>(bytes.size()))
+        .bind(4, compress(Compression::zstd, bytes))
+        .step();
+    chunk.reset();
+  }
+  place(keyframe.id, keyframe.T_map_keyframe);
+  for (const PoseEdge& edge : record.edges) {
+    insert(edge);
+  }
+  for (const LoopCandidate& candidate : record.candidates) {
+    insert(candidate);
+  }
+  transaction.commit();
+}
+
+void MapDatabase::store(std::span<const PoseEdge> edges,
+                        std::span<const LoopCandidate> candidates) {
+  Transaction transaction(database_);
+  for (const PoseEdge& edge : edges) {
+    insert(edge);
+  }
+  for (const LoopCandidate& candidate : candidates) {
+    insert(candidate);
+  }
+  transaction.commit();
+}
+
+void MapDatabase::insert(const PoseEdge& edge) {
+  database_
+      .prepare(
+          "INSERT INTO edges(node_from, node_to, kind, status, pose, information)"
+          " VALUES(?, ?, ?, ?, ?, ?)")
+      .bind(1, edge.from)
+      .bind(2, edge.to)
+      .bind(3, static_cast<int64_t>(edge.kind))
+      .bind(4, static_cast<int64_t>(edge.status))
+      .bind(5, as_bytes(pose_numbers(edge.T_from_to)))
+      .bind(6, as_bytes(matrix_numbers(edge.information)))
+      .step();
+}
+
+void MapDatabase::insert(const LoopCandidate& candidate) {
+  SqliteStatement statement =
+      candidate.id == 0
+          ? database_.prepare(
+                "INSERT INTO candidates(node_from, node_to, verdict, pose, score, overlap, chi2,"
+                " reason) VALUES(?, ?, ?, ?, ?, ?, ?, ?)")
+          : database_.prepare(
+                "INSERT OR REPLACE INTO candidates(node_from, node_to, verdict, pose, score,"
+                " overlap, chi2, reason, id) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  statement.bind(1, candidate.from)
+      .bind(2, candidate.to)
+      .bind(3, static_cast<int64_t>(candidate.verdict))
+      .bind(4, as_bytes(pose_numbers(candidate.T_from_to)))
+      .bind(5, candidate.score)
+      .bind(6, candidate.overlap)
+      .bind(7, candidate.chi2)
+      .bind(8, candidate.reason);
+  if (candidate.id != 0) {
+    statement.bind(9, candidate.id);
+  }
+  statement.step();
+}
+
+// The box of the submap's box, turned into the map frame.
+void MapDatabase::place(NodeId keyframe, const Eigen::Isometry3d& pose) {
+  SqliteStatement read = database_.prepare("SELECT box FROM submaps WHERE keyframe = ?");
+  if (!read.bind(1, keyframe).step()) {
+    return;
+  }
+  const auto box = numbers<6>(read.blob(0), database_.path(), "the box of submap", keyframe);
+  read.reset();
+  const Eigen::Vector3d lower(box[0], box[1], box[2]);
+  const Eigen::Vector3d upper(box[3], box[4], box[5]);
+  const Eigen::Vector3d centre = pose * (0.5 * (lower + upper));
+  const Eigen::Vector3d reach = pose.linear().cwiseAbs() * (0.5 * (upper - lower));
+  SqliteStatement insert =
+      database_.prepare("INSERT OR REPLACE INTO places VALUES(?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(1, keyframe);
+  for (int axis = 0; axis < 3; ++axis) {
+    insert.bind(2 + 2 * axis, centre[axis] - reach[axis]);
+    insert.bind(3 + 2 * axis, centre[axis] + reach[axis]);
+  }
+  insert.step();
+}
+
+void MapDatabase::store_poses(std::span<const PoseNode> nodes) {
+  Transaction transaction(database_);
+  SqliteStatement update =
+      database_.prepare("UPDATE keyframes SET pose = ?, fixed = ? WHERE id = ?");
+  for (const PoseNode& node : nodes) {
+    update.bind(1, as_bytes(pose_numbers(node.T_map_node)))
+        .bind(2, int64_t{node.fixed})
+        .bind(3, node.id)
+        .step();
+    update.reset();
+    place(node.id, node.T_map_node);
+  }
+  transaction.commit();
+}
+
+void MapDatabase::set_edge_status(std::size_t edge, EdgeStatus status) {
+  database_.prepare("UPDATE edges SET status = ? WHERE id = ?")
+      .bind(1, static_cast<int64_t>(status))
+      .bind(2, static_cast<int64_t>(edge) + 1)
+      .step();
+}
+
+}  // namespace adit

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A map in one file: SQLite in WAL mode with synchronous=FULL, so that what was stored survives
+// kill -9 and a loss of power. Submaps are compressed; an R*Tree of their boxes in the map frame
+// (float32 metres) finds them by place.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/mapping/map_store.hpp"
+#include "adit/tools/containers/sqlite_database.hpp"
+#include "adit/tools/maps/writer_lock.hpp"
+
+namespace adit {
+
+/// Of the tables; a file with a higher one is refused.
+inline constexpr int64_t kMapSchema = 1;
+
+enum class MapAccess {
+  read,   ///< any number, also beside a writer
+  write,  ///< one at a time; makes the file where there is none
+};
+
+class MapDatabase final : public MapStore {
+ public:
+  /// `max_pages` bounds the file's size, in pages of 4096 bytes; 0: only the disk does. Throws
+  /// InputError (missing, damaged, no map, of a newer schema), LockedError, OutputError.
+  MapDatabase(const std::filesystem::path& file, MapAccess access, int64_t max_pages = 0);
+  /// A writer's end leaves one file.
+  ~MapDatabase() override;
+  MapDatabase(const MapDatabase&) = delete;
+  MapDatabase& operator=(const MapDatabase&) = delete;
+
+  // All members throw OutputError where a map that is being written fails, for example on a full
+  // disk (then nothing of the call is stored), and InputError where what is read is damaged.
+  SessionId add_session(const MapSession& session) override;
+  void store(const KeyframeRecord& record) override;
+  void store(std::span<const PoseEdge> edges, std::span<const LoopCandidate> candidates) override;
+  void store_poses(std::span<const PoseNode> nodes) override;
+  void set_edge_status(std::size_t edge, EdgeStatus status) override;
+
+  std::vector<MapSession> sessions() const override;
+  std::vector<MapKeyframe> keyframes() const override;
+  PoseGraph graph() const override;
+  std::vector<LoopCandidate> candidates() const override;
+  MapSubmap submap(NodeId keyframe) const override;
+  std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
+                                     const Eigen::Vector3d& upper) const override;
+
+  /// What is wrong with the map, for people; empty: it is whole. Reads everything.
+  std::vector<std::string> check() const;
+
+  /// All content as text, line by line, for comparing: the same map gives the same lines.
+  void dump(const std::function<void(std::string_view)>& line) const;
+
+ private:
+  void create_tables();
+  void insert(const PoseEdge& edge);
+  void insert(const LoopCandidate& candidate);
+  void place(NodeId keyframe, const Eigen::Isometry3d& pose);
+  std::vector<PoseEdge> edges() const;
+
+  std::optional<WriterLock> lock_;
+  SqliteDatabase database_;
+};
+
+}  // namespace adit

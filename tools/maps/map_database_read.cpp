@@ -1,0 +1,288 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+
+#include "adit/tools/containers/compression.hpp"
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_records.hpp"
+#include "adit/tools/support/output_file.hpp"
+
+namespace adit {
+namespace {
+
+template <class Enum>
+Enum enumerator(int64_t value, Enum last, const std::filesystem::path& file,
+                const std::string& what) {
+  if (value < 0 || value > static_cast<int64_t>(last)) {
+    throw InputError(file, {}, what + " " + std::to_string(value) + " is none that is known",
+                     "The map is damaged");
+  }
+  return static_cast<Enum>(value);
+}
+
+/// Numbers after a word, as the shortest text that reads back to the same doubles.
+template <class Numbers>
+void append_all(std::string& line, const std::string& word, const Numbers& numbers) {
+  line += " " + word;
+  for (const double number : numbers) {
+    line += ' ';
+    append_number(line, number);
+  }
+}
+
+/// FNV-1a, to compare chunks by.
+uint64_t hash(std::span<const std::byte> bytes) {
+  uint64_t value = 0xcbf29ce484222325U;
+  for (const std::byte byte : bytes) {
+    value = (value ^ static_cast<uint64_t>(byte)) * 0x100000001b3U;
+  }
+  return value;
+}
+
+/// A text of the map on one line.
+std::string in_one_line(const std::string& text) {
+  std::string line;
+  for (const char letter : text) {
+    line += letter == '\n' ? std::string("\\n") : letter == '\\' ? "\\\\" : std::string(1, letter);
+  }
+  return line;
+}
+
+}  // namespace
+
+std::vector<MapSession> MapDatabase::sessions() const {
+  std::vector<MapSession> sessions;
+  SqliteStatement read =
+      database_.prepare("SELECT id, name, configuration FROM sessions ORDER BY id");
+  SqliteStatement origin =
+      database_.prepare("SELECT key, value FROM provenance WHERE session = ? ORDER BY key");
+  while (read.step()) {
+    MapSession session{read.integer(0), read.text(1), read.text(2), {}};
+    origin.bind(1, session.id);
+    while (origin.step()) {
+      session.provenance.emplace_back(origin.text(0), origin.text(1));
+    }
+    origin.reset();
+    sessions.push_back(std::move(session));
+  }
+  return sessions;
+}
+
+std::vector<MapKeyframe> MapDatabase::keyframes() const {
+  std::vector<MapKeyframe> keyframes;
+  SqliteStatement read = database_.prepare(
+      "SELECT id, session, stamp_ns, fixed, pose, covariance FROM keyframes ORDER BY id");
+  while (read.step()) {
+    MapKeyframe keyframe;
+    keyframe.id = read.integer(0);
+    keyframe.session = read.integer(1);
+    keyframe.stamp = Nanoseconds(read.integer(2));
+    keyframe.fixed = read.integer(3) != 0;
+    const auto& file = database_.path();
+    keyframe.T_map_keyframe =
+        pose_from(numbers<12>(read.blob(4), file, "the pose of keyframe", keyframe.id));
+    keyframe.covariance =
+        matrix_from(numbers<36>(read.blob(5), file, "the covariance of keyframe", keyframe.id));
+    keyframes.push_back(keyframe);
+  }
+  return keyframes;
+}
+
+std::vector<PoseEdge> MapDatabase::edges() const {
+  std::vector<PoseEdge> edges;
+  SqliteStatement read = database_.prepare(
+      "SELECT id, node_from, node_to, kind, status, pose, information FROM edges ORDER BY id");
+  while (read.step()) {
+    const int64_t id = read.integer(0);
+    const auto& file = database_.path();
+    PoseEdge edge;
+    edge.from = read.integer(1);
+    edge.to = read.integer(2);
+    edge.kind = enumerator(read.integer(3), EdgeKind::loop, file, "the kind of an edge");
+    edge.status = enumerator(read.integer(4), EdgeStatus::revoked, file, "the status of an edge");
+    edge.T_from_to = pose_from(numbers<12>(read.blob(5), file, "the pose of edge", id));
+    edge.information = matrix_from(numbers<36>(read.blob(6), file, "the information of edge", id));
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
+PoseGraph MapDatabase::graph() const {
+  PoseGraph graph;
+  try {
+    for (const MapKeyframe& keyframe : keyframes()) {
+      graph.add_node({keyframe.id, keyframe.T_map_keyframe, keyframe.fixed});
+    }
+    for (const PoseEdge& edge : edges()) {
+      graph.add_edge(edge);
+    }
+  } catch (const GraphError& error) {
+    throw InputError(database_.path(), {}, error.what(), "The map is damaged");
+  }
+  return graph;
+}
+
+std::vector<LoopCandidate> MapDatabase::candidates() const {
+  std::vector<LoopCandidate> candidates;
+  SqliteStatement read = database_.prepare(
+      "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason"
+      " FROM candidates ORDER BY id");
+  while (read.step()) {
+    LoopCandidate candidate;
+    candidate.id = read.integer(0);
+    candidate.from = read.integer(1);
+    candidate.to = read.integer(2);
+    candidate.verdict = enumerator(read.integer(3), CandidateVerdict::rejected, database_.path(),
+                                   "the verdict about a candidate");
+    candidate.T_from_to = pose_from(
+        numbers<12>(read.blob(4), database_.path(), "the pose of candidate", candidate.id));
+    candidate.score = read.real(5);
+    candidate.overlap = read.real(6);
+    candidate.chi2 = read.real(7);
+    candidate.reason = read.text(8);
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+MapSubmap MapDatabase::submap(NodeId keyframe) const {
+  const auto fail = [&](const std::string& found) {
+    throw InputError(database_.path(), {}, "submap " + std::to_string(keyframe) + " " + found,
+                     "`adit check` says what else is wrong");
+  };
+  SqliteStatement read = database_.prepare("SELECT box, chunks FROM submaps WHERE keyframe = ?");
+  if (!read.bind(1, keyframe).step()) {
+    fail("does not exist");
+  }
+  const auto box = numbers<6>(read.blob(0), database_.path(), "the box of submap", keyframe);
+  MapSubmap submap{{box[0], box[1], box[2]}, {box[3], box[4], box[5]}, {}};
+  const auto count = static_cast<std::size_t>(read.integer(1));
+  SqliteStatement chunks =
+      database_.prepare("SELECT bytes, zstd FROM chunks WHERE keyframe = ? ORDER BY number");
+  chunks.bind(1, keyframe);
+  Decompressor decompressor;
+  while (chunks.step()) {
+    const auto size = static_cast<uint64_t>(std::max<int64_t>(0, chunks.integer(0)));
+    const Unpacked unpacked = decompressor.unpack(Compression::zstd, chunks.blob(1), size);
+    if (!unpacked.problem.empty() || unpacked.cut_off || unpacked.bytes.size() != size) {
+      fail("has a damaged chunk: " +
+           (unpacked.problem.empty() ? "it ends early" : unpacked.problem));
+    }
+    submap.chunks.emplace_back(unpacked.bytes.begin(), unpacked.bytes.end());
+  }
+  if (submap.chunks.size() != count) {
+    fail("has " + std::to_string(submap.chunks.size()) + " of " + std::to_string(count) +
+         " chunks");
+  }
+  return submap;
+}
+
+std::vector<NodeId> MapDatabase::submaps_within(const Eigen::Vector3d& lower,
+                                                const Eigen::Vector3d& upper) const {
+  SqliteStatement read = database_.prepare(
+      "SELECT keyframe FROM places WHERE max_x >= ? AND min_x <= ? AND max_y >= ? AND min_y <= ?"
+      " AND max_z >= ? AND min_z <= ? ORDER BY keyframe");
+  for (int axis = 0; axis < 3; ++axis) {
+    read.bind(1 + 2 * axis, lower[axis]).bind(2 + 2 * axis, upper[axis]);
+  }
+  std::vector<NodeId> found;
+  while (read.step()) {
+    found.push_back(read.integer(0));
+  }
+  return found;
+}
+
+std::vector<std::string> MapDatabase::check() const {
+  std::vector<std::string> problems;
+  const auto attempt = [&](const auto& action) {
+    try {
+      action();
+    } catch (const FileError& error) {
+      problems.emplace_back(error.what());
+    }
+  };
+  const auto ask = [&](const std::string& pragma, const auto& tell) {
+    attempt([&] {
+      SqliteStatement rows = database_.prepare(pragma);
+      while (rows.step()) {
+        tell(rows);
+      }
+    });
+  };
+  ask("PRAGMA integrity_check(20)", [&](const SqliteStatement& row) {
+    if (row.text(0) != "ok") {
+      problems.push_back("damaged: " + row.text(0));
+    }
+  });
+  ask("PRAGMA foreign_key_check", [&](const SqliteStatement& row) {
+    problems.push_back("a row of the table " + row.text(0) + " refers to one of " + row.text(2) +
+                       " that is missing");
+  });
+  attempt([&] { static_cast<void>(sessions()); });
+  attempt([&] { static_cast<void>(graph()); });
+  attempt([&] { static_cast<void>(candidates()); });
+  std::set<NodeId> nodes;
+  ask("SELECT id FROM keyframes",
+      [&](const SqliteStatement& row) { nodes.insert(row.integer(0)); });
+  for (const NodeId id : nodes) {
+    attempt([&] { static_cast<void>(submap(id)); });
+  }
+  ask("SELECT keyframe FROM submaps WHERE keyframe NOT IN (SELECT keyframe FROM places)",
+      [&](const SqliteStatement& row) {
+        problems.push_back("submap " + row.text(0) + " is missing from the index of places");
+      });
+  return problems;
+}
+
+void MapDatabase::dump(const std::function<void(std::string_view)>& line) const {
+  for (const MapSession& session : sessions()) {
+    const std::string head = "session " + std::to_string(session.id);
+    line(head + " name " + in_one_line(session.name));
+    line(head + " configuration " + in_one_line(session.configuration));
+    for (const auto& [key, value] : session.provenance) {
+      line(head + " " + in_one_line(key) + " = " + in_one_line(value));
+    }
+  }
+  for (const MapKeyframe& keyframe : keyframes()) {
+    std::string text = "keyframe " + std::to_string(keyframe.id) + " session " +
+                       std::to_string(keyframe.session) + " stamp ";
+    append_stamp(text, keyframe.stamp);
+    text += keyframe.fixed ? " fixed" : "";
+    append_all(text, "pose", pose_numbers(keyframe.T_map_keyframe));
+    append_all(text, "covariance", matrix_numbers(keyframe.covariance));
+    line(text);
+    const MapSubmap content = submap(keyframe.id);
+    text = "submap " + std::to_string(keyframe.id);
+    append_all(text, "lower", std::vector<double>(content.lower.begin(), content.lower.end()));
+    append_all(text, "upper", std::vector<double>(content.upper.begin(), content.upper.end()));
+    for (const std::vector<std::byte>& chunk : content.chunks) {
+      text += " chunk " + std::to_string(chunk.size()) + " bytes " + std::to_string(hash(chunk));
+    }
+    line(text);
+  }
+  std::size_t number = 0;
+  for (const PoseEdge& edge : edges()) {
+    std::string text = "edge " + std::to_string(number++) + " from " + std::to_string(edge.from) +
+                       " to " + std::to_string(edge.to) +
+                       (edge.kind == EdgeKind::loop ? " loop" : " odometry");
+    text += edge.status == EdgeStatus::active      ? " active"
+            : edge.status == EdgeStatus::candidate ? " candidate"
+                                                   : " revoked";
+    append_all(text, "pose", pose_numbers(edge.T_from_to));
+    append_all(text, "information", matrix_numbers(edge.information));
+    line(text);
+  }
+  for (const LoopCandidate& candidate : candidates()) {
+    std::string text = "candidate " + std::to_string(candidate.id) + " from " +
+                       std::to_string(candidate.from) + " to " + std::to_string(candidate.to) +
+                       " verdict " + std::to_string(static_cast<int>(candidate.verdict));
+    append_all(text, "score", std::array{candidate.score, candidate.overlap, candidate.chi2});
+    append_all(text, "pose", pose_numbers(candidate.T_from_to));
+    line(text + " reason " + in_one_line(candidate.reason));
+  }
+}
+
+}  // namespace adit
