@@ -47,7 +47,7 @@ Passed pass(const Samples& samples, const ReadingLimits& limits = {}) {
   Passed passed;
   for (const ImuSample& sample : samples) {
     const std::vector<GatedReading> known = gate.pass(sample);
-    passed.late += known.empty() ? 1 : 0;
+    passed.late += known.empty() ? 1U : 0U;
     for (const GatedReading& one : known) {
       Samples& to = !one.dropped                             ? passed.samples
                     : *one.dropped == ImuArrival::impossible ? passed.impossible

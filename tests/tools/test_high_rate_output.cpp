@@ -77,14 +77,14 @@ TEST(HighRateOutput, WritesEachPoseTwiceWithRisingStampsAndCountsThem) {
 TEST(HighRateOutput, LineIsHalfAsLongAsThatOfDoubles) {
   const test::TemporaryFolder folder;
   const test::WavyMotion motion = test::hand_held_motion();
-  HighRateOutput output(folder.path(), {}, 0.0);
+  Written written(folder.path());
   InertialReport report = fused_at(motion, 0.0);
   const Eigen::VectorXd uneven = Eigen::VectorXd::LinSpaced(report.nav_covariance.rows(), 0.1, 0.7);
   report.nav_covariance += 1e-5 * uneven * uneven.transpose();
-  feed(output, motion, 0.0, 0.5);
-  output.update(report);
-  feed(output, motion, 0.505, 1.0);
-  output.close();
+  written.feed(motion, 0.0, 0.5);
+  written.stream.update(report);
+  written.feed(motion, 0.505, 1.0);
+  written.output.close();
   const std::string csv = test::content(folder / "odometry_highrate.csv");
   const std::size_t lines = test::lines(folder / "odometry_highrate.csv");
   ASSERT_GT(lines, 100U);

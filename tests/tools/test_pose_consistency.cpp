@@ -104,7 +104,7 @@ TEST(PoseConsistency, IsToldAndDrawnByEvaluate) {
   write_trajectory(folder / "trajectory.tum", TrajectoryFormat::tum, run.estimate.poses);
   write_trajectory(folder / "truth.tum", TrajectoryFormat::tum, run.truth.poses);
   EvaluateCommandOptions options;
-  options.estimate = folder.path();
+  options.estimates = {folder.path()};
   options.truth = folder / "truth.tum";
   std::ostringstream out;
   std::ostringstream err;

@@ -256,7 +256,7 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
 }  // namespace
 
 int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit optimize", err, [&] { return run(options, out, err); });
+  return guarded("adit optimize", out, err, [&] { return run(options, out, err); });
 }
 
 CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done) {
