@@ -13,7 +13,7 @@ namespace adit {
 namespace {
 
 constexpr int kBlock = 50;             // m between streets
-constexpr std::size_t kRecent = 200;   // nodes back, which are no loop
+constexpr std::size_t kRecent = 150;   // nodes back, which are no loop
 constexpr double kHillHeight = 8.0;    // m
 constexpr double kHillLength = 120.0;  // m a radian
 

@@ -68,8 +68,8 @@ while read -r library path; do
 done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 
 # Compiled or linked in: header-only libraries, the C++ and Fortran runtimes, Ceres and what it needs.
-linked=(libceres-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libunwind-dev
-  liblzma-dev libgfortran-12-dev libstdc++6)
+linked=(libceres-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libgfortran-12-dev
+  libstdc++6)
 for package in libeigen3-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev "${linked[@]}"; do
   add_license "$package"
 done
@@ -83,7 +83,7 @@ done
 The source of adit is under the Apache License 2.0 (LICENSE). The program bin/adit also contains Ceres with
 CHOLMOD, whose supernodal factorisation is under the GPL, version 2 or any later one. As a whole the program may
 therefore be passed on under the GPL, version 3 (licenses/GPL-3.txt). The Debian source packages of the versions
-below are its parts' complete source (https://snapshot.debian.org keeps all of them); adit's own is the
+below are its parts' complete source (Debian's snapshot archive keeps all of them); adit's own is the
 repository at the version that `bin/adit --version` and `bin/adit bench` name. Who wants a program under the
 Apache License builds adit with a Ceres without SuiteSparse.
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <span>
 #include <tuple>
 
@@ -14,6 +13,9 @@
 #include <glog/logging.h>
 
 #include "adit/slam/mapping/graph_residuals.hpp"
+
+// There where the BLAS that CHOLMOD calls is OpenBLAS, whose results depend on its threads.
+extern "C" void openblas_set_num_threads(int threads) __attribute__((weak));
 
 namespace adit {
 namespace {
@@ -244,8 +246,11 @@ class GraphProblem {
 ceres::Solver::Options solver_options(const OptimizationSettings& settings, double radius) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.sparse_linear_algebra_library_type =
-      getenv("ADIT_EIGEN") ? ceres::EIGEN_SPARSE : ceres::SUITE_SPARSE;
+#ifdef CERES_NO_SUITESPARSE
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+#else
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+#endif
   options.initial_trust_region_radius = radius;
   options.max_trust_region_radius = 1e32;
   options.max_num_iterations = settings.max_iterations;
@@ -309,6 +314,9 @@ bool can_move(const PoseGraph& graph, const std::vector<NodeId>& held) {
 OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& settings) {
   // What Ceres has to say comes back in its summary; glog would print it.
   FLAGS_minloglevel = google::GLOG_FATAL;
+  if (openblas_set_num_threads != nullptr) {
+    openblas_set_num_threads(1);
+  }
   const auto start = std::chrono::steady_clock::now();
   OptimizedGraph result;
   OptimizationReport& report = result.report;

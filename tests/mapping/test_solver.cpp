@@ -99,8 +99,8 @@ TEST(PoseGraphSolver, KernelsTakeTheWeightFromAWrongLoop) {
                                                     .odometry_angle_sigma = 2e-4});
   PoseGraph graph = simulated.graph;
   PoseEdge wrong = graph.edges().back();
-  wrong.from = 10;
-  wrong.to = 700;
+  ASSERT_EQ(wrong.kind, EdgeKind::loop);
+  wrong.T_from_to.translation().x() += 30.0;
   graph.add_edge(wrong);
   const auto error = [&](Kernel kernel) {
     const OptimizedGraph result = optimize(graph, {.loop_kernel = {.kernel = kernel}});

@@ -94,7 +94,8 @@ TEST(OptimizeCommand, DoesNotWriteOverItsInputNorIntoNoFolder) {
 
 TEST(OptimizeCommand, SaysWhereIterationsDidNotDo) {
   const test::TemporaryFolder folder;
-  const auto input = folder.write("in.g2o", kTriangle);
+  const auto input = folder.write(
+      "in.g2o", std::string(kTriangle) + "EDGE_SE2 0 2 1.5 0.7 0.9 100 0 0 100 0 100\n");
   const Ran ran = run({.input = input, .output = folder / "out.g2o", .max_iterations = 1});
   EXPECT_EQ(ran.code, 1);
   EXPECT_NE(ran.err.find("not converged after 1 iterations"), std::string::npos) << ran.err;

@@ -159,6 +159,13 @@ std::string describe(const OptimizeCommandOptions& options, const Outcome& outco
         printed("left out     %zu lines with parameters, which edges between poses do not use\n",
                 outcome.file.parameter_lines);
   }
+  if (!outcome.file.indefinite_lines.empty()) {
+    text += printed(
+        "information  of %zu edges has negative eigenvalues, which count as zero (line %llu "
+        "first)\n",
+        outcome.file.indefinite_lines.size(),
+        static_cast<unsigned long long>(outcome.file.indefinite_lines.front()));
+  }
   text += "residual     " + convention_text(options.convention, graph.planar()) + "\n";
   text += printed("cost         %.10g in the file", outcome.file_cost);
   if (options.initial != InitialPoses::file) {
@@ -191,6 +198,7 @@ std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcom
   json["edges"] = graph.edges().size();
   json["loops"] = loops_in(graph);
   json["planar"] = graph.planar();
+  json["indefinite_edges"] = outcome.file.indefinite_lines.size();
   json["residual"] = convention_text(options.convention, graph.planar());
   json["initial"] = initial_text(options.initial);
   json["cost_file"] = outcome.file_cost;

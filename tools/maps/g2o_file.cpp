@@ -11,6 +11,8 @@
 #include <string>
 #include <utility>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -24,6 +26,20 @@ constexpr double kLargestPosition = 1e9;          // m: rotations would lose the
 constexpr std::array<int, 3> kPlane = {0, 1, 5};  // x, y, yaw in [rho, phi]
 
 using Words = std::span<const std::string_view>;
+
+/// The nearest matrix without negative eigenvalues; nothing where they are none but for rounding.
+std::optional<Matrix6d> without_negative_part(const Matrix6d& matrix) {
+  if (Eigen::LLT<Matrix6d>(matrix).info() == Eigen::Success) {
+    return std::nullopt;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(matrix);
+  if (eigen.eigenvalues()(0) >= -1e-9 * matrix.cwiseAbs().maxCoeff()) {
+    return std::nullopt;
+  }
+  const Matrix6d result = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                          eigen.eigenvectors().transpose();
+  return 0.5 * (result + result.transpose());
+}
 
 class Parser {
  public:
@@ -157,6 +173,10 @@ class Parser {
         edge.information(r, c) = edge.information(c, r) = number(words[next++]);
       }
     }
+    if (const std::optional<Matrix6d> positive = without_negative_part(edge.information)) {
+      edge.information = *positive;
+      indefinite_lines_.push_back(lines_.number());
+    }
     const bool follows = edge.to - edge.from == 1 || edge.from - edge.to == 1;
     edge.kind = follows ? EdgeKind::odometry : EdgeKind::loop;
     edges_.push_back({edge, lines_.number()});
@@ -167,7 +187,8 @@ class Parser {
       throw InputError(file_, {}, "it holds no vertex",
                        "Expected lines that begin with VERTEX_SE3:QUAT or VERTEX_SE2");
     }
-    G2oFile result{PoseGraph(planar_.value_or(false)), {}, parameter_lines_};
+    G2oFile result{
+        PoseGraph(planar_.value_or(false)), {}, std::move(indefinite_lines_), parameter_lines_};
     // In the order of ids: a graph in another order would be sorted by insertion.
     std::ranges::stable_sort(nodes_, {},
                              [](const Placed<PoseNode>& node) { return node.value.id; });
@@ -199,6 +220,7 @@ class Parser {
   std::vector<Placed<PoseNode>> nodes_;
   std::vector<Placed<PoseEdge>> edges_;
   std::vector<Placed<NodeId>> fixed_;
+  std::vector<uint64_t> indefinite_lines_;
   std::size_t parameter_lines_ = 0;
 };
 

@@ -20,13 +20,16 @@ namespace adit {
 struct G2oFile {
   PoseGraph graph;
   std::vector<uint64_t> edge_lines;  ///< where each edge of the graph stands, from 1
-  std::size_t parameter_lines = 0;   ///< PARAMS_...: sensor offsets, which no edge read here uses
+  /// Edges whose information had negative eigenvalues, which count as zero: public graphs have
+  /// such.
+  std::vector<uint64_t> indefinite_lines;
+  std::size_t parameter_lines = 0;  ///< PARAMS_...: sensor offsets, which no edge read here uses
 };
 
 /// Edges between nodes whose ids follow each other are odometry, all others loops; they may come
 /// before their vertices. Throws InputError with the line: an unknown tag, a wrong number of
 /// columns, what is no finite number, SE(3) and SE(2) mixed, a node given twice or missing, an edge
-/// from a node to itself, an information with a negative eigenvalue; and where no vertex is left.
+/// from a node to itself; and where there is no vertex.
 G2oFile read_g2o(const std::filesystem::path& file);
 
 /// The same from memory; `file` is for messages.
