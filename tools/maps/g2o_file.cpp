@@ -13,6 +13,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/output_file.hpp"
