@@ -222,18 +222,18 @@ int CommandCases::evaluate(const fs::path& folder, Dice& dice, std::ostream& tol
   options.evaluation.tolerance = 0.06;
   switch (dice.below(3)) {
     case 0:
-      options.estimate = copy;
+      options.estimates = {copy};
       options.truth = run_ / "trajectory.tum";
       break;
     case 1:
-      options.estimate = copy;
+      options.estimates = {copy};
       break;
     default:
-      options.estimate = damaged;
+      options.estimates = {damaged};
       options.truth = run_ / "trajectory.tum";
       options.plot = folder / "plot.svg";
       if (dice.one_in(2)) {
-        std::swap(options.estimate, options.truth);
+        std::swap(options.estimates.front(), options.truth);
       }
   }
   return evaluate_command(options, told, told);
