@@ -80,7 +80,9 @@ HighRateOutput::HighRateOutput(const std::filesystem::path& folder, const ImuCon
 }
 
 void HighRateOutput::add(const ImuSample& sample, ImuArrival arrival) {
-  if (const std::optional<LidarMotion> motion = stream_.add(sample, arrival)) {
+  const std::optional<LidarMotion> motion = stream_.add(sample, arrival);
+  // Times in a trajectory rise: where the clock was set back, they do again once it is past that.
+  if (motion && (!statistics_.last() || motion->stamp > *statistics_.last())) {
     tum_.write({.stamp = motion->stamp, .pose = motion->T_map_lidar});
     csv_.write(csv_line(*motion));
     statistics_.add(motion->stamp);

@@ -4,10 +4,14 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "tools/frame_tree.hpp"
+#include "tools/recording_findings.hpp"
 #include "tools/recordings/recording.hpp"
+#include "tools/topic_statistics.hpp"
 
 namespace adit {
 
@@ -17,5 +21,11 @@ namespace adit {
 /// first ten seconds.
 std::optional<Eigen::Isometry3d> recorded_mounting(const Recording& recording,
                                                    std::size_t sweep_topic, std::size_t imu_topic);
+
+/// An IMU of which nothing tells how it is mounted to the first range sensor: `run` takes its axes
+/// for the sensor's.
+std::vector<Finding> find_unknown_mountings(const std::vector<Topic>& topics,
+                                            const std::vector<TopicStatistics>& statistics,
+                                            const FrameTree& frames);
 
 }  // namespace adit

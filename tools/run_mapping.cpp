@@ -51,6 +51,15 @@ bool map_sweep(const Mapping& mapping, SweepFeed& feed, std::size_t index) {
     return false;
   }
   const Sweep& sweep = std::get<Sweep>(event->value);
+  index = event->number.value_or(index);
+  const std::optional<Nanoseconds> last = mapping.statistics.last_stamp();
+  if (last && sweep.stamp <= *last) {
+    const auto note = mapping.statistics.left_out().add_sweep(index, sweep, *last);
+    if (note && !mapping.quiet) {
+      mapping.progress.note(*note);
+    }
+    return true;
+  }
   HostTimes times{.read = ms_since(start)};
   const SweepResult result = mapping.place(sweep);
   times.host = result.host_ms;

@@ -76,6 +76,7 @@ std::vector<BadSetting> bad_settings() {
       {"imu.refine_rotation", [](Config& c) { c.imu.refine_rotation = -1; }, "between 0 and 1"},
       {"recovery.max_coasting", [](Config& c) { c.recovery.max_coasting = -1; }, "between 0"},
       {"recording.point_time_unit", [](Config& c) { c.recording.point_time_unit = -1; }, "s"},
+      {"recording.coordinate_scale", [](Config& c) { c.recording.coordinate_scale = -1; }, "m"},
       {"recording.sweep_time_offset", [](Config& c) { c.recording.sweep_time_offset = 1e12; },
        "between"},
       {"recording.imu_time_offset", [](Config& c) { c.recording.imu_time_offset = -1e12; },
