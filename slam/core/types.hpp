@@ -34,11 +34,12 @@ static_assert(sizeof(Point) == 16, "a Point is uploaded to the device as one vec
 /// Points may be NaN or (0, 0, 0): no return. `times` and `rings` are empty where the source has
 /// none, and as long as `points` otherwise.
 struct Sweep {
-  Nanoseconds stamp{0};         ///< time of the start of the sweep
-  std::vector<Point> points;    ///< lidar frame, m
-  std::vector<float> times;     ///< s after `stamp`, one a point, or empty
-  std::vector<uint16_t> rings;  ///< beam index, one a point, or empty
-  std::string source;           ///< file or message it came from, for messages to people
+  Nanoseconds stamp{0};                 ///< time of the start of the sweep
+  std::vector<Point> points;            ///< lidar frame, m
+  std::vector<float> times;             ///< s after `stamp`, one a point, or empty
+  std::vector<uint16_t> rings;          ///< beam index, one a point, or empty
+  std::string source;                   ///< file or message it came from, for messages to people
+  std::optional<std::size_t> number{};  ///< among its recording's sweeps, from 0, where it is known
 };
 
 /// From a sweep's stamp to the last of its points' times, s; 0 without times.

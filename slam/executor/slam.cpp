@@ -67,7 +67,11 @@ class OfflineSlam final : public Slam {
     }
   }
 
-  SweepPlaced place(Sweep sweep) {
+  SlamResult place(Sweep sweep) {
+    if (last_sweep_ && sweep.stamp <= *last_sweep_) {
+      return SweepLeftOut{.sweep = std::move(sweep), .last = *last_sweep_};
+    }
+    last_sweep_ = sweep.stamp;
     if (inertial_ && !mounting_) {
       mounting_ = find_mounting();
       odometry_.mount(mounting_->T_imu_lidar);
@@ -76,7 +80,7 @@ class OfflineSlam final : public Slam {
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
-    return {.sweep = std::move(sweep), .result = std::move(result)};
+    return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
   }
 
   Mounting find_mounting() const {
@@ -101,6 +105,7 @@ class OfflineSlam final : public Slam {
   std::string lidar_frame_;
   std::string imu_frame_;
   std::optional<Mounting> mounting_;
+  std::optional<Nanoseconds> last_sweep_;  ///< its stamp
 };
 
 }  // namespace

@@ -34,7 +34,13 @@ struct SweepPlaced {
   SweepResult result;
 };
 
-using SlamResult = std::variant<ReadingTaken, SweepPlaced>;
+/// A sweep that has no place in a trajectory: its time is not after that of the sweep before it.
+struct SweepLeftOut {
+  Sweep sweep;
+  Nanoseconds last{0};  ///< stamp of the sweep before it
+};
+
+using SlamResult = std::variant<ReadingTaken, SweepPlaced, SweepLeftOut>;
 
 /// Who told how the inertial sensor and the range sensor are mounted to each other.
 enum class MountingSource {

@@ -96,6 +96,35 @@ class Corpus {
     }
   }
 
+  void add_other_packets() {
+    for (const auto& [name, pixel, fusa] : {std::tuple{"rng19_dual", 16U, false},
+                                            {"rng15", 4U, false},
+                                            {"rng15_dual", 8U, false},
+                                            {"fusa", 8U, true}}) {
+      Bytes bytes;
+      for (const std::size_t first : {0U, 16U}) {
+        append(bytes, ouster_profile_packet(pixel, fusa, 2, first, 7, 1000000,
+                                            [](Bytes& packet, auto at, auto column, auto beam) {
+                                              put(packet, at,
+                                                  static_cast<uint32_t>(1000 + 10 * column + beam));
+                                            }));
+      }
+      add("packets", "ouster", name, text_of(bytes));
+    }
+    const std::vector<std::array<int32_t, 5>> points = {{1000, -2000, 3000, 40, 0},
+                                                        {4000, 5000, 6000, 50, 0x20}};
+    add("packets", "livox", "mm", text_of(livox_packet(1000000, points)));
+    add("packets", "livox", "cm", text_of(livox_packet(1000000, points, true)));
+    add("packets", "livox", "imu", text_of(livox_imu_packet(1000000)));
+    const auto range = [](auto block, auto laser) { return 500 + 10 * block + laser; };
+    add("packets", "hesai", "xt", text_of(test::hesai_packet({}, {10.0, 10.2}, 1000, range)));
+    add("packets", "hesai", "ot",
+        text_of(
+            test::hesai_packet({.major = 1, .minor = 4, .lasers = 4}, {10.0, 10.2}, 1000, range)));
+    add("packets", "hesai", "pandar64",
+        text_of(test::hesai_packet({.pandar64 = true, .lasers = 4}, {10.0, 10.2}, 1000, range)));
+  }
+
   /// The first byte: twice the type's place in fuzz_messages.cpp, and one for ROS 2.
   void add_messages() {
     for (const Encoding encoding : {Encoding::ros1, Encoding::cdr}) {
@@ -203,6 +232,7 @@ std::vector<FuzzSeed> fuzz_corpus() {
   corpus.add_containers();
   corpus.add_captures();
   corpus.add_packets();
+  corpus.add_other_packets();
   corpus.add_messages();
   corpus.add_clouds();
   corpus.add_folders();

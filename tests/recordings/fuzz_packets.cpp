@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tools/packets/hesai_packets.hpp"
+#include "adit/tools/packets/livox_packets.hpp"
 #include "adit/tools/packets/ouster_packets.hpp"
 #include "adit/tools/packets/velodyne_packets.hpp"
 
@@ -40,6 +42,34 @@ void decode(Sweeps sweeps, std::span<const std::byte> bytes, std::size_t size,
   }
 }
 
+/// Packets that tell their own length.
+void decode_whole(std::span<const std::byte> bytes) {
+  const Datagram datagram{.received = std::chrono::hours(1), .payload = bytes};
+  LivoxSweeps livox;
+  if (is_livox_imu(datagram)) {
+    livox_imu(datagram);
+  } else if (is_livox_data(datagram)) {
+    livox.take(datagram);
+    test::require_valid(livox.finish().value());
+  }
+  HesaiAngles angles;
+  for (int i = 0; i < 40; ++i) {
+    angles.elevations.push_back(15.0 - i);
+    angles.azimuths.push_back(0.1 * i);
+  }
+  HesaiSweeps hesai(angles);
+  if (hesai_packet(datagram)) {
+    for (int i = 0; i < 2; ++i) {
+      for (const Sweep& sweep : hesai.take(datagram)) {
+        require_whole(sweep);
+      }
+    }
+    if (const auto rest = hesai.finish()) {
+      require_whole(*rest);
+    }
+  }
+}
+
 OusterSensor small_sensor(OusterProfile profile) {
   return {.profile = profile,
           .beams = 2,
@@ -58,11 +88,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   const std::span<const std::byte> bytes(reinterpret_cast<const std::byte*>(data), size);
   decode(VelodyneSweeps(), bytes, 1206, [](const Datagram& d) { return is_velodyne_data(d); });
   for (const OusterProfile profile :
-       {OusterProfile::legacy, OusterProfile::rng19_rfl8_sig16_nir16}) {
-    const OusterSensor sensor = small_sensor(profile);
+       {OusterProfile::legacy, OusterProfile::rng19_rfl8_sig16_nir16,
+        OusterProfile::rng19_rfl8_sig16_nir16_dual, OusterProfile::rng15_rfl8_nir8,
+        OusterProfile::rng15_rfl8_nir8_dual, OusterProfile::fusa_rng15_rfl8_nir8_dual}) {
+    OusterSensor sensor = small_sensor(profile);
+    sensor.fusa_header = profile == OusterProfile::fusa_rng15_rfl8_nir8_dual;
     decode(OusterSweeps(sensor), bytes, sensor.packet_bytes(),
            [&](const Datagram& d) { return is_ouster_data(d, sensor); });
   }
+  decode_whole(bytes);
   constexpr std::size_t kPosition = 512;
   if (size >= kPosition) {
     const auto fix = velodyne_fix({.payload = bytes.first(kPosition)});

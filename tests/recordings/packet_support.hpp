@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -203,6 +204,127 @@ Bytes ouster_packet(bool legacy, std::size_t beams, std::size_t first, uint16_t 
   }
   if (!legacy) {
     packet.resize(packet.size() + 32);
+  }
+  return packet;
+}
+
+/// The same in any profile but the legacy one: a pixel is `pixel_bytes` long and write(bytes, at,
+/// column, beam) fills it in.
+template <class Write>
+Bytes ouster_profile_packet(std::size_t pixel_bytes, bool fusa, std::size_t beams,
+                            std::size_t first, uint32_t frame, uint64_t time, const Write& write) {
+  Bytes packet(32);
+  packet[0] = std::byte{1};
+  if (fusa) {
+    put(packet, 4, frame);
+  } else {
+    put(packet, 2, static_cast<uint16_t>(frame));
+  }
+  for (std::size_t i = 0; i < 16; ++i) {
+    Bytes column(12 + pixel_bytes * beams);
+    put(column, 0, time + 100000 * i);
+    put(column, 8, static_cast<uint16_t>(first + i));
+    put(column, 10, uint16_t{1});
+    for (std::size_t beam = 0; beam < beams; ++beam) {
+      write(column, 12 + pixel_bytes * beam, first + i, beam);
+    }
+    append(packet, column);
+  }
+  packet.resize(packet.size() + 32);
+  return packet;
+}
+
+/// A packet of a Livox: `points` are x y z in mm, reflectivity and tag; 1 µs apart.
+inline Bytes livox_packet(uint64_t time, const std::vector<std::array<int32_t, 5>>& points,
+                          bool centimetres = false) {
+  Bytes packet(36);
+  put(packet, 3, static_cast<uint16_t>(10 * points.size()));
+  put(packet, 5, static_cast<uint16_t>(points.size()));
+  packet[10] = centimetres ? std::byte{2} : std::byte{1};
+  put(packet, 28, time);
+  for (const auto& point : points) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (centimetres) {
+        put(packet, packet.size(), static_cast<int16_t>(point[axis] / 10));
+      } else {
+        put(packet, packet.size(), point[axis]);
+      }
+    }
+    put(packet, packet.size(), static_cast<uint8_t>(point[3]));
+    put(packet, packet.size(), static_cast<uint8_t>(point[4]));
+  }
+  put(packet, 1, static_cast<uint16_t>(packet.size()));
+  return packet;
+}
+
+inline Bytes livox_imu_packet(uint64_t time) {
+  Bytes packet(60);
+  put(packet, 1, uint16_t{60});
+  put(packet, 5, uint16_t{1});
+  put(packet, 28, time);
+  const float readings[6] = {0.1F, 0.2F, 0.3F, 0.0F, 0.5F, 1.0F};  // rad/s, g
+  std::memcpy(packet.data() + 36, readings, sizeof readings);
+  return packet;
+}
+
+/// A block for each azimuth (degrees); range(block, laser) in steps of 4 mm. 2023-11-14, 22:13:20
+/// and `microseconds`.
+struct HesaiLayout {
+  bool pandar64 = false;  ///< else protocol `major`.`minor`
+  uint8_t major = 6;
+  uint8_t minor = 1;
+  uint8_t lasers = 32;
+  uint8_t mode = 0x37;
+};
+template <class Range>
+Bytes hesai_packet(const HesaiLayout& layout, const std::vector<double>& azimuths,
+                   uint32_t microseconds, const Range& range) {
+  const bool xt = layout.major == 6 && !layout.pandar64;
+  Bytes packet{std::byte{0xee}, std::byte{0xff}};
+  const auto add = [&](auto value) { put(packet, packet.size(), value); };
+  const auto blocks = static_cast<uint8_t>(azimuths.size());
+  if (layout.pandar64) {
+    for (const uint8_t value :
+         {layout.lasers, blocks, uint8_t{0}, uint8_t{4}, uint8_t{0}, uint8_t{0}}) {
+      add(value);
+    }
+  } else {
+    for (const uint8_t value : {layout.major, layout.minor, uint8_t{0}, uint8_t{0}, layout.lasers,
+                                blocks, uint8_t{0}, uint8_t{4}, uint8_t{1}, uint8_t{0}}) {
+      add(value);
+    }
+  }
+  for (std::size_t block = 0; block < azimuths.size(); ++block) {
+    add(static_cast<uint16_t>(std::lround(100.0 * azimuths[block])));
+    for (std::size_t laser = 0; laser < layout.lasers; ++laser) {
+      add(static_cast<uint16_t>(range(block, laser)));
+      add(static_cast<uint8_t>(laser));
+      if (xt) {
+        add(uint8_t{0});
+      }
+    }
+  }
+  const std::array<uint8_t, 6> utc = {23, 11, 14, 22, 13, 20};
+  const auto add_utc = [&] {
+    for (const uint8_t value : utc) {
+      add(value);
+    }
+  };
+  if (layout.pandar64) {
+    packet.resize(packet.size() + 8);
+    add(uint16_t{600});
+    add(microseconds);
+    add(layout.mode);
+    add(uint8_t{0x42});
+    add_utc();
+  } else {
+    packet.resize(packet.size() + (xt ? 10 : 4 + 12));
+    add(layout.mode);
+    add(uint16_t{6000});
+    add_utc();
+    add(microseconds);
+    add(uint8_t{0x42});
+    add(uint32_t{7});
   }
   return packet;
 }

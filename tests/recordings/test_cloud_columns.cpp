@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tools/clouds/pcd_reader.hpp"
 #include "adit/tools/clouds/point_times.hpp"
 
 namespace adit {
@@ -136,9 +137,10 @@ TEST(FieldRoles, CaseAndCloudComparePrefixDoNotMatter) {
 
 /// A cloud of one point from numbers that lie in memory.
 template <class T>
-CloudFile decode_one(ScalarType type, const std::vector<T>& xyz) {
+CloudFile decode_one(ScalarType type, const std::vector<T>& xyz, double scale = 1.0) {
   CloudColumns columns;
   columns.points = 1;
+  columns.reading.coordinate_scale = scale;
   for (std::size_t i = 0; i < 3; ++i) {
     columns.columns[i] =
         Column{reinterpret_cast<const std::byte*>(xyz.data() + i), 0, sizeof(T), type, false};
@@ -164,6 +166,77 @@ TEST(DecodeCloud, CoordinatesOfEveryType) {
          9223372036854775808.0F);
   expect(decode_one<float>(ScalarType::f32, {0.1F, -2.5F, 3.0F}), 0.1F, -2.5F, 3.0F);
   expect(decode_one<double>(ScalarType::f64, {0.1, -2.5, 1e-300}), 0.1F, -2.5F, 0.0F);
+}
+
+TEST(DecodeCloud, IntegersNeedAScale) {
+  try {
+    decode_one<int16_t>(ScalarType::i16, {1000, -2000, 5}, 0.0);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(error.found().find("integers of 16 bits"), std::string::npos) << error.what();
+    EXPECT_NE(error.remedy().find("recording.coordinate_scale"), std::string::npos);
+  }
+  const Point p = decode_one<int16_t>(ScalarType::i16, {1000, -2000, 5}, 0.001).sweep.points.at(0);
+  EXPECT_FLOAT_EQ(p.x, 1.0F);
+  EXPECT_FLOAT_EQ(p.y, -2.0F);
+  EXPECT_FLOAT_EQ(p.z, 0.005F);
+  EXPECT_EQ(decode_one<float>(ScalarType::f32, {4.0F, 5.0F, 6.0F}, 0.0).sweep.points[0].x, 4.0F);
+  EXPECT_EQ(decode_one<float>(ScalarType::f32, {4000.0F, 0.0F, 0.0F}, 0.001).sweep.points[0].x,
+            4.0F);
+}
+
+/// A binary PCD of doubles, whatever their fields.
+CloudFile decode_fields(const std::vector<std::string>& fields, const std::vector<double>& rows) {
+  std::string names;
+  std::string sizes;
+  std::string types;
+  for (const std::string& field : fields) {
+    names += " " + field;
+    sizes += " 8";
+    types += " F";
+  }
+  const std::string points = std::to_string(rows.size() / fields.size());
+  std::string file = "VERSION .7\nFIELDS" + names + "\nSIZE" + sizes + "\nTYPE" + types +
+                     "\nWIDTH " + points + "\nHEIGHT 1\nPOINTS " + points + "\nDATA binary\n";
+  file.append(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(double));
+  return parse_pcd("cloud.pcd", file);
+}
+
+TEST(DecodeCloud, IntensityOfOneLetter) {
+  EXPECT_EQ(decode_fields({"x", "y", "z", "i"}, {1, 2, 3, 7}).sweep.points.at(0).intensity, 7.0F);
+  EXPECT_TRUE(decode_fields({"x", "y", "z", "i"}, {1, 2, 3, 7}).has_intensity);
+  EXPECT_FALSE(decode_fields({"x", "y", "z"}, {1, 2, 3}).has_intensity);
+}
+
+TEST(DecodeCloud, CurvatureIsATimeWhereItIsNoCurvature) {
+  const std::vector<std::string> fields = {"x", "y", "z", "curvature"};
+  const CloudFile timed = decode_fields(fields, {1, 2, 3, 0.5, 4, 5, 6, 99.5});
+  ASSERT_EQ(timed.sweep.times.size(), 2U);
+  EXPECT_FLOAT_EQ(timed.sweep.times[1], 0.099F);
+  EXPECT_EQ(timed.sweep.stamp, Nanoseconds(500000));
+  EXPECT_EQ(timed.times.value().field, "curvature");
+  EXPECT_TRUE(decode_fields(fields, {1, 2, 3, 0.01, 4, 5, 6, 0.33}).sweep.times.empty())
+      << "that of a surface";
+  const CloudFile both =
+      decode_fields({"x", "y", "z", "curvature", "time"}, {1, 2, 3, 0, 0, 4, 5, 6, 9, 0.1});
+  EXPECT_FLOAT_EQ(both.sweep.times.at(1), 0.1F) << "a field of that name wins";
+}
+
+TEST(DecodeCloud, SecondsAndNanosecondsApartAreOneTime) {
+  for (const auto& [sec, nsec] : {std::pair{"sec", "nsec"},
+                                  {"t_sec", "t_nsec"},
+                                  {"timestamp_sec", "timestamp_nanosec"},
+                                  {"time_s", "time_ns"}}) {
+    const CloudFile cloud =
+        decode_fields({"x", "y", "z", sec, nsec},
+                      {1, 2, 3, 1700000000, 999999999, 4, 5, 6, 1700000001, 50000000});
+    EXPECT_EQ(cloud.sweep.stamp, Nanoseconds(1700000000999999999)) << sec;
+    EXPECT_TRUE(cloud.absolute_stamp);
+    EXPECT_FLOAT_EQ(cloud.sweep.times.at(1), 0.050000001F) << sec;
+  }
+  const CloudFile alone = decode_fields({"x", "y", "z", "t_ns"}, {1, 2, 3, 0, 4, 5, 6, 9e7});
+  EXPECT_FLOAT_EQ(alone.sweep.times.at(1), 0.09F);
+  EXPECT_TRUE(decode_fields({"x", "y", "z", "sec"}, {1, 2, 3, 17}).sweep.times.empty());
 }
 
 TEST(DecodeCloud, DoublesBeyondFloatBecomeInfinite) {

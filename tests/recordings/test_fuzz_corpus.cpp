@@ -58,7 +58,7 @@ TEST(FuzzCorpus, CloudsHavePoints) {
       const auto parse = seed.format == "pcd"   ? parse_pcd
                          : seed.format == "ply" ? parse_ply
                                                 : parse_las;
-      EXPECT_FALSE(parse("seed", seed.bytes, 0.0).sweep.points.empty()) << seed.name;
+      EXPECT_FALSE(parse("seed", seed.bytes, {}).sweep.points.empty()) << seed.name;
     }
   }
 }

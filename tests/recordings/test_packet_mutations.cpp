@@ -5,10 +5,12 @@
 // the rest.
 #include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/recordings/fuzz_corpus.hpp"
 #include "adit/tests/recordings/packet_support.hpp"
 
 // fuzz_containers.cpp and fuzz_packets.cpp; renamed by tests/CMakeLists.txt.
@@ -70,6 +72,23 @@ TEST(PacketMutations, Packets) {
     }
     adit_fuzz_packets(data_of(noise), noise.size());
   }
+}
+
+TEST(PacketMutations, OtherSensors) {
+  std::mt19937 random(3);
+  std::size_t seeds = 0;
+  for (const test::FuzzSeed& seed : test::fuzz_corpus()) {
+    if (seed.fuzzer != "packets") {
+      continue;
+    }
+    ++seeds;
+    const auto bytes = std::as_bytes(std::span(seed.bytes));
+    for (int i = 0; i < 300; ++i) {
+      const Bytes changed = mutated(Bytes(bytes.begin(), bytes.end()), random, 64);
+      adit_fuzz_packets(data_of(changed), changed.size());
+    }
+  }
+  EXPECT_GE(seeds, 16U);
 }
 
 }  // namespace

@@ -51,9 +51,11 @@ TEST(PlyReader, BigEndianOfMixedTypes) {
       header("binary_big_endian",
              "element vertex 1\nproperty short x\nproperty double y\nproperty uchar flag\n"
              "property int z\nproperty ushort ring\n");
-  const CloudFile cloud = parse_ply(
-      "a", text + bytes_of(int16_t{-300}, true) + bytes_of(2.5, true) + bytes_of(uint8_t{9}) +
-               bytes_of(int32_t{70000}, true) + bytes_of(uint16_t{513}, true));
+  const std::string bytes = text + bytes_of(int16_t{-300}, true) + bytes_of(2.5, true) +
+                            bytes_of(uint8_t{9}) + bytes_of(int32_t{70000}, true) +
+                            bytes_of(uint16_t{513}, true);
+  EXPECT_THROW(parse_ply("a", bytes), InputError) << "integers tell no unit";
+  const CloudFile cloud = parse_ply("a", bytes, {.coordinate_scale = 1.0});
   expect_point(cloud, 0, -300.0F, 2.5F, 70000.0F);
   EXPECT_EQ(cloud.sweep.rings, std::vector<uint16_t>{513});
 }

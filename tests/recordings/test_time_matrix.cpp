@@ -107,7 +107,7 @@ CloudFile decode(const Convention& c, double time_unit = 0.0) {
   CloudColumns columns;
   columns.points = rows.size();
   columns.time_field = "t";
-  columns.time_unit = time_unit;
+  columns.reading.time_unit = time_unit;
   const auto* data = reinterpret_cast<const std::byte*>(rows.data());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     columns.columns[axis] = Column{data, axis * sizeof(float), sizeof(Row), ScalarType::f32, false};

@@ -72,6 +72,7 @@ std::vector<BadSetting> bad_settings() {
       {"imu.reset", [](Config& c) { c.imu.reset = 1; }, "at least 2 sweeps"},
       {"recovery.max_coasting", [](Config& c) { c.recovery.max_coasting = -1; }, "between 0"},
       {"recording.point_time_unit", [](Config& c) { c.recording.point_time_unit = -1; }, "s"},
+      {"recording.coordinate_scale", [](Config& c) { c.recording.coordinate_scale = -1; }, "m"},
       {"recording.sweep_time_offset", [](Config& c) { c.recording.sweep_time_offset = 1e12; },
        "between"},
       {"recording.imu_time_offset", [](Config& c) { c.recording.imu_time_offset = -1e12; },

@@ -5,7 +5,9 @@
 // a recorder would store of them. Every reading follows from one closed form of the motion.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -135,10 +137,21 @@ struct MovingRig {
   }
 };
 
-/// The frame of a topic is its name without the slash; that of /points is "lidar".
+/// The frame of a topic is its name without the slash; that of /points is "lidar". `clocks` are
+/// topics of rosgraph_msgs/Clock, with one message each.
 inline std::filesystem::path write_mcap(const std::filesystem::path& file,
-                                        const std::vector<Recorded>& events) {
+                                        const std::vector<Recorded>& events,
+                                        const std::vector<std::string>& clocks = {}) {
   McapWriter writer(file, {.chunk_bytes = 200000});
+  for (const std::string& clock : clocks) {
+    const std::size_t channel = writer.add_channel({.topic = clock,
+                                                    .type = "rosgraph_msgs/Clock",
+                                                    .encoding = Encoding::cdr,
+                                                    .definition = {},
+                                                    .messages = std::nullopt});
+    const std::array<std::byte, 12> time{std::byte{0}, std::byte{1}};
+    writer.write(channel, events.front().received, time);
+  }
   std::map<std::string, std::size_t> channels;
   for (const Recorded& event : events) {
     const std::string frame = event.topic == "/points" ? "lidar" : event.topic.substr(1);

@@ -55,12 +55,14 @@ inline std::size_t lines(const std::filesystem::path& file) {
 /// A recording in memory; `before_read` may throw or raise.
 class MemoryRecording : public Recording {
  public:
-  explicit MemoryRecording(std::size_t size, std::function<void(std::size_t)> before_read = {})
+  explicit MemoryRecording(std::size_t size, std::function<void(std::size_t)> before_read = {},
+                           std::function<Nanoseconds(std::size_t)> stamp = {})
       : topics_({{.name = "/points",
                   .type = "made for a test",
                   .kind = TopicKind::sweeps,
                   .messages = size}}),
-        before_read_(std::move(before_read)) {}
+        before_read_(std::move(before_read)),
+        stamp_(std::move(stamp)) {}
 
   const std::vector<Topic>& topics() const override { return topics_; }
   std::string description() const override { return "made for a test"; }
@@ -74,7 +76,7 @@ class MemoryRecording : public Recording {
       before_read_(index);
     }
     Sweep sweep;
-    sweep.stamp = std::chrono::milliseconds(100 * index);
+    sweep.stamp = stamp_ ? stamp_(index) : std::chrono::milliseconds(100 * index);
     sweep.points = {{1.0F, 2.0F, 3.0F, 0.5F}, {1.01F, 2.0F, 3.0F, 0.6F}, {4.0F, 5.0F, 6.0F, 0.7F}};
     sweep.source = "sweep_" + std::to_string(index);
     return sweep;
@@ -100,6 +102,7 @@ class MemoryRecording : public Recording {
 
   std::vector<Topic> topics_;
   std::function<void(std::size_t)> before_read_;
+  std::function<Nanoseconds(std::size_t)> stamp_;
 };
 
 /// A result as of an odometry that moves a metre a sweep along x and makes each one a keyframe.

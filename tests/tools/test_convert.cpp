@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -14,8 +16,10 @@
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/containers/bag_writer.hpp"
 #include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/containers/rosbag2_writer.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
 #include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/recordings/ros_clouds.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -76,6 +80,121 @@ TEST_F(Convert, TopicsAndTimesAreCut) {
   EXPECT_EQ(report_.topics.at(1).messages, 2U);
 }
 
+TEST_F(Convert, PartThatBeginsLaterKeepsWhatStillHolds) {
+  McapWriter writer(folder_ / "in.mcap", {});
+  const auto channel = [&](const char* topic, std::string_view type, const char* durability) {
+    return writer.add_channel(
+        {.topic = topic,
+         .type = std::string(type),
+         .encoding = Encoding::cdr,
+         .definition = {},
+         .messages = std::nullopt,
+         .metadata = {{"offered_qos_profiles",
+                       "- history: keep_last\n  durability: " + std::string(durability)}}});
+  };
+  const std::size_t transforms = channel("/tf_static", ros::TFMessage::kType, "volatile");
+  const std::size_t camera = channel("/camera_info", ros::CameraInfo::kType, "volatile");
+  const std::size_t latched = channel("/origin", ros::NavSatFix::kType, "transient_local");
+  const std::size_t numbered = channel("/imu", ros::Imu::kType, "2");
+  const auto write = [&](std::size_t to, int tenths, const auto& message) {
+    writer.write(to, test::kStart + std::chrono::milliseconds(100 * tenths),
+                 ros::encode(Encoding::cdr, message));
+  };
+  ros::TransformStamped moved = test::transform_message(0, "lidar");
+  moved.translation.x = 5.0;
+  write(transforms, 0, ros::TFMessage{{test::transform_message(0, "lidar")}});
+  write(transforms, 1, ros::TFMessage{{test::transform_message(0, "imu")}});
+  write(camera, 1, test::camera_info_message(1));
+  write(latched, 2, test::fix_message(2));
+  write(latched, 3, test::fix_message(3));
+  write(transforms, 4, ros::TFMessage{{moved}});  // says anew how the lidar is mounted
+  for (int i = 0; i < 10; ++i) {
+    write(numbered, i, test::imu_message(static_cast<uint32_t>(i)));
+  }
+  writer.close();
+  for (const char* name : {"part.mcap", "part.bag", "part"}) {
+    const fs::path part = convert(folder_ / "in.mcap", name, {.begin_s = 0.55});
+    const std::vector<test::SampleMessage> kept = messages(part);
+    ASSERT_EQ(kept.size(), 8U) << name << ": two transforms, a camera, a fix and four readings";
+    const Nanoseconds begin = test::kStart + std::chrono::milliseconds(550);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ(kept[i].received, begin);
+    }
+    EXPECT_EQ(report_.topics.at(0).from_before, 2U);
+    EXPECT_EQ(report_.topics.at(3).from_before, 0U);
+    const auto recording = open_recording(part);
+    const auto events = recording->events({.topics = {0}});
+    const auto imu = std::get<StaticTransform>(events->next().value().value);
+    const auto lidar = std::get<StaticTransform>(events->next().value().value);
+    EXPECT_EQ(imu.child, "imu");
+    EXPECT_EQ(lidar.T_parent_child.translation().x(), 5.0) << "what was said last";
+  }
+  EXPECT_EQ(
+      messages(convert(folder_ / "in.mcap", "imu.mcap", {.topics = {"/imu"}, .begin_s = 0.55}))
+          .size(),
+      4U)
+      << "topics that were not chosen are not kept either";
+}
+
+TEST_F(Convert, PartOfACaptureKeepsHowItsSensorsAreMounted) {
+  std::vector<test::CapturedFrame> frames;
+  for (uint16_t i = 0; i < 8; ++i) {
+    const uint64_t time = 1000000000ULL * i;
+    const test::Bytes packet = test::ouster_packet(
+        true, 2, 0, i, time + 1, [](auto column, auto beam) { return 1000 + column + beam; });
+    frames.push_back({Nanoseconds(static_cast<int64_t>(time)),
+                      std::move(test::frames_of(packet, 7502).front())});
+  }
+  const test::Bytes bytes = test::pcap(frames);
+  folder_.write("drive.pcap", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  folder_.write("drive.json", test::ouster_metadata(2, "LEGACY"));
+  const auto part = open_recording(convert(folder_ / "drive.pcap", "part.mcap", {.begin_s = 4.0}));
+  ASSERT_EQ(part->topics().at(0).name, "/tf_static");
+  EXPECT_EQ(part->topics()[0].messages, 2U);
+}
+
+TEST_F(Convert, PackedMessagesAreWrittenPlainAndTheDistributionStays) {
+  {
+    Rosbag2Writer writer(folder_ / "drive", {.pack_messages = true, .ros_distro = "humble"});
+    test::write_sample(writer, Encoding::cdr, 4);
+    writer.close();
+  }
+  const std::vector<test::SampleMessage> written = test::sample_messages(Encoding::cdr, 4);
+  EXPECT_TRUE(test::is_prefix(messages(convert(folder_ / "drive", "plain.mcap")), written));
+  convert(folder_ / "drive", "again");
+  EXPECT_EQ(open_message_files(folder_ / "again").at(0)->ros_distro(), "humble");
+  convert(folder_ / "plain.mcap", "other");
+  EXPECT_EQ(open_message_files(folder_ / "other").at(0)->ros_distro(), "unknown");
+}
+
+TEST_F(Convert, RepairedCloudsHaveNoIntensityThatWasNotThere) {
+  McapWriter writer(folder_ / "in.mcap", {});
+  const std::size_t channel = writer.add_channel({.topic = "/points",
+                                                  .type = "sensor_msgs/PointCloud2",
+                                                  .encoding = Encoding::cdr,
+                                                  .definition = {},
+                                                  .messages = std::nullopt});
+  for (const bool intensity : {true, false}) {
+    test::CloudExample cloud = test::cloud_message(0);
+    cloud.message.fields.at(3).name = intensity ? "i" : "spare";
+    writer.write(channel, test::kStart, ros::encode(Encoding::cdr, cloud.message));
+  }
+  writer.close();
+  const auto right =
+      open_message_files(convert(folder_ / "in.mcap", "right.mcap", {.repair = RecordingConfig{}}));
+  const auto stream = right.at(0)->messages({});
+  for (const bool intensity : {true, false}) {
+    const RawMessage message = stream->next().value();
+    const auto cloud = ros::decode<ros::PointCloud2>(Encoding::cdr, message.bytes);
+    EXPECT_EQ(cloud.fields.size(), intensity ? 6U : 5U);
+    EXPECT_EQ(cloud.fields.at(3).name, intensity ? "intensity" : "ring");
+    const CloudFile points = ros::to_sweep(cloud, {}, "right.mcap");
+    EXPECT_EQ(points.sweep.points.at(0).intensity, intensity ? 0.5F : 0.0F);
+    EXPECT_FLOAT_EQ(points.sweep.times.at(1), 0.05F);
+    EXPECT_EQ(points.sweep.rings.at(1), 5);
+  }
+}
+
 TEST_F(Convert, UnknownTypesAreCopiedWhereTheEncodingStaysAndLeftOutWhereNot) {
   {
     McapWriter writer(folder_ / "other.mcap", {});
@@ -121,6 +240,55 @@ TEST_F(Convert, DamageIsReportedAndTheRestIsWritten) {
   EXPECT_NE(err.str().find("in.bag, byte "), std::string::npos) << err.str();
   EXPECT_NE(err.str().find("what could be read was written"), std::string::npos);
   EXPECT_GT(messages(folder_ / "out.mcap").size(), 3U);
+}
+
+TEST_F(Convert, DamageBeforeTheFirstMessageIsAFailure) {
+  for (const char* name : {"in.mcap", "in.bag"}) {
+    const fs::path whole = convert(sample_mcap(Encoding::ros1), std::string("x_") + name);
+    std::string bytes = test::content_of(whole);
+    const std::size_t head = whole.extension() == ".bag" ? 13 + 4096 : 60;
+    folder_.write(name, bytes.substr(0, head) + std::string(64, '\xff'));
+    std::ostringstream out;
+    std::ostringstream err;
+    EXPECT_EQ(convert_command({.input = folder_ / name, .output = folder_ / "out.mcap"}, out, err),
+              1)
+        << name;
+    EXPECT_NE(err.str().find(std::string(name) + ", byte "), std::string::npos) << err.str();
+    EXPECT_NE(err.str().find("nothing could be read"), std::string::npos) << err.str();
+    EXPECT_EQ(out.str().find("wrote"), std::string::npos) << out.str();
+  }
+}
+
+TEST_F(Convert, TimesThatCutNothingOutAreUsageErrors) {
+  const fs::path in = sample_mcap(Encoding::cdr);  // 0.3 s
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [begin, end] :
+       std::vector<std::pair<std::optional<double>, std::optional<double>>>{
+           {1e30, {}}, {nan, {}}, {{}, nan}, {-5.0, 1e300}, {{}, -1.0}, {5.0, 1.0}, {100.0, {}}}) {
+    EXPECT_THROW(convert(in, "x.mcap", {.begin_s = begin, .end_s = end}), UsageError)
+        << begin.value_or(-0.0) << " " << end.value_or(-0.0);
+    EXPECT_FALSE(fs::exists(folder_ / "x.mcap"));
+  }
+  convert(in, "x.mcap", {.begin_s = 0.0, .end_s = 1e9});
+  EXPECT_EQ(report_.messages(), 29U);
+  folder_.write("kitti/velodyne/0.bin", test::bytes_of_all(1.0F, 2.0F, 3.0F, 0.5F));
+  EXPECT_THROW(convert(folder_ / "kitti", "y.mcap", {.begin_s = 7.0}), UsageError);
+}
+
+TEST_F(Convert, NamesOfNoFormatAreUsageErrors) {
+  const fs::path in = sample_mcap(Encoding::cdr);
+  for (const char* name : {"a.xyz", "out.mcpa", "cut.db3", "drive.MCAPS"}) {
+    try {
+      convert(in, name);
+      ADD_FAILURE() << name;
+    } catch (const UsageError& error) {
+      EXPECT_NE(std::string(error.what()).find("NAME.mcap, NAME.bag"), std::string::npos);
+    }
+    EXPECT_FALSE(fs::exists(folder_ / name));
+  }
+  EXPECT_TRUE(fs::is_regular_file(convert(in, "drive.MCAP")));
+  convert(in, "drive.2024/");
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "drive.2024/drive.2024_0.db3"));
 }
 
 TEST_F(Convert, OptionsThatContradictEachOtherAreUsageErrors) {

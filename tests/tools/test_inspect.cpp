@@ -19,6 +19,7 @@
 
 #include "adit/tests/tools/inspect_support.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
+#include "adit/tools/inspection/recording_findings.hpp"
 #include "adit/tools/topics/interval_histogram.hpp"
 
 namespace adit {
@@ -208,6 +209,64 @@ TEST(Inspect, RepeatedMessagesAndThoseOutOfOrder) {
   EXPECT_EQ(kinds(write(folder, events)), Kinds{"stamps_go_back /imu"});
 }
 
+/// The pose of a frame of /tf.
+Recorded transform(const char* child, Nanoseconds stamp) {
+  return {"/tf", stamp + std::chrono::milliseconds(1),
+          ReferencePose{stamp, "odom", child, Eigen::Isometry3d::Identity()}};
+}
+
+TEST(Inspect, FramesOfATransformTopicAreSeriesOfTheirOwn) {
+  const test::TemporaryFolder folder;
+  std::vector<Recorded> events = clean_recording();
+  for (int i = 0; i < 300; ++i) {
+    const Nanoseconds at = kBegin + std::chrono::milliseconds(20 * i);
+    events.push_back(transform("base_link", at));
+    events.push_back(transform("left_wheel", at));  // the same stamps
+    if (i % 10 == 0) {
+      events.push_back(transform("map", at - std::chrono::milliseconds(5)));  // earlier ones
+    }
+  }
+  std::ranges::stable_sort(events, {}, &Recorded::received);
+  EXPECT_EQ(kinds(write(folder, events)), Kinds{});
+  std::erase_if(events, [](const Recorded& event) {
+    const auto* pose = std::get_if<ReferencePose>(&event.value);
+    return pose != nullptr && pose->child == "base_link" &&
+           pose->stamp - kBegin > std::chrono::seconds(2) &&
+           pose->stamp - kBegin < std::chrono::seconds(3);
+  });
+  std::ostringstream out;
+  std::ostringstream err;
+  EXPECT_EQ(inspect_command(of(write(folder, events)), out, err), 0) << out.str();
+  EXPECT_NE(out.str().find("notice: /tf: of frame 'base_link' 1 gap, the longest of 1.0"),
+            std::string::npos)
+      << out.str();
+}
+
+TEST(Inspect, SimulatedTimeIsNoFaultOfASensor) {
+  const test::TemporaryFolder folder;
+  std::vector<Recorded> events = clean_recording();
+  for (Recorded& event : events) {  // counts from the simulation's start, half as fast
+    const auto shift = [&](Nanoseconds& stamp) { stamp -= kBegin - std::chrono::seconds(12); };
+    if (auto* sweep = std::get_if<Sweep>(&event.value)) {
+      shift(sweep->stamp);
+    } else if (auto* imu = std::get_if<ImuSample>(&event.value)) {
+      shift(imu->stamp);
+    } else if (auto* fix = std::get_if<GnssFix>(&event.value)) {
+      shift(fix->stamp);
+    }
+    event.received = kBegin + 2 * (event.received - kBegin);
+  }
+  const std::vector<std::string> without = kinds(write(folder, events));
+  EXPECT_EQ(std::ranges::count(without, "clock_offset /imu"), 1);
+  const auto topic = [](const char* name, const char* type) {
+    return Topic{name, type, TopicKind::other, 1};
+  };
+  EXPECT_TRUE(has_simulated_time({topic("/clock", "rosgraph_msgs/Clock")}));
+  EXPECT_FALSE(has_simulated_time({topic("/clock", "std_msgs/Header")}));
+  const fs::path file = test::write_mcap(folder / "simulated.mcap", events, {"/clock"});
+  EXPECT_EQ(kinds(file), Kinds{"simulated_time"});
+}
+
 TEST(Inspect, TruncatedFile) {
   const test::TemporaryFolder folder;
   const fs::path file = write(folder, clean_recording());
@@ -220,6 +279,16 @@ TEST(Inspect, RecordingWithoutSweeps) {
   std::vector<Recorded> events = clean_recording();
   std::erase_if(events, [](const Recorded& event) { return event.topic == "/points"; });
   EXPECT_EQ(kinds(write(folder, events)), Kinds{"no_sweeps"});
+}
+
+TEST(Inspect, ImuWhoseMountingNothingTells) {
+  const test::TemporaryFolder folder;
+  std::vector<Recorded> events = clean_recording();
+  std::erase_if(events, [](const Recorded& event) { return event.topic == "/tf_static"; });
+  EXPECT_EQ(kinds(write(folder, events)), Kinds{"mounting_unknown /imu"});
+  EXPECT_EQ(kinds(write(folder, events),
+                  {.file = {}, .overrides = {"imu.T_imu_lidar=[0,0,0.1,0,0,0,1]"}}),
+            Kinds{});
 }
 
 TEST(Inspect, TableTellsWhatThereIs) {

@@ -94,7 +94,8 @@ TEST(InspectMotion, MountingIsToldWhereNoTransformIs) {
   std::vector<Recorded> events = rig.record();
   std::erase_if(events, [](const Recorded& event) { return event.topic == "/tf_static"; });
   const nlohmann::json found = report(events);
-  EXPECT_EQ(found["findings"].size(), 0U) << found["findings"];
+  ASSERT_EQ(found["findings"].size(), 1U) << found["findings"];
+  EXPECT_EQ(found["findings"][0]["kind"], "mounting_unknown");
   const std::vector<double> q = found["motion"][0]["R_range_imu_xyzw"];
   const Eigen::Quaterniond R(q[3], q[0], q[1], q[2]);
   EXPECT_LT(R.angularDistance(Eigen::Quaterniond(rig.T_lidar_imu.linear())), 0.08);

@@ -71,8 +71,9 @@ class RunCommand : public testing::Test {
   std::ostringstream said_;
 };
 
-/// The recording as an MCAP file.
-fs::path write_mcap(const fs::path& folder, const fs::path& file) {
+/// The recording as an MCAP file, the bytes of message i as `spoil` leaves them.
+fs::path write_mcap(const fs::path& folder, const fs::path& file,
+                    const std::function<void(std::size_t, std::vector<std::byte>&)>& spoil = {}) {
   McapWriter writer(file, {});
   const std::size_t channel = writer.add_channel({.topic = "/points",
                                                   .type = "sensor_msgs/PointCloud2",
@@ -81,8 +82,11 @@ fs::path write_mcap(const fs::path& folder, const fs::path& file) {
                                                   .messages = std::nullopt});
   const auto recording = open_recording(folder);
   const auto events = recording->events({});
-  while (const std::optional<Event> event = events->next()) {
-    const ros::EncodedEvent message = ros::from_event(event->value, Encoding::cdr, "lidar");
+  for (std::size_t i = 0; const std::optional<Event> event = events->next(); ++i) {
+    ros::EncodedEvent message = ros::from_event(event->value, Encoding::cdr, "lidar");
+    if (spoil) {
+      spoil(i, message.bytes);
+    }
     writer.write(channel, event->received, message.bytes);
   }
   writer.close();
@@ -106,12 +110,71 @@ TEST_F(RunCommand, McapThatWasCutOffIsMappedUpToThereAndSaysSo) {
   const fs::path file = write_mcap(from.recording, out_ / "drive.mcap");
   fs::resize_file(file, fs::file_size(file) / 2);
   from.recording = file;
-  EXPECT_EQ(run(from), 1);
+  EXPECT_EQ(run(from), 0) << said_.str();
   EXPECT_NE(said_.str().find("its recorder was killed"), std::string::npos) << said_.str();
-  EXPECT_EQ(summary()["status"], "input_error");
+  EXPECT_NE(said_.str().find("left out: 1 damaged place in the recording"), std::string::npos);
+  EXPECT_EQ(summary()["status"], "completed");
+  EXPECT_EQ(summary()["left_out"]["damaged_places"], 1);
   const std::size_t placed = test::lines(out_ / "out/trajectory.tum");
   EXPECT_GT(placed, 0U);
   EXPECT_LT(placed, kSweeps);
+  from.strict_input = true;
+  EXPECT_EQ(run(from), 1);
+  EXPECT_NE(said_.str().find("its recorder was killed"), std::string::npos) << said_.str();
+  EXPECT_EQ(summary()["status"], "input_error");
+  EXPECT_EQ(test::lines(out_ / "out/trajectory.tum"), placed);
+}
+
+TEST_F(RunCommand, DamagedMessagesAreLeftOutCountedAndTold) {
+  RunCommandOptions from = options();
+  from.recording = write_mcap(from.recording, out_ / "drive.mcap",
+                              [](std::size_t i, std::vector<std::byte>& bytes) {
+                                if (i == 1 || i == 5) {
+                                  bytes.resize(bytes.size() / 2);
+                                }
+                              });
+  EXPECT_EQ(run(from), 0) << said_.str();
+  EXPECT_NE(said_.str().find("left out: 2 damaged places"), std::string::npos) << said_.str();
+  EXPECT_NE(said_.str().find("message 5 of /points"), std::string::npos) << said_.str();
+  EXPECT_NE(printed_.str().find("left out 2 damaged places"), std::string::npos) << printed_.str();
+  EXPECT_EQ(summary()["status"], "completed");
+  EXPECT_EQ(summary()["left_out"]["damaged_places"], 2);
+  EXPECT_EQ(summary()["left_out"]["damage"].size(), 2U);
+  EXPECT_EQ(test::lines(out_ / "out/trajectory.tum"), kSweeps - 2);
+  const std::string table = test::content(out_ / "out/sweeps.csv");
+  EXPECT_EQ(table.find("\n5,"), std::string::npos) << "sweeps keep their number";
+  EXPECT_NE(table.find("\n6,"), std::string::npos);
+  from.strict_input = true;
+  EXPECT_EQ(run(from), 1);
+  EXPECT_EQ(summary()["status"], "input_error");
+  EXPECT_EQ(test::lines(out_ / "out/trajectory.tum"), 1U);
+}
+
+TEST_F(RunCommand, RecordingOfDamageAloneSaysSo) {
+  RunCommandOptions from = options();
+  from.recording = write_mcap(from.recording, out_ / "drive.mcap",
+                              [](std::size_t, std::vector<std::byte>& bytes) { bytes.resize(20); });
+  EXPECT_EQ(run(from), 1);
+  EXPECT_NE(said_.str().find("not one sweep could be read"), std::string::npos) << said_.str();
+  EXPECT_NE(said_.str().find("message 0 of /points"), std::string::npos) << said_.str();
+}
+
+TEST_F(RunCommand, OneBadPcdHeaderDoesNotEndAFolder) {
+  const std::string rows = "1 2 3\n4 5 6\n7 8 9\n";
+  const auto header = [](const char* width) {
+    return "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
+           std::string(width) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ascii\n";
+  };
+  for (int i = 0; i < 5; ++i) {
+    out_.write("clouds/" + std::to_string(i) + ".pcd", header(i == 2 ? "0" : "3") + rows);
+  }
+  RunCommandOptions from = options();
+  from.recording = out_ / "clouds";
+  run(from);
+  EXPECT_NE(said_.str().find("2.pcd"), std::string::npos) << said_.str();
+  EXPECT_EQ(summary()["status"], "completed");
+  EXPECT_EQ(summary()["left_out"]["damaged_places"], 1);
+  EXPECT_EQ(summary()["sweeps"]["processed"], 4);
 }
 
 TEST_F(RunCommand, McapWithoutAWholeSweepLeftSaysSo) {
@@ -211,6 +274,10 @@ TEST_F(RunCommand, DamagedSweepInTheMiddleKeepsTheTrajectoryAndSaysSo) {
   run_options.recording = small_recording(damaged.path()).recording;
   const fs::path sweep = run_options.recording / "velodyne/000005.bin";
   fs::resize_file(sweep, fs::file_size(sweep) - 7);
+  EXPECT_EQ(run(run_options), 0);
+  EXPECT_NE(said_.str().find("000005.bin"), std::string::npos) << said_.str();
+  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.tum").poses.size(), kSweeps - 1);
+  run_options.strict_input = true;
   EXPECT_EQ(run(run_options), 1);
   EXPECT_NE(said_.str().find("000005.bin"), std::string::npos) << said_.str();
   EXPECT_EQ(read_trajectory(out_ / "out/trajectory.tum").poses.size(), 5U);
@@ -225,6 +292,7 @@ TEST_F(RunCommand, DamagedFirstSweepIsReportedWithoutATableOfZeros) {
   RunCommandOptions run_options = options();
   run_options.recording = small_recording(damaged.path()).recording;
   fs::resize_file(run_options.recording / "velodyne/000000.bin", 7);
+  run_options.strict_input = true;
   EXPECT_EQ(run(run_options), 1);
   EXPECT_NE(said_.str().find("000000.bin"), std::string::npos) << said_.str();
   EXPECT_NE(said_.str().find("0 of 8 sweeps done"), std::string::npos) << said_.str();

@@ -101,6 +101,28 @@ TEST_F(MapRecording, DamagedSweepEndsTheRunAndKeepsWhatCameBefore) {
   EXPECT_EQ(statistics_.sweeps(), 6U);
 }
 
+TEST_F(MapRecording, SweepsWhoseTimesDoNotRiseAreLeftOutAndTold) {
+  // Stands still at 3, goes back at 6 and 7.
+  const std::vector<int> tenths = {0, 1, 2, 2, 4, 5, 1, 3, 8, 9};
+  const test::MemoryRecording recording(tenths.size(), {}, [&](std::size_t index) {
+    return std::chrono::milliseconds(100 * tenths[index]);
+  });
+  EXPECT_EQ(map(recording, {.first = 0, .count = 10}).end, RunEnd::completed);
+  EXPECT_EQ(statistics_.left_out().not_rising(), 3U);
+  EXPECT_EQ(statistics_.sweeps(), 7U);
+  const Trajectory trajectory = read_trajectory(folder_ / "trajectory.tum");
+  ASSERT_EQ(trajectory.poses.size(), 7U);
+  for (std::size_t i = 1; i < trajectory.poses.size(); ++i) {
+    EXPECT_GT(trajectory.poses[i].stamp, trajectory.poses[i - 1].stamp);
+  }
+  for (const char* part : {"sweep 3 is left out: its time is that of the sweep before it",
+                           "sweep 6 is left out: its time is 0.400000 s before that of"}) {
+    EXPECT_NE(notes_.str().find(part), std::string::npos) << notes_.str();
+  }
+  EXPECT_EQ(statistics_.left_out().text(),
+            "3 sweeps whose time is not after that of the sweep before");
+}
+
 TEST_F(MapRecording, InterruptFinishesTheCurrentSweep) {
   test::MemoryRecording recording(10, [](std::size_t index) {
     if (index == 2) {

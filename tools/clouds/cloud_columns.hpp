@@ -30,15 +30,23 @@ struct Column {
   bool swap_bytes = false;  ///< stored in the other byte order than this machine's
 };
 
-/// What a field of a point means, told by its name.
-enum class FieldRole { x, y, z, intensity, ring, time };
-constexpr std::size_t kFieldRoles = 6;
+/// What a field of a point means, told by its name. `nanoseconds` is the part below a second of a
+/// time whose whole seconds are `time`. `curvature` is where some drivers for PCL's normals leave
+/// the time (ms).
+enum class FieldRole { x, y, z, intensity, ring, time, nanoseconds, curvature };
+constexpr std::size_t kFieldRoles = 8;
+
+/// How points are to be understood, where their file does not tell.
+struct CloudReading {
+  double time_unit = 0.0;         ///< s, of the times of points; 0: told from them
+  double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres
+};
 
 /// The meaning of each named field; -1 where no field has it. Names are compared without case and
 /// without CloudCompare's "scalar_" prefix; where several fit, the usual name wins ("intensity"
 /// before "reflectivity").
 struct FieldRoles {
-  int index[kFieldRoles] = {-1, -1, -1, -1, -1, -1};
+  int index[kFieldRoles] = {-1, -1, -1, -1, -1, -1, -1, -1};
   int operator[](FieldRole role) const { return index[static_cast<std::size_t>(role)]; }
 };
 FieldRoles find_roles(const std::vector<std::string_view>& names);
@@ -48,7 +56,7 @@ struct CloudColumns {
   std::size_t points = 0;
   std::optional<Column> columns[kFieldRoles];
   std::string time_field{};  ///< name of the column of times
-  double time_unit = 0.0;    ///< s; 0: told from the times
+  CloudReading reading{};
   std::optional<Column>& operator[](FieldRole role) {
     return columns[static_cast<std::size_t>(role)];
   }
@@ -64,10 +72,11 @@ struct CloudFile {
       false;  ///< true: the points carry absolute times and sweep.stamp is the earliest of them;
               ///< false: sweep.stamp is the sweep's start relative to the recording's stamp
   std::optional<PointTimeNature> times{};  ///< how the points' times were understood, where any are
+  bool has_intensity = true;               ///< false: those of the points are made up zeros
 };
 
 /// Reads the columns. Throws InputError (with the point) where a ring is no beam number or the
-/// times cannot be those of one sweep.
+/// times cannot be those of one sweep, or where coordinates are integers whose scale nothing tells.
 CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& columns);
 
 }  // namespace adit

@@ -91,7 +91,8 @@ LasHeader parse_header(const std::filesystem::path& file, std::span<const std::b
 
 }  // namespace
 
-CloudFile parse_las(const std::filesystem::path& file, std::string_view content, double time_unit) {
+CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
+                    const CloudReading& reading) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(content.data(), content.size()));
   const LasHeader header = parse_header(file, bytes);
   const auto points = static_cast<std::size_t>(header.points);
@@ -106,7 +107,7 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   CloudColumns columns;
   columns.points = points;
   columns.time_field = "GPS time";
-  columns.time_unit = time_unit;
+  columns.reading = {.time_unit = reading.time_unit};  // its header tells the scale
   const auto* first = reinterpret_cast<const std::byte*>(coordinates.data());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     columns.columns[axis] =
@@ -120,8 +121,8 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   return decode_cloud(file, columns);
 }
 
-CloudFile read_las(const std::filesystem::path& file, double time_unit) {
-  return parse_las(file, read_text_file(file), time_unit);
+CloudFile read_las(const std::filesystem::path& file, const CloudReading& reading) {
+  return parse_las(file, read_text_file(file), reading);
 }
 
 }  // namespace adit

@@ -13,10 +13,10 @@ namespace adit {
 /// and, where the format has it, GPS time. Coordinates are those of the file, m, rounded to
 /// float32: meant for sweeps in a sensor's own frame. Throws InputError: damaged, cut off, or
 /// packed (LAZ).
-CloudFile read_las(const std::filesystem::path& file, double time_unit = 0.0);
+CloudFile read_las(const std::filesystem::path& file, const CloudReading& reading = {});
 
 /// The same of a file's content; `file` is for messages.
 CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
-                    double time_unit = 0.0);
+                    const CloudReading& reading = {});
 
 }  // namespace adit

@@ -35,7 +35,7 @@ struct PcdHeader {
   PcdData data = PcdData::ascii;
   std::size_t bytes = 0;  ///< of the header itself
   uint64_t lines = 0;
-  double time_unit = 0.0;  ///< s, of the points' times; 0: told from them. The file does not say
+  CloudReading reading{};  ///< what the file does not say
 };
 
 /// Throws InputError with the line or the entry that is missing or contradicts another.

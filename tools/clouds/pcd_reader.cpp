@@ -45,7 +45,7 @@ CloudColumns columns_of(const std::filesystem::path& file, const PcdHeader& head
   const FieldRoles roles = roles_of(file, header);
   CloudColumns columns;
   columns.points = static_cast<std::size_t>(header.points);
-  columns.time_unit = header.time_unit;
+  columns.reading = header.reading;
   for (std::size_t role = 0; role < kFieldRoles; ++role) {
     if (roles.index[role] >= 0) {
       const auto i = static_cast<std::size_t>(roles.index[role]);
@@ -119,7 +119,7 @@ CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header
   }
   CloudColumns columns;
   columns.points = points;
-  columns.time_unit = header.time_unit;
+  columns.reading = header.reading;
   for (std::size_t role = 0; role < kFieldRoles; ++role) {
     if (roles.index[role] >= 0) {
       columns.columns[role] =
@@ -216,9 +216,10 @@ CloudFile parse_compressed(const std::filesystem::path& file, const PcdHeader& h
 
 }  // namespace
 
-CloudFile parse_pcd(const std::filesystem::path& file, std::string_view content, double time_unit) {
+CloudFile parse_pcd(const std::filesystem::path& file, std::string_view content,
+                    const CloudReading& reading) {
   PcdHeader header = parse_pcd_header(file, content);
-  header.time_unit = time_unit;
+  header.reading = reading;
   static_cast<void>(
       roles_of(file, header));  // before anything is sized by fields that might not be there
   const std::string_view body = content.substr(header.bytes);
@@ -234,8 +235,8 @@ CloudFile parse_pcd(const std::filesystem::path& file, std::string_view content,
   return {};
 }
 
-CloudFile read_pcd(const std::filesystem::path& file, double time_unit) {
-  return parse_pcd(file, read_text_file(file), time_unit);
+CloudFile read_pcd(const std::filesystem::path& file, const CloudReading& reading) {
+  return parse_pcd(file, read_text_file(file), reading);
 }
 
 }  // namespace adit

@@ -12,10 +12,10 @@ namespace adit {
 /// Reads a PCD file: ASCII, binary or binary_compressed; x y z of any numeric type, and intensity,
 /// ring and time where they are. Throws InputError: the header contradicts itself or the file, or a
 /// number cannot be read. Memory is taken only for what the file can hold.
-CloudFile read_pcd(const std::filesystem::path& file, double time_unit = 0.0);
+CloudFile read_pcd(const std::filesystem::path& file, const CloudReading& reading = {});
 
 /// The same from memory; `file` is for messages.
 CloudFile parse_pcd(const std::filesystem::path& file, std::string_view content,
-                    double time_unit = 0.0);
+                    const CloudReading& reading = {});
 
 }  // namespace adit

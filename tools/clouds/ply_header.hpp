@@ -38,7 +38,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::size_t bytes = 0;  ///< of the header itself
   uint64_t lines = 0;
-  double time_unit = 0.0;  ///< s, of the points' times; 0: told from them. The file does not say
+  CloudReading reading{};  ///< what the file does not say
 };
 
 /// Throws InputError with the line that is wrong.

@@ -55,7 +55,7 @@ class BinaryBody {
         content_(content),
         at_(header.bytes),
         big_(header.format == PlyFormat::big_endian),
-        time_unit_(header.time_unit) {}
+        reading_(header.reading) {}
 
   void skip(const PlyElement& element) {
     require_room(file_, element, element.smallest_record(), left());
@@ -121,7 +121,7 @@ class BinaryBody {
 
   CloudFile read_fixed(const PlyElement& vertex, const FieldRoles& roles) const {
     CloudColumns columns;
-    columns.time_unit = time_unit_;
+    columns.reading = reading_;
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] < 0) {
@@ -156,7 +156,7 @@ class BinaryBody {
       }
     }
     CloudColumns columns;
-    columns.time_unit = time_unit_;
+    columns.reading = reading_;
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
@@ -172,7 +172,7 @@ class BinaryBody {
   std::span<const std::byte> content_;
   std::size_t at_;
   bool big_;
-  double time_unit_;  // s
+  CloudReading reading_;
 };
 
 /// Walks through the lines of an ASCII file, one record each.
@@ -182,7 +182,7 @@ class AsciiBody {
       : file_(file),
         lines_(content.substr(header.bytes)),
         header_lines_(header.lines),
-        time_unit_(header.time_unit) {}
+        reading_(header.reading) {}
 
   void skip(const PlyElement& element) {
     require_room(element);
@@ -200,7 +200,7 @@ class AsciiBody {
                   values.data() + static_cast<std::size_t>(record) * kFieldRoles);
     }
     CloudColumns columns;
-    columns.time_unit = time_unit_;
+    columns.reading = reading_;
     columns.points = static_cast<std::size_t>(vertex.count);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
@@ -280,7 +280,7 @@ class AsciiBody {
   const std::filesystem::path& file_;
   LineReader lines_;
   uint64_t header_lines_;
-  double time_unit_;  // s
+  CloudReading reading_;
   std::vector<std::string_view> words_;
 };
 
@@ -298,9 +298,10 @@ CloudFile read_vertices(const std::filesystem::path& file, const PlyHeader& head
 
 }  // namespace
 
-CloudFile parse_ply(const std::filesystem::path& file, std::string_view content, double time_unit) {
+CloudFile parse_ply(const std::filesystem::path& file, std::string_view content,
+                    const CloudReading& reading) {
   PlyHeader header = parse_ply_header(file, content);
-  header.time_unit = time_unit;
+  header.reading = reading;
   if (header.format == PlyFormat::ascii) {
     return read_vertices(file, header, AsciiBody(file, header, content));
   }
@@ -309,8 +310,8 @@ CloudFile parse_ply(const std::filesystem::path& file, std::string_view content,
       BinaryBody(file, header, std::as_bytes(std::span(content.data(), content.size()))));
 }
 
-CloudFile read_ply(const std::filesystem::path& file, double time_unit) {
-  return parse_ply(file, read_text_file(file), time_unit);
+CloudFile read_ply(const std::filesystem::path& file, const CloudReading& reading) {
+  return parse_ply(file, read_text_file(file), reading);
 }
 
 }  // namespace adit

@@ -13,10 +13,10 @@ namespace adit {
 /// numeric type, and intensity, ring and time where they are. Other elements and list properties
 /// are skipped. Throws InputError: the header is wrong or promises more than the file holds, or a
 /// number cannot be read. Memory is taken only for what the file can hold.
-CloudFile read_ply(const std::filesystem::path& file, double time_unit = 0.0);
+CloudFile read_ply(const std::filesystem::path& file, const CloudReading& reading = {});
 
 /// The same from memory; `file` is for messages.
 CloudFile parse_ply(const std::filesystem::path& file, std::string_view content,
-                    double time_unit = 0.0);
+                    const CloudReading& reading = {});
 
 }  // namespace adit

@@ -36,6 +36,14 @@ void add_config_options(CLI::App& command, ConfigSource& source) {
       ->allow_extra_args(false);
 }
 
+void add_metadata_option(CLI::App& command, ConfigSource& source) {
+  command
+      .add_option("--metadata", source.metadata,
+                  "What tells of the sensor whose packets are recorded: Ouster's JSON, Hesai's "
+                  "angle correction (CSV)")
+      ->type_name("FILE");
+}
+
 CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done) {
   auto source = std::make_shared<ConfigSource>();
   CLI::App* command = app.add_subcommand(

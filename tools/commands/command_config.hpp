@@ -22,6 +22,9 @@ int config_command(const ConfigSource& source, std::ostream& out, std::ostream& 
 /// Adds --config and --set.
 void add_config_options(CLI::App& command, ConfigSource& source);
 
+/// Adds --metadata.
+void add_metadata_option(CLI::App& command, ConfigSource& source);
+
 /// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
 /// the exit code.
 CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done);

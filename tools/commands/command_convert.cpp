@@ -31,7 +31,11 @@ void print(const ConvertOptions& options, const ConvertReport& report, std::ostr
     out << std::left << std::setw(static_cast<int>(width + 2)) << topic.topic << std::right
         << std::setw(9);
     if (topic.left_out.empty()) {
-      out << topic.messages << "  " << topic.type << "\n";
+      out << topic.messages << "  " << topic.type;
+      if (topic.from_before > 0) {
+        out << " (" << topic.from_before << " from before the cut, as received at its begin)";
+      }
+      out << "\n";
     } else {
       out << "-"
           << "  " << topic.type << ": left out, " << topic.left_out << "\n";
@@ -52,6 +56,11 @@ int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err)
   if (report.error_count > report.errors.size()) {
     err << "adit convert: and " << report.error_count - report.errors.size()
         << " more like these\n";
+  }
+  if (report.error_count > 0 && report.messages() == 0) {
+    err << "adit convert: the recording is damaged; nothing could be read, "
+        << options.output.string() << " is empty" << std::endl;
+    return 1;
   }
   print(options, report, out);
   if (report.error_count > 0) {
@@ -77,7 +86,8 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
       "and ROS 2 those of the types that adit understands are translated.\n\n"
       "Examples:\n"
       "  adit convert drive.bag drive.mcap\n"
-      "  adit convert drive.mcap part.mcap --begin 10 --end 40 --topic /points --topic /imu\n"
+      "  adit convert drive.mcap part.mcap --begin 10 --end 40 --topic /points --topic /imu "
+      "--topic /tf_static\n"
       "  adit convert kitti_0001 kitti.mcap --compression lz4\n"
       "  adit convert drive.bag right.mcap --repair --config drive.toml\n\n"
       "Exit codes: 0 done, 1 failed, or the recording is damaged, 2 usage.");
@@ -106,11 +116,13 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
                     "Write sweeps and IMU samples as they are understood: times of points in "
                     "seconds after the stamp, and what --config corrects");
   add_config_options(*command, *config);
+  add_metadata_option(*command, *config);
   command->callback([options, repair, config, done = std::move(done)] {
     done(guarded("adit convert", std::cout, std::cerr, [&] {
       if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
         throw UsageError("--config, --set and --preset are of use with --repair alone.");
       }
+      options->metadata = config->metadata;
       if (*repair) {
         options->repair = load_config(*config).recording;
       }

@@ -57,7 +57,7 @@ void print_table(const Inspection& inspection, std::ostream& out) {
     }
     print("%-*s  %-*s  %-10s %9llu %9.2f %9.2f %9.3f %9.2f", name, topic.name.c_str(), type,
           topic.type.c_str(), kind.c_str(), static_cast<unsigned long long>(s.events), s.rate(),
-          s.span(), s.largest_interval, static_cast<double>(s.bytes) / 1048576.0);
+          s.span(), s.largest_interval(), static_cast<double>(s.bytes) / 1048576.0);
   }
 }
 
@@ -101,10 +101,10 @@ ordered_json to_json(const Topic& topic, const TopicStatistics& s) {
   json["first_ns"] = s.stamps ? ordered_json(s.stamps->begin.count()) : ordered_json();
   json["last_ns"] = s.stamps ? ordered_json(s.stamps->end.count()) : ordered_json();
   json["period_s"] = s.period();
-  json["largest_interval_s"] = s.largest_interval;
+  json["largest_interval_s"] = s.largest_interval();
   json["gaps"] = s.gaps();
-  json["repeated"] = s.repeated;
-  json["backwards"] = s.backwards;
+  json["repeated"] = s.repeated();
+  json["backwards"] = s.backwards();
   json["delay_s"] = to_json(s.delay);
   if (topic.kind == TopicKind::sweeps) {
     json["points"] = to_json(s.sweeps.points);
@@ -256,6 +256,7 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
                    "Write a configuration that makes up for what is wrong, for --config")
       ->type_name("FILE");
   add_config_options(*command, options->config);
+  add_metadata_option(*command, options->config);
   add_device_options(*command, options->device);
   command->callback(
       [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });

@@ -15,6 +15,7 @@
 
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/run_mapping.hpp"
@@ -197,6 +198,21 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
         << " sweeps done; what was computed is kept" << std::endl;
     return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
   }
+  if (statistics.left_out().any()) {
+    err << "adit run: left out: " << statistics.left_out().text() << std::endl;
+  }
+  const InertialStatistics& imu = statistics.inertial();
+  const std::size_t repeated = imu.count(ImuArrival::duplicate);
+  const std::size_t back = imu.count(ImuArrival::too_late) + imu.count(ImuArrival::restarted);
+  if (repeated + back > 0) {
+    err << "adit run: the IMU's clock: " << repeated << " readings repeat a time, " << back
+        << " go back" << std::endl;
+  }
+  if (statistics.sweeps() == 0 && statistics.left_out().damaged() > 0) {
+    err << "adit run: not one sweep could be read; " << statistics.left_out().first_damage()
+        << std::endl;
+    return 1;
+  }
   if (statistics.sweeps() > 1 && statistics.count(OdometryState::tracking) == 0) {
     err << "adit run: not one sweep could be aligned with the ones before it; the trajectory is a "
            "guess"
@@ -245,7 +261,13 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);
-  RunOutcome outcome = map_and_close({.recording = *recording,
+  const auto whole = pass_over_damage(*recording, [&](const InputError& error) {
+    const auto note = statistics.left_out().add_damage(error);
+    if (note && !options.quiet) {
+      progress.note(*note);
+    }
+  });
+  RunOutcome outcome = map_and_close({.recording = options.strict_input ? *recording : *whole,
                                       .topic = sweeps.topic,
                                       .range = sweeps.range,
                                       .imu_topic = imu_topic,
@@ -320,6 +342,7 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       ->required()
       ->type_name("OUT");
   add_config_options(*command, options->config);
+  add_metadata_option(*command, options->config);
   add_device_options(*command, options->device);
   command->add_flag("--profile", options->stage_table, "Print a table of the time of every stage");
   command
@@ -340,6 +363,8 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("NAME");
   command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
   command->add_option("--count", options->count, "Sweeps at most")->type_name("N");
+  command->add_flag("--strict-input", options->strict_input,
+                    "End at the first damaged message; else such are left out and counted");
   command->add_flag("--json", options->json, "Print summary.json instead of the table");
   command->add_flag("--quiet", options->quiet, "Print errors alone");
   command->callback(

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adit/slam/core/recording_config.hpp"
+#include "adit/tools/commands/recording_converter.hpp"
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/containers/message_file.hpp"
 
@@ -22,29 +23,18 @@ struct ConvertOptions {
   std::optional<double> end_s{};             ///< s after the first message
   std::optional<Encoding> encoding{};        ///< for MCAP; none: as it is
   std::optional<Compression> compression{};  ///< none: the format's usual one
+  std::string metadata{};  ///< RecordingConfig::metadata, where nothing is repaired
   std::optional<RecordingConfig> repair{};  ///< write sweeps and IMU samples as they are understood
 };
 
-/// What became of a topic.
-struct ConvertedTopic {
-  std::string topic;
-  std::string type;
-  uint64_t messages = 0;   ///< written
-  std::string left_out{};  ///< why, where it was
-};
-
-struct ConvertReport {
-  std::vector<ConvertedTopic> topics;
-  std::vector<std::string> errors;  ///< of the input, the first ones
-  uint64_t error_count = 0;
-};
-
 /// Writes a recording anew: in another format, between ROS 1 and ROS 2, with fewer topics, cut in
-/// time. Messages whose encoding stays are copied byte for byte, of whatever type; but for those
-/// that are repaired: sweeps become PointCloud2 with x y z intensity, ring and time (float32, s
-/// after the stamp, which is their start), IMU samples keep rates and accelerations. Damage is
-/// reported and passed over. Throws UsageError where the options contradict each other, InputError
-/// where the input cannot be opened, OutputError where the result cannot be written.
+/// time. A part that begins later starts with the messages that hold until the next one (static
+/// transforms, calibrations of cameras, latched topics), as received at its begin. Messages whose
+/// encoding stays are copied byte for byte, of whatever type; but for those that are repaired:
+/// sweeps become PointCloud2 with x y z intensity, ring and time (float32, s after the stamp, which
+/// is their start), IMU samples keep rates and accelerations. Damage is reported and passed over.
+/// Throws UsageError where the options contradict each other, InputError where the input cannot be
+/// opened, OutputError where the result cannot be written.
 ConvertReport convert_recording(const ConvertOptions& options);
 
 }  // namespace adit

@@ -207,7 +207,8 @@ class BagFile final : public MessageFile {
                            .type = connection.type,
                            .encoding = Encoding::ros1,
                            .definition = connection.definition,
-                           .messages = contents_.counts[id]});
+                           .messages = contents_.counts[id],
+                           .metadata = connection.metadata});
     }
     format_ = "ROS 1 bag";
     for (const std::string& compression : contents_.compressions) {

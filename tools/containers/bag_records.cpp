@@ -79,6 +79,11 @@ Connection read_connection(const Fields& header, const ByteReader& data) {
   connection.topic = header.text("topic");
   connection.type = told.text("type");
   connection.definition = told.text("message_definition");
+  for (const char* name : {"md5sum", "callerid", "latching"}) {
+    if (told.has(name)) {
+      connection.metadata[name] = told.text(name);
+    }
+  }
   return connection;
 }
 

@@ -42,6 +42,7 @@ class Fields {
   }
   Nanoseconds time(const std::string& name) const;
   std::string text(const std::string& name) const;
+  bool has(const std::string& name) const { return fields_.contains(name); }
   std::optional<Opcode> opcode() const;
 
  private:
@@ -60,6 +61,7 @@ struct Connection {
   std::string topic;
   std::string type;
   std::string definition;
+  std::map<std::string, std::string> metadata;  ///< md5sum, callerid, latching: as far as told
 };
 /// From the header and the data of its record.
 Connection read_connection(const Fields& header, const ByteReader& data);

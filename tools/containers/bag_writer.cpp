@@ -112,6 +112,11 @@ std::size_t BagWriter::add_channel(const Channel& channel) {
   add("type", channel.type);
   add("md5sum", md5);
   add("message_definition", channel.definition);
+  for (const char* name : {"callerid", "latching"}) {
+    if (const auto found = channel.metadata.find(name); found != channel.metadata.end()) {
+      add(name, found->second);
+    }
+  }
   const auto id = static_cast<uint32_t>(connections_.size());
   connections_.push_back(text_of(Header(Opcode::connection)
                                      .number("conn", id)

@@ -11,6 +11,7 @@
 
 #include "adit/tools/containers/crc32.hpp"
 #include "adit/tools/containers/mcap_cursor.hpp"
+#include "adit/tools/containers/packed_messages.hpp"
 
 namespace adit {
 namespace {
@@ -39,8 +40,27 @@ struct Contents {
   std::optional<TimeSpan> span;
   std::set<std::string> compressions;
   bool indexed = false;
+  std::string ros_distro;
   std::optional<InputError> damage;
 };
+
+/// What rosbag2's recorder wrote of itself; empty where the record tells nothing.
+std::string read_ros_distro(const SeekableFile& file, const mcap::MetadataIndex& index) {
+  constexpr uint64_t kLargest = 1U << 24U;
+  if (index.length < mcap::kRecordHeader || index.length > kLargest || index.offset > file.size() ||
+      index.length > file.size() - index.offset) {
+    return {};
+  }
+  const std::vector<std::byte> bytes = file.read(index.offset, index.length);
+  ByteReader record(file.path(), index.offset, bytes);
+  if (record.number<uint8_t>("a metadata record") != static_cast<uint8_t>(mcap::Opcode::metadata)) {
+    return {};
+  }
+  const auto length = record.number<uint64_t>("a metadata record");
+  const mcap::Metadata metadata = mcap::read_metadata(record.part(length, "a metadata record"));
+  const auto found = metadata.values.find("ROS_DISTRO");
+  return found == metadata.values.end() ? std::string() : found->second;
+}
 
 void take(Contents& contents, mcap::Opcode opcode, const ByteReader& record) {
   if (opcode == mcap::Opcode::schema) {
@@ -93,6 +113,11 @@ std::optional<Contents> read_summary(const SeekableFile& file) {
     } else if (kind == mcap::Opcode::chunk_index) {
       const std::string compression = mcap::read_chunk_index_compression(record);
       contents.compressions.insert(compression.empty() ? "none" : compression);
+    } else if (kind == mcap::Opcode::metadata_index) {
+      const mcap::MetadataIndex index = mcap::read_metadata_index(record);
+      if (index.name == "rosbag2") {
+        contents.ros_distro = read_ros_distro(file, index);
+      }
     }
   }
   if (!statistics || contents.channels.size() != statistics->channels) {
@@ -155,9 +180,12 @@ Encoding encoding_of(const mcap::Channel& channel) {
 
 class McapStream final : public MessageStream {
  public:
-  McapStream(const SeekableFile& file, std::map<uint16_t, std::size_t> channels,
-             std::set<uint16_t> all_channels, Nanoseconds begin, Nanoseconds end)
+  McapStream(const SeekableFile& file, const std::vector<adit::Channel>& all,
+             std::map<uint16_t, std::size_t> channels, std::set<uint16_t> all_channels,
+             Nanoseconds begin, Nanoseconds end)
       : cursor_(file, begin, end),
+        path_(&file.path()),
+        all_(&all),
         channels_(std::move(channels)),
         all_channels_(std::move(all_channels)),
         begin_(begin),
@@ -180,7 +208,12 @@ class McapStream final : public MessageStream {
       }
       const Nanoseconds time = to_time(message.log_time);
       if (time >= begin_ && time <= end_) {
-        return RawMessage{channel->second, time, content.bytes(content.remaining(), "a message"),
+        const std::span<const std::byte> bytes = content.bytes(content.remaining(), "a message");
+        const bool may_be_packed = (*all_)[channel->second].encoding == Encoding::cdr;
+        return RawMessage{channel->second, time,
+                          may_be_packed
+                              ? unpacker_.unpack(bytes, *path_, Place::byte(record->offset).text())
+                              : bytes,
                           record->offset};
       }
     }
@@ -189,6 +222,9 @@ class McapStream final : public MessageStream {
 
  private:
   mcap::Cursor cursor_;
+  MessageUnpacker unpacker_;
+  const fs::path* path_;
+  const std::vector<adit::Channel>* all_;     // of the file
   std::map<uint16_t, std::size_t> channels_;  // those wanted
   std::set<uint16_t> all_channels_;
   Nanoseconds begin_;
@@ -215,6 +251,7 @@ class McapFile final : public MessageFile {
     }
     span_ = contents.span;
     damage_ = std::move(contents.damage);
+    ros_distro_ = std::move(contents.ros_distro);
     format_ = "MCAP";
     for (const std::string& compression : contents.compressions) {
       format_ += compression == "none" ? "" : " " + compression;
@@ -226,6 +263,7 @@ class McapFile final : public MessageFile {
   const std::vector<Channel>& channels() const override { return channels_; }
   std::optional<TimeSpan> span() const override { return span_; }
   std::string format() const override { return format_; }
+  std::string ros_distro() const override { return ros_distro_; }
   const std::optional<InputError>& damage() const override { return damage_; }
 
   std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const override {
@@ -235,7 +273,7 @@ class McapFile final : public MessageFile {
         wanted[ids_[i]] = i;
       }
     }
-    return std::make_unique<McapStream>(file_, std::move(wanted),
+    return std::make_unique<McapStream>(file_, channels_, std::move(wanted),
                                         std::set<uint16_t>(ids_.begin(), ids_.end()),
                                         selection.begin, selection.end);
   }
@@ -246,6 +284,7 @@ class McapFile final : public MessageFile {
   std::vector<Channel> channels_;
   std::optional<TimeSpan> span_;
   std::string format_;
+  std::string ros_distro_;
   std::optional<InputError> damage_;
 };
 

@@ -5,6 +5,20 @@
 #include <utility>
 
 namespace adit::mcap {
+namespace {
+
+/// A length in bytes and as many bytes of names and values.
+std::map<std::string, std::string> read_pairs(ByteReader& record, const char* what) {
+  std::map<std::string, std::string> values;
+  ByteReader pairs = record.part(record.number<uint32_t>(what), what);
+  while (pairs.remaining() > 0) {
+    std::string key = pairs.text(what);
+    values[std::move(key)] = pairs.text(what);
+  }
+  return values;
+}
+
+}  // namespace
 
 Schema read_schema(ByteReader record) {
   Schema schema;
@@ -21,12 +35,7 @@ Channel read_channel(ByteReader record) {
   channel.schema = record.number<uint16_t>("a channel's schema");
   channel.topic = record.text("a channel's topic");
   channel.message_encoding = record.text("a channel's message encoding");
-  const auto length = record.number<uint32_t>("a channel's metadata");
-  ByteReader pairs = record.part(length, "a channel's metadata");
-  while (pairs.remaining() > 0) {
-    std::string key = pairs.text("a channel's metadata");
-    channel.metadata[std::move(key)] = pairs.text("a channel's metadata");
-  }
+  channel.metadata = read_pairs(record, "a channel's metadata");
   return channel;
 }
 
@@ -73,6 +82,21 @@ std::string read_chunk_index_compression(ByteReader record) {
   record.bytes(length, "a chunk's index");            // message indexes
   record.bytes(sizeof(uint64_t), "a chunk's index");  // their length
   return record.text("a chunk's index");
+}
+
+Metadata read_metadata(ByteReader record) {
+  Metadata metadata;
+  metadata.name = record.text("a metadata record's name");
+  metadata.values = read_pairs(record, "a metadata record");
+  return metadata;
+}
+
+MetadataIndex read_metadata_index(ByteReader record) {
+  MetadataIndex index;
+  index.offset = record.number<uint64_t>("the index of metadata");
+  index.length = record.number<uint64_t>("the index of metadata");
+  index.name = record.text("the index of metadata");
+  return index;
 }
 
 Footer read_footer(ByteReader record) {

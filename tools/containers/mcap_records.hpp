@@ -85,6 +85,21 @@ Statistics read_statistics(ByteReader record);
 /// The compression that an entry of the chunk index names.
 std::string read_chunk_index_compression(ByteReader record);
 
+/// A record of names and values for programs, such as rosbag2's.
+struct Metadata {
+  std::string name;
+  std::map<std::string, std::string> values;
+};
+Metadata read_metadata(ByteReader record);
+
+/// Where such a record is.
+struct MetadataIndex {
+  uint64_t offset = 0;
+  uint64_t length = 0;
+  std::string name;
+};
+MetadataIndex read_metadata_index(ByteReader record);
+
 struct Footer {
   uint64_t summary_start = 0;  ///< 0: no summary
   uint64_t summary_offset_start = 0;

@@ -84,6 +84,8 @@ class MessageFile {
   virtual std::optional<TimeSpan> span() const = 0;
   /// For people: "MCAP (zstd)".
   virtual std::string format() const = 0;
+  /// The ROS distribution that it was recorded with; empty where it does not tell.
+  virtual std::string ros_distro() const { return {}; }
   /// What opening found wrong, if anything; messages() gives what can be read all the same.
   virtual const std::optional<InputError>& damage() const = 0;
   /// Reads from the beginning. The file must outlive the stream; several streams may be open.

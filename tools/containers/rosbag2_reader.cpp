@@ -11,6 +11,7 @@
 
 #include "adit/tools/clouds/sweep_times.hpp"
 #include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/packed_messages.hpp"
 #include "adit/tools/containers/seekable_file.hpp"
 #include "adit/tools/containers/sqlite_database.hpp"
 #include "adit/tools/containers/unpacked_file.hpp"
@@ -21,8 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
-constexpr std::string_view kZstdMagic{"\x28\xb5\x2f\xfd", 4};
-constexpr uint64_t kLargestMessage = uint64_t{1} << 30U;
 
 bool begins_with(std::span<const std::byte> bytes, std::string_view magic) {
   return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
@@ -61,7 +60,8 @@ class DatabaseStream final : public MessageStream {
       const auto channel = channels_.find(statement_.integer(1));
       if (channel != channels_.end()) {
         return RawMessage{channel->second, Nanoseconds(statement_.integer(2)),
-                          unpacked(statement_.blob(3)),
+                          unpacker_.unpack(statement_.blob(3), *path_,
+                                           "row " + std::to_string(statement_.integer(0))),
                           static_cast<uint64_t>(statement_.integer(0))};
       }
     }
@@ -69,40 +69,26 @@ class DatabaseStream final : public MessageStream {
   }
 
  private:
-  /// CDR never begins as a Zstandard frame does.
-  std::span<const std::byte> unpacked(std::span<const std::byte> bytes) {
-    if (!begins_with(bytes, kZstdMagic)) {
-      return bytes;
-    }
-    const std::optional<uint64_t> size = zstd_content_size(bytes);
-    const Unpacked message =
-        decompressor_.unpack(Compression::zstd, bytes, std::min(size.value_or(0), kLargestMessage));
-    if (!size || !message.problem.empty()) {
-      throw InputError(*path_, Place::named("row " + std::to_string(statement_.integer(0))),
-                       "its packed message cannot be unpacked" +
-                           (message.problem.empty() ? "" : ": " + message.problem),
-                       "The file is damaged: copy it again, or go without this message");
-    }
-    return message.bytes;
-  }
-
   const fs::path* path_;
   std::map<int64_t, std::size_t> channels_;
   SqliteStatement statement_;
-  Decompressor decompressor_;
+  MessageUnpacker unpacker_;
   bool ended_ = false;
 };
 
 class DatabaseFile final : public MessageFile {
  public:
   explicit DatabaseFile(const fs::path& path)
-      : path_(path),
-        unpacked_(begins_with(first_bytes(path), kZstdMagic) ? unpack_file(path) : nullptr),
-        database_(unpacked_ ? unpacked_->path() : path, SqliteDatabase::Mode::read) {
-    format_ = unpacked_ ? "rosbag2 SQLite zstd" : "rosbag2 SQLite";
-    const auto channel_rows =
-        std::string("SELECT id, name, type, serialization_format FROM topics ORDER BY id");
-    SqliteStatement topics = database_.prepare(channel_rows);
+      : path_(path), database_(path, SqliteDatabase::Mode::read) {
+    format_ = "rosbag2 SQLite";
+    format_ += database_.recovered() ? ", recovered by its journal" : "";
+    // Storage schemas before 2 have no qualities of service, those before 4 no hashes of types.
+    const bool has_qos = has_column("topics", "offered_qos_profiles");
+    const bool has_hash = has_column("topics", "type_description_hash");
+    SqliteStatement topics =
+        database_.prepare(std::string("SELECT id, name, type, serialization_format, ") +
+                          (has_qos ? "offered_qos_profiles" : "''") + ", " +
+                          (has_hash ? "type_description_hash" : "''") + " FROM topics ORDER BY id");
     while (topics.step()) {
       ids_.push_back(topics.integer(0));
       const std::string type = topics.text(2);
@@ -111,6 +97,13 @@ class DatabaseFile final : public MessageFile {
                            .encoding = encoding_of(topics.text(3)),
                            .definition = definition_of(type),
                            .messages = 0});
+      const auto keep = [&](const char* key, const std::string& value) {
+        if (!value.empty()) {
+          channels_.back().metadata[key] = value;
+        }
+      };
+      keep("offered_qos_profiles", topics.text(4));
+      keep("topic_type_hash", topics.text(5));
     }
     count();
     SqliteStatement index = database_.prepare(
@@ -125,6 +118,14 @@ class DatabaseFile final : public MessageFile {
   std::string format() const override { return format_; }
   const std::optional<InputError>& damage() const override { return damage_; }
 
+  std::string ros_distro() const override {
+    if (!has_column("schema", "ros_distro")) {
+      return {};
+    }
+    SqliteStatement row = database_.prepare("SELECT ros_distro FROM schema");
+    return row.step() ? row.text(0) : std::string();
+  }
+
   std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const override {
     std::map<int64_t, std::size_t> wanted;
     for (std::size_t i = 0; i < ids_.size(); ++i) {
@@ -137,6 +138,14 @@ class DatabaseFile final : public MessageFile {
   }
 
  private:
+  /// False also where there is no such table.
+  bool has_column(const char* table, const char* column) const {
+    SqliteStatement row =
+        database_.prepare("SELECT count(*) FROM pragma_table_info(?1) WHERE name = ?2");
+    row.bind(1, std::string_view(table)).bind(2, std::string_view(column));
+    return row.step() && row.integer(0) > 0;
+  }
+
   /// Recordings since ROS 2 Iron have the definitions; older ones have none.
   std::string definition_of(const std::string& type) const {
     SqliteStatement table = database_.prepare(
@@ -174,7 +183,6 @@ class DatabaseFile final : public MessageFile {
   }
 
   fs::path path_;
-  std::unique_ptr<UnpackedFile> unpacked_;
   SqliteDatabase database_;
   std::vector<int64_t> ids_;  // of channels_, in their order
   std::vector<Channel> channels_;
@@ -187,8 +195,7 @@ class DatabaseFile final : public MessageFile {
 }  // namespace
 
 bool is_rosbag2_database(const fs::path& file) {
-  const std::vector<std::byte> bytes = first_bytes(file);
-  return begins_with(bytes, kSqliteMagic) || begins_with(bytes, kZstdMagic);
+  return begins_with(first_bytes(file), kSqliteMagic);
 }
 
 std::unique_ptr<MessageFile> open_rosbag2_database(const fs::path& file) {
@@ -201,10 +208,16 @@ std::vector<fs::path> rosbag2_files(const fs::path& folder) {
   fs::directory_iterator entries(folder, error);
   for (const fs::directory_iterator end; !error && entries != end; entries.increment(error)) {
     const std::string name = entries->path().filename().string();
-    if (name.ends_with(".db3") || name.ends_with(".db3.zstd") || name.ends_with(".mcap")) {
+    if (name.ends_with(".db3") || name.ends_with(".db3.zstd") || name.ends_with(".mcap") ||
+        name.ends_with(".mcap.zstd")) {
       files.push_back(entries->path());
     }
   }
+  // One that is packed and not yet removed, or unpacked by hand, is there once.
+  std::erase_if(files, [all = files](const fs::path& file) {
+    return file.extension() == ".zstd" &&
+           std::ranges::count(all, fs::path(file).replace_extension()) > 0;
+  });
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });

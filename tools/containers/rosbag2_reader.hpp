@@ -10,16 +10,15 @@
 
 namespace adit {
 
-/// True where the file is an SQLite database, plain or packed with Zstandard.
+/// True where the file is an SQLite database.
 bool is_rosbag2_database(const std::filesystem::path& file);
 
 /// Opens the SQLite storage of a rosbag2 recording (.db3). Messages that are packed with Zstandard
-/// one by one are unpacked. A whole file that is packed is unpacked into a temporary file, which is
-/// gone when the recording is closed. Throws InputError where it is no such database.
+/// one by one are unpacked. Throws InputError where it is no such database.
 std::unique_ptr<MessageFile> open_rosbag2_database(const std::filesystem::path& file);
 
-/// The storage files in a folder that rosbag2 wrote (.db3, .db3.zstd, .mcap), in the order of their
-/// numbers; none where it is no such folder. metadata.yaml is not needed.
+/// The storage files in a folder that rosbag2 wrote (.db3, .mcap, either with .zstd), in the order
+/// of their numbers; none where it is no such folder. metadata.yaml is not needed.
 std::vector<std::filesystem::path> rosbag2_files(const std::filesystem::path& folder);
 
 }  // namespace adit

@@ -6,12 +6,15 @@
 #include <stdexcept>
 
 #include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/rosbag2_metadata.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr uint64_t kBatchBytes = uint64_t{8} << 20U;
 
 fs::path make_folder(const fs::path& folder) {
   std::error_code error;
@@ -47,20 +50,7 @@ constexpr const char* kTables =
     "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER "
     "NOT "
     "NULL, data BLOB NOT NULL);"
-    "CREATE INDEX timestamp_idx ON messages (timestamp ASC);"
-    "INSERT INTO schema VALUES (4, 'jazzy');";
-
-/// A text for YAML, in double quotes.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-    }
-    out += c == '\n' ? ' ' : c;
-  }
-  return out + "\"";
-}
+    "CREATE INDEX timestamp_idx ON messages (timestamp ASC);";
 
 }  // namespace
 
@@ -71,6 +61,9 @@ Rosbag2Writer::Rosbag2Writer(const fs::path& folder, const Rosbag2Options& optio
       database_(make_database(folder / file_name_)),
       insert_([&] {
         database_.execute(kTables);
+        SqliteStatement schema = database_.prepare("INSERT INTO schema VALUES (4, ?1)");
+        schema.bind(1, std::string_view(options_.ros_distro));
+        schema.step();
         database_.execute("BEGIN");
         return database_.prepare(
             "INSERT INTO messages (topic_id, timestamp, data) VALUES (?1, ?2, ?3)");
@@ -82,21 +75,28 @@ std::size_t Rosbag2Writer::add_channel(const Channel& channel) {
   }
   const auto id = static_cast<int64_t>(channels_.size() + 1);
   const std::string type = ros2_type_name(channel.type);
-  const auto qos = channel.metadata.find("offered_qos_profiles");
+  const auto told = [&](const char* key) {
+    const auto found = channel.metadata.find(key);
+    return found == channel.metadata.end() ? std::string() : found->second;
+  };
+  const std::string qos = named_qos_profiles(told("offered_qos_profiles"));
+  const std::string hash = told("topic_type_hash");
   SqliteStatement topic =
-      database_.prepare("INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', ?4, '')");
+      database_.prepare("INSERT INTO topics VALUES (?1, ?2, ?3, 'cdr', ?4, ?5)");
   topic.bind(1, id)
       .bind(2, std::string_view(channel.topic))
       .bind(3, std::string_view(type))
-      .bind(4, std::string_view(qos == channel.metadata.end() ? std::string() : qos->second));
+      .bind(4, std::string_view(qos))
+      .bind(5, std::string_view(hash));
   topic.step();
   const bool known = std::ranges::count(channels_, channel.type, &Channel::type) > 0;
   if (!known && !channel.definition.empty()) {
     SqliteStatement definition =
-        database_.prepare("INSERT INTO message_definitions VALUES (?1, ?2, 'ros2msg', ?3, '')");
+        database_.prepare("INSERT INTO message_definitions VALUES (?1, ?2, 'ros2msg', ?3, ?4)");
     definition.bind(1, id)
         .bind(2, std::string_view(type))
-        .bind(3, std::string_view(channel.definition));
+        .bind(3, std::string_view(channel.definition))
+        .bind(4, std::string_view(hash));
     definition.step();
   }
   channels_.push_back(channel);
@@ -118,40 +118,19 @@ void Rosbag2Writer::write(std::size_t channel, Nanoseconds received,
   }
   insert_.step();
   insert_.reset();
-}
-
-std::string Rosbag2Writer::metadata() const {
-  uint64_t messages = 0;
-  std::string topics;
-  for (const Channel& channel : channels_) {
-    messages += *channel.messages;
-    topics += "    - topic_metadata:\n        name: " + quoted(channel.topic) +
-              "\n        type: " + ros2_type_name(channel.type) +
-              "\n        serialization_format: cdr\n        offered_qos_profiles: []\n"
-              "        type_description_hash: \"\"\n      message_count: " +
-              std::to_string(*channel.messages) + "\n";
+  uncommitted_ += bytes.size();
+  if (uncommitted_ >= kBatchBytes) {
+    database_.execute("COMMIT; BEGIN");
+    uncommitted_ = 0;
   }
-  const TimeSpan span = span_.value_or(TimeSpan{});
-  const std::string begin = std::to_string(span.begin.count());
-  const std::string duration = std::to_string((span.end - span.begin).count());
-  const std::string count = std::to_string(messages);
-  const bool packed = options_.pack_messages;
-  return std::string(
-             "rosbag2_bagfile_information:\n  version: 9\n  storage_identifier: sqlite3\n") +
-         "  duration:\n    nanoseconds: " + duration +
-         "\n  starting_time:\n    nanoseconds_since_epoch: " + begin +
-         "\n  message_count: " + count +
-         "\n  topics_with_message_count:" + (topics.empty() ? " []\n" : "\n" + topics) +
-         "  compression_format: \"" + (packed ? "zstd" : "") + "\"\n  compression_mode: \"" +
-         (packed ? "MESSAGE" : "") + "\"\n  relative_file_paths:\n    - " + quoted(file_name_) +
-         "\n  files:\n    - path: " + quoted(file_name_) +
-         "\n      starting_time:\n        nanoseconds_since_epoch: " + begin +
-         "\n      duration:\n        nanoseconds: " + duration + "\n      message_count: " + count +
-         "\n  custom_data: ~\n  ros_distro: jazzy\n";
 }
 
 void Rosbag2Writer::close() {
-  const std::string text = metadata();
+  const std::string text = to_yaml({.channels = channels_,
+                                    .span = span_,
+                                    .packed_messages = options_.pack_messages,
+                                    .file = file_name_,
+                                    .ros_distro = options_.ros_distro});
   SqliteStatement row = database_.prepare("INSERT INTO metadata VALUES (1, 9, ?1)");
   row.bind(1, std::string_view(text));
   row.step();

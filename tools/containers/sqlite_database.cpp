@@ -4,12 +4,20 @@
 
 #include <sqlite3.h>
 
+#include <system_error>
 #include <utility>
 
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {
+
+namespace fs = std::filesystem;
+
+// What SQLite keeps beside a database: a rollback journal, or a write-ahead log and its index.
+constexpr const char* kJournal = "-journal";
+constexpr const char* kLog = "-wal";
+constexpr const char* kIndex = "-shm";
 
 /// The path as SQLite's URI of a file that does not change.
 std::string frozen_uri(const std::filesystem::path& path) {
@@ -88,19 +96,69 @@ SqliteStatement& SqliteStatement::bind(int parameter, std::span<const std::byte>
   return *this;
 }
 
-SqliteDatabase::SqliteDatabase(std::filesystem::path path, Mode mode)
-    : path_(std::move(path)), mode_(mode) {
-  const bool frozen = mode == Mode::frozen;
-  const int flags = frozen               ? SQLITE_OPEN_READONLY | SQLITE_OPEN_URI
-                    : mode == Mode::read ? SQLITE_OPEN_READONLY
-                                         : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  const std::string name = frozen ? frozen_uri(path_) : path_.string();
+SqliteDatabase::SqliteDatabase(fs::path path, Mode mode) : path_(std::move(path)), mode_(mode) {
+  if (mode == Mode::create || mode == Mode::update) {
+    open(path_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    return;
+  }
+  if (mode == Mode::frozen) {
+    open(frozen_uri(path_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    return;
+  }
+  open(path_, SQLITE_OPEN_READONLY);
+  if (needs_recovery()) {
+    open_recovered_copy();
+  }
+}
+
+void SqliteDatabase::open(const fs::path& file, int flags) {
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(name.c_str(), &raw, flags, nullptr);
+  const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
   database_.reset(raw);
   if (code != SQLITE_OK) {
     fail();
   }
+}
+
+/// A journal that was not applied yet shows at the first read, which may not write.
+bool SqliteDatabase::needs_recovery() const {
+  sqlite3_exec(database_.get(), "SELECT count(*) FROM sqlite_master", nullptr, nullptr, nullptr);
+  const int code = sqlite3_errcode(database_.get());
+  const auto is_beside = [&](const char* suffix) {
+    std::error_code error;
+    const auto size = fs::file_size(path_.string() + suffix, error);
+    return !error && size > 0;
+  };
+  return (code == SQLITE_READONLY || code == SQLITE_CANTOPEN) &&
+         (is_beside(kJournal) || is_beside(kLog));
+}
+
+void SqliteDatabase::open_recovered_copy() {
+  database_.reset();
+  copies_.push_back(make_temporary_file());
+  const fs::path copy = copies_.front()->path();
+  copies_.push_back(std::make_unique<UnpackedFile>(copy.string() + kIndex));
+  for (const char* suffix : {"", kJournal, kLog}) {
+    const fs::path from = path_.string() + suffix;
+    const fs::path to = copy.string() + suffix;
+    std::error_code error;
+    if (*suffix != 0) {
+      if (!fs::exists(from, error)) {
+        continue;
+      }
+      copies_.push_back(std::make_unique<UnpackedFile>(to));
+    }
+    fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+    if (error) {
+      throw OutputError(to, from.string() +
+                                ": has a journal beside it that must be applied to a "
+                                "copy, and " +
+                                to.string() + " cannot be written: " + error.message() +
+                                ". Set TMPDIR to a folder with room.");
+    }
+  }
+  open(copy, SQLITE_OPEN_READWRITE);
+  execute("SELECT count(*) FROM sqlite_master");
 }
 
 SqliteStatement SqliteDatabase::prepare(const std::string& sql) const {

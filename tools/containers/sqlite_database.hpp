@@ -9,6 +9,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "adit/tools/containers/unpacked_file.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -50,7 +53,7 @@ class SqliteStatement {
 class SqliteDatabase {
  public:
   enum class Mode {
-    read,    ///< the file must exist and stays as it is
+    read,    ///< the file must exist and stays as it is; see recovered()
     frozen,  ///< the same where nobody writes and the folder may not be written to either
     create,  ///< the file must not exist
     update,  ///< the file is made where there is none
@@ -59,6 +62,10 @@ class SqliteDatabase {
   SqliteDatabase(std::filesystem::path path, Mode mode);
 
   const std::filesystem::path& path() const { return path_; }
+
+  /// True where its last writer was killed and left a journal beside it: what is read is a copy
+  /// that the journal was applied to (TMPDIR).
+  bool recovered() const { return !copies_.empty(); }
 
   SqliteStatement prepare(const std::string& sql) const;
   void execute(const std::string& sql) const;
@@ -71,8 +78,13 @@ class SqliteDatabase {
     void operator()(sqlite3* database) const;
   };
 
+  void open(const std::filesystem::path& file, int flags);
+  bool needs_recovery() const;
+  void open_recovered_copy();
+
   std::filesystem::path path_;
   Mode mode_;
+  std::vector<std::unique_ptr<UnpackedFile>> copies_;  // outlive the connection
   std::unique_ptr<sqlite3, Closer> database_;
 };
 

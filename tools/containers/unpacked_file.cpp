@@ -17,12 +17,14 @@
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
-namespace {
-
 namespace fs = std::filesystem;
 
-/// An empty file of its own.
-std::unique_ptr<UnpackedFile> make_temporary() {
+UnpackedFile::~UnpackedFile() {
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+}
+
+std::unique_ptr<UnpackedFile> make_temporary_file() {
   std::error_code error;
   const fs::path folder = fs::temp_directory_path(error);
   std::string pattern = (folder / "adit_XXXXXX").string();
@@ -35,16 +37,9 @@ std::unique_ptr<UnpackedFile> make_temporary() {
   return std::make_unique<UnpackedFile>(pattern);
 }
 
-}  // namespace
-
-UnpackedFile::~UnpackedFile() {
-  std::error_code ignored;
-  fs::remove(path_, ignored);
-}
-
 std::unique_ptr<UnpackedFile> unpack_file(const fs::path& packed) {
   const SeekableFile file(packed);
-  std::unique_ptr<UnpackedFile> unpacked = make_temporary();
+  std::unique_ptr<UnpackedFile> unpacked = make_temporary_file();
   OutputFile output(unpacked->path());
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
                                                                      &ZSTD_freeDCtx);

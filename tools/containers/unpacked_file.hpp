@@ -21,6 +21,10 @@ class UnpackedFile {
   std::filesystem::path path_;
 };
 
+/// An empty file of its own in the system's folder for such (TMPDIR). Throws OutputError where none
+/// can be made.
+std::unique_ptr<UnpackedFile> make_temporary_file();
+
 /// Unpacks a Zstandard file piece by piece into a file in the system's folder for such (TMPDIR).
 /// Throws InputError where it is damaged or cut off, OutputError where there is no room.
 std::unique_ptr<UnpackedFile> unpack_file(const std::filesystem::path& packed);

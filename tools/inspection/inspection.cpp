@@ -13,6 +13,7 @@
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/inspection/clock_drift.hpp"
 #include "adit/tools/inspection/rotation_profile.hpp"
+#include "adit/tools/inspection/unknown_mounting.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 
 namespace adit {
@@ -144,10 +145,16 @@ Inspection inspect(const std::filesystem::path& path, const Config& config,
           "10 Hz is assumed, and speeds are as wrong as that", "Add a times.txt"}});
   }
   add(find_in_recording(result.topics));
-  for (std::size_t i = 0; i < result.topics.size(); ++i) {
-    add(find_in_topic(result.topics[i], result.statistics[i], result.frames));
+  const bool simulated = has_simulated_time(result.topics);
+  if (config.imu.T_imu_lidar == ImuConfig{}.T_imu_lidar) {
+    add(find_unknown_mountings(result.topics, result.statistics, result.frames));
   }
-  add(find_clock_drift(result.topics, result.statistics));
+  for (std::size_t i = 0; i < result.topics.size(); ++i) {
+    add(find_in_topic(result.topics[i], result.statistics[i], result.frames, simulated));
+  }
+  if (!simulated) {
+    add(find_clock_drift(result.topics, result.statistics));
+  }
   for (const MotionCheck& check : result.motion) {
     add(find_in_motion(check));
   }

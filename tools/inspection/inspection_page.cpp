@@ -107,7 +107,7 @@ void draw_rate(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
 }
 
 void draw_intervals(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
-  panel.high = std::max({1100.0 * s.largest_interval, 2000.0 * s.period(), 1.0});
+  panel.high = std::max({1100.0 * s.largest_interval(), 2000.0 * s.period(), 1.0});
   draw_frame(svg, panel, "longest interval (ms); gaps in red");
   const TopicTimeline& timeline = s.timeline;
   draw_line(svg, panel, timeline,
@@ -190,7 +190,7 @@ std::string topics_part(const Inspection& inspection) {
     }
     html += "<td>" + std::to_string(s.events) + "</td><td>" + printed("%.2f", s.rate()) +
             "</td><td>" + printed("%.2f", s.span()) + "</td><td>" +
-            printed("%.3f", s.largest_interval) + "</td><td>" +
+            printed("%.3f", s.largest_interval()) + "</td><td>" +
             printed("%.2f", static_cast<double>(s.bytes) / 1048576.0) + "</td></tr>\n";
   }
   return html + "</table></div>\n";

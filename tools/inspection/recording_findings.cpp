@@ -50,31 +50,37 @@ class Findings {
 /// late by seconds, but not by just those that clocks are known to leap by.
 double leap_of(const TopicStatistics& s);
 
-void check_stamps(const TopicStatistics& s, Findings& findings) {
+/// Of one series of a topic, `of_what` for people. Poses are only looked at, not mapped with: what
+/// is odd about their stamps is no problem.
+void check_stamps(const TopicStatistics& topic, const StampStatistics& s,
+                  const std::string& of_what, bool poses, Findings& findings) {
+  const auto add = [&](const char* kind, const std::string& found, const char* effect,
+                       const char* remedy) {
+    if (poses) {
+      findings.notice(kind, of_what + found, "none for mapping, which does not use them", remedy);
+    } else {
+      findings.problem(kind, of_what + found, effect, remedy);
+    }
+  };
   if (s.repeated > 0) {
-    findings.problem("repeated_stamps",
-                     of(s.repeated, s.events) + " messages have the time of the one before",
-                     "measurements counted twice, or a clock that stands still",
-                     "Record without the second publisher, or leave the repeats out");
+    add("repeated_stamps", of(s.repeated, s.events) + " messages have the time of the one before",
+        "measurements counted twice, or a clock that stands still",
+        "Record without the second publisher, or leave the repeats out");
   }
-  const double leap = leap_of(s);
+  const double leap = leap_of(topic);
   if (s.backwards > (leap < 0.0 ? 1U : 0U)) {
-    findings.problem("stamps_go_back",
-                     of(s.backwards, s.events) + " messages have a time before the one before",
-                     "their order cannot be told", "Check the sensor's clock and its publishers");
+    add("stamps_go_back", of(s.backwards, s.events) + " messages have a time before the one before",
+        "their order cannot be told", "Check the sensor's clock and its publishers");
   }
   // A leap of the clock is no gap.
   const bool leaps = leap > 0.0 && std::abs(s.largest_interval - leap) < 1.0;
   const uint64_t gaps = s.gaps() - (leaps ? 1U : 0U);
   if (gaps > 0 && s.intervals.count() >= 10) {
-    findings.problem(
-        "gaps",
+    const std::chrono::duration<double> at = s.largest_interval_at - topic.stamps->begin;
+    add("gaps",
         std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + ", the longest of " +
             fixed(s.largest_interval, 3) + " s, where " + fixed(s.period(), 4) +
-            " s is usual; it starts " +
-            fixed(std::chrono::duration<double>(s.largest_interval_at - s.stamps->begin).count(),
-                  3) +
-            " s after the first",
+            " s is usual; it starts " + fixed(at.count(), 3) + " s after the first",
         "the motion within is guessed", "Check the connection and the recorder's load");
   }
 }
@@ -269,15 +275,26 @@ std::string_view to_string(Severity severity) {
   return severity == Severity::problem ? "problem" : "notice";
 }
 
+bool has_simulated_time(const std::vector<Topic>& topics) {
+  return std::ranges::any_of(
+      topics, [](const Topic& topic) { return topic.type == "rosgraph_msgs/Clock"; });
+}
+
 std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
-                                   const FrameTree& frames) {
+                                   const FrameTree& frames, bool simulated_time) {
   std::vector<Finding> all;
   Findings findings(topic, all);
   if (statistics.events == 0 || topic.kind == TopicKind::transforms) {
     return all;
   }
-  check_clock(statistics, findings);
-  check_stamps(statistics, findings);
+  if (!simulated_time) {
+    check_clock(statistics, findings);
+  }
+  for (const auto& [name, one] : statistics.series) {
+    const bool named = statistics.series.size() > 1;
+    check_stamps(statistics, one, named ? "of frame '" + name + "' " : "",
+                 topic.kind == TopicKind::poses, findings);
+  }
   if (topic.kind == TopicKind::imu) {
     check_imu(statistics.imu, findings);
     check_gravity(statistics, frames, findings);
@@ -295,6 +312,13 @@ std::vector<Finding> find_in_recording(const std::vector<Topic>& topics) {
     findings.push_back(
         {Severity::problem, "no_sweeps", "", "there are no sweeps of a range sensor in it",
          "there is nothing to map with", "Record a topic of sensor_msgs/PointCloud2"});
+  }
+  if (has_simulated_time(topics)) {
+    findings.push_back({Severity::notice, "simulated_time", "",
+                        "it has a clock (rosgraph_msgs/Clock): its stamps are of simulated or "
+                        "replayed time (use_sim_time)",
+                        "none; stamps are not compared with the recorder's clock",
+                        "Nothing need be done"});
   }
   for (const Topic& topic : topics) {
     const bool depth = topic.name.find("depth") != std::string::npos;

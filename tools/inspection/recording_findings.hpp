@@ -31,10 +31,14 @@ struct Finding {
 /// What is wrong with a topic, or worth knowing. Finds: an accelerometer in g, gravity along -z,
 /// gaps, stamps that repeat or go back, a clock that is off the recorder's by leap seconds or an
 /// epoch, sweeps without times or returns, directions that are hidden, and point times in the wrong
-/// unit. `frames` tell
-/// how an IMU is mounted.
+/// unit. Stamps of poses are looked at frame by frame. `frames` tell how an IMU is mounted. With
+/// `simulated_time` stamps are not compared with the recorder's clock.
 std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
-                                   const FrameTree& frames);
+                                   const FrameTree& frames, bool simulated_time = false);
+
+/// True where the recording has a clock of its own, as simulators and replays publish one
+/// (use_sim_time).
+bool has_simulated_time(const std::vector<Topic>& topics);
 
 /// What is wrong with the recording as a whole: no sweeps, depth images that are none.
 std::vector<Finding> find_in_recording(const std::vector<Topic>& topics);

@@ -52,16 +52,18 @@ Column column_of(std::span<const std::byte> packet, std::size_t i, const OusterS
       packet.subspan(kPacketHeader + i * sensor.column_bytes(), sensor.column_bytes());
   return {.time = time_of(load<uint64_t>(column, 0)),
           .index = load<uint16_t>(column, 8),
-          .frame = load<uint16_t>(packet, 2),
+          .frame = sensor.fusa_header ? load<uint32_t>(packet, 4) : load<uint16_t>(packet, 2),
           .valid = (load<uint16_t>(column, 10) & 1U) != 0,
-          .pixels = column.subspan(12, 12 * sensor.beams)};
+          .pixels = column.subspan(12)};
 }
 
 }  // namespace
 
 bool is_ouster_data(const Datagram& datagram, const OusterSensor& sensor) {
   return datagram.payload.size() == sensor.packet_bytes() &&
-         (sensor.profile == OusterProfile::legacy || load<uint16_t>(datagram.payload, 0) == 1);
+         (sensor.profile == OusterProfile::legacy ||
+          (sensor.fusa_header ? load<uint8_t>(datagram.payload, 0) == 1
+                              : load<uint16_t>(datagram.payload, 0) == 1));
 }
 
 bool is_ouster_imu(const Datagram& datagram) {
@@ -69,36 +71,49 @@ bool is_ouster_imu(const Datagram& datagram) {
 }
 
 OusterSweeps::OusterSweeps(const OusterSensor& sensor, bool points)
-    : sensor_(&sensor), points_(points) {}
+    : sensor_(&sensor), pixel_(pixel_of(sensor.profile)), points_(points) {}
 
 void OusterSweeps::add_column(std::span<const std::byte> pixels, std::size_t column,
                               Nanoseconds time) {
-  const bool legacy = sensor_->profile == OusterProfile::legacy;
-  const uint32_t mask = legacy ? 0xfffffU : 0x7ffffU;
   const double encoder =
       2.0 * std::numbers::pi *
       (1.0 - static_cast<double>(column) / static_cast<double>(sensor_->columns));
   const auto after = static_cast<float>(
       std::max(0.0, std::chrono::duration<double>(time - sweep_->stamp).count()));
   for (std::size_t beam = 0; beam < sensor_->beams; ++beam) {
-    const uint32_t range = load<uint32_t>(pixels, 12 * beam) & mask;
-    Point point;
-    if (range != 0) {
-      const double from_origin = 1e-3 * range - sensor_->beam_origin;
-      const double altitude = sensor_->beam_altitudes[beam];
-      const double azimuth = encoder - sensor_->beam_azimuths[beam];
-      const double flat = from_origin * std::cos(altitude);
-      point.x =
-          static_cast<float>(flat * std::cos(azimuth) + sensor_->beam_origin * std::cos(encoder));
-      point.y =
-          static_cast<float>(flat * std::sin(azimuth) + sensor_->beam_origin * std::sin(encoder));
-      point.z = static_cast<float>(from_origin * std::sin(altitude));
-      point.intensity = static_cast<float>(load<uint16_t>(pixels, 12 * beam + 6));  // signal
+    const std::span<const std::byte> pixel = pixels.subspan(pixel_.bytes * beam, pixel_.bytes);
+    std::optional<uint32_t> first;
+    for (const OusterReturn& one : pixel_.returns) {
+      const uint32_t range = load<uint32_t>(pixel, one.range_at) & pixel_.range_mask;
+      if (first && (range == 0 || range == *first)) {
+        continue;  // a second return is only told where it is another one
+      }
+      first = range;
+      Point point = point_of(pixel_.range_unit * range, encoder, beam);
+      if (range != 0) {
+        point.intensity = one.intensity_bytes == 1
+                              ? static_cast<float>(load<uint8_t>(pixel, one.intensity_at))
+                              : static_cast<float>(load<uint16_t>(pixel, one.intensity_at));
+      }
+      sweep_->points.push_back(point);
+      sweep_->times.push_back(after);
+      sweep_->rings.push_back(static_cast<uint16_t>(beam));
     }
-    sweep_->points.push_back(point);
-    sweep_->times.push_back(after);
-    sweep_->rings.push_back(static_cast<uint16_t>(beam));
   }
+}
+
+/// A return at `range` m of a beam, while the encoder stands at `encoder` rad.
+Point OusterSweeps::point_of(double range, double encoder, std::size_t beam) const {
+  if (range <= 0.0) {
+    return {};
+  }
+  const double from_origin = range - sensor_->beam_origin;
+  const double altitude = sensor_->beam_altitudes[beam];
+  const double azimuth = encoder - sensor_->beam_azimuths[beam];
+  const double flat = from_origin * std::cos(altitude);
+  return {static_cast<float>(flat * std::cos(azimuth) + sensor_->beam_origin * std::cos(encoder)),
+          static_cast<float>(flat * std::sin(azimuth) + sensor_->beam_origin * std::sin(encoder)),
+          static_cast<float>(from_origin * std::sin(altitude)), 0.0F};
 }
 
 std::vector<Sweep> OusterSweeps::take(const Datagram& datagram) {

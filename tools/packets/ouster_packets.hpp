@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Packets of Ouster's sensors, after the firmware user manual: columns of ranges in the legacy or
-// in the single-return profile, and readings of the IMU.
+// Packets of Ouster's sensors, after the firmware user manual: columns of ranges in the profiles of
+// OusterProfile, and readings of the IMU.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ bool is_ouster_imu(const Datagram& datagram);
 
 /// Puts the packets of one sensor together to sweeps, one a frame of the sensor, in its lidar frame
 /// (docs of the sensor: x towards the connector). Columns come in their order of measurement, in
-/// each the beams from the uppermost down; those without return are (0, 0, 0). Times are the
-/// sensor's own.
+/// each the beams from the uppermost down; those without return are (0, 0, 0). A second return
+/// follows the first where it is another one. Times are the sensor's own.
 class OusterSweeps {
  public:
   /// `sensor` must outlive it. Without `points`, sweeps are only told apart.
@@ -32,8 +32,10 @@ class OusterSweeps {
 
  private:
   void add_column(std::span<const std::byte> pixels, std::size_t column, Nanoseconds time);
+  Point point_of(double range, double encoder, std::size_t beam) const;
 
   const OusterSensor* sensor_;
+  OusterPixel pixel_;
   bool points_;
   std::optional<Sweep> sweep_;
   unsigned frame_ = 0;

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/packets/ouster_sensor.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +22,13 @@ using nlohmann::json;
 
 constexpr std::size_t kMostBeams = 256;
 constexpr std::size_t kMostColumns = 4096;
+
+constexpr std::array kProfiles = {
+    std::pair{"RNG19_RFL8_SIG16_NIR16", OusterProfile::rng19_rfl8_sig16_nir16},
+    std::pair{"RNG19_RFL8_SIG16_NIR16_DUAL", OusterProfile::rng19_rfl8_sig16_nir16_dual},
+    std::pair{"RNG15_RFL8_NIR8", OusterProfile::rng15_rfl8_nir8},
+    std::pair{"RNG15_RFL8_NIR8_DUAL", OusterProfile::rng15_rfl8_nir8_dual},
+    std::pair{"FUSA_RNG15_RFL8_NIR8_DUAL", OusterProfile::fusa_rng15_rfl8_nir8_dual}};
 
 [[noreturn]] void fail(const fs::path& file, const std::string& entry, const std::string& found) {
   throw InputError(file, Place::named(entry), found,
@@ -108,18 +117,40 @@ OusterProfile profile_of(const fs::path& file, const json& all) {
   if (name.empty() || name == "LEGACY") {
     return OusterProfile::legacy;
   }
-  if (name != "RNG19_RFL8_SIG16_NIR16") {
-    throw InputError(file, Place::named("udp_profile_lidar"),
-                     "the profile " + name + " is not read",
-                     "Configure the sensor for RNG19_RFL8_SIG16_NIR16 or LEGACY");
+  for (const auto& [known, profile] : kProfiles) {
+    if (name == known) {
+      return profile;
+    }
   }
-  return OusterProfile::rng19_rfl8_sig16_nir16;
+  throw InputError(file, Place::named("udp_profile_lidar"), "the profile " + name + " is not read",
+                   "Configure the sensor for one of the profiles RNG19 or RNG15, single or dual, "
+                   "or LEGACY");
 }
 
 }  // namespace
 
+OusterPixel pixel_of(OusterProfile profile) {
+  constexpr uint32_t kShort = 0x7fff;
+  constexpr double kLow = 8e-3;  // m: low bandwidth counts in steps of 8 mm
+  switch (profile) {
+    case OusterProfile::legacy:
+      return {12, 0xfffff, 1e-3, {{0, 6, 2}}};
+    case OusterProfile::rng19_rfl8_sig16_nir16:
+      return {12, 0x7ffff, 1e-3, {{0, 6, 2}}};
+    case OusterProfile::rng19_rfl8_sig16_nir16_dual:
+      return {16, 0x7ffff, 1e-3, {{0, 8, 2}, {4, 10, 2}}};
+    case OusterProfile::rng15_rfl8_nir8:
+      return {4, kShort, kLow, {{0, 2, 1}}};
+    case OusterProfile::rng15_rfl8_nir8_dual:
+    case OusterProfile::fusa_rng15_rfl8_nir8_dual:
+      return {8, kShort, kLow, {{0, 2, 1}, {4, 6, 1}}};
+  }
+  return {};
+}
+
 std::size_t OusterSensor::column_bytes() const {
-  return profile == OusterProfile::legacy ? 16 + 12 * beams + 4 : 12 + 12 * beams;
+  const std::size_t pixels = pixel_of(profile).bytes * beams;
+  return profile == OusterProfile::legacy ? 16 + pixels + 4 : 12 + pixels;
 }
 
 std::size_t OusterSensor::packet_bytes() const {
@@ -127,12 +158,19 @@ std::size_t OusterSensor::packet_bytes() const {
 }
 
 OusterSensor read_ouster_sensor(const fs::path& file) {
-  const json all = json::parse(read_text_file(file), nullptr, false);
+  return parse_ouster_sensor(file, read_text_file(file));
+}
+
+OusterSensor parse_ouster_sensor(const fs::path& file, const std::string& content) {
+  const json all = json::parse(content, nullptr, false);
   if (!all.is_object()) {
     throw InputError(file, {}, "it is no JSON object", "Save the sensor's metadata again");
   }
   OusterSensor sensor;
   sensor.profile = profile_of(file, all);
+  const std::string header = text(all, "header_type");
+  sensor.fusa_header = header.empty() ? sensor.profile == OusterProfile::fusa_rng15_rfl8_nir8_dual
+                                      : header == "FUSA";
   sensor.beam_altitudes = angles(file, all, "beam_altitude_angles");
   sensor.beam_azimuths = angles(file, all, "beam_azimuth_angles");
   sensor.beams = sensor.beam_altitudes.size();

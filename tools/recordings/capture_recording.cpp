@@ -4,110 +4,23 @@
 
 #include <algorithm>
 #include <deque>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "adit/tools/packets/ouster_packets.hpp"
 #include "adit/tools/packets/velodyne_packets.hpp"
+#include "adit/tools/recordings/packet_decoder.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kSweeps = 0;  // topics
-constexpr std::size_t kSecond = 1;  // Velodyne: GNSS; Ouster: IMU
-constexpr std::size_t kTransforms = 2;
-
-/// What the packets come from.
-struct Sensor {
-  std::string name;                    ///< for people
-  std::optional<OusterSensor> ouster;  ///< none: a Velodyne
-};
-
-/// From datagrams to events.
-class Decoder {
- public:
-  Decoder(const Sensor& sensor, bool points) : sensor_(&sensor) {
-    if (sensor.ouster) {
-      sweeps_.emplace<OusterSweeps>(*sensor.ouster, points);
-    } else {
-      sweeps_.emplace<VelodyneSweeps>(points);
-    }
-  }
-
-  /// Nothing as a rule: it takes many packets to make a sweep.
-  std::vector<Event> take(const Datagram& datagram) {
-    std::vector<Event> events;
-    if (sensor_->ouster && !told_) {
-      told_ = true;
-      for (const auto& [child, T] : {std::pair{"os_lidar", sensor_->ouster->T_sensor_lidar},
-                                     std::pair{"os_imu", sensor_->ouster->T_sensor_imu}}) {
-        events.push_back({.topic = kTransforms,
-                          .received = datagram.received,
-                          .value = StaticTransform{"os_sensor", child, T}});
-      }
-    }
-    if (sensor_->ouster ? is_ouster_data(datagram, *sensor_->ouster) : is_velodyne_data(datagram)) {
-      bytes_ += datagram.payload.size();
-      auto whole = std::visit([&](auto& sweeps) { return sweeps.take(datagram); }, sweeps_);
-      for (Sweep& sweep : whole) {
-        events.push_back(event_of(std::move(sweep), datagram.received));
-      }
-      last_ = datagram.received;
-    } else if (sensor_->ouster && is_ouster_imu(datagram)) {
-      events.push_back({.topic = kSecond,
-                        .received = datagram.received,
-                        .value = ouster_imu(datagram),
-                        .bytes = datagram.payload.size(),
-                        .frame = "os_imu"});
-    } else if (!sensor_->ouster && is_velodyne_position(datagram)) {
-      const std::optional<GnssFix> fix = velodyne_fix(datagram);
-      if (fix && fix->stamp != last_fix_) {  // a sentence is repeated until the next
-        last_fix_ = fix->stamp;
-        events.push_back({.topic = kSecond,
-                          .received = datagram.received,
-                          .value = *fix,
-                          .bytes = datagram.payload.size()});
-      }
-    }
-    return events;
-  }
-
-  std::optional<Event> finish() {
-    auto sweep = std::visit([](auto& sweeps) { return sweeps.finish(); }, sweeps_);
-    return sweep ? std::optional(event_of(std::move(*sweep), last_)) : std::nullopt;
-  }
-
- private:
-  Event event_of(Sweep sweep, Nanoseconds received) {
-    sweep.source = "/points#" + std::to_string(count_++);
-    const bool timed = !sweep.times.empty();
-    return {.topic = kSweeps,
-            .received = received,
-            .value = std::move(sweep),
-            .bytes = std::exchange(bytes_, 0),
-            .frame = sensor_->ouster ? "os_lidar" : "velodyne",
-            .point_times = timed
-                               ? std::optional(PointTimeNature{
-                                     .field = "packet time", .unit = sensor_->ouster ? 1e-9 : 1e-6})
-                               : std::nullopt};
-  }
-
-  const Sensor* sensor_;
-  std::variant<VelodyneSweeps, OusterSweeps> sweeps_;
-  bool told_ = false;
-  uint64_t bytes_ = 0;
-  uint64_t count_ = 0;
-  Nanoseconds last_{0};
-  std::optional<Nanoseconds> last_fix_;
-};
-
 class CaptureStream final : public EventStream {
  public:
-  CaptureStream(const SeekableFile& file, const Sensor& sensor, EventSelection selection,
+  CaptureStream(const SeekableFile& file, const PacketSensor& sensor, EventSelection selection,
                 bool points)
       : capture_(file), decoder_(sensor, points), selection_(std::move(selection)) {}
 
@@ -164,7 +77,7 @@ class CaptureStream final : public EventStream {
   }
 
   PacketCapture capture_;
-  Decoder decoder_;
+  PacketDecoder decoder_;
   EventSelection selection_;
   uint64_t skipped_ = 0;
   bool ended_ = false;
@@ -173,14 +86,8 @@ class CaptureStream final : public EventStream {
 
 class CaptureRecording final : public Recording {
  public:
-  CaptureRecording(const fs::path& path, Sensor sensor) : file_(path), sensor_(std::move(sensor)) {
-    const bool ouster = sensor_.ouster.has_value();
-    topics_ = {{"/points", sensor_.name + " packets", TopicKind::sweeps, 0},
-               {ouster ? "/imu" : "/fix", sensor_.name + (ouster ? " packets" : " NMEA"),
-                ouster ? TopicKind::imu : TopicKind::gnss, 0}};
-    if (ouster) {
-      topics_.push_back({"/tf_static", "Ouster metadata", TopicKind::transforms, 0});
-    }
+  CaptureRecording(const fs::path& path, PacketSensor sensor)
+      : file_(path), sensor_(std::move(sensor)), topics_(packet_topics(sensor_)) {
     CaptureStream stream(file_, sensor_, {}, false);
     for (bool more = true; more;) {
       try {
@@ -207,86 +114,136 @@ class CaptureRecording final : public Recording {
     const std::string seconds = std::to_string(span.count());
     return file_.path().string() + ": capture of a " + sensor_.name + ", " +
            seconds.substr(0, seconds.find('.') + 2) + " s, " +
-           std::to_string(*topics_[kSweeps].messages) + " sweeps on /points";
+           std::to_string(*topics_[PacketDecoder::kSweeps].messages) + " sweeps on /points";
   }
 
  private:
   SeekableFile file_;
-  Sensor sensor_;
+  PacketSensor sensor_;
   std::vector<Topic> topics_;
   std::optional<Nanoseconds> begin_;
   Nanoseconds end_{0};
 };
 
-/// Looks at the first packets. Damage ends the look, and is reported where the events are read.
-Sensor recognise(const fs::path& path) {
-  constexpr int kPackets = 20000;
-  const fs::path metadata = find_ouster_metadata(path);
-  std::optional<OusterSensor> ouster;
-  if (!metadata.empty()) {
-    ouster = read_ouster_sensor(metadata);
+/// What the metadata are of; nothing where there are none.
+struct Metadata {
+  fs::path file{};
+  std::optional<OusterSensor> ouster{};
+  std::optional<HesaiAngles> hesai{};
+};
+Metadata read_metadata(const fs::path& capture, const fs::path& named) {
+  Metadata metadata{.file = named.empty() ? find_ouster_metadata(capture) : named};
+  if (metadata.file.empty()) {
+    return metadata;
   }
+  if (metadata.file.extension() == ".json") {
+    metadata.ouster = read_ouster_sensor(metadata.file);
+  } else {
+    metadata.hesai = read_hesai_angles(metadata.file);
+  }
+  return metadata;
+}
+
+/// What was seen among the first packets.
+struct Seen {
+  std::set<std::pair<uint32_t, uint16_t>> senders;
+  std::map<std::size_t, int> sizes;
+  bool ouster = false;
+  bool livox = false;
+  bool other_velodyne = false;
+  std::string velodyne;
+  std::optional<HesaiPacket> hesai;
+
+  void look_at(const Datagram& datagram, const Metadata& metadata) {
+    ++sizes[datagram.payload.size()];
+    if (metadata.ouster && is_ouster_data(datagram, *metadata.ouster)) {
+      ouster = true;
+    } else if (is_velodyne_data(datagram)) {
+      const std::optional<std::string> model = velodyne_model(datagram);
+      other_velodyne = other_velodyne || !model;
+      velodyne = model ? "Velodyne " + *model : velodyne;
+    } else if (const auto packet = hesai_packet(datagram)) {
+      hesai = packet;
+    } else if (is_livox_data(datagram)) {
+      livox = true;
+    } else {
+      return;
+    }
+    senders.insert({datagram.source, datagram.port});
+  }
+};
+
+[[noreturn]] void fail_unknown(const fs::path& path, const Seen& seen, const Metadata& metadata) {
+  std::string found = "it holds no packets of a sensor that is known";
+  if (seen.other_velodyne) {
+    found = "its Velodyne is no VLP-16 or HDL-32E";
+  } else if (!seen.sizes.empty()) {
+    const auto usual =
+        std::ranges::max_element(seen.sizes, {}, [](const auto& entry) { return entry.second; });
+    found += "; the usual datagram has " + std::to_string(usual->first) + " bytes";
+  }
+  throw InputError(path, {}, found,
+                   metadata.ouster
+                       ? metadata.file.filename().string() + " describes packets of " +
+                             std::to_string(metadata.ouster->packet_bytes()) +
+                             " bytes: is it of this sensor, in this mode?"
+                       : "Velodyne VLP-16 and HDL-32E, Hesai, Livox Mid-360 and HAP are read, and "
+                         "Ouster sensors whose metadata lie beside the capture as " +
+                             path.stem().string() + ".json or are named with --metadata");
+}
+
+/// Looks at the first packets. Damage ends the look, and is reported where the events are read.
+PacketSensor recognise(const fs::path& path, const fs::path& named) {
+  constexpr int kPackets = 20000;
+  Metadata metadata = read_metadata(path, named);
   const SeekableFile file(path);
   PacketCapture capture(file);
-  std::set<std::pair<uint32_t, uint16_t>> senders;
-  std::string name;
-  bool other_velodyne = false;
-  bool is_ouster = false;
-  std::map<std::size_t, int> sizes;
+  Seen seen;
   try {
     for (int i = 0; i < kPackets; ++i) {
       const std::optional<Datagram> datagram = capture.next();
       if (!datagram) {
         break;
       }
-      ++sizes[datagram->payload.size()];
-      if (ouster && is_ouster_data(*datagram, *ouster)) {
-        is_ouster = true;
-      } else if (is_velodyne_data(*datagram)) {
-        const std::optional<std::string> model = velodyne_model(*datagram);
-        other_velodyne = other_velodyne || !model;
-        name = model ? "Velodyne " + *model : name;
-      } else {
-        continue;
-      }
-      senders.insert({datagram->source, datagram->port});
+      seen.look_at(*datagram, metadata);
     }
   } catch (const InputError&) {
     // what was found so far counts
   }
-  if (senders.size() > 1) {
-    throw InputError(path, {},
-                     "it holds the packets of " + std::to_string(senders.size()) + " range sensors",
-                     "Keep one of them, for example with Wireshark's filter udp.port");
+  if (seen.senders.size() > 1) {
+    throw InputError(
+        path, {},
+        "it holds the packets of " + std::to_string(seen.senders.size()) + " range sensors",
+        "Keep one of them, for example with Wireshark's filter udp.port");
   }
-  if (is_ouster) {
-    return {"Ouster with " + std::to_string(ouster->beams) + " beams", std::move(ouster)};
+  if (seen.ouster) {
+    return ouster_packets_of(std::move(*metadata.ouster));
   }
-  if (!name.empty()) {
-    return {name, std::nullopt};
+  if (!seen.velodyne.empty()) {
+    return {.name = seen.velodyne, .kind = PacketSensor::Kind::velodyne};
   }
-  std::string found = "it holds no packets of a sensor that is known";
-  if (other_velodyne) {
-    found = "its Velodyne is no VLP-16 or HDL-32E";
-  } else if (!sizes.empty()) {
-    const auto usual =
-        std::ranges::max_element(sizes, {}, [](const auto& entry) { return entry.second; });
-    found += "; the usual datagram has " + std::to_string(usual->first) + " bytes";
+  if (seen.livox) {
+    return {.name = "Livox", .kind = PacketSensor::Kind::livox};
   }
-  throw InputError(path, {}, found,
-                   metadata.empty()
-                       ? "Velodyne VLP-16 and HDL-32E are read, and Ouster sensors whose metadata "
-                         "lie beside the capture as " +
-                             path.stem().string() + ".json"
-                       : metadata.filename().string() + " describes packets of " +
-                             std::to_string(ouster->packet_bytes()) +
-                             " bytes: is it of this sensor, in this mode?");
+  if (seen.hesai) {
+    const std::optional<HesaiAngles> angles =
+        metadata.hesai ? metadata.hesai : hesai_angles_by_design(*seen.hesai);
+    if (!angles) {
+      throw InputError(path, {},
+                       "it is of a Hesai " + seen.hesai->model +
+                           ", whose lasers point differently in each sensor",
+                       "Name its angle correction file with --metadata FILE.csv");
+    }
+    return {
+        .name = "Hesai " + seen.hesai->model, .kind = PacketSensor::Kind::hesai, .hesai = *angles};
+  }
+  fail_unknown(path, seen, metadata);
 }
 
 }  // namespace
 
-std::unique_ptr<Recording> open_packet_capture(const fs::path& path) {
-  return std::make_unique<CaptureRecording>(path, recognise(path));
+std::unique_ptr<Recording> open_packet_capture(const fs::path& path, const fs::path& metadata) {
+  return std::make_unique<CaptureRecording>(path, recognise(path, metadata));
 }
 
 }  // namespace adit

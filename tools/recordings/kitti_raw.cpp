@@ -313,7 +313,8 @@ std::unique_ptr<Recording> with_kitti_raw_series(const fs::path& drive,
                                    return std::make_unique<SweepStream>(shared->events(
                                        {.begin = selection.begin,
                                         .end = selection.end,
-                                        .point_time_unit = selection.point_time_unit}));
+                                        .point_time_unit = selection.point_time_unit,
+                                        .coordinate_scale = selection.coordinate_scale}));
                                  }});
   return make_series_recording(std::move(description), std::move(series));
 }

@@ -3,12 +3,14 @@
 #include "adit/tools/recordings/message_recording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <string>
 #include <utility>
 
 #include "adit/tools/clouds/point_time_vote.hpp"
 #include "adit/tools/recordings/message_cameras.hpp"
+#include "adit/tools/recordings/packet_messages.hpp"
 #include "adit/tools/recordings/ros_codec.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/recordings/ros_messages.hpp"
@@ -25,9 +27,18 @@ struct Part {
   std::vector<std::unique_ptr<DepthCamera>> cameras;  // by channel; null where it has no depths
 };
 
+/// The packets of a sensor in messages, and the topics of its events.
+struct PacketTopics {
+  PacketSensor sensor;
+  std::size_t sweeps = 0;
+  std::size_t imu = 0;
+  std::size_t transforms = 0;
+  Nanoseconds begin{0};  ///< of the recording
+};
+
 /// What the first sweeps of a topic tell of the unit of their points' times (s); 0 for nothing.
 /// Damaged ones do not count.
-double told_time_unit(const std::vector<Part>& parts, std::size_t topic) {
+double told_time_unit(const std::vector<Part>& parts, std::size_t topic, double coordinate_scale) {
   PointTimeVote vote;
   std::size_t asked = 0;
   for (const Part& part : parts) {
@@ -47,7 +58,8 @@ double told_time_unit(const std::vector<Part>& parts, std::size_t topic) {
         more = message.has_value();
         if (message) {
           const ros::MessageEvents events =
-              ros::to_events(part.file->channels()[message->channel], *message, part.file->path());
+              ros::to_events(part.file->channels()[message->channel], *message, part.file->path(),
+                             {.coordinate_scale = coordinate_scale});
           if (events.point_times) {
             vote.add(std::get<Sweep>(events.values.front()), *events.point_times);
           }
@@ -65,14 +77,24 @@ double told_time_unit(const std::vector<Part>& parts, std::size_t topic) {
 class MessageEventStream final : public EventStream {
  public:
   MessageEventStream(const std::vector<Part>& parts, const std::vector<Topic>& topics,
-                     EventSelection selection)
+                     const PacketTopics* packets, EventSelection selection)
       : parts_(&parts),
         selection_(std::move(selection)),
+        packets_(packets),
         taken_(topics.size()),
         time_units_(topics.size()) {
     for (std::size_t i = 0; i < topics.size(); ++i) {
       const bool chosen = selection_.topics.empty() || std::ranges::count(selection_.topics, i) > 0;
       wanted_.push_back(chosen && topics[i].kind != TopicKind::other);
+    }
+    if (packets_ != nullptr) {
+      decoder_.emplace(packets_->sensor, true);
+      const Nanoseconds first = packets_->begin;
+      if (wanted_[packets_->transforms] && first >= selection_.begin && first <= selection_.end) {
+        for (Event& event : ouster_transforms(*packets_->sensor.ouster, first)) {
+          add_packet_event(std::move(event));
+        }
+      }
     }
   }
 
@@ -84,7 +106,13 @@ class MessageEventStream final : public EventStream {
         return event;
       }
       if (!stream_ && !open_next()) {
-        return std::nullopt;
+        std::optional<Event> last = decoder_ ? decoder_->finish() : std::nullopt;
+        decoder_.reset();
+        if (!last) {
+          return std::nullopt;
+        }
+        add_packet_event(std::move(*last));
+        continue;
       }
       const std::optional<RawMessage> message = stream_->next();
       if (!message) {
@@ -115,10 +143,43 @@ class MessageEventStream final : public EventStream {
     return false;
   }
 
+  /// An event of the packets' own topics.
+  void add_packet_event(Event event) {
+    const std::array<std::size_t, 3> topics = {packets_->sweeps, packets_->imu,
+                                               packets_->transforms};
+    event.topic = topics[event.topic];
+    if (!wanted_[event.topic]) {
+      return;
+    }
+    if (skipped_ < selection_.skip) {
+      ++skipped_;
+      return;
+    }
+    ready_.push_back(std::move(event));
+  }
+
+  void take_packet(const Channel& channel, const RawMessage& message) {
+    const std::optional<Datagram> datagram = datagram_of(channel, message);
+    if (!datagram) {
+      throw InputError(current_->file->path(), Place::byte(message.offset),
+                       "a message of " + channel.topic + " is no whole packet",
+                       "The message is damaged; the others can be read");
+    }
+    for (Event& event : decoder_->take(*datagram)) {
+      if (event.topic != PacketDecoder::kTransforms) {  // those were told at the begin
+        add_packet_event(std::move(event));
+      }
+    }
+  }
+
   void take(const RawMessage& message) {
     const Channel& channel = current_->file->channels()[message.channel];
     const std::size_t topic = current_->topics[message.channel];
     if (!wanted_[topic]) {
+      return;
+    }
+    if (packets_ != nullptr && is_packet_channel(channel)) {
+      take_packet(channel, message);
       return;
     }
     const uint64_t number = taken_[topic]++;
@@ -134,15 +195,16 @@ class MessageEventStream final : public EventStream {
       throw InputError(file, Place::named(place + at), found, remedy);
     };
     try {
-      ros::MessageEvents events = ros::to_events(channel, message, file, time_unit(topic, channel),
-                                                 current_->cameras[message.channel].get());
+      ros::MessageEvents events = ros::to_events(
+          channel, message, file, {time_unit(topic, channel), selection_.coordinate_scale},
+          current_->cameras[message.channel].get());
       for (EventValue& value : events.values) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);
         }
         ready_.push_back({topic, message.received, std::move(value),
                           ready_.empty() ? message.bytes.size() : 0, events.frame,
-                          events.point_times});
+                          events.point_times, number, events.has_intensity});
       }
     } catch (const ros::CodecError& error) {
       fail(
@@ -159,13 +221,15 @@ class MessageEventStream final : public EventStream {
       return selection_.point_time_unit;
     }
     if (!time_units_[topic]) {
-      time_units_[topic] = told_time_unit(*parts_, topic);
+      time_units_[topic] = told_time_unit(*parts_, topic, selection_.coordinate_scale);
     }
     return *time_units_[topic];
   }
 
   const std::vector<Part>* parts_;
   EventSelection selection_;
+  const PacketTopics* packets_;                    // null where there are none
+  std::optional<PacketDecoder> decoder_;           // of them
   std::vector<bool> wanted_;                       // by topic
   std::vector<uint64_t> taken_;                    // messages so far, by topic
   std::vector<std::optional<double>> time_units_;  // s, by topic, as far as asked for
@@ -178,8 +242,12 @@ class MessageEventStream final : public EventStream {
 
 class MessageRecording final : public Recording {
  public:
-  MessageRecording(fs::path path, std::vector<std::unique_ptr<MessageFile>> files)
+  MessageRecording(fs::path path, std::vector<std::unique_ptr<MessageFile>> files,
+                   const fs::path& metadata)
       : path_(std::move(path)) {
+    if (std::optional<PacketSensor> sensor = packet_sensor_of(files, path_, metadata)) {
+      packets_.emplace(PacketTopics{.sensor = std::move(*sensor)});
+    }
     std::vector<const MessageFile*> all;
     for (const std::unique_ptr<MessageFile>& file : files) {
       all.push_back(file.get());
@@ -195,13 +263,17 @@ class MessageRecording final : public Recording {
       }
       parts_.push_back(std::move(part));
     }
+    if (packets_) {
+      find_packet_topics();
+    }
   }
 
   const std::vector<Topic>& topics() const override { return topics_; }
   bool times_are_assumed() const override { return false; }
 
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
-    return std::make_unique<MessageEventStream>(parts_, topics_, selection);
+    return std::make_unique<MessageEventStream>(parts_, topics_, packets_ ? &*packets_ : nullptr,
+                                                selection);
   }
 
   std::string description() const override {
@@ -230,8 +302,43 @@ class MessageRecording final : public Recording {
   }
 
  private:
+  /// Counts the sweeps that the packets make; how the sensor is mounted is a topic of its own.
+  void find_packet_topics() {
+    packets_->transforms = topics_.size();
+    topics_.push_back({"/tf_static (metadata)", "Ouster metadata", TopicKind::transforms, 2});
+    packets_->sweeps = packets_->transforms;  // where there are none, no event comes of them
+    packets_->imu = packets_->transforms;
+    PacketDecoder decoder(packets_->sensor, false);
+    uint64_t sweeps = 0;
+    std::optional<Nanoseconds> begin;
+    for (const Part& part : parts_) {
+      for (std::size_t i = 0; i < part.topics.size(); ++i) {
+        const Channel& channel = part.file->channels()[i];
+        if (is_packet_channel(channel)) {
+          (is_imu_packet_channel(channel) ? packets_->imu : packets_->sweeps) = part.topics[i];
+        }
+      }
+      sweeps += count_sweeps(*part.file, decoder);
+      if (const std::optional<TimeSpan> span = part.file->span()) {
+        begin = std::min(begin.value_or(span->begin), span->begin);
+      }
+    }
+    sweeps += decoder.finish() ? 1U : 0U;
+    packets_->begin = begin.value_or(Nanoseconds(0));
+    if (packets_->sweeps != packets_->transforms) {
+      topics_[packets_->sweeps].messages = sweeps;
+    }
+  }
+
+  TopicKind kind_of(const Channel& channel, bool depths) const {
+    if (packets_ && is_packet_channel(channel)) {
+      return is_imu_packet_channel(channel) ? TopicKind::imu : TopicKind::sweeps;
+    }
+    return depths ? TopicKind::sweeps : ros::kind_of(channel);
+  }
+
   std::size_t topic_of(const Channel& channel, bool depths) {
-    const TopicKind kind = depths ? TopicKind::sweeps : ros::kind_of(channel);
+    const TopicKind kind = kind_of(channel, depths);
     const auto found = std::ranges::find_if(topics_, [&](const Topic& topic) {
       return topic.name == channel.topic && topic.type == channel.type && topic.kind == kind;
     });
@@ -246,6 +353,7 @@ class MessageRecording final : public Recording {
   }
 
   fs::path path_;
+  std::optional<PacketTopics> packets_;
   std::vector<Part> parts_;
   std::vector<Topic> topics_;
 };
@@ -253,8 +361,9 @@ class MessageRecording final : public Recording {
 }  // namespace
 
 std::unique_ptr<Recording> make_message_recording(const fs::path& path,
-                                                  std::vector<std::unique_ptr<MessageFile>> files) {
-  return std::make_unique<MessageRecording>(path, std::move(files));
+                                                  std::vector<std::unique_ptr<MessageFile>> files,
+                                                  const fs::path& metadata) {
+  return std::make_unique<MessageRecording>(path, std::move(files), metadata);
 }
 
 }  // namespace adit

@@ -12,9 +12,11 @@
 namespace adit {
 
 /// A recording of messages, in one file or split over several that follow each other in time.
-/// Channels of the same topic, type and encoding are one topic. `path` is for descriptions.
+/// Channels of the same topic, type and encoding are one topic. `path` is for descriptions;
+/// `metadata` is of the sensor whose packets are in messages (packet_messages.hpp), or empty.
 std::unique_ptr<Recording> make_message_recording(const std::filesystem::path& path,
-                                                  std::vector<std::unique_ptr<MessageFile>> files);
+                                                  std::vector<std::unique_ptr<MessageFile>> files,
+                                                  const std::filesystem::path& metadata = {});
 
 /// The containers in a recording, recognised by content; none where `path` is a recording of
 /// another kind or nothing at all. Throws InputError where one cannot be opened.

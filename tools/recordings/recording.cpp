@@ -6,6 +6,7 @@
 
 #include "adit/tools/containers/bag_reader.hpp"
 #include "adit/tools/containers/mcap_reader.hpp"
+#include "adit/tools/containers/packed_messages.hpp"
 #include "adit/tools/containers/rosbag2_reader.hpp"
 #include "adit/tools/packets/packet_capture.hpp"
 #include "adit/tools/recordings/capture_recording.hpp"
@@ -80,8 +81,8 @@ std::size_t sweep_topic(const Recording& recording, const fs::path& path, const 
 
 namespace {
 
-/// Recognised by content; null where it is no container.
-std::unique_ptr<MessageFile> open_message_file(const fs::path& path) {
+/// One that is not packed.
+std::unique_ptr<MessageFile> open_plain_file(const fs::path& path) {
   if (is_mcap(path)) {
     return open_mcap(path);
   }
@@ -89,6 +90,14 @@ std::unique_ptr<MessageFile> open_message_file(const fs::path& path) {
     return open_bag(path);
   }
   return is_rosbag2_database(path) ? open_rosbag2_database(path) : nullptr;
+}
+
+/// Recognised by content; null where it is no container.
+std::unique_ptr<MessageFile> open_message_file(const fs::path& path) {
+  if (is_zstd_file(path)) {
+    return open_packed_file(path, open_plain_file);
+  }
+  return open_plain_file(path);
 }
 
 }  // namespace
@@ -113,10 +122,10 @@ std::vector<std::unique_ptr<MessageFile>> open_message_files(const fs::path& pat
   return files;
 }
 
-std::unique_ptr<Recording> open_recording(const fs::path& path) {
+std::unique_ptr<Recording> open_recording(const fs::path& path, const fs::path& metadata) {
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && is_packet_capture(path)) {
-    return open_packet_capture(path);
+    return open_packet_capture(path, metadata);
   }
   if (is_euroc_folder(path)) {
     return open_euroc_folder(path);
@@ -125,7 +134,8 @@ std::unique_ptr<Recording> open_recording(const fs::path& path) {
     return open_tum_folder(path);
   }
   std::vector<std::unique_ptr<MessageFile>> files = open_message_files(path);
-  return files.empty() ? open_sweep_files(path) : make_message_recording(path, std::move(files));
+  return files.empty() ? open_sweep_files(path)
+                       : make_message_recording(path, std::move(files), metadata);
 }
 
 }  // namespace adit

@@ -50,6 +50,8 @@ struct Event {
   uint64_t bytes = 0;   ///< of the message or file; further events of the same message have 0
   std::string frame{};  ///< of the sensor, where the recording names it
   std::optional<PointTimeNature> point_times{};  ///< of sweeps with times
+  std::optional<std::size_t> number{};  ///< of the topic's messages, from 0, where it is known
+  bool has_intensity = true;            ///< false: those of a sweep's points are made up zeros
 };
 
 /// The event's own time; that of a static transform is when it was received.
@@ -61,7 +63,8 @@ struct EventSelection {
   Nanoseconds begin = Nanoseconds::min();  ///< of `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< of `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
-  double point_time_unit = 0.0;  ///< s, of the times of points; 0: told from the first sweeps
+  double point_time_unit = 0.0;   ///< s, of the times of points; 0: told from the first sweeps
+  double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres
 };
 
 class EventStream {
@@ -106,15 +109,16 @@ std::size_t sweep_topic(const Recording& recording, const std::filesystem::path&
 ///
 /// - MCAP files (none, LZ4, Zstandard), with ROS 1 or ROS 2 messages.
 /// - ROS 1 bags of version 2.0 (none, LZ4, bzip2).
-/// - rosbag2 folders and their SQLite files (.db3; packed as a whole or message by message), split
-/// or
-///   not, with or without metadata.yaml.
+/// - rosbag2 folders and their files (.db3 or .mcap, packed as a whole or message by message),
+///   split or not, with or without metadata.yaml.
 /// - Captures of a sensor's packets: see open_packet_capture().
 /// - Folders of IMU samples and poses in EuRoC's layout: see open_euroc_folder().
 /// - Folders of depth images in TUM RGB-D's layout: see open_tum_folder().
 /// - Folders and files of sweeps: see open_sweep_files().
 ///
-/// Throws InputError: nothing there or nothing readable in it.
-std::unique_ptr<Recording> open_recording(const std::filesystem::path& path);
+/// `metadata` is a file that tells of the sensor, for captures and packets in messages; empty: what
+/// lies beside counts. Throws InputError: nothing there or nothing readable in it.
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
+                                          const std::filesystem::path& metadata = {});
 
 }  // namespace adit

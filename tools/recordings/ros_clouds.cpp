@@ -101,14 +101,14 @@ CloudColumns find_columns(const PointCloud2& cloud, const std::byte* data) {
 }  // namespace
 
 CloudFile to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file,
-                   double time_unit) {
+                   const CloudReading& reading) {
   check_layout(cloud);
   const bool padded =
       cloud.height > 1 && cloud.row_step != uint64_t{cloud.width} * cloud.point_step;
   const std::vector<std::byte> packed =
       padded ? without_row_padding(cloud) : std::vector<std::byte>{};
   CloudColumns columns = find_columns(cloud, padded ? packed.data() : cloud.data.data());
-  columns.time_unit = time_unit;
+  columns.reading = reading;
   CloudFile decoded = decode_cloud(file, columns);
   if (!decoded.absolute_stamp) {
     decoded.sweep.stamp += stamp;
@@ -185,7 +185,7 @@ CloudFile to_sweep(const VelodyneScan& scan, Nanoseconds stamp) {
       timed ? std::optional(PointTimeNature{.field = "packet time", .unit = 1e-6}) : std::nullopt};
 }
 
-CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
+CloudMessage to_cloud(const Sweep& sweep, const std::string& frame, bool with_intensity) {
   constexpr uint8_t kUint16 = 4;
   constexpr uint8_t kUint32 = 6;
   constexpr uint8_t kFloat32 = 7;
@@ -198,6 +198,9 @@ CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
   message.header = {.sequence = 0, .stamp = sweep.stamp, .frame = frame};
   message.width = static_cast<uint32_t>(sweep.points.size());
   for (const char* name : {"x", "y", "z", "intensity"}) {
+    if (!with_intensity && message.fields.size() == 3) {
+      break;
+    }
     message.fields.push_back({name, message.point_step, kFloat32, 1});
     message.point_step += 4;
   }
@@ -215,7 +218,7 @@ CloudMessage to_cloud(const Sweep& sweep, const std::string& frame) {
   cloud.data.resize(message.row_step);
   for (std::size_t i = 0; i < sweep.points.size(); ++i) {
     std::byte* at = cloud.data.data() + i * message.point_step;
-    std::memcpy(at, &sweep.points[i], sizeof(Point));
+    std::memcpy(at, &sweep.points[i], ring_at);  // x y z, and intensity behind them
     if (!sweep.rings.empty()) {
       std::memcpy(at + ring_at, &sweep.rings[i], sizeof(uint16_t));
     }

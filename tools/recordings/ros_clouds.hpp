@@ -14,11 +14,11 @@
 namespace adit::ros {
 
 /// The sweep in a point cloud, `stamp` being its header's time. Fields are told by their names, as
-/// in cloud_columns.hpp; per-point times, of `time_unit` (s) if that is not 0, as in
-/// point_times.hpp. The stamp of the result is absolute. Throws CodecError where the layout
-/// makes no sense, InputError (naming `file`) where a point does.
+/// in cloud_columns.hpp; per-point times as in point_times.hpp. The stamp of the result is
+/// absolute. Throws CodecError where the layout makes no sense, InputError (naming `file`) where a
+/// point does.
 CloudFile to_sweep(const PointCloud2& cloud, Nanoseconds stamp, const std::filesystem::path& file,
-                   double time_unit = 0.0);
+                   const CloudReading& reading = {});
 
 /// The sweep in Livox's own message. Its timebase is the time of the first point; where it is 0 the
 /// header's time is taken.
@@ -35,9 +35,9 @@ struct CloudMessage {
   PointCloud2 message;
 };
 
-/// Fields: x y z intensity as float32, and where the sweep has them ring as uint16 and time as
-/// float32, seconds after the header's stamp. Sweeps of more than a second have t as uint32,
-/// nanoseconds, instead.
-CloudMessage to_cloud(const Sweep& sweep, const std::string& frame);
+/// Fields: x y z and, if asked for, intensity as float32, and where the sweep has them ring as
+/// uint16 and time as float32, seconds after the header's stamp. Sweeps of more than a second have
+/// t as uint32, nanoseconds, instead.
+CloudMessage to_cloud(const Sweep& sweep, const std::string& frame, bool with_intensity = true);
 
 }  // namespace adit::ros

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "adit/tools/recordings/ros_clouds.hpp"
@@ -123,6 +124,7 @@ MessageEvents sweep(CloudFile cloud, std::string frame) {
   events.values.emplace_back(std::move(cloud.sweep));
   events.frame = std::move(frame);
   events.point_times = std::move(cloud.times);
+  events.has_intensity = cloud.has_intensity;
   return events;
 }
 
@@ -130,8 +132,9 @@ EncodedEvent encoded(const auto& message, Encoding encoding) {
   return {std::string(message.kType), encode(encoding, message)};
 }
 
-EncodedEvent message_of(const Sweep& sweep, Encoding encoding, const std::string& frame) {
-  const CloudMessage cloud = to_cloud(sweep, frame);
+EncodedEvent message_of(const Sweep& sweep, Encoding encoding, const std::string& frame,
+                        bool with_intensity) {
+  const CloudMessage cloud = to_cloud(sweep, frame, with_intensity);
   return encoded(cloud.message, encoding);
 }
 
@@ -203,12 +206,12 @@ TopicKind kind_of(const Channel& channel) {
 }
 
 MessageEvents to_events(const Channel& channel, const RawMessage& message,
-                        const std::filesystem::path& file, double point_time_unit,
+                        const std::filesystem::path& file, const CloudReading& reading,
                         const DepthCamera* camera) {
   const std::string& type = channel.type;
   if (type == PointCloud2::kType) {
     const auto cloud = decode<PointCloud2>(channel.encoding, message.bytes);
-    return sweep(to_sweep(cloud, time_of(cloud.header, message), file, point_time_unit),
+    return sweep(to_sweep(cloud, time_of(cloud.header, message), file, reading),
                  cloud.header.frame);
   }
   if (type == VelodyneScan::kType) {
@@ -224,6 +227,7 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
     MessageEvents events;
     events.values.emplace_back(to_sweep(image, *camera, time_of(image.header, message)));
     events.frame = image.header.frame;
+    events.has_intensity = false;
     return events;
   }
   if (type == Imu::kType) {
@@ -247,8 +251,17 @@ MessageEvents to_events(const Channel& channel, const RawMessage& message,
   return is_transforms(type) ? transforms(channel, message) : MessageEvents{};
 }
 
-EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame) {
-  return std::visit([&](const auto& value) { return message_of(value, encoding, frame); }, event);
+EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame,
+                        bool with_intensity) {
+  return std::visit(
+      [&](const auto& value) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(value)>, Sweep>) {
+          return message_of(value, encoding, frame, with_intensity);
+        } else {
+          return message_of(value, encoding, frame);
+        }
+      },
+      event);
 }
 
 }  // namespace adit::ros

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/tools/clouds/cloud_columns.hpp"
 #include "adit/tools/clouds/depth_camera.hpp"
 #include "adit/tools/containers/message_file.hpp"
 #include "adit/tools/recordings/recording.hpp"
@@ -26,18 +27,19 @@ struct MessageEvents {
   std::vector<EventValue> values;
   std::string frame;                           ///< of the header; empty where there are several
   std::optional<PointTimeNature> point_times;  ///< of a sweep with times
+  bool has_intensity = true;                   ///< false: those of a sweep's points are made up
 };
 
 /// The events in a message, in its order; none for kinds that are not understood. A message whose
-/// header has no time counts as taken when it was received. `point_time_unit` (s) is that of the
-/// times of points; 0: it is told from them. Images are sweeps where `camera`, which took them, is
+/// header has no time counts as taken when it was received. `reading` is for
+/// PointCloud2. Images are sweeps where `camera`, which took them, is
 /// given.
 ///
 /// Sweeps from Livox's CustomMsg are without the returns that the sensor marks as noise (bits 4 and
 /// 5 of the tag). Throws CodecError or InputError (naming `file` and the point) where the message
 /// is damaged.
 MessageEvents to_events(const Channel& channel, const RawMessage& message,
-                        const std::filesystem::path& file, double point_time_unit = 0.0,
+                        const std::filesystem::path& file, const CloudReading& reading = {},
                         const DepthCamera* camera = nullptr);
 
 /// A message and its type.
@@ -46,8 +48,10 @@ struct EncodedEvent {
   std::vector<std::byte> bytes;
 };
 
-/// The event as a message with the frame `frame` (poses and transforms name their own). Throws
+/// The event as a message with the frame `frame` (poses and transforms name their own), a sweep
+/// with or without the field intensity. Throws
 /// CodecError where the encoding cannot hold its time.
-EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame);
+EncodedEvent from_event(const EventValue& event, Encoding encoding, const std::string& frame,
+                        bool with_intensity = true);
 
 }  // namespace adit::ros

@@ -144,6 +144,18 @@ struct VelodyneScan {
   std::vector<VelodynePacket> packets;
 };
 
+/// A packet of an Ouster; its packages are ouster_ros, ouster_msgs or ouster_sensor_msgs.
+struct PacketMsg {
+  static constexpr std::string_view kType = "ouster_ros/PacketMsg";
+  std::span<const std::byte> data;  ///< a view of the message that was read
+};
+
+/// std_msgs/String.
+struct String {
+  static constexpr std::string_view kType = "std_msgs/String";
+  std::string data;
+};
+
 struct Image {
   static constexpr std::string_view kType = "sensor_msgs/Image";
   Header header;

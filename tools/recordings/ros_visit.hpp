@@ -133,6 +133,16 @@ void visit(Archive& archive, IsA<VelodyneScan> auto& scan) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<PacketMsg> auto& packet) {
+  archive.blob(packet.data);
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<String> auto& text) {
+  archive(text.data);
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<Image> auto& image) {
   visit(archive, image.header);
   archive(image.height, image.width, image.encoding, image.is_bigendian, image.step);

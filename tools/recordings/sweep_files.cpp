@@ -25,12 +25,13 @@ constexpr const char* kWhatIsRead =
 
 /// What the first sweeps tell of the unit of their points' times (s); 0 for nothing. Damaged ones
 /// do not count.
-double told_time_unit(const SweepFiles& sweeps) {
+double told_time_unit(const SweepFiles& sweeps, double coordinate_scale) {
   PointTimeVote vote;
   const std::size_t count = std::min(sweeps.files.size(), PointTimeVote::kSweeps);
   for (std::size_t i = 0; i < count; ++i) {
     try {
-      const CloudFile cloud = sweeps.kind->read(sweeps.files[i], 0.0);
+      const CloudFile cloud =
+          sweeps.kind->read(sweeps.files[i], {.coordinate_scale = coordinate_scale});
       if (!cloud.times) {
         break;  // none of them has any, as a rule
       }
@@ -45,7 +46,7 @@ double told_time_unit(const SweepFiles& sweeps) {
 class SweepFileStream final : public EventStream {
  public:
   SweepFileStream(const SweepFiles& sweeps, const EventSelection& selection)
-      : sweeps_(&sweeps), end_(selection.end) {
+      : sweeps_(&sweeps), end_(selection.end), scale_(selection.coordinate_scale) {
     if (selection.point_time_unit > 0.0) {
       time_unit_ = selection.point_time_unit;
     }
@@ -68,16 +69,18 @@ class SweepFileStream final : public EventStream {
                  .value = std::move(cloud.sweep),
                  .bytes = fs::file_size(file, ignored),
                  .frame = {},
-                 .point_times = std::move(cloud.times)};
+                 .point_times = std::move(cloud.times),
+                 .number = index_ - 1,
+                 .has_intensity = cloud.has_intensity};
   }
 
  private:
   CloudFile read(std::size_t index) {
     const fs::path& file = sweeps_->files[index];
     if (!time_unit_) {
-      time_unit_ = told_time_unit(*sweeps_);
+      time_unit_ = told_time_unit(*sweeps_, scale_);
     }
-    CloudFile cloud = sweeps_->kind->read(file, *time_unit_);
+    CloudFile cloud = sweeps_->kind->read(file, {*time_unit_, scale_});
     if (!cloud.absolute_stamp) {
       cloud.sweep.stamp += sweeps_->stamps[index];
     }
@@ -102,6 +105,7 @@ class SweepFileStream final : public EventStream {
 
   const SweepFiles* sweeps_;
   Nanoseconds end_;
+  double scale_;                     // m
   std::optional<double> time_unit_;  // s, of the times of points; 0 where it is not known
   std::size_t index_ = 0;
   std::optional<std::pair<std::size_t, Nanoseconds>>

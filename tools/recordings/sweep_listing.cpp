@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr Nanoseconds kAssumedPeriod = std::chrono::milliseconds(100);
 
-CloudFile read_bin_cloud(const fs::path& file, double) {
+CloudFile read_bin_cloud(const fs::path& file, const CloudReading&) {
   return {read_kitti_bin(file), false};
 }
 

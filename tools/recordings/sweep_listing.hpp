@@ -19,7 +19,7 @@ namespace adit {
 struct SweepFileKind {
   std::string_view extension;  ///< with its dot, lower case
   std::string_view name;       ///< for people
-  CloudFile (*read)(const std::filesystem::path&, double time_unit);
+  CloudFile (*read)(const std::filesystem::path&, const CloudReading& reading);
 };
 
 /// The kind by the file's extension, upper or lower case; null where it is none.

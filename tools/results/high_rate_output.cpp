@@ -91,6 +91,10 @@ HighRateOutput::HighRateOutput(const std::filesystem::path& folder)
 }
 
 void HighRateOutput::write(const LidarMotion& motion) {
+  // Times in a trajectory rise: where the clock was set back, they do again once it is past that.
+  if (statistics_.last() && motion.stamp <= *statistics_.last()) {
+    return;
+  }
   tum_.write({.stamp = motion.stamp, .pose = motion.T_map_lidar});
   csv_.write(csv_line(motion));
   statistics_.add(motion.stamp);

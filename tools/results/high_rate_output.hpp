@@ -38,6 +38,10 @@ class HighRateStatistics {
 
   std::size_t poses() const { return poses_; }
   std::size_t interruptions() const { return interruptions_; }  ///< of more than 0.1 s
+  /// Of the pose that was added last.
+  std::optional<Nanoseconds> last() const {
+    return poses_ > 0 ? std::optional(last_) : std::nullopt;
+  }
   std::optional<double> rate() const;  ///< Hz, between interruptions; none of fewer than two poses
 
  private:

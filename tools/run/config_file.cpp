@@ -291,6 +291,9 @@ Config load_config(const ConfigSource& source) {
   for (const std::string& text : source.overrides) {
     overridden[apply_override(config, text)] = text;
   }
+  if (!source.metadata.empty()) {
+    config.recording.metadata = source.metadata;
+  }
 
   const auto problem = validate(config);
   if (!problem) {

@@ -20,6 +20,7 @@ struct ConfigSource {
   std::optional<std::filesystem::path> file;
   std::vector<std::string> overrides;  ///< "section.key=value", the last one of a key wins
   std::string preset{};                ///< of presets.hpp; empty: none
+  std::string metadata{};              ///< recording.metadata; empty: as the others say
 };
 
 /// Reads and validates. Throws InputError with line and column for what the file says, UsageError

@@ -45,6 +45,7 @@ class ConfiguredRecording final : public Recording {
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     EventSelection told = selection;
     told.point_time_unit = config_.point_time_unit;
+    told.coordinate_scale = config_.coordinate_scale;
     return std::make_unique<CorrectedStream>(recording_->events(told), config_);
   }
 
@@ -68,7 +69,8 @@ EventValue corrected(EventValue value, const RecordingConfig& config) {
 
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingConfig& config) {
-  std::unique_ptr<Recording> recording = open_recording(path);
+  std::unique_ptr<Recording> recording =
+      open_recording(path, std::filesystem::path(config.metadata));
   if (config == RecordingConfig{}) {
     return recording;
   }
@@ -86,7 +88,7 @@ void require_clear_point_times(const Recording& recording, std::size_t topic,
     try {
       event = events->next();
     } catch (const InputError&) {
-      return;  // whoever reads on reports it
+      continue;  // whoever reads on reports it
     }
     if (!event) {
       break;

@@ -84,8 +84,18 @@ void write_results(const Mapping& mapping, Mapped& done) {
       write(mapping, *reading);
       continue;
     }
-    write(mapping, std::get<SweepPlaced>(*result), mapping.range.first + done.sweeps, done.read_ms);
-    done.read_ms = 0.0;
+    const std::size_t counted = mapping.range.first + done.sweeps;
+    if (const auto* left_out = std::get_if<SweepLeftOut>(&*result)) {
+      const auto note = mapping.statistics.left_out().add_sweep(
+          left_out->sweep.number.value_or(counted), left_out->sweep, left_out->last);
+      if (note && !mapping.quiet) {
+        mapping.progress.note(*note);
+      }
+    } else {
+      const auto& placed = std::get<SweepPlaced>(*result);
+      write(mapping, placed, placed.sweep.number.value_or(counted), done.read_ms);
+      done.read_ms = 0.0;
+    }
     ++done.sweeps;
     mapping.progress.update(done.sweeps, mapping.statistics.failures().size());
   }
@@ -98,6 +108,7 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
       ++done.passed_over;
       return;
     }
+    sweep->number = event.number;
     mapping.slam.add(std::move(*sweep), event.frame);
   } else if (const auto* reading = std::get_if<ImuSample>(&event.value)) {
     mapping.slam.add(*reading, event.frame);

@@ -14,6 +14,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/run/inertial_statistics.hpp"
+#include "adit/tools/run/left_out.hpp"
 
 namespace adit {
 
@@ -67,6 +68,15 @@ class RunStatistics {
   /// Takes the next reading of the inertial sensor.
   void add(ImuArrival arrival) { inertial_.add(arrival); }
 
+  /// What could not be used.
+  LeftOut& left_out() { return left_out_; }
+  const LeftOut& left_out() const { return left_out_; }
+
+  /// The stamp of the sweep that was added last.
+  std::optional<Nanoseconds> last_stamp() const {
+    return first_ ? std::optional(last_.stamp) : std::nullopt;
+  }
+
   std::size_t sweeps() const { return sweeps_; }
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps
   const InertialStatistics& inertial() const { return inertial_; }
@@ -93,6 +103,7 @@ class RunStatistics {
 
   Config config_;
   InertialStatistics inertial_;
+  LeftOut left_out_;
   std::size_t sweeps_ = 0;
   std::size_t deskewed_ = 0;
   std::size_t keyframes_ = 0;

@@ -110,6 +110,7 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   json["device"]["memory_peak_bytes"] = outcome.device_peak_bytes;
   json["sweeps"] = describe_sweeps(statistics);
   json["sweeps"]["deskewed"] = statistics.deskewed();
+  json["left_out"] = statistics.left_out().to_json();
   if (statistics.inertial().any()) {
     json["imu"] = statistics.inertial().to_json();
     json["imu"]["host_ms"] = describe_stage(statistics.inertial_stage());

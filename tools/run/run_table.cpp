@@ -81,6 +81,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
                              statistics.sweeps(), run.range.count, statistics.distance(),
                              format_duration(outcome.wall_s).c_str(), rate);
   text += "sweeps   " + counts(statistics) + "\n";
+  if (statistics.left_out().any()) {
+    text += "left out " + statistics.left_out().text() + "\n";
+  }
   if (statistics.inertial().any()) {
     text += "imu      " + inertial_text(statistics) + "\n";
   }

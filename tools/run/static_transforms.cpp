@@ -6,6 +6,8 @@
 #include <optional>
 #include <variant>
 
+#include "adit/tools/recordings/tolerant_recording.hpp"
+
 namespace adit {
 namespace {
 
@@ -24,18 +26,16 @@ std::vector<StaticTransform> static_transforms(const Recording& recording) {
   if (topics.empty()) {
     return transforms;
   }
-  try {
-    const auto events = recording.events({.topics = topics});
-    std::optional<Nanoseconds> begin;
-    while (const std::optional<Event> event = events->next()) {
-      begin = begin.value_or(event->received);
-      if (event->received > *begin + kLookAhead) {
-        break;
-      }
-      transforms.push_back(std::get<StaticTransform>(event->value));
+  // Whoever reads on reports the damage.
+  const auto whole = pass_over_damage(recording, [](const InputError&) {});
+  const auto events = whole->events({.topics = topics});
+  std::optional<Nanoseconds> begin;
+  while (const std::optional<Event> event = events->next()) {
+    begin = begin.value_or(event->received);
+    if (event->received > *begin + kLookAhead) {
+      break;
     }
-  } catch (const InputError&) {
-    return transforms;
+    transforms.push_back(std::get<StaticTransform>(event->value));
   }
   return transforms;
 }

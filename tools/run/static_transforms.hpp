@@ -9,7 +9,7 @@
 namespace adit {
 
 /// The static transforms of the first ten seconds of a recording, in their order; empty where it
-/// has none. Stops at damage: whoever reads on reports it.
+/// has none. Damage is passed over: whoever reads on reports it.
 std::vector<StaticTransform> static_transforms(const Recording& recording);
 
 }  // namespace adit

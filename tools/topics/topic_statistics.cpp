@@ -85,6 +85,14 @@ void take(TopicStatistics& topic, const GnssFix& fix, Nanoseconds) {
 void take(TopicStatistics&, const ReferencePose&, Nanoseconds) {}
 void take(TopicStatistics&, const StaticTransform&, Nanoseconds) {}
 
+uint64_t sum_of(const std::map<std::string, StampStatistics>& series, const auto& count) {
+  uint64_t sum = 0;
+  for (const auto& [name, one] : series) {
+    sum += count(one);
+  }
+  return sum;
+}
+
 }  // namespace
 
 void Extent::add(double value) {
@@ -92,6 +100,30 @@ void Extent::add(double value) {
   greatest = count == 0 ? value : std::max(greatest, value);
   sum += value;
   ++count;
+}
+
+void StampStatistics::add(Nanoseconds stamp) {
+  ++events;
+  if (last_ && stamp == *last_) {
+    ++repeated;
+  } else if (last_ && stamp < *last_) {
+    ++backwards;
+  } else if (last_) {
+    const double interval = seconds(stamp - *last_);
+    intervals.add(interval);
+    if (interval > largest_interval) {
+      largest_interval = interval;
+      largest_interval_at = *last_;
+    }
+  }
+  last_ = stamp;
+}
+
+StampStatistics& TopicStatistics::series_of(const Event& event) {
+  constexpr std::size_t kMostSeries = 256;  // a robot has fewer frames; noise has not
+  const auto* pose = std::get_if<ReferencePose>(&event.value);
+  const std::string name = pose == nullptr ? std::string() : pose->child;
+  return series[series.size() < kMostSeries || series.contains(name) ? name : std::string()];
 }
 
 void TopicStatistics::add(const Event& event) {
@@ -110,22 +142,36 @@ void TopicStatistics::add(const Event& event) {
   if (events == 1) {
     first_delay = seconds(event.received - stamp);
   }
-  if (last_ && stamp == *last_) {
-    ++repeated;
-  } else if (last_ && stamp < *last_) {
-    ++backwards;
-  } else if (last_) {
-    const double interval = seconds(stamp - *last_);
-    intervals.add(interval);
-    if (interval > largest_interval) {
-      largest_interval = interval;
-      largest_interval_at = *last_;
-    }
-  }
-  timeline.add(event.received, one_event(last_ ? std::max(0.0, seconds(stamp - *last_)) : 0.0,
+  StampStatistics& one = series_of(event);
+  const std::optional<Nanoseconds> last = one.last();
+  one.add(stamp);
+  timeline.add(event.received, one_event(last ? std::max(0.0, seconds(stamp - *last)) : 0.0,
                                          seconds(event.received - stamp)));
-  last_ = stamp;
   std::visit([&](const auto& value) { take(*this, value, event.received); }, event.value);
+}
+
+uint64_t TopicStatistics::repeated() const {
+  return sum_of(series, [](const StampStatistics& s) { return s.repeated; });
+}
+uint64_t TopicStatistics::backwards() const {
+  return sum_of(series, [](const StampStatistics& s) { return s.backwards; });
+}
+uint64_t TopicStatistics::gaps() const {
+  return sum_of(series, [](const StampStatistics& s) { return s.gaps(); });
+}
+
+double TopicStatistics::largest_interval() const {
+  double largest = 0.0;
+  for (const auto& [name, one] : series) {
+    largest = std::max(largest, one.largest_interval);
+  }
+  return largest;
+}
+
+double TopicStatistics::period() const {
+  const auto most =
+      std::ranges::max_element(series, {}, [](const auto& entry) { return entry.second.events; });
+  return most == series.end() ? 0.0 : most->second.period();
 }
 
 double TopicStatistics::span() const {

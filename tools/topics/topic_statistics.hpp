@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -67,6 +68,27 @@ struct GnssStatistics {
   uint64_t without_covariance = 0;
 };
 
+/// How the stamps of a series follow each other.
+struct StampStatistics {
+  uint64_t events = 0;
+  uint64_t repeated = 0;               ///< stamps equal to the one before
+  uint64_t backwards = 0;              ///< stamps before the one before
+  IntervalHistogram intervals;         ///< s between stamps, where they increase
+  double largest_interval = 0.0;       ///< s
+  Nanoseconds largest_interval_at{0};  ///< its start
+
+  void add(Nanoseconds stamp);
+
+  std::optional<Nanoseconds> last() const { return last_; }
+  /// Typical time between events (s), 0 where there are not two.
+  double period() const { return intervals.quantile(0.5); }
+  /// Intervals of more than two and a half periods.
+  uint64_t gaps() const { return intervals.longer_than(2.5 * period()); }
+
+ private:
+  std::optional<Nanoseconds> last_;
+};
+
 /// A topic as it was read.
 struct TopicStatistics {
   uint64_t events = 0;
@@ -76,24 +98,22 @@ struct TopicStatistics {
   std::optional<TimeSpan> stamps;              ///< of the first and the last in time
   Extent delay;                                ///< s from the stamp to the receipt
   double first_delay = 0.0;                    ///< s, of the first event
-  uint64_t repeated = 0;                       ///< stamps equal to the one before
-  uint64_t backwards = 0;                      ///< stamps before the one before
+  /// By what a message is of: the child frame of poses (a topic such as /tf has many), else "".
+  std::map<std::string, StampStatistics> series;
   TopicTimeline timeline;
-  IntervalHistogram intervals;         ///< s between stamps, where they increase
-  double largest_interval = 0.0;       ///< s
-  Nanoseconds largest_interval_at{0};  ///< its start
   ImuStatistics imu;
   SweepStatistics sweeps;
   GnssStatistics gnss;
 
   void add(const Event& event);
 
-  double span() const;  ///< s, from the first stamp to the last
-  double rate() const;  ///< events a second on average, 0 where there are not two
-  /// Typical time between events (s), 0 where there are not two.
-  double period() const { return intervals.quantile(0.5); }
-  /// Intervals of more than two and a half periods.
-  uint64_t gaps() const { return intervals.longer_than(2.5 * period()); }
+  double span() const;              ///< s, from the first stamp to the last
+  double rate() const;              ///< events a second on average, 0 where there are not two
+  uint64_t repeated() const;        ///< of all series, as in StampStatistics
+  uint64_t backwards() const;       ///< likewise
+  uint64_t gaps() const;            ///< likewise
+  double largest_interval() const;  ///< s, of all series
+  double period() const;            ///< s, of the series with the most events
   /// By their points' times sweeps last about as long as it takes to the next. True where there are
   /// no times, or no period to compare with.
   bool point_times_fit() const;
@@ -101,7 +121,7 @@ struct TopicStatistics {
   std::optional<double> better_time_unit() const;
 
  private:
-  std::optional<Nanoseconds> last_;
+  StampStatistics& series_of(const Event& event);
 };
 
 }  // namespace adit

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/left_out.hpp"
+
+#include <chrono>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/support/printed.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kNoted = 5;  // of a kind
+constexpr std::size_t kKept = 10;  // for the summary
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+std::optional<std::string> LeftOut::add(Kind& kind, const std::string& reason) {
+  ++kind.count;
+  if (kind.count <= kKept) {
+    kind.first.push_back(reason);
+  }
+  if (kind.count > kNoted) {
+    return std::nullopt;
+  }
+  return kind.count < kNoted ? reason : reason + " (further ones like it are only counted)";
+}
+
+std::optional<std::string> LeftOut::add_damage(const InputError& error) {
+  const std::optional<std::string> reason = add(damage_, error.what());
+  return reason ? std::optional("left out: " + *reason) : std::nullopt;
+}
+
+std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sweep,
+                                              Nanoseconds last) {
+  const double back = std::chrono::duration<double>(last - sweep.stamp).count();
+  const std::string how = back > 0.0 ? printed("%.6f s before that", back) : std::string("that");
+  return add(stamps_, "sweep " + std::to_string(index) + " is left out: its time is " + how +
+                          " of the sweep before it");
+}
+
+std::string LeftOut::first_damage() const {
+  return damage_.first.empty() ? std::string() : damage_.first.front();
+}
+
+nlohmann::ordered_json LeftOut::to_json() const {
+  return {{"damaged_places", damage_.count},
+          {"sweeps_not_rising", stamps_.count},
+          {"damage", damage_.first},
+          {"stamps", stamps_.first}};
+}
+
+std::string LeftOut::text() const {
+  std::string text;
+  if (damaged() > 0) {
+    text += counted(damaged(), "damaged place", "damaged places") +
+            " in the recording (`adit inspect` lists them, --strict-input ends at the first)";
+  }
+  if (not_rising() > 0) {
+    text += std::string(text.empty() ? "" : "; ") +
+            counted(not_rising(), "sweep whose time is", "sweeps whose time is") +
+            " not after that of the sweep before";
+  }
+  return text;
+}
+
+}  // namespace adit

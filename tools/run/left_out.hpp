@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+
+/// What of a recording a run left out, counted, with the first reasons.
+class LeftOut {
+ public:
+  /// A damaged place. Each add_ returns the reason as a note for people, or nothing once enough of
+  /// its kind were noted.
+  std::optional<std::string> add_damage(const InputError& error);
+
+  /// A sweep whose stamp is not after `last`, that of the sweep before it: it would have no place
+  /// in a trajectory.
+  std::optional<std::string> add_sweep(std::size_t index, const Sweep& sweep, Nanoseconds last);
+
+  std::size_t damaged() const { return damage_.count; }     ///< places
+  std::size_t not_rising() const { return stamps_.count; }  ///< sweeps
+  bool any() const { return damaged() + not_rising() > 0; }
+  /// The first damage; empty where there is none.
+  std::string first_damage() const;
+
+  /// The "left_out" of summary.json.
+  nlohmann::ordered_json to_json() const;
+  /// One line for people, without its end; empty where nothing was left out.
+  std::string text() const;
+
+ private:
+  struct Kind {
+    std::size_t count = 0;
+    std::vector<std::string> first{};
+  };
+  static std::optional<std::string> add(Kind& kind, const std::string& reason);
+
+  Kind damage_;
+  Kind stamps_;
+};
+
+}  // namespace adit
