@@ -107,8 +107,10 @@ fs::path record(const std::vector<Recorded>& events, const fs::path& folder, std
   return file;
 }
 
-/// The first number in it that is none; empty where all are.
-std::string no_number(const std::string& text) {
+/// The first number in it that is none; empty where all are. What is quoted is the input's.
+std::string no_number(const std::string& told) {
+  static const std::regex kQuoted("'[^'\n]*'");
+  const std::string text = std::regex_replace(told, kQuoted, "''");
   static const std::regex kNone("(^|[^A-Za-z_/.])-?(nan|inf)([^A-Za-z_/.]|$)");
   std::smatch found;
   if (!std::regex_search(text, found, kNone)) {

@@ -83,47 +83,5 @@ TEST(DamagedReadings, SpikesOfAnySizeLeaveThePosesWhereTheyAre) {
   }
 }
 
-/// Silent for 60 to 150 ms, so many times a second.
-test::Fault silent(double often, uint64_t seed) {
-  return [=](std::vector<ImuSample>& samples) {
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> uniform;
-    for (double second = 0.0; second < 30.0; second += 1.0 / often) {
-      const double begin = second + 0.8 / often * uniform(random);
-      test::without(begin, begin + 0.06 + 0.09 * uniform(random))(samples);
-    }
-  };
-}
-
-TEST(MissingReadings, ShortGapsAreBridgedAndCounted) {
-  for (uint64_t seed = 1; seed <= 5; ++seed) {
-    const Outcome outcome = run_tracker(silent(1.0, seed), 20.0);
-    EXPECT_EQ(count(outcome, InertialState::lost), 0) << outcome.events();
-    EXPECT_GE(count(outcome, InertialState::fused), 180) << outcome.events();
-    EXPECT_LE(rms(outcome), 1.3 * rms(healthy())) << outcome.events();
-    EXPECT_EQ(outcome.events().find("imu.T_imu_lidar"), std::string::npos) << outcome.events();
-    double longest = 0.0;
-    for (const InertialReport& report : outcome.reports) {
-      longest = std::max(longest, report.bridged_gap);
-    }
-    EXPECT_GT(longest, 0.09);
-    EXPECT_LT(longest, 0.16);
-  }
-}
-
-// Longer ones take it out for the time that they last, however often they come.
-TEST(MissingReadings, LongGapsAreNoReasonToRefuseASensor) {
-  const Outcome outcome = run_tracker(
-      [](std::vector<ImuSample>& samples) {
-        for (double begin = 2.0; begin < 20.0; begin += 2.0) {
-          test::without(begin, begin + 0.6)(samples);
-        }
-      },
-      20.0);
-  EXPECT_EQ(count(outcome, InertialState::refused), 0) << outcome.events();
-  EXPECT_GE(count(outcome, InertialState::fused), 80) << outcome.events();
-  EXPECT_EQ(outcome.events().find("mounting"), std::string::npos) << outcome.events();
-}
-
 }  // namespace
 }  // namespace adit
