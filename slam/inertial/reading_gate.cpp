@@ -20,6 +20,7 @@ constexpr double kHarmlessTurn = 0.3;   // rad/s
 constexpr double kHarmlessForce = 0.3;  // of the usual force
 
 constexpr std::size_t kMostWaiting = 4;  // none came back: it is the motion that has changed
+constexpr int kFirst = 20;               // readings until it is known what is usual
 // A reading agrees with the one before if it is this much nearer than that was to its own.
 constexpr double kAgrees = 0.5;
 // A spike is as far from both neighbours as from what would be there without it, up to this.
@@ -34,17 +35,37 @@ void UsualValue::add(double value) {
   value_ = std::max(value_, kLeast);
 }
 
+ReadingGate::Scales ReadingGate::jumps() const {
+  return {.turn = std::max(kHarmlessTurn, kBeyondUsual * turn_change_.get()),
+          .force = std::max(kHarmlessForce * force_.get(), kBeyondUsual * force_change_.get())};
+}
+
 double ReadingGate::distance(const ImuSample& a, const ImuSample& b) const {
-  const double turn = std::max(kHarmlessTurn, kBeyondUsual * turn_change_.get());
-  const double force = std::max(kHarmlessForce * force_.get(), kBeyondUsual * force_change_.get());
-  return std::max((b.angular_velocity - a.angular_velocity).norm() / turn,
-                  (b.linear_acceleration - a.linear_acceleration).norm() / force);
+  const Scales scales = jumps();
+  return std::max((b.angular_velocity - a.angular_velocity).norm() / scales.turn,
+                  (b.linear_acceleration - a.linear_acceleration).norm() / scales.force);
+}
+
+bool ReadingGate::sticks_out(const ImuSample& before, const ImuSample& one,
+                             const ImuSample& after) const {
+  const Scales scales = jumps();
+  return (one.angular_velocity - before.angular_velocity)
+                     .dot(one.angular_velocity - after.angular_velocity) /
+                 (scales.turn * scales.turn) +
+             (one.linear_acceleration - before.linear_acceleration)
+                     .dot(one.linear_acceleration - after.linear_acceleration) /
+                 (scales.force * scales.force) >
+         0.0;
+}
+
+bool ReadingGate::has_changed() const {
+  return waiting_.size() > kMostWaiting || passed_ < kFirst;
 }
 
 bool ReadingGate::is_settled() const {
   const std::size_t count = waiting_.size();
   const ImuSample& newest = waiting_.back();
-  if (!last_ || count > kMostWaiting || distance(*last_, newest) <= static_cast<double>(count)) {
+  if (!last_ || has_changed() || distance(*last_, newest) <= static_cast<double>(count)) {
     return true;
   }
   if (count == 1) {
@@ -57,14 +78,15 @@ bool ReadingGate::is_settled() const {
 }
 
 bool ReadingGate::is_spike(std::size_t waiting) const {
-  if (!last_ || waiting + 1 == waiting_.size()) {
+  if (!last_ || has_changed() || waiting + 1 == waiting_.size()) {
     return false;
   }
   const ImuSample& one = waiting_[waiting];
   const ImuSample& before = waiting == 0 ? *last_ : waiting_[waiting - 1];
+  const ImuSample& after = waiting_[waiting + 1];
   const double off = distance(one, interpolate(*last_, waiting_.back(), one.stamp));
-  return off > 1.0 && distance(before, one) >= kAlone * off &&
-         distance(one, waiting_[waiting + 1]) >= kAlone * off;
+  return off > 1.0 && sticks_out(before, one, after) && distance(before, one) >= kAlone * off &&
+         distance(one, after) >= kAlone * off;
 }
 
 void ReadingGate::learn(const ImuSample& passed) {
@@ -74,6 +96,7 @@ void ReadingGate::learn(const ImuSample& passed) {
     force_change_.add((passed.linear_acceleration - last_->linear_acceleration).norm());
   }
   last_ = passed;
+  ++passed_;
 }
 
 std::vector<GatedReading> ReadingGate::pass(const ImuSample& reading) {

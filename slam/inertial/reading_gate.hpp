@@ -49,18 +49,29 @@ class ReadingGate {
   std::vector<GatedReading> pass(const ImuSample& reading);
 
  private:
+  struct Scales {
+    double turn = 0.0;   ///< rad/s
+    double force = 0.0;  ///< m/s²
+  };
+  /// Changes beyond these are jumps.
+  Scales jumps() const;
   /// Between two readings: what is beyond 1 is a jump.
   double distance(const ImuSample& a, const ImuSample& b) const;
+  /// Whether the way there and the way on lead to the same side.
+  bool sticks_out(const ImuSample& before, const ImuSample& one, const ImuSample& after) const;
+  /// Nothing can be called a jump: what is usual is not known yet, or the motion has changed.
+  bool has_changed() const;
   /// Whether the last that waits tells what the others are.
   bool is_settled() const;
   bool is_spike(std::size_t waiting) const;
   void learn(const ImuSample& passed);
 
   ReadingLimits limits_;
-  UsualValue turn_change_{0.75};    ///< rad/s, from one to the next
-  UsualValue force_change_{0.75};   ///< m/s²
-  UsualValue force_{0.5};           ///< m/s²: gravity, in the sensor's unit
-  std::optional<ImuSample> last_;   ///< that passed
+  UsualValue turn_change_{0.75};   ///< rad/s, from one to the next
+  UsualValue force_change_{0.75};  ///< m/s²
+  UsualValue force_{0.5};          ///< m/s²: gravity, in the sensor's unit
+  std::optional<ImuSample> last_;  ///< that passed
+  int passed_ = 0;
   std::vector<ImuSample> waiting_;  ///< in the order they came
 };
 

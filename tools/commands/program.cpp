@@ -79,6 +79,11 @@ bool is_unknown_command(const CLI::App& app, const char* word) {
   if (std::string_view(word).starts_with('-') || std::ranges::count(names, word) > 0) {
     return false;
   }
+  if (std::string_view(word) == "bench") {
+    std::cerr << "adit: this program was built without its benchmarks. `./dev bench` in a checkout "
+                 "builds it with them.\n";
+    return true;
+  }
   std::cerr << "adit: there is no command '" << word << "'. " << suggestion(word, names) << ".\n";
   return true;
 }
