@@ -109,7 +109,7 @@ TEST(PoseGraphSolver, KernelsTakeTheWeightFromAWrongLoop) {
     return position_rmse(result.poses, simulated.truth);
   };
   const double clean = position_rmse(optimize(simulated.graph, {}).poses, simulated.truth);
-  EXPECT_GT(error(Kernel::none), 20.0 * clean);
+  EXPECT_GT(error(Kernel::none), 5.0 * clean);
   EXPECT_LT(error(Kernel::dcs), 1.5 * clean);
 }
 
