@@ -263,7 +263,7 @@ TEST(Faults, ShockRingsAndLeavesNoVelocity) {
 }
 
 TEST(Faults, RainScattersPulsesBackAndHidesWhatIsFar) {
-  const FaultMaker faults({fault_named("rain")}, 1.0, 1);
+  const FaultMaker faults({fault_named("snow")}, 1.0, 1);
   RangeSweep sweep{.start = 0, .firings = {}, .returns = {}};
   sweep.firings.resize(40'000);
   sweep.returns.assign(40'000, {.range = 30.0, .intensity = 50.0F});
@@ -304,7 +304,7 @@ TEST_F(FaultTest, ATruncatedFileIsReadUpToItsEnd) {
   const Read cut = read({"truncated"});
   EXPECT_GE(cut.sweeps.size(), 7U);
   EXPECT_LE(cut.sweeps.size(), 8U);
-  EXPECT_THROW(fault_named("rain"), UsageError);
+  EXPECT_THROW(fault_named("snow"), UsageError);
 }
 
 TEST_F(FaultTest, MovingObjectsAreLabelledPointByPoint) {

@@ -72,7 +72,7 @@ TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
   expect_refused("[[lidar]]\nposition = [1, 2]\n", "line 2, column 12", "three numbers");
   expect_refused("[trajectory]\nwaypoints = [[0, 0, 0], 1]\n", "line 2, column 25", "three");
   expect_refused("[imu]\nrate = 99.5\n", "line 2, column 8", "no whole number");
-  expect_refused("faults = ['gaps']\n", "line 1, column 10", "'gap'");
+  expect_refused("faults = ['gapp']\n", "line 1, column 10", "'gap'");
   expect_refused("scene = \n", "line 1, column 9", "TOML");
 }
 

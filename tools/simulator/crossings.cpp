@@ -11,6 +11,7 @@ std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(doubl
   constexpr double kStep = 0.02;    // s
   constexpr double kApart = 0.5;    // s
   constexpr double kAtRest = 1e-6;  // m
+  constexpr double kEdge = 1e-6;    // m: a wall at the very end of a step belongs to it
   std::vector<Crossing> found;
   double last = -kApart;
   Eigen::Vector3d from = T_world_sensor(0.0).translation();
@@ -21,7 +22,7 @@ std::vector<Crossing> find_crossings(const std::function<Eigen::Isometry3d(doubl
     if (length < kAtRest) {
       continue;
     }
-    if (const auto hit = still.cast(from, (to - from) / length, length)) {
+    if (const auto hit = still.cast(from, (to - from) / length, length + kEdge)) {
       if (time - last >= kApart) {
         found.push_back({.time = time, .at = from + hit->distance / length * (to - from)});
       }
