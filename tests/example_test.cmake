@@ -14,7 +14,7 @@ function(run output)
   set(${output} "${text}" PARENT_SCOPE)
 endfunction()
 
-run(ignored ${ADIT} simulate room --sensor vlp16 --duration 3 -o ${FOLDER}/room.mcap)
+run(ignored ${ADIT} simulate room --sensor VLP-16 --duration 3 -o ${FOLDER}/room.mcap)
 run(ignored ${ADIT} run ${FOLDER}/room.mcap -o ${FOLDER}/out --quiet)
 run(printed ${EXAMPLE} ${FOLDER}/room.mcap)
 

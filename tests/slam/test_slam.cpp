@@ -144,6 +144,24 @@ TEST_F(SlamFacade, WithoutAnInertialSensorNothingWaits) {
   EXPECT_FALSE(slam->mounting());
 }
 
+TEST_F(SlamFacade, ASweepWhoseTimeDoesNotRiseIsLeftOut) {
+  const auto slam = make_slam(context(), test::street_config(), {.inertial = false});
+  Sweep sweep = drive().sweeps.front();
+  slam->add(sweep);
+  ASSERT_TRUE(slam->next());
+  for (const int earlier_ms : {0, 50}) {
+    Sweep late = sweep;
+    late.stamp -= std::chrono::milliseconds(earlier_ms);
+    slam->add(late);
+    const auto result = slam->next();
+    ASSERT_TRUE(result);
+    const auto* left_out = std::get_if<SweepLeftOut>(&*result);
+    ASSERT_NE(left_out, nullptr);
+    EXPECT_EQ(left_out->sweep.stamp, late.stamp);
+    EXPECT_EQ(left_out->last, sweep.stamp);
+  }
+}
+
 TEST_F(SlamFacade, HighRateOdometryComesWithTheReadings) {
   std::size_t motions = 0;
   Nanoseconds last = Nanoseconds::min();

@@ -39,6 +39,10 @@ class PlacedAsTold : public Slam {
     }
     Sweep sweep = std::move(waiting_.front());
     waiting_.pop_front();
+    if (last_ && sweep.stamp <= *last_) {
+      return SweepLeftOut{.sweep = std::move(sweep), .last = *last_};
+    }
+    last_ = sweep.stamp;
     SweepResult result = place_(sweep);
     return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
   }
@@ -47,6 +51,7 @@ class PlacedAsTold : public Slam {
  private:
   std::function<SweepResult(const Sweep&)> place_;
   std::deque<Sweep> waiting_;
+  std::optional<Nanoseconds> last_;
 };
 
 /// map_recording() with what it needs; the odometry is test::placed().

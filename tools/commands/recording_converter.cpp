@@ -109,7 +109,8 @@ void RecordingConverter::copy_latched(const std::vector<std::unique_ptr<MessageF
     const std::vector<Channel>& channels = files[i]->channels();
     MessageSelection selection{.channels = {}, .end = begin - Nanoseconds(1)};
     for (std::size_t k = 0; k < channels.size(); ++k) {
-      if (is_latched(channels[k]) && route_of(channels[k]).channel) {
+      // Every channel gets its route here, so that the report keeps their order.
+      if (route_of(channels[k]).channel && is_latched(channels[k])) {
         selection.channels.push_back(k);
       }
     }
