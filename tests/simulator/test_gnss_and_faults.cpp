@@ -263,7 +263,7 @@ TEST(Faults, ShockRingsAndLeavesNoVelocity) {
 }
 
 TEST(Faults, RainScattersPulsesBackAndHidesWhatIsFar) {
-  const FaultMaker faults({fault_named("snow")}, 1.0, 1);
+  const FaultMaker faults({fault_named("rain")}, 1.0, 1);
   RangeSweep sweep{.start = 0, .firings = {}, .returns = {}};
   sweep.firings.resize(40'000);
   sweep.returns.assign(40'000, {.range = 30.0, .intensity = 50.0F});
