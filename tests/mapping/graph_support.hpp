@@ -28,6 +28,18 @@ inline Eigen::Isometry3d step(double x, double yaw = 0.0) {
   return pose;
 }
 
+/// Nodes a metre apart along x, each tied to the one before.
+inline PoseGraph line(NodeId nodes) {
+  PoseGraph graph;
+  for (NodeId id = 0; id < nodes; ++id) {
+    graph.add_node({.id = id, .T_map_node = step(static_cast<double>(id))});
+    if (id > 0) {
+      graph.add_edge(edge(id - 1, id, step(1.0)));
+    }
+  }
+  return graph;
+}
+
 /// The largest difference between entries of two lists of poses.
 inline double largest_difference(const std::vector<Eigen::Isometry3d>& a,
                                  const std::vector<Eigen::Isometry3d>& b) {

@@ -10,18 +10,8 @@ namespace adit {
 namespace {
 
 using test::edge;
+using test::line;
 using test::step;
-
-PoseGraph line(NodeId nodes) {
-  PoseGraph graph;
-  for (NodeId id = 0; id < nodes; ++id) {
-    graph.add_node({.id = id, .T_map_node = step(static_cast<double>(id))});
-    if (id > 0) {
-      graph.add_edge(edge(id - 1, id, step(1.0)));
-    }
-  }
-  return graph;
-}
 
 TEST(Condensation, AChainIsOneEdgeWithTheSumOfItsCovariances) {
   PoseGraph graph = line(5);

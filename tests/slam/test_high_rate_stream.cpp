@@ -210,10 +210,7 @@ class HighRateOfADrive : public test::DeviceTest {};
 std::vector<LidarMotion> follow(engine::Context& context, const test::MovingDrive& drive,
                                 double smoothing) {
   Config config = test::street_config();
-  const Eigen::Isometry3d T = T_body_lidar();
-  const Eigen::Quaterniond q(T.linear());
-  config.imu.T_imu_lidar = {
-      T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w()};
+  config.imu.T_imu_lidar = numbers_of(T_body_lidar());
   Odometry odometry(context, config);
   HighRateStream stream(config.imu, smoothing);
   std::vector<LidarMotion> given;

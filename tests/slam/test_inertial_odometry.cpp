@@ -26,10 +26,7 @@ Eigen::Isometry3d T_body_lidar() {
 
 Config walking_config() {
   Config config = test::street_config();
-  const Eigen::Isometry3d T = T_body_lidar();
-  const Eigen::Quaterniond q(T.linear());
-  config.imu.T_imu_lidar = {
-      T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w()};
+  config.imu.T_imu_lidar = numbers_of(T_body_lidar());
   return config;
 }
 

@@ -218,5 +218,16 @@ TEST(Lie, OrthonormalizedNeverMirrors) {
   EXPECT_NEAR(orthonormalized(pose).linear().determinant(), 1.0, 1e-15);
 }
 
+TEST(Lie, APoseIsReadBackFromItsNumbers) {
+  Vector6d xi;
+  xi << 1.0, -2.0, 3.0, 0.4, -2.1, 1.3;
+  const Eigen::Isometry3d pose = se3_exp(xi);
+  EXPECT_LE((pose_of(numbers_of(pose)).matrix() - pose.matrix()).norm(), 1e-14);
+  // A quaternion of any length.
+  EXPECT_TRUE(pose_of({1.0, 2.0, 3.0, 0.0, 0.0, 2.0, 2.0})
+                  .linear()
+                  .isApprox(so3_exp({0.0, 0.0, 0.5 * kPi}), 1e-14));
+}
+
 }  // namespace
 }  // namespace adit

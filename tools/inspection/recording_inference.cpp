@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "adit/slam/core/lie.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/support/printed.hpp"
 
@@ -115,10 +116,7 @@ std::optional<std::array<double, 7>> mounting_by_motion(const Inspection& inspec
     T_lidar_imu = *transform;
   }
   T_lidar_imu.linear() = motion.R_range_gyro;
-  const Eigen::Isometry3d T = T_lidar_imu.inverse();
-  const Eigen::Quaterniond q(T.linear());
-  const Eigen::Vector3d t = T.translation();
-  return std::array<double, 7>{t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+  return numbers_of(T_lidar_imu.inverse());
 }
 
 void correct_imu(const Inspection& inspection, std::size_t topic, Config& config) {
