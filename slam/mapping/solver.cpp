@@ -26,12 +26,6 @@ namespace {
 constexpr int kBlock = 7;
 using Block = std::array<double, kBlock>;
 
-Block to_block(const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond q(pose.linear());
-  const Eigen::Vector3d& p = pose.translation();
-  return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
-}
-
 Eigen::Isometry3d to_pose(const double* block) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Map<const Eigen::Vector3d>(block);
@@ -47,7 +41,7 @@ class PoseManifold final : public ceres::Manifold {
   int TangentSize() const override { return kFreedom; }
 
   bool Plus(const double* x, const double* delta, double* moved) const override {
-    const Block result = to_block(retract(to_pose(x), lifted<kFreedom>(delta)));
+    const Block result = numbers_of(retract(to_pose(x), lifted<kFreedom>(delta)));
     std::ranges::copy(result, moved);
     return true;
   }
@@ -152,7 +146,7 @@ std::vector<std::size_t> canonical_order(const PoseGraph& graph) {
       order.push_back(i);
     }
   }
-  const auto numbers_of = [](const PoseEdge& edge) {
+  const auto parts_of = [](const PoseEdge& edge) {
     return std::pair(std::span(edge.T_from_to.data(), 16), std::span(edge.information.data(), 36));
   };
   std::ranges::sort(order, [&](std::size_t i, std::size_t j) {
@@ -162,8 +156,8 @@ std::vector<std::size_t> canonical_order(const PoseGraph& graph) {
     if (key(a) != key(b)) {
       return key(a) < key(b);
     }
-    const auto [pose_a, information_a] = numbers_of(a);
-    const auto [pose_b, information_b] = numbers_of(b);
+    const auto [pose_a, information_a] = parts_of(a);
+    const auto [pose_b, information_b] = parts_of(b);
     return !std::ranges::equal(pose_a, pose_b)
                ? std::ranges::lexicographical_compare(pose_a, pose_b)
                : std::ranges::lexicographical_compare(information_a, information_b);
@@ -182,7 +176,7 @@ class GraphProblem {
         problem_(problem_options()) {
     blocks_.reserve(graph.nodes().size());
     for (const PoseNode& node : graph.nodes()) {
-      blocks_.push_back(to_block(node.T_map_node));
+      blocks_.push_back(numbers_of(node.T_map_node));
     }
     const std::vector<std::size_t> order = canonical_order(graph);
     std::vector<bool> tied(blocks_.size());

@@ -258,6 +258,9 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
     wanted.high_rate_smoothing = options.high_rate.smoothing;
   }
   const std::unique_ptr<Slam> slam = make_slam(context, config, wanted);
+  for (const StaticTransform& transform : static_transforms(*recording)) {
+    slam->add(transform);
+  }
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);

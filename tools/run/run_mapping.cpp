@@ -10,7 +10,6 @@
 #include <variant>
 
 #include "adit/engine/error.hpp"
-#include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -155,7 +154,7 @@ MappingResult map_events(const Mapping& mapping) {
     write_results(mapping, done);
   }
   // Behind the last sweep that could be counted, a recording that was cut off says so.
-  while (reaches_the_end(mapping) && events->next()) {
+  while (reaches_the_end(mapping) && !mapping.stop() && events->next()) {
   }
   return {};
 }
@@ -180,9 +179,6 @@ std::string_view to_string(RunEnd end) {
 
 MappingResult map_recording(const Mapping& mapping) {
   try {
-    for (const StaticTransform& transform : static_transforms(mapping.recording)) {
-      mapping.slam.add(transform);
-    }
     return map_events(mapping);
   } catch (const InputError& error) {
     return {RunEnd::input_error, error.what()};
