@@ -64,7 +64,7 @@ Bench::Bench(engine::Context& context, const std::vector<std::filesystem::path>&
     throw InputError(files.front(), {}, "there is no sweep in it",
                      "Give a point cloud or a recording of a range sensor");
   }
-  const PreprocessConfig defaults;
+  const PreprocessConfig defaults = with_lengths({}).preprocess;
   given_ = std::make_unique<test::AlignmentCase>(test::street_alignment(1));
   given_->name = description_;
   given_->preprocess = {.c_min = defaults.c_min,
@@ -98,7 +98,7 @@ const test::AlignmentCase& Bench::alignment(int points) {
     return found->second;
   }
   test::AlignmentCase made = test::street_alignment(points);
-  made.preprocess.surface_size = PreprocessConfig{}.surface_size;
+  made.preprocess.surface_size = with_lengths({}).preprocess.surface_size;
   if (points > kManyPoints) {
     made.preprocess.r_input = kFineInput;
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/core/config.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -78,6 +79,8 @@ constexpr double kFarthestReturn = 1000.0;
 
 // How far the sensor can at least go before the submap's frame has to follow, m.
 constexpr double kShortestReach = 10.0;
+// Keys of the submap's voxels hold so many of them upwards (shaders/include/hash.glsl).
+constexpr double kVoxelsUpwards = 511.0;
 
 void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.between("preprocess.c_min", p.c_min, 0.0, kFarthestReturn, "m");
@@ -85,7 +88,7 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
                  than("greater than", "preprocess.c_min", p.c_min));
   checks.require(p.c_max <= kFarthestReturn, "preprocess.c_max", p.c_max,
                  "at most " + text_of(kFarthestReturn) + " m");
-  checks.between("preprocess.r_input", p.r_input, 0.01, 10.0, "m");
+  checks.between("preprocess.r_input", p.r_input, 0.01, 10.0, "m, or 0 (derived)");
   checks.require(p.r_input < p.c_max, "preprocess.r_input", p.r_input,
                  than("less than", "preprocess.c_max", p.c_max));
   // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
@@ -100,8 +103,7 @@ void check_registration(Checks& checks, const Config& config) {
   checks.between("registration.r_align", r.r_align, 0.05, 50.0, "m");
   checks.require(r.r_align >= config.preprocess.r_input, "registration.r_align", r.r_align,
                  than("at least", "preprocess.r_input", config.preprocess.r_input));
-  // Keys of the submap's voxels hold 511 of them upwards (shaders/include/hash.glsl).
-  const double smallest = (config.preprocess.c_max + kShortestReach) / 511.0;
+  const double smallest = (config.preprocess.c_max + kShortestReach) / kVoxelsUpwards;
   checks.require(r.r_align >= smallest, "registration.r_align", r.r_align,
                  "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
                      text_of(config.preprocess.c_max) + ") smaller");
@@ -183,9 +185,26 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
 
 }  // namespace
 
-std::optional<ConfigProblem> validate(const Config& config) {
+Config with_lengths(Config config, double r_input) {
+  PreprocessConfig& p = config.preprocess;
+  RegistrationConfig& r = config.registration;
+  const bool derived = r.r_align == 0.0;
+  if (p.r_input == 0.0) {
+    p.r_input = r.r_align > 0.0 ? std::min(r_input, 0.5 * r.r_align) : r_input;
+  }
+  r.r_align = r.r_align == 0.0 ? 2.0 * p.r_input : r.r_align;
+  r.d_max = r.d_max == 0.0 ? r.r_align : r.d_max;
+  p.surface_size = p.surface_size == 0.0 ? 2.5 * p.r_input : p.surface_size;
+  if (derived) {
+    p.c_max = std::min(p.c_max, kVoxelsUpwards * r.r_align - kShortestReach);
+  }
+  return config;
+}
+
+std::optional<ConfigProblem> validate(const Config& stated) {
   Checks checks;
-  check_finite(checks, config);
+  check_finite(checks, stated);
+  const Config config = with_lengths(stated);
   check_recording(checks, config.recording);
   check_preprocess(checks, config.preprocess);
   check_registration(checks, config);

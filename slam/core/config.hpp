@@ -16,11 +16,11 @@ namespace adit {
 
 /// What happens to a sweep before registration.
 struct PreprocessConfig {
-  double c_min = 0.5;           ///< m
-  double c_max = 100.0;         ///< m
-  double r_input = 0.25;        ///< m
-  double beam_spacing = 0.0;    ///< rad
-  double surface_size = 0.625;  ///< m
+  double c_min = 0.5;         ///< m
+  double c_max = 100.0;       ///< m
+  double r_input = 0.0;       ///< m; 0: derived
+  double beam_spacing = 0.0;  ///< rad
+  double surface_size = 0.0;  ///< m; 0: derived
   bool deskew = true;
 
   template <class Self, class Visitor>
@@ -28,13 +28,14 @@ struct PreprocessConfig {
     field("c_min", self.c_min, "m", "returns nearer than this are dropped");
     field("c_max", self.c_max, "m", "returns farther than this are dropped");
     field("r_input", self.r_input, "m",
-          "voxel size of the sweep's down-sampling (one centroid a voxel)");
+          "voxel size of the sweep's down-sampling (one centroid a voxel); 0: a thirtieth of the "
+          "median range of the first sweep, 0.05 to 0.25 m");
     field("beam_spacing", self.beam_spacing, "rad",
           "angle between neighbouring beams, the wider of the two directions; the neighbourhood of "
           "normal estimation grows with range times this; 0: as the first sweep shows it");
     field("surface_size", self.surface_size, "m",
-          "edge of the neighbourhood that a normal is estimated from near the sensor; at least "
-          "2.5 r_input");
+          "edge of the neighbourhood that a normal is estimated from near the sensor; 0, and at "
+          "least: 2.5 r_input");
     field("deskew", self.deskew, "",
           "true: points that have times are moved to the sweep's start, by the IMU where it is "
           "fused, else at constant velocity; false: they are taken as they are");
@@ -104,8 +105,8 @@ struct ImuConfig {
 
 /// Alignment of a sweep with the submap (VGICP).
 struct RegistrationConfig {
-  double r_align = 0.5;  ///< m
-  double d_max = 0.5;    ///< m
+  double r_align = 0.0;  ///< m; 0: derived
+  double d_max = 0.0;    ///< m; 0: derived
   int max_iterations = 60;
   double translation_epsilon = 2e-3;  ///< m
   double rotation_epsilon = 5e-4;     ///< rad
@@ -114,8 +115,9 @@ struct RegistrationConfig {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("r_align", self.r_align, "m", "voxel size of the submap's Gaussian voxel map");
-    field("d_max", self.d_max, "m", "matches farther apart than this are not used");
+    field("r_align", self.r_align, "m",
+          "voxel size of the submap's Gaussian voxel map; 0: twice preprocess.r_input");
+    field("d_max", self.d_max, "m", "matches farther apart than this are not used; 0: r_align");
     field("max_iterations", self.max_iterations, "", "Gauss-Newton iterations at most");
     field("translation_epsilon", self.translation_epsilon, "m",
           "converged when a step is shorter than this");
@@ -189,6 +191,14 @@ struct Config {
     section("imu", self.imu);
   }
 };
+
+/// preprocess.r_input where ranges are those of outdoors and large rooms, m.
+inline constexpr double kUsualInput = 0.25;
+
+/// The configuration with every length that it leaves at 0 filled in: preprocess.r_input with this
+/// one (m), the others from it. With a voxel size that was derived preprocess.c_max is at most what
+/// voxels that small reach.
+Config with_lengths(Config config, double r_input = kUsualInput);
 
 /// The first setting that makes no sense: its dotted name and what would.
 struct ConfigProblem {

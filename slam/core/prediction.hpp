@@ -11,6 +11,8 @@ struct Prediction {
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   /// The velocity is known from aligned sweeps. If not, the alignment has to search.
   bool trusted = false;
+  /// A velocity is known from one motion at least, and recent.
+  bool moving = false;
   /// Nothing tells how the sensor moved since it was last aligned: it may be anywhere nearby.
   bool lost = false;
   /// Where the last velocity would have led in all that time: of a lost sensor another place to

@@ -58,6 +58,8 @@ class OfflineSlam final : public Slam {
 
   std::optional<Mounting> mounting() const override { return mounting_; }
 
+  const Config& config() const override { return odometry_.config(); }
+
  private:
   void take(const ImuSample& reading) {
     for (const TakenReading& known : odometry_.add(reading)) {

@@ -84,6 +84,9 @@ class Slam {
 
   /// How the sensors are mounted; nothing before the first sweep, or without an inertial sensor.
   virtual std::optional<Mounting> mounting() const = 0;
+
+  /// The configuration in force: lengths that were left at 0 are as the first sweep shows them.
+  virtual const Config& config() const = 0;
 };
 
 /// A Slam that is driven by its measurements' own time: one thread, the same measurements give the

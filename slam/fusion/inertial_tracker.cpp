@@ -46,6 +46,12 @@ constexpr double kFarFromRest = 2.0;  // m
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
 
+bool holds_rotation(const RegistrationResult& alignment) {
+  return std::ranges::none_of(alignment.rotation, [](const ObservedDirection& direction) {
+    return direction.localizability == Localizability::none;
+  });
+}
+
 /// Of a lidar pose, from that of the body's.
 Matrix6d lidar_covariance(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
   const Matrix6d to_lidar = adjoint(T_body_lidar.inverse());
@@ -197,7 +203,8 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
     try_start();
   }
   try_out(report);
-  if (alignment != nullptr) {
+  // Turns that no match holds are the prediction's own.
+  if (alignment != nullptr && holds_rotation(*alignment)) {
     watch({T_map_lidar.stamp, alignment->T_target_source}, deskewed);
   } else {
     monitor_.broken();

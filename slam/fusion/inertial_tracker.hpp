@@ -84,6 +84,10 @@ class InertialTracker {
   /// few degrees for a sensor that moves. None without readings.
   std::optional<Eigen::Matrix3d> level_lidar(Nanoseconds begin, Nanoseconds end) const;
 
+  /// Before the first start: the readings of that time are those of a sensor at rest, or of one
+  /// that goes on as it went.
+  bool is_quiet_between(Nanoseconds begin, Nanoseconds end) const;
+
   /// The sweep that begins at `stamp` and lasts `duration` s. None while the sensor is not fused.
   std::optional<InertialPrediction> predict(Nanoseconds stamp, double duration);
 
@@ -100,6 +104,9 @@ class InertialTracker {
   /// it was. Where the report has a nav, that is the outcome.
   InertialReport update(const StampedPose& T_map_lidar, const RegistrationResult* alignment,
                         const Eigen::Isometry3d& steady, const SweepMotion* deskewed = nullptr);
+
+  /// The map begins with this sweep: its pose is known by definition.
+  void note_begin(const StampedPose& T_map_lidar);
 
   /// The submap starts anew: where no inertial prediction led there, the attitude is not the one
   /// from before, nor is gravity's direction in the map.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "adit/slam/fusion/inertial_tracker.hpp"
+#include "adit/slam/inertial/imu_rest.hpp"
 
 namespace adit {
 namespace {
@@ -20,6 +21,7 @@ constexpr double kRestDistance = 0.05;  // m
 constexpr double kRestTurn = 0.02;      // rad
 // The gyroscope is believed before that unless it turns this much otherwise than alignments.
 constexpr double kTurnDisagreement = 0.1;  // rad
+constexpr size_t kFewestQuiet = 5;         // readings between two sweeps
 constexpr double kFastestTurn = 12.0;      // rad/s; readings beyond are not believed either
 
 }  // namespace
@@ -53,6 +55,12 @@ std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseco
                 : std::nullopt;
 }
 
+bool InertialTracker::is_quiet_between(Nanoseconds begin, Nanoseconds end) const {
+  const ImuInterval interval = buffer_.between(begin, end);
+  return state_ == InertialState::starting && interval.samples.size() >= kFewestQuiet &&
+         complaint(interval, config_.max_gap).empty() && is_quiet(statistics_of(interval.samples));
+}
+
 void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
   const StampedPose body{T_map_lidar.stamp, T_map_lidar.pose * T_body_lidar_.inverse()};
   if (aligned && !poses_.empty() && body.stamp > poses_.back().stamp) {
@@ -81,6 +89,12 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
   while (poses_.size() > kMostPoses) {
     poses_.pop_front();
     readings_.pop_front();
+  }
+}
+
+void InertialTracker::note_begin(const StampedPose& T_map_lidar) {
+  if (state_ == InertialState::starting && poses_.empty()) {
+    collect(T_map_lidar, true);
   }
 }
 

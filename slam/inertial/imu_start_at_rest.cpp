@@ -19,29 +19,6 @@ constexpr double kDriftAccel = 0.1;  // m/s²
 constexpr double kGravityTolerance = 0.5;
 constexpr double kAccelBiasSigma = 0.1;  // m/s², across gravity
 
-struct Statistics {
-  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();
-  Eigen::Vector3d accel = Eigen::Vector3d::Zero();
-  double gyro_deviation = 0.0;
-  double accel_deviation = 0.0;
-};
-
-Statistics statistics_of(std::span<const ImuSample> samples) {
-  Statistics s;
-  const auto n = static_cast<double>(samples.size());
-  for (const ImuSample& sample : samples) {
-    s.gyro += sample.angular_velocity / n;
-    s.accel += sample.linear_acceleration / n;
-  }
-  for (const ImuSample& sample : samples) {
-    s.gyro_deviation += (sample.angular_velocity - s.gyro).squaredNorm() / n;
-    s.accel_deviation += (sample.linear_acceleration - s.accel).squaredNorm() / n;
-  }
-  s.gyro_deviation = std::sqrt(s.gyro_deviation);
-  s.accel_deviation = std::sqrt(s.accel_deviation);
-  return s;
-}
-
 ImuStart refused(ImuStartStatus status, std::string reason) {
   ImuStart start;
   start.status = status;
@@ -98,13 +75,13 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
                        " s; a start at rest needs " + std::to_string(kFewest) + " over " +
                        in_digits(kShortest) + " s");
   }
-  Statistics all = statistics_of(samples);
+  ReadingStatistics all = statistics_of(samples);
   const double raw_norm = all.accel.norm();
   const double scale = raw_norm > 0.8 && raw_norm < 1.2 ? kStandardGravity : 1.0;
   all.accel *= scale;
   all.accel_deviation *= scale;
-  const Statistics older = statistics_of(samples.first(samples.size() / 2));
-  const Statistics newer = statistics_of(samples.subspan(samples.size() / 2));
+  const ReadingStatistics older = statistics_of(samples.first(samples.size() / 2));
+  const ReadingStatistics newer = statistics_of(samples.subspan(samples.size() / 2));
 
   if (all.gyro_deviation > kRestGyro || all.accel_deviation > kRestAccel ||
       (older.gyro - newer.gyro).norm() > kDriftGyro ||

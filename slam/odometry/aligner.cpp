@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <numbers>
 #include <vector>
 
 #include "adit/engine/context.hpp"
 #include "adit/shaders/shared/preprocess.h"
 #include "adit/shaders/shared/registration.h"
+#include "adit/slam/odometry/search_places.hpp"
 #include "adit/slam/registration/front_end.hpp"
 
 namespace adit {
@@ -25,12 +25,7 @@ constexpr engine::RegistrationSettings kCoarseSettings = {
     .max_iterations = 15,
     .robust_width = 1e3};  // far from everything else: no kernel
 
-// A lost sensor is searched for with so many headings, from places ahead, behind and on both sides,
-// and from where its velocity would have led.
-constexpr uint32_t kHeadings = 8;
-constexpr std::array<std::array<double, 2>, 4> kAside = {
-    {{2.0, 0.0}, {-2.0, 0.0}, {0.0, 2.0}, {0.0, -2.0}}};  // m, the lidar's x and y
-constexpr uint32_t kMostStarts = kHeadings + kAside.size() + 1;
+constexpr uint32_t kMostStarts = kMostPlaces;
 
 // Levels, and their places in the buffers: 0 is the fine one. Each has a job for every start.
 constexpr size_t kLevels = 1 + kCoarseFactors.size();
@@ -95,21 +90,6 @@ RegistrationResult best_of(const std::vector<RegistrationResult>& found) {
   return best;
 }
 
-/// Where to start a search from; the predicted pose comes first.
-std::array<Eigen::Isometry3d, kMostStarts> places_to_search(const Prediction& prediction) {
-  std::array<Eigen::Isometry3d, kMostStarts> places{};
-  places.fill(prediction.T_map_lidar);
-  for (uint32_t k = 0; k < kHeadings; ++k) {
-    const double heading = 2.0 * std::numbers::pi * k / kHeadings;  // about the map's z
-    places[k].linear() = Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * places[k].linear();
-  }
-  for (size_t k = 0; k < kAside.size(); ++k) {
-    places[kHeadings + k] *= Eigen::Translation3d(kAside[k][0], kAside[k][1], 0.0);
-  }
-  places.back() = prediction.T_map_onward;
-  return places;
-}
-
 }  // namespace
 
 Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
@@ -127,10 +107,10 @@ Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
                                     engine::Memory::readback, "alignment back")) {}
 
 void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
-                     engine::Slice surface_cloud, engine::Slice counters, uint32_t most_points,
-                     Submap& submap) {
+                     std::span<const Eigen::Isometry3d> places, engine::Slice surface_cloud,
+                     engine::Slice counters, uint32_t most_points, Submap& submap) {
   groups_ = kernels_.groups(most_points);
-  record_starts(recorder, prediction, submap);
+  record_starts(recorder, prediction, places, submap);
   record_jobs(recorder, 0, submap.voxel_map(), config_.d_max, counters);
   record_fine(recorder, arguments(false, 0, surface_cloud, submap.voxel_map()), prediction.trusted);
   if (starts_ > 0) {
@@ -145,8 +125,8 @@ void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
 
 // What the alignment and the search start from.
 void Aligner::record_starts(engine::Recorder& recorder, const Prediction& prediction,
-                            const Submap& submap) {
-  starts_ = prediction.trusted ? 0 : (prediction.lost ? kMostStarts : 1);
+                            std::span<const Eigen::Isometry3d> places, const Submap& submap) {
+  starts_ = static_cast<uint32_t>(std::min(places.size(), kMostPlaces));
   std::byte* start = upload_.mapped() + kStartAt;
   engine::RegistrationKernels::write_start({start, progress_bytes(1)}, 1, groups_);
   const Matrix6d prior = prediction.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -161,7 +141,6 @@ void Aligner::record_starts(engine::Recorder& recorder, const Prediction& predic
   }
   engine::RegistrationKernels::write_start({start + kProgressStride, progress_bytes(starts_)},
                                            starts_, groups_);
-  const auto places = places_to_search(prediction);
   for (uint32_t k = 0; k < starts_; ++k) {
     reinterpret_cast<gpu::RegistrationState*>(states + kStateStride)[k] = state_of(places[k]);
   }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
 #include "adit/engine/buffer.hpp"
 #include "adit/engine/kernels/registration.hpp"
 #include "adit/slam/core/config.hpp"
@@ -11,17 +13,18 @@
 
 namespace adit {
 
-/// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, and, where
-/// the prediction is not to be trusted, a second time from coarse voxels down to fine ones: the
-/// better one counts. A lost sensor is searched for with several headings and from several places,
-/// and the result tells how well the best other place fits.
+/// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, and from
+/// each of the places to search from coarse voxels down to fine ones: the best one counts, and
+/// tells how well the best other place fits.
 class Aligner {
  public:
   Aligner(engine::Context& context, const RegistrationConfig& config);
 
-  /// Records the whole alignment and the copies back; the submap is up to date and not empty. The
-  /// device knows how many points the cloud has; at most `most_points`.
-  void record(engine::Recorder& recorder, const Prediction& prediction, engine::Slice surface_cloud,
+  /// Records the whole alignment and the copies back; the submap is up to date and not empty.
+  /// `places` (T_map_lidar, kMostPlaces at most; none: no search) are searched from. The device
+  /// knows how many points the cloud has; at most `most_points`.
+  void record(engine::Recorder& recorder, const Prediction& prediction,
+              std::span<const Eigen::Isometry3d> places, engine::Slice surface_cloud,
               engine::Slice counters, uint32_t most_points, Submap& submap);
   /// After the submission: the result in the map frame, and what the submap's voxel map counted.
   RegistrationResult read_result(int source_points, const Submap& submap) const;
@@ -32,7 +35,7 @@ class Aligner {
   engine::RegistrationArguments arguments(bool search, size_t level, engine::Slice surface_cloud,
                                           const engine::VoxelMapView& target) const;
   void record_starts(engine::Recorder& recorder, const Prediction& prediction,
-                     const Submap& submap);
+                     std::span<const Eigen::Isometry3d> places, const Submap& submap);
   void record_search(engine::Recorder& recorder, engine::Slice surface_cloud,
                      engine::Slice counters, Submap& submap);
   /// A trusted prediction decides in directions that no match holds.

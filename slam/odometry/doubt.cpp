@@ -12,11 +12,14 @@ namespace {
 
 constexpr int kUsual = 10;             // alignments make a habit, and as many are remembered
 constexpr double kLeastShare = 0.7;    // of the usual overlap
+constexpr double kSearchBelow = 0.8;   // of the usual overlap
+constexpr int kFewForSearch = 3;       // alignments are enough to compare with before a search
 constexpr double kMostRms = 1.4;       // times the usual residual
 constexpr double kMostRival = 0.9;     // of the matched points
 constexpr double kLevel = 0.7;         // of a direction's z: less is along the ground
 constexpr double kNearDistance = 1.0;  // m from the prediction
 constexpr double kNearTurn = 0.3;      // rad
+constexpr double kNearSigmas = 2.0;    // of a trusted prediction
 
 std::string percent(double share) {
   return std::to_string(std::lround(100.0 * share)) + " %";
@@ -47,31 +50,42 @@ bool is_near(const RegistrationResult& alignment, const Eigen::Isometry3d& expec
 
 }  // namespace
 
+bool is_within(const RegistrationResult& alignment, const Prediction& prediction, double sigmas) {
+  const Vector6d off = se3_log(prediction.T_map_lidar.inverse() * alignment.T_target_source);
+  return (off.array().abs() < sigmas * prediction.sigma.array()).all();
+}
+
 void UsualFit::add(const RegistrationResult& alignment) {
   alignments_ = std::min(alignments_ + 1, kUsual);
   overlap_ += (alignment.overlap - overlap_) / alignments_;
   rms_ += (alignment.residual_rms - rms_) / alignments_;
 }
 
+bool UsualFit::falls_short(const RegistrationResult& alignment) const {
+  return !is_usable(alignment.status) ||
+         (alignments_ >= kFewForSearch && (alignment.overlap < kSearchBelow * overlap_ ||
+                                           alignment.residual_rms > kMostRms * rms_));
+}
+
 std::optional<std::string> UsualFit::doubt(const RegistrationResult& alignment,
                                            const Prediction& prediction) const {
-  if (prediction.trusted) {
-    return std::nullopt;
-  }
   const Localizability held = along_ground(alignment);
   if (prediction.lost && held == Localizability::none) {
     return "a search found a place that could as well be farther along: no match holds it there";
   }
   // Where matches and velocity agree, one confirms the other.
-  if (prediction.lost ? held == Localizability::full && is_near(alignment, prediction.T_map_onward)
-                      : is_near(alignment, prediction.T_map_lidar)) {
+  const bool agree =
+      prediction.lost ? held == Localizability::full && is_near(alignment, prediction.T_map_onward)
+                      : (prediction.trusted ? is_within(alignment, prediction, kNearSigmas)
+                                            : is_near(alignment, prediction.T_map_lidar));
+  if (agree) {
     return std::nullopt;
   }
   if (alignments_ >= kUsual && alignment.overlap < kLeastShare * overlap_) {
     return "a search found a place where " + percent(alignment.overlap) +
            " of its points match the submap, of sweeps before " + percent(overlap_) + " did";
   }
-  if (!prediction.lost) {
+  if (!prediction.lost && !prediction.trusted) {
     return std::nullopt;
   }
   if (alignments_ >= kUsual && alignment.residual_rms > kMostRms * rms_) {

@@ -10,8 +10,11 @@
 
 namespace adit {
 
-/// How well sweeps fit their submap when all is well: what a place that was found by a search is
-/// measured by. (A search always ends somewhere; in a wrong place fewer points match.)
+/// The alignment is within so many standard deviations of the prediction.
+bool is_within(const RegistrationResult& alignment, const Prediction& prediction, double sigmas);
+
+/// How well sweeps fit their submap when all is well: what each alignment is measured by. (An
+/// alignment always ends somewhere; in a wrong place fewer points match.)
 class UsualFit {
  public:
   /// An alignment from a trusted prediction that was used.
@@ -19,8 +22,12 @@ class UsualFit {
   /// With a new submap: nothing is usual any more.
   void forget() { *this = {}; }
 
-  /// Why an alignment from an untrusted prediction is not to be believed, for people; none where
-  /// it is (docs/theory/odometry.md, section 3).
+  /// An alignment from a trusted prediction alone fits worse than usual, or failed: the place is
+  /// to be searched for.
+  bool falls_short(const RegistrationResult& alignment) const;
+
+  /// Why an alignment that a search found or confirmed is not to be believed, for people; none
+  /// where it is (docs/theory/odometry.md, section 3).
   std::optional<std::string> doubt(const RegistrationResult& alignment,
                                    const Prediction& prediction) const;
 

@@ -31,6 +31,7 @@ Prediction MotionModel::predict(Nanoseconds stamp) const {
   Prediction prediction;
   prediction.T_map_lidar = orthonormalized(last_->pose * se3_exp(bounded * velocity_));
   prediction.trusted = trusted;
+  prediction.moving = aligned_in_a_row_ >= 1 && elapsed == bounded;
   prediction.lost = bridged + elapsed > kLongestExtrapolation;
   prediction.T_map_onward = orthonormalized(
       seen_->pose * se3_exp(std::clamp(bridged + elapsed, 0.0, kLongestGuess) * velocity_));
@@ -49,8 +50,9 @@ void MotionModel::update(const StampedPose& pose, bool aligned) {
     if (elapsed > kLongestExtrapolation) {
       stop();
     } else if (elapsed > 0.0) {
-      velocity_before_ = velocity_;
-      velocity_ = se3_log(seen_->pose.inverse() * pose.pose) / elapsed;
+      const Vector6d velocity = se3_log(seen_->pose.inverse() * pose.pose) / elapsed;
+      velocity_before_ = aligned_in_a_row_ > 0 ? velocity_ : velocity;
+      velocity_ = velocity;
     }
     ++aligned_in_a_row_;
     seen_ = pose;

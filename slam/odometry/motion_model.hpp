@@ -23,6 +23,7 @@ class MotionModel {
   /// with. (With the last motion's alone an error of the twist would come back with the opposite
   /// sign at each sweep, undamped: docs/theory/inertial.md, section 7.)
   Vector6d deskewing_twist() const { return 0.5 * (velocity_ + velocity_before_); }
+  double speed() const { return velocity_.head<3>().norm(); }  ///< m/s, of the last motion
   /// Where it goes on from; none before the first sweep.
   const std::optional<StampedPose>& last() const { return last_; }
 

@@ -43,6 +43,7 @@ struct SweepResult {
   RegistrationResult
       registration;       ///< T_target_source is T_map_lidar; all default at the first sweep
   std::string doubt;      ///< for people: why an alignment is not believed (slam/odometry/doubt)
+  bool searched = false;  ///< aligned a second time, from several places: the first fell short
   bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
   int raw_points = 0;     ///< points of the sweep as it came
   int valid_points = 0;   ///< left after NaN, no-return and range clipping
@@ -63,9 +64,10 @@ struct SweepResult {
 /// graph. Without inertial readings, or while they fail a check, motion is predicted at constant
 /// velocity.
 ///
-/// One device submission and one host wait a sweep. The map frame has its origin at the lidar of
-/// the first sweep; with an inertial sensor its z is up as that saw it then, without one its axes
-/// are the lidar's. On one device the same input gives the same bytes.
+/// One device submission and one host wait a sweep; a second where the alignment falls short of
+/// what is usual and is searched for again, two more at the second sweep of all. The map frame has
+/// its origin at the lidar of the first sweep; with an inertial sensor its z is up as that saw it
+/// then, without one its axes are the lidar's. On one device the same input gives the same bytes.
 class Odometry {
  public:
   /// Throws engine::Error if the device runs out of memory. `config` must have passed validate().
@@ -92,8 +94,15 @@ class Odometry {
   /// The half behind it: waits for the device, fuses and decides. A begin() must have come before.
   SweepResult finish();
 
+  /// The configuration in force: lengths that were left at 0 are as the first sweep shows them.
+  const Config& config() const;
+
  private:
+  void derive_lengths(const Sweep& sweep);
+
   struct Impl;
+  Config stated_;
+  bool derived_ = false;
   std::unique_ptr<Impl> impl_;
 };
 

@@ -38,12 +38,12 @@ Submap::Submap(engine::Context& context, const Config& config)
     : context_(&context),
       kernels_(context),
       config_(config.submap),
-      voxel_size_(config.registration.r_align),
-      r_input_(config.preprocess.r_input),
+      voxel_size_(with_lengths(config).registration.r_align),
+      r_input_(with_lengths(config).preprocess.r_input),
       largest_table_(static_cast<uint32_t>(
           std::bit_floor(context.device().max_storage_buffer_bytes / sizeof(gpu::GaussianCell)))),
-      reach_(std::min(kLongestReach,
-                      kKeyRange * config.registration.r_align - config.preprocess.c_max)),
+      reach_(
+          std::min(kLongestReach, kKeyRange * voxel_size_ - with_lengths(config).preprocess.c_max)),
       counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
                                     "submap counters")),
       coarse_counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,

@@ -5,16 +5,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <vector>
+
+#include "adit/slam/core/config.hpp"
 
 namespace adit {
 namespace {
 
 constexpr size_t kFewestReturns = 1000;
 constexpr int kSectors = 360;
-constexpr double kNarrowest = 0.002;  // rad
-constexpr double kWidest = 0.2;       // rad
+constexpr double kNarrowest = 0.002;    // rad
+constexpr double kWidest = 0.2;         // rad
+constexpr float kNearestReturn = 0.1F;  // m
+constexpr double kVoxelsToMedian =
+    30.0;  // as many voxels lie between the sensor and half its points
+constexpr double kSmallestVoxel = 0.05;  // m
 
 /// Half of the sum of all gaps is in gaps up to this one. 0: there are none.
 double median_by_length(std::vector<double> gaps) {
@@ -59,6 +66,22 @@ std::optional<double> measured_beam_spacing(std::span<const Point> points) {
     }
   }
   return std::clamp(median_by_length(std::move(gaps)), kNarrowest, kWidest);
+}
+
+std::optional<double> measured_voxel_size(std::span<const Point> points) {
+  std::vector<float> ranges;
+  for (const Point& p : points) {
+    const float range = std::hypot(p.x, p.y, p.z);
+    if (std::isfinite(range) && range > kNearestReturn) {
+      ranges.push_back(range);
+    }
+  }
+  if (ranges.size() < kFewestReturns) {
+    return std::nullopt;
+  }
+  const auto median = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::ranges::nth_element(ranges, median);
+  return std::clamp(static_cast<double>(*median) / kVoxelsToMedian, kSmallestVoxel, kUsualInput);
 }
 
 }  // namespace adit

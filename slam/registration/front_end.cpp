@@ -22,7 +22,7 @@ FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
       preprocess_(context),
       settings_{.c_min = config.c_min,
                 .c_max = config.c_max,
-                .r_input = config.r_input,
+                .r_input = config.r_input > 0.0 ? config.r_input : kUsualInput,
                 .beam_spacing = config.beam_spacing,
                 .surface_size = config.surface_size},
       measures_beams_(config.beam_spacing == 0.0),

@@ -28,6 +28,7 @@ inline constexpr uint32_t kLargestSweep = 1U << 21U;
 /// From a sweep's raw points to its down-sampled cloud with surfaces: device memory and recording.
 class FrontEnd {
  public:
+  /// A size that is left to be derived is the usual one.
   FrontEnd(engine::Context& context, const PreprocessConfig& config);
 
   /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws

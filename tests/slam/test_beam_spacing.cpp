@@ -78,5 +78,24 @@ TEST(BeamSpacing, StaysWithinWhatSensorsHave) {
   EXPECT_EQ(measured_beam_spacing(two_rings), 0.2);
 }
 
+std::vector<Point> at_range(float range, int count) {
+  return std::vector<Point>(static_cast<size_t>(count), Point{range, 0.0F, 0.0F, 0.0F});
+}
+
+TEST(VoxelSize, FollowsTheMedianRangeWithinItsBounds) {
+  EXPECT_NEAR(measured_voxel_size(at_range(3.0F, 2000)).value_or(0.0), 0.1, 1e-6);
+  EXPECT_EQ(measured_voxel_size(at_range(1.0F, 2000)), 0.05);
+  EXPECT_EQ(measured_voxel_size(at_range(40.0F, 2000)), 0.25);
+  std::vector<Point> mixed = at_range(0.0F, 5000);  // no returns
+  for (const Point& p : at_range(6.0F, 1500)) {
+    mixed.push_back(p);
+  }
+  EXPECT_NEAR(measured_voxel_size(mixed).value_or(0.0), 0.2, 1e-6);
+}
+
+TEST(VoxelSize, NeedsAThousandReturns) {
+  EXPECT_EQ(measured_voxel_size(at_range(3.0F, 999)), std::nullopt);
+}
+
 }  // namespace
 }  // namespace adit

@@ -26,14 +26,15 @@ std::vector<BadSetting> bad_settings() {
       {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 0.2; },
        "greater than preprocess.c_min (0.5)"},
       {"preprocess.c_max", [](Config& c) { c.preprocess.c_max = 1e6; }, "at most 1000 m"},
-      {"preprocess.r_input", [](Config& c) { c.preprocess.r_input = 0; },
-       "is 0; must be between 0.01"},
+      {"preprocess.r_input", [](Config& c) { c.preprocess.r_input = 0.001; },
+       "is 0.001; must be between 0.01"},
       {"preprocess.r_input",
        [](Config& c) { c.preprocess.c_max = 0.6, c.preprocess.r_input = 0.7; },
        "less than preprocess.c_max (0.6)"},
       {"preprocess.beam_spacing", [](Config& c) { c.preprocess.beam_spacing = 0.001; }, "rad"},
       {"preprocess.surface_size", [](Config& c) { c.preprocess.surface_size = -1; }, "m"},
-      {"registration.r_align", [](Config& c) { c.registration.r_align = 0.1; },
+      {"registration.r_align",
+       [](Config& c) { c.registration.r_align = 0.2, c.preprocess.r_input = 0.25; },
        "at least preprocess.r_input ("},
       {"registration.r_align",
        [](Config& c) { c.preprocess.c_max = 990.0, c.registration.r_align = 1.0; },
@@ -41,7 +42,7 @@ std::vector<BadSetting> bad_settings() {
       {"registration.r_align",
        [](Config& c) { c.registration.r_align = 20.0, c.preprocess.r_input = 0.1; },
        "65535 is the most"},
-      {"registration.d_max", [](Config& c) { c.registration.d_max = 0; }, "is 0"},
+      {"registration.d_max", [](Config& c) { c.registration.d_max = -1; }, "is -1"},
       {"registration.max_iterations", [](Config& c) { c.registration.max_iterations = 0; },
        "between 1 and"},
       {"registration.translation_epsilon",
@@ -136,6 +137,32 @@ TEST(Config, NumbersThatAreNotFiniteAreRefusedInEveryField) {
       }
     }
   });
+}
+
+TEST(Lengths, ThatAreLeftOpenFollowFromTheVoxelSizeOfTheInput) {
+  const Config usual = with_lengths({});
+  EXPECT_EQ(usual.preprocess.r_input, 0.25);
+  EXPECT_EQ(usual.preprocess.surface_size, 0.625);
+  EXPECT_EQ(usual.registration.r_align, 0.5);
+  EXPECT_EQ(usual.registration.d_max, 0.5);
+  EXPECT_EQ(usual.preprocess.c_max, 100.0);
+  const Config near = with_lengths({}, 0.05);
+  EXPECT_EQ(near.registration.r_align, 0.1);
+  EXPECT_NEAR(near.preprocess.c_max, 41.1, 1e-9) << "as far as the keys of such voxels reach";
+  EXPECT_FALSE(validate(near).has_value());
+}
+
+TEST(Lengths, ThatAreStatedStayAndTheOthersFollowThem) {
+  Config stated;
+  stated.preprocess.r_input = 0.5;
+  stated.registration.d_max = 0.7;
+  const Config filled = with_lengths(stated, 0.05);
+  EXPECT_EQ(filled.preprocess.r_input, 0.5);
+  EXPECT_EQ(filled.registration.r_align, 1.0);
+  EXPECT_EQ(filled.registration.d_max, 0.7);
+  Config coarse;
+  coarse.registration.r_align = 0.3;
+  EXPECT_EQ(with_lengths(coarse).preprocess.r_input, 0.15) << "points are finer than voxels";
 }
 
 }  // namespace

@@ -60,10 +60,22 @@ TEST(UsualFit, AWorseFitIsDoubtedWithItsFigures) {
   EXPECT_TRUE(says(coarse, "9.0 cm") && says(coarse, "4.5")) << coarse.value_or("believed");
 }
 
-TEST(UsualFit, ATrustedPredictionMayFitWorse) {
+TEST(UsualFit, AWorseFitThanUsualIsReasonToSearchAgain) {
+  EXPECT_FALSE(usual().falls_short(fit(0.9)));
+  EXPECT_TRUE(usual().falls_short(fit(0.6)));
+  EXPECT_TRUE(usual().falls_short(fit(0.9, 0.09)));
+  RegistrationResult failed = fit(0.9);
+  failed.status = RegistrationStatus::not_converged;
+  EXPECT_TRUE(usual().falls_short(failed));
+  EXPECT_FALSE(UsualFit().falls_short(fit(0.4))) << "nothing is usual yet";
+}
+
+TEST(UsualFit, ATrustedPredictionIsConfirmedNearItAndDoubtedAway) {
   Prediction trusted;
   trusted.trusted = true;
-  EXPECT_EQ(usual().doubt(fit(0.4), trusted), std::nullopt);
+  EXPECT_EQ(usual().doubt(fit(0.4, 0.045, 0.1), trusted), std::nullopt);
+  EXPECT_TRUE(says(usual().doubt(fit(0.4, 0.045, 0.4), trusted), "40 %"));
+  EXPECT_EQ(usual().doubt(fit(0.9, 0.045, 0.4), trusted), std::nullopt);
 }
 
 TEST(UsualFit, WhereTheVelocityLedLessIsEnough) {

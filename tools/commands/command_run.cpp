@@ -283,7 +283,7 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
                                       .quiet = options.quiet});
   progress.finish();
   const std::optional<Mounting> mounting = slam->mounting();
-  description.config = with_mounting(config, mounting);
+  description.config = with_mounting(slam->config(), mounting);
   if (mounting && mounting->source == MountingSource::assumed && !options.quiet) {
     err << kMountingIsAssumed;
   }

@@ -87,6 +87,8 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.inertial().any()) {
     text += "imu      " + inertial_text(statistics) + "\n";
   }
+  text += printed("voxels   points one in %.3g m, submap %.3g m\n", run.config.preprocess.r_input,
+                  run.config.registration.r_align);
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
           printed("; %.1f MiB at most\n",

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The device's part of a step, and whether its result is to be believed.
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "adit/slam/odometry/odometry_impl.hpp"
+#include "adit/slam/odometry/possible_pose.hpp"
+#include "adit/slam/odometry/search_places.hpp"
+
+namespace adit {
+namespace {
+
+// What a search finds must match so many times as many points as what it doubts.
+constexpr double kClearlyMore = 1.1;
+// Farther than this from an inertial prediction, in its standard deviations, contradicts it.
+constexpr double kInertialSigmas = 5.0;
+// What contradicts it must match so many times as many points.
+constexpr double kAgainstInertia = 1.5;
+// A sweep in whose time the sensor moved less than this need not be de-skewed, m.
+constexpr double kNoticeable = 0.01;
+
+// The times of scopes outside any other, added up by name.
+void add_stages(const engine::Submission& submission, std::vector<StageTime>& stages) {
+  for (const engine::ScopeTime& time : submission.scope_times()) {
+    if (time.depth > 0) {
+      continue;
+    }
+    const auto same = [&](const StageTime& stage) { return stage.stage == time.name; };
+    const auto found = std::find_if(stages.begin(), stages.end(), same);
+    if (found == stages.end()) {
+      stages.push_back({time.name, time.device_ms});
+    } else {
+      found->device_ms += time.device_ms;
+    }
+  }
+}
+
+}  // namespace
+
+// What is on the device after a failure is not known any more.
+void Odometry::Impl::invalidate() {
+  submap.invalidate();
+  front_end.invalidate();
+}
+
+template <class Record>
+engine::Submission Odometry::Impl::submitted(const Record& record) {
+  try {
+    engine::Recorder recorder = context.make_recorder();
+    record(recorder);
+    return context.submit(std::move(recorder));
+  } catch (...) {
+    invalidate();
+    throw;
+  }
+}
+
+void Odometry::Impl::wait(engine::Submission& submission, SweepResult& result) {
+  try {
+    const auto start = std::chrono::steady_clock::now();
+    submission.wait();
+    result.wait_ms += milliseconds_since(start);
+    add_stages(submission, result.stages);
+  } catch (...) {
+    invalidate();
+    throw;
+  }
+}
+
+// The last sweep joins the submap, this one is prepared and aligned with it.
+engine::Submission Odometry::Impl::submit(const Expectation& expected) {
+  surface_cloud = submap.next_cloud(front_end.capacity());
+  return submitted([&](engine::Recorder& recorder) {
+    submap.record_update(recorder);
+    front_end.record(recorder, surface_cloud, expected.motion);
+    if (!submap.empty()) {
+      aligner.record(recorder, expected.prediction, places_to_search(expected.prediction),
+                     surface_cloud, front_end.counters(), front_end.points(), submap);
+    }
+  });
+}
+
+void Odometry::Impl::read_back(Begun& sweep) {
+  SweepResult& result = sweep.result;
+  result.deskewed = sweep.expected.motion.has_value();
+  const gpu::SweepCounters counters = front_end.read_counters();
+  result.valid_points = static_cast<int>(counters.valid_points);
+  result.cloud_points = static_cast<int>(counters.cloud_points);
+  result.lost_points = static_cast<int>(counters.input_failures + counters.surface_failures);
+  if (sweep.aligns) {
+    const gpu::VoxelMapCounters map_counters = aligner.read_map_counters();
+    result.lost_points += static_cast<int>(submap.note_counters(map_counters));
+    result.registration = aligner.read_result(result.cloud_points, submap);
+  }
+}
+
+// An alignment from a trusted prediction that falls short of what is usual may have ended in the
+// wrong place: the sweep is aligned again, from all the ways that the sensor may have gone.
+void Odometry::Impl::search_again(const Expectation& expected, SweepResult& result) {
+  const bool can = !submap.empty() && result.cloud_points >= config.registration.min_inliers;
+  if (!can || !expected.prediction.trusted || !usual_fit.falls_short(result.registration)) {
+    return;
+  }
+  Prediction doubted = expected.prediction;
+  doubted.trusted = false;
+  const auto places = places_after_doubt({.predicted = expected.prediction.T_map_lidar,
+                                          .steady = expected.steady,
+                                          .at_rest = motion.last()->pose});
+  engine::Submission submission = submitted([&](engine::Recorder& recorder) {
+    aligner.record(recorder, doubted, places, surface_cloud, front_end.counters(),
+                   front_end.points(), submap);
+  });
+  wait(submission, result);
+  const RegistrationResult found = aligner.read_result(result.cloud_points, submap);
+  const bool against = expected.inertial && !is_within(found, expected.prediction, kInertialSigmas);
+  const double needed = against ? kAgainstInertia : kClearlyMore;
+  const bool clearly = found.inliers > needed * result.registration.inliers;
+  if (is_usable(found.status) &&
+      (clearly || (!against && !is_usable(result.registration.status)))) {
+    result.registration = found;
+  }
+  result.searched = true;
+}
+
+// What was found must be worth believing. An inertial prediction weighs the alignment itself: the
+// graph believes what contradicts it that much less.
+void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
+  if (!is_usable(result.registration.status)) {
+    return;
+  }
+  const StampedPose found{result.stamp, result.registration.T_target_source};
+  std::optional<std::string> doubt =
+      impossible_pose(found, motion.last(), config.recovery.max_speed);
+  const Prediction& prediction = expected.prediction;
+  const bool weighed = prediction.trusted && (!result.searched || expected.inertial);
+  if (!doubt && !weighed) {
+    doubt = usual_fit.doubt(result.registration, prediction);
+  }
+  if (doubt) {
+    result.registration.status = RegistrationStatus::doubtful;
+    result.doubt = *doubt;
+  } else if (prediction.trusted) {
+    usual_fit.add(result.registration);
+  }
+}
+
+SweepMotion Odometry::Impl::motion_at(const Sweep& sweep, const Vector6d& twist) const {
+  const double duration = duration_of(sweep);
+  return inertial.turning_motion(sweep.stamp, duration, twist.head<3>())
+      .value_or(steady_motion(twist, 0.0, duration));
+}
+
+// The first sweep of a sensor that is moving already was taken as it came, since nothing told the
+// velocity. With the second sweep's alignment that is known: both are done again, de-skewed.
+void Odometry::Impl::begin_again(Begun& second) {
+  if (!first || !second.aligns) {
+    return;
+  }
+  const Sweep begins = *std::exchange(first, std::nullopt);
+  const Sweep& sweep = *second.sweep;
+  SweepResult& result = second.result;
+  const double elapsed = std::chrono::duration<double>(sweep.stamp - motion.last()->stamp).count();
+  if (!is_usable(result.registration.status) || !config.preprocess.deskew ||
+      !front_end.has_times() || !(elapsed > 0.0)) {
+    return;
+  }
+  const Eigen::Isometry3d T_map_first = motion.last()->pose;
+  const Vector6d twist =
+      se3_log(T_map_first.inverse() * result.registration.T_target_source) / elapsed;
+  if (twist.head<3>().norm() * duration_of(sweep) < kNoticeable) {
+    return;
+  }
+  submap.clear();
+  front_end.upload(begins);
+  surface_cloud = submap.next_cloud(front_end.capacity());
+  engine::Submission prepared = submitted([&](engine::Recorder& recorder) {
+    front_end.record(recorder, surface_cloud, motion_at(begins, twist));
+  });
+  wait(prepared, result);
+  submap.push(front_end.read_counters().cloud_points, T_map_first);
+
+  front_end.upload(sweep);
+  second.expected.prediction.T_map_lidar = result.registration.T_target_source;
+  second.expected.prediction.trusted = true;
+  second.expected.motion = motion_at(sweep, twist);
+  engine::Submission aligned = submit(second.expected);
+  wait(aligned, result);
+  read_back(second);
+}
+
+}  // namespace adit

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "adit/engine/context.hpp"
+#include "adit/slam/fusion/inertial_tracker.hpp"
+#include "adit/slam/odometry/aligner.hpp"
+#include "adit/slam/odometry/doubt.hpp"
+#include "adit/slam/odometry/motion_model.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/slam/odometry/submap.hpp"
+#include "adit/slam/registration/front_end.hpp"
+
+namespace adit {
+
+inline double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+/// What is expected of a sweep before it is aligned.
+struct Expectation {
+  Prediction prediction;
+  Eigen::Isometry3d steady = Eigen::Isometry3d::Identity();  ///< T_map_lidar at constant velocity
+  std::optional<SweepMotion> motion;                         ///< to de-skew with
+  bool inertial = false;                                     ///< the prediction is by inertia
+  double inertial_ms = 0.0;  ///< host time of the inertial prediction
+};
+
+/// A step between its halves.
+struct Begun {
+  SweepResult result;  ///< what is known of it by now
+  Expectation expected;
+  engine::Submission submission;
+  bool aligns = false;              ///< there is a submap
+  std::optional<Sweep> sweep = {};  ///< kept of the first two, which may be done again
+};
+
+struct Odometry::Impl {
+  Impl(engine::Context& context_, const Config& config_, InertialTracker inertial_)
+      : context(context_),
+        config(config_),
+        front_end(context_, config_.preprocess),
+        submap(context_, config_),
+        aligner(context_, config_.registration),
+        inertial(std::move(inertial_)),
+        drift(config_.submap.l) {}
+
+  // odometry.cpp: what is expected, and what follows from an alignment.
+  Expectation expect(const Sweep& sweep);
+  Prediction possible_prediction(Nanoseconds stamp) const;
+  void fuse(const Expectation& expected, SweepResult& result);
+  void assess(const Expectation& expected, SweepResult& result);
+  OdometryState decide(SweepResult& result);
+  bool is_keyframe(const SweepResult& result);
+
+  // odometry_alignment.cpp: the device's part, and whether its result is to be believed.
+  engine::Submission submit(const Expectation& expected);
+  void wait(engine::Submission& submission, SweepResult& result);
+  void read_back(Begun& sweep);
+  void search_again(const Expectation& expected, SweepResult& result);
+  void judge(const Expectation& expected, SweepResult& result);
+  void begin_again(Begun& second);
+  SweepMotion motion_at(const Sweep& sweep, const Vector6d& twist) const;
+  template <class Record>
+  engine::Submission submitted(const Record& record);
+  void invalidate();
+
+  engine::Context& context;
+  Config config;
+  FrontEnd front_end;
+  Submap submap;
+  engine::Slice surface_cloud;  ///< of this sweep, in the submap's memory
+  Aligner aligner;
+  MotionModel motion;
+  InertialTracker inertial;
+  UsualFit usual_fit;
+  DriftModel drift;
+  Matrix6d coasting = Matrix6d::Zero();  ///< covariance of predictions in a row
+  bool joined = false;                   ///< the last sweep's cloud, the submap
+  std::optional<Begun> begun;            ///< a sweep that is on the device
+  int failures_in_a_row = 0;
+  std::optional<Sweep> first;  ///< began the first submap; until the second came
+  std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
+};
+
+}  // namespace adit
