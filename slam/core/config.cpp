@@ -86,9 +86,6 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.between("preprocess.c_min", p.c_min, 0.0, kFarthestReturn, "m");
   checks.require(p.c_max > p.c_min, "preprocess.c_max", p.c_max,
                  than("greater than", "preprocess.c_min", p.c_min));
-  checks.require(p.c_max <= kFarthestReturn, "preprocess.c_max", p.c_max,
-                 "at most " + text_of(kFarthestReturn) + " m");
-  checks.between("preprocess.r_input", p.r_input, 0.01, 10.0, "m, or 0 (derived)");
   checks.require(p.r_input < p.c_max, "preprocess.r_input", p.r_input,
                  than("less than", "preprocess.c_max", p.c_max));
   // Keys of surface cells have 9 bits an axis (shaders/include/surface.glsl).
@@ -204,6 +201,12 @@ Config with_lengths(Config config, double r_input) {
 std::optional<ConfigProblem> validate(const Config& stated) {
   Checks checks;
   check_finite(checks, stated);
+  checks.require(stated.preprocess.c_max <= kFarthestReturn, "preprocess.c_max",
+                 stated.preprocess.c_max, "at most " + text_of(kFarthestReturn) + " m");
+  if (stated.preprocess.r_input != 0.0) {
+    checks.between("preprocess.r_input", stated.preprocess.r_input, 0.01, 10.0,
+                   "m, or 0 (derived)");
+  }
   const Config config = with_lengths(stated);
   check_recording(checks, config.recording);
   check_preprocess(checks, config.preprocess);

@@ -48,7 +48,7 @@ constexpr double kTrustedRotation = 0.05;  // rad
 
 bool holds_rotation(const RegistrationResult& alignment) {
   return std::ranges::none_of(alignment.rotation, [](const ObservedDirection& direction) {
-    return direction.localizability == Localizability::none;
+    return direction.localizability == Localizability::none && !direction.axis.isZero();
   });
 }
 
