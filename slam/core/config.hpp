@@ -53,7 +53,7 @@ struct ImuConfig {
   double gyro_walk = 3e-5;           ///< rad/s²/√Hz
   double accel_walk = 1e-3;          ///< m/s³/√Hz
   double gravity_walk = 1e-4;        ///< rad/√s
-  double max_gap = 0.05;             ///< s
+  double max_gap = 0.15;             ///< s
   double max_rate = 5000.0;          ///< rad/s
   double max_acceleration = 2000.0;  ///< m/s²
   int lag = 20;                      ///< sweeps

@@ -290,7 +290,13 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   outcome.device_peak_bytes = context.memory_peak();
   outcome.validation_messages = context.validation_messages();
 
-  const int code = judge(outcome, statistics, sweeps.range.count, err);
+  int code = judge(outcome, statistics, sweeps.range.count, err);
+  if (const Trust trust = statistics.verdict().trust;
+      options.strict && code == 0 && trust != Trust::reliable) {
+    err << "adit run: the run is " << to_string(trust)
+        << " (--strict); verdict.stretches in summary.json tells where and why" << std::endl;
+    code = 1;
+  }
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end
@@ -366,6 +372,9 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       ->type_name("NAME");
   command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
   command->add_option("--count", options->count, "Sweeps at most")->type_name("N");
+  command->add_flag("--strict", options->strict,
+                    "Exit 1 unless the run's verdict is reliable; the results are written all the "
+                    "same");
   command->add_flag("--strict-input", options->strict_input,
                     "End at the first damaged message; else such are left out and counted");
   command->add_flag("--json", options->json, "Print summary.json instead of the table");

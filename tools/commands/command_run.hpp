@@ -32,6 +32,7 @@ struct RunCommandOptions {
   std::string topic{};             ///< of the sweeps; empty: the only one
   int64_t start = 0;               ///< the first sweep, counted from 0
   std::optional<int64_t> count{};  ///< none: to the end
+  bool strict = false;             ///< anything but a reliable run is a failure
   bool strict_input = false;       ///< the first damage ends the run
   bool json = false;               ///< summary.json on `out` instead of the table
   bool quiet = false;              ///< errors alone

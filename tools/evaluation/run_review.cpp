@@ -109,6 +109,21 @@ RunEnding read_ending(const ordered_json& summary) {
           .wanted = value_at<std::size_t>(summary, "/input/count")};
 }
 
+std::optional<RunVerdict> read_verdict(const ordered_json& summary) {
+  const auto state = value_at<std::string>(summary, "/verdict/state");
+  if (!state) {
+    return std::nullopt;
+  }
+  RunVerdict verdict{.state = *state, .stretches = {}};
+  const ordered_json stretches = summary["verdict"].value("stretches", ordered_json::array());
+  for (const ordered_json& stretch : stretches) {
+    if (const auto text = value_at<std::string>(stretch, "/text")) {
+      verdict.stretches.push_back(*text);
+    }
+  }
+  return verdict;
+}
+
 /// "394 tracking, 6 coasting".
 template <class Word>
 std::string counted(const std::vector<SweepRecord>& sweeps, Word&& word) {
@@ -194,6 +209,7 @@ RunReview review_run(const std::filesystem::path& folder) {
                                                                   : std::vector<SweepRecord>());
   review.min_overlap = value_at<double>(summary, "/configuration/registration/min_overlap");
   review.ending = std::move(ending);
+  review.verdict = read_verdict(summary);
   return review;
 }
 
@@ -215,6 +231,12 @@ std::string describe(const RunEnding& ending, std::size_t sweeps) {
 std::string describe(const RunReview& review) {
   std::string text =
       review.ending ? "run          " + describe(*review.ending, review.sweeps.size()) + "\n" : "";
+  if (review.verdict) {
+    text += "verdict      " + review.verdict->state + "\n";
+    for (const std::string& stretch : review.verdict->stretches) {
+      text += "             " + stretch + "\n";
+    }
+  }
   if (review.sweeps.empty()) {
     return text;
   }
@@ -261,6 +283,9 @@ ordered_json to_json(const RunReview& review) {
     json["reason"] = review.ending->reason;
     json["sweeps_wanted"] =
         review.ending->wanted ? ordered_json(*review.ending->wanted) : ordered_json();
+  }
+  if (review.verdict) {
+    json["verdict"] = {{"state", review.verdict->state}, {"stretches", review.verdict->stretches}};
   }
   json["weakly_held"] = ordered_json::array();
   for (const WeakStretch& weak : review.weak) {

@@ -42,12 +42,19 @@ struct RunEnding {
   std::optional<std::size_t> wanted;  ///< sweeps that were to be mapped
 };
 
+/// What the run said of itself, by its summary.json.
+struct RunVerdict {
+  std::string state;                   ///< Trust: "reliable", "doubtful" or "lost"
+  std::vector<std::string> stretches;  ///< for people: where, why, what to do
+};
+
 struct RunReview {
   std::vector<SweepRecord> sweeps;
   std::vector<double> times;  ///< s after the first sweep
   std::vector<WeakStretch> weak;
   InnovationReview innovations;
   std::optional<double> min_overlap;  ///< that the run's settings asked for
+  std::optional<RunVerdict> verdict;  ///< none: an older run, or one that was killed
   std::optional<RunEnding> ending;    ///< none: these are not the sweeps of a run
 };
 

@@ -13,6 +13,7 @@
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/odometry/odometry.hpp"
+#include "adit/slam/odometry/verdict.hpp"
 #include "adit/tools/run/inertial_statistics.hpp"
 #include "adit/tools/run/left_out.hpp"
 
@@ -77,6 +78,11 @@ class RunStatistics {
     return first_ ? std::optional(last_.stamp) : std::nullopt;
   }
 
+  std::optional<Nanoseconds> first_stamp() const {
+    return first_ ? std::optional(first_->stamp) : std::nullopt;
+  }
+  Verdict verdict() const { return assessor_.verdict(); }  ///< of all sweeps so far
+
   std::size_t sweeps() const { return sweeps_; }
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps
   const InertialStatistics& inertial() const { return inertial_; }
@@ -104,6 +110,7 @@ class RunStatistics {
   Config config_;
   InertialStatistics inertial_;
   LeftOut left_out_;
+  RunAssessor assessor_;
   std::size_t sweeps_ = 0;
   std::size_t deskewed_ = 0;
   std::size_t keyframes_ = 0;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/run_summary.hpp"
 
+#include "adit/tools/run/verdict_text.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/run/config_file.hpp"
@@ -110,6 +112,9 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   json["device"]["memory_peak_bytes"] = outcome.device_peak_bytes;
   json["sweeps"] = describe_sweeps(statistics);
   json["sweeps"]["deskewed"] = statistics.deskewed();
+  if (const auto start = statistics.first_stamp()) {
+    json["verdict"] = to_json(statistics.verdict(), *start);
+  }
   json["left_out"] = statistics.left_out().to_json();
   if (statistics.inertial().any()) {
     json["imu"] = statistics.inertial().to_json();

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/run_summary.hpp"
+#include "adit/tools/run/verdict_text.hpp"
 #include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/progress.hpp"
 
 namespace adit {
 namespace {
+
+constexpr std::size_t kIndent = 9;  // of what follows a row's name
 
 std::string counts(const RunStatistics& statistics) {
   const std::size_t failed = statistics.failures().size();
@@ -81,6 +84,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
                              statistics.sweeps(), run.range.count, statistics.distance(),
                              format_duration(outcome.wall_s).c_str(), rate);
   text += "sweeps   " + counts(statistics) + "\n";
+  if (const auto start = statistics.first_stamp()) {
+    text += "verdict  " + describe(statistics.verdict(), *start, kIndent) + "\n";
+  }
   if (statistics.left_out().any()) {
     text += "left out " + statistics.left_out().text() + "\n";
   }

@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/odometry/verdict.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <ranges>
+
+#include "adit/slam/core/nav_state.hpp"
+
+namespace adit {
+namespace {
+
+// The bounds are those that told lost runs from held ones on simulated places, sensors and ways,
+// with and without an inertial sensor (docs/decisions/0016).
+constexpr size_t kWindow = 10;      // sweeps that are looked at together for what is not held
+constexpr size_t kLongWindow = 20;  // and for contradictions
+constexpr size_t kApart = 20;       // sweeps between two stretches
+// Without an inertial sensor this share of a window is too much; with one that carries, this.
+constexpr double kUnheldShare = 0.5;
+constexpr double kUnheldShareInertial = 0.95;
+constexpr double kMoved = 0.3;           // m in a window: what is at rest needs no match
+constexpr double kMovedInertial = 1.0;   // m
+constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
+constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
+// A prediction alone is good for so long.
+constexpr double kAlone = 1.0;          // s
+constexpr double kAloneInertial = 2.0;  // s
+
+bool is_unheld(const ObservedDirection& direction) {
+  return direction.localizability == Localizability::none && !direction.axis.isZero();
+}
+
+}  // namespace
+
+std::string_view to_string(Trust trust) {
+  switch (trust) {
+    case Trust::reliable:
+      return "reliable";
+    case Trust::doubtful:
+      return "doubtful";
+    case Trust::lost:
+      return "lost";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(DoubtCause cause) {
+  switch (cause) {
+    case DoubtCause::unheld:
+      return "unheld";
+    case DoubtCause::predicted:
+      return "predicted";
+    case DoubtCause::contradicted:
+      return "contradicted";
+    case DoubtCause::new_start:
+      return "new start";
+  }
+  return "unknown";
+}
+
+void RunAssessor::add(const SweepResult& result) {
+  Seen seen{.stamp = result.stamp, .T_map_lidar = result.T_map_lidar};
+  seen.aligned = result.state == OdometryState::tracking;
+  seen.inertial = result.inertial.nav.has_value();
+  const RegistrationResult& alignment = result.registration;
+  if (seen.aligned) {
+    // Turns are held by an inertial sensor itself.
+    seen.unheld =
+        is_unheld(alignment.translation[0]) || (!seen.inertial && is_unheld(alignment.rotation[0]));
+    if (is_unheld(alignment.translation[0])) {
+      seen.direction = result.T_map_lidar.linear() * alignment.translation[0].axis;
+    }
+  }
+  const Innovation& innovation = result.inertial.innovation;
+  seen.innovation = innovation.degrees > 0 ? innovation.nis / innovation.degrees : -1.0;
+  if (!recent_.empty()) {
+    const Seen& before = recent_.back();
+    seen.step = (seen.T_map_lidar.translation() - before.T_map_lidar.translation()).norm();
+    alone_ = seen.aligned ? 0.0 : alone_ + seconds(seen.stamp - before.stamp);
+  }
+  ++count_;
+  aligned_ += seen.aligned ? 1 : 0;
+  since_aligned_ = seen.aligned ? 0 : since_aligned_ + 1;
+  recent_.push_back(seen);
+  if (recent_.size() > kLongWindow) {
+    recent_.pop_front();
+  }
+  if (result.state == OdometryState::restarted) {
+    note(DoubtCause::new_start, since_aligned_).trust = Trust::lost;
+    since_aligned_ = 0;
+    alone_ = 0.0;
+    return;
+  }
+  look_for_unheld();
+  look_for_prediction();
+  look_for_contradiction();
+}
+
+void RunAssessor::look_for_unheld() {
+  if (recent_.size() < kWindow || !recent_.back().unheld) {
+    return;
+  }
+  const auto window = std::ranges::subrange(recent_.end() - kWindow, recent_.end());
+  double moved = 0.0;
+  for (const Seen& seen : window) {
+    moved += seen.step;
+  }
+  const bool inertial = std::ranges::all_of(window, &Seen::inertial);
+  const auto unheld =
+      std::ranges::count_if(window, [](const Seen& seen) { return seen.unheld || !seen.aligned; });
+  const double share = static_cast<double>(unheld) / static_cast<double>(kWindow);
+  if (share < (inertial ? kUnheldShareInertial : kUnheldShare) ||
+      moved < (inertial ? kMovedInertial : kMoved)) {
+    return;
+  }
+  DoubtfulStretch& stretch = note(DoubtCause::unheld, kWindow);
+  const Eigen::Vector3d& direction = recent_.back().direction;
+  stretch.direction += stretch.direction.dot(direction) < 0.0 ? -direction : direction;
+  if (!stretch.inertial && stretch.distance > kLostAfter) {
+    stretch.trust = Trust::lost;
+  }
+}
+
+void RunAssessor::look_for_prediction() {
+  const bool inertial = recent_.back().inertial;
+  if (since_aligned_ > 0 && count_ > 1 && alone_ > (inertial ? kAloneInertial : kAlone)) {
+    note(DoubtCause::predicted, std::min(since_aligned_, recent_.size()));
+  }
+}
+
+void RunAssessor::look_for_contradiction() {
+  std::vector<double> innovations;
+  for (const Seen& seen : recent_) {
+    if (seen.innovation >= 0.0) {
+      innovations.push_back(seen.innovation);
+    }
+  }
+  if (innovations.size() < kLongWindow) {
+    return;
+  }
+  const auto middle = innovations.begin() + static_cast<std::ptrdiff_t>(kLongWindow / 2);
+  std::ranges::nth_element(innovations, middle);
+  if (*middle > kContradiction) {
+    DoubtfulStretch& stretch = note(DoubtCause::contradicted, kLongWindow);
+    stretch.innovation = std::max(stretch.innovation, *middle);
+  }
+}
+
+DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
+  sweeps = std::clamp(sweeps, size_t{1}, recent_.size());
+  const size_t first = count_ - sweeps;
+  const auto same =
+      std::ranges::find(stretches_ | std::views::reverse, cause, &DoubtfulStretch::cause);
+  DoubtfulStretch* stretch = nullptr;
+  if (same != stretches_.rend() && same->last + kApart >= first && cause != DoubtCause::new_start) {
+    stretch = &*same;
+  } else {
+    stretches_.push_back({.cause = cause,
+                          .first = first,
+                          .last = first,
+                          .begin = recent_[recent_.size() - sweeps].stamp,
+                          .inertial = true});
+    stretch = &stretches_.back();
+  }
+  // What is new since it was noted last.
+  const bool begins = stretch->last == stretch->first;
+  for (size_t i = 0; i < recent_.size(); ++i) {
+    const size_t index = count_ - recent_.size() + i;
+    if (index > stretch->last || (begins && index == first)) {
+      stretch->distance += index > first ? recent_[i].step : 0.0;
+      stretch->inertial = stretch->inertial && recent_[i].inertial;
+    }
+  }
+  stretch->last = count_ - 1;
+  stretch->end = recent_.back().stamp;
+  return *stretch;
+}
+
+Verdict RunAssessor::verdict() const {
+  Verdict verdict{.trust = Trust::reliable, .stretches = stretches_};
+  for (DoubtfulStretch& stretch : verdict.stretches) {
+    if (!stretch.direction.isZero()) {
+      stretch.direction.normalize();
+    }
+    // What ends without having been found again, or was never aligned, is lost.
+    if (stretch.cause == DoubtCause::predicted && stretch.last + 1 == count_) {
+      stretch.trust = Trust::lost;
+    }
+    verdict.trust = std::max(verdict.trust, stretch.trust);
+  }
+  if (count_ > 1 && aligned_ == 0) {
+    verdict.trust = Trust::lost;
+  }
+  return verdict;
+}
+
+}  // namespace adit

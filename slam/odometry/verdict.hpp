@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/odometry/odometry.hpp"
+
+namespace adit {
+
+/// What a trajectory, or a part of it, is worth.
+enum class Trust {
+  reliable,
+  doubtful,  ///< it may be wrong by more than its covariance says
+  lost,      ///< it is a guess
+};
+std::string_view to_string(Trust trust);
+
+/// Why a stretch is not reliable.
+enum class DoubtCause {
+  unheld,        ///< the sensor moved along, or turned about, what no match held
+  predicted,     ///< no sweep could be aligned for too long
+  contradicted,  ///< alignments and inertial predictions contradict each other, one after another
+  new_start,     ///< the map began anew: how its pieces lie to each other is a guess
+};
+std::string_view to_string(DoubtCause cause);
+
+/// Sweeps in a row that are not reliable.
+struct DoubtfulStretch {
+  DoubtCause cause = DoubtCause::unheld;
+  Trust trust = Trust::doubtful;
+  size_t first = 0;  ///< sweep, counted from the first that was placed
+  size_t last = 0;
+  Nanoseconds begin{0};  ///< stamps of these two
+  Nanoseconds end{0};
+  double distance = 0.0;  ///< m, travelled in it by the estimate
+  bool inertial = false;  ///< an inertial sensor was fused in all of it
+  /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
+  /// turn alone.
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  /// contradicted: the median of the squared innovations per degree of freedom; about 1 is right.
+  double innovation = 0.0;
+};
+
+/// What a run is worth: as much as its worst stretch.
+struct Verdict {
+  Trust trust = Trust::reliable;
+  std::vector<DoubtfulStretch> stretches;  ///< by their causes, and in order of time
+};
+
+/// Watches the results of a run as they come and says where they are not to be relied on
+/// (docs/theory/odometry.md, section 5). It needs no truth, and cannot see everything: what it
+/// calls reliable is what nothing speaks against.
+class RunAssessor {
+ public:
+  void add(const SweepResult& result);
+  /// Of all sweeps so far.
+  Verdict verdict() const;
+
+ private:
+  struct Seen {
+    Nanoseconds stamp{0};
+    Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
+    double step = 0.0;  ///< m since the sweep before
+    bool aligned = false;
+    bool unheld = false;
+    bool inertial = false;
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unheld, map frame
+    double innovation = 0.0;  ///< squared, per degree of freedom; negative: none
+  };
+
+  void look_for_unheld();
+  void look_for_contradiction();
+  void look_for_prediction();
+  /// The last `sweeps` of them are doubtful: a new stretch, or more of the last one of that cause.
+  DoubtfulStretch& note(DoubtCause cause, size_t sweeps);
+
+  std::deque<Seen> recent_;
+  size_t count_ = 0;
+  size_t aligned_ = 0;
+  size_t since_aligned_ = 0;  ///< sweeps
+  double alone_ = 0.0;        ///< s since the last aligned sweep
+  std::vector<DoubtfulStretch> stretches_;
+};
+
+}  // namespace adit

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/odometry/verdict.hpp"
+
+#include <gtest/gtest.h>
+
+namespace adit {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Sweeps at 10 Hz along x, a metre each unless it stands.
+class Ride {
+ public:
+  SweepResult next(double step = 1.0) {
+    SweepResult result;
+    result.stamp = milliseconds(100) * count_;
+    x_ += count_ == 0 ? 0.0 : step;
+    result.T_map_lidar.translation().x() = x_;
+    result.state = count_ == 0 ? OdometryState::initializing : OdometryState::tracking;
+    result.registration.status = RegistrationStatus::converged;
+    for (int k = 0; k < 3; ++k) {
+      const ObservedDirection held{.axis = Eigen::Vector3d::Unit(k),
+                                   .localizability = Localizability::full};
+      result.registration.translation[static_cast<size_t>(k)] = held;
+      result.registration.rotation[static_cast<size_t>(k)] = held;
+    }
+    ++count_;
+    return result;
+  }
+  static SweepResult unheld(SweepResult result) {
+    result.registration.translation[0].localizability = Localizability::none;
+    return result;
+  }
+  static SweepResult fused(SweepResult result, double innovation = 1.0) {
+    result.inertial.nav = NavState{};
+    result.inertial.innovation.degrees = 6;
+    result.inertial.innovation.nis = 6.0 * innovation;
+    return result;
+  }
+  static SweepResult coasting(SweepResult result) {
+    result.state = OdometryState::coasting;
+    result.registration.status = RegistrationStatus::too_little_overlap;
+    return result;
+  }
+
+ private:
+  int count_ = 0;
+  double x_ = 0.0;
+};
+
+TEST(Verdict, ARunWhereEverythingIsHeldIsReliable) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 100; ++i) {
+    assessor.add(run.next());
+  }
+  EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
+  EXPECT_TRUE(assessor.verdict().stretches.empty());
+}
+
+TEST(Verdict, ATunnelByLidarAloneIsDoubtfulWhereItIsAndLostWhereItIsLong) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 30; ++i) {
+    assessor.add(run.next(0.5));
+  }
+  for (int i = 0; i < 10; ++i) {
+    assessor.add(Ride::unheld(run.next(0.5)));
+  }
+  ASSERT_EQ(assessor.verdict().stretches.size(), 1U);
+  const DoubtfulStretch brief = assessor.verdict().stretches[0];
+  EXPECT_EQ(assessor.verdict().trust, Trust::doubtful);
+  EXPECT_EQ(brief.cause, DoubtCause::unheld);
+  EXPECT_GE(brief.first, 24U);
+  EXPECT_EQ(brief.last, 39U);
+  EXPECT_EQ(brief.end, milliseconds(3900));
+  EXPECT_NEAR(std::abs(brief.direction.x()), 1.0, 1e-12);
+  EXPECT_FALSE(brief.inertial);
+  for (int i = 0; i < 30; ++i) {
+    assessor.add(Ride::unheld(run.next(0.5)));
+  }
+  const Verdict longer = assessor.verdict();
+  ASSERT_EQ(longer.stretches.size(), 1U) << "one tunnel is one stretch";
+  EXPECT_EQ(longer.trust, Trust::lost);
+  EXPECT_NEAR(longer.stretches[0].distance, 20.0, 3.0);
+}
+
+TEST(Verdict, AtRestNothingNeedsToBeHeld) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 60; ++i) {
+    assessor.add(Ride::unheld(run.next(0.01)));
+  }
+  EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
+}
+
+TEST(Verdict, InertiaCarriesOverWhatIsBriefAndNotOverASecondOfIt) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 100; ++i) {
+    const SweepResult sweep = Ride::fused(run.next());
+    assessor.add(i % 10 < 8 ? Ride::unheld(sweep) : sweep);
+  }
+  EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
+  for (int i = 0; i < 12; ++i) {
+    assessor.add(Ride::fused(Ride::unheld(run.next())));
+  }
+  const Verdict verdict = assessor.verdict();
+  EXPECT_EQ(verdict.trust, Trust::doubtful);
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_TRUE(verdict.stretches[0].inertial);
+}
+
+TEST(Verdict, ASweepOrTwoThatCannotBeAlignedAreBridged) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 60; ++i) {
+    const SweepResult sweep = run.next();
+    assessor.add(i % 20 > 17 ? Ride::coasting(sweep) : sweep);
+  }
+  EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
+}
+
+TEST(Verdict, LongerWithoutAnAlignmentIsDoubtfulAndLostWhereItEndsSo) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(run.next());
+  }
+  for (int i = 0; i < 15; ++i) {
+    assessor.add(Ride::coasting(run.next()));
+  }
+  EXPECT_EQ(assessor.verdict().trust, Trust::lost) << "it was not found again";
+  assessor.add(run.next());
+  const Verdict found = assessor.verdict();
+  EXPECT_EQ(found.trust, Trust::doubtful);
+  ASSERT_EQ(found.stretches.size(), 1U);
+  EXPECT_EQ(found.stretches[0].cause, DoubtCause::predicted);
+  EXPECT_EQ(found.stretches[0].first, 20U);
+  EXPECT_EQ(found.stretches[0].last, 34U);
+}
+
+TEST(Verdict, ANewStartIsLost) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(run.next());
+  }
+  for (int i = 0; i < 5; ++i) {
+    assessor.add(Ride::coasting(run.next()));
+  }
+  SweepResult again = run.next();
+  again.state = OdometryState::restarted;
+  assessor.add(again);
+  assessor.add(run.next());
+  const Verdict verdict = assessor.verdict();
+  EXPECT_EQ(verdict.trust, Trust::lost);
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_EQ(verdict.stretches[0].cause, DoubtCause::new_start);
+  EXPECT_EQ(verdict.stretches[0].first, 20U);
+  EXPECT_EQ(verdict.stretches[0].last, 25U);
+}
+
+TEST(Verdict, AlignmentsAndInertiaThatContradictEachOtherAreTold) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 30; ++i) {
+    assessor.add(Ride::fused(run.next(), i % 10 == 0 ? 300.0 : 2.0));  // outliers are no pattern
+  }
+  EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(Ride::fused(run.next(), 40.0));
+  }
+  const Verdict verdict = assessor.verdict();
+  EXPECT_EQ(verdict.trust, Trust::doubtful);
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_EQ(verdict.stretches[0].cause, DoubtCause::contradicted);
+  EXPECT_NEAR(verdict.stretches[0].innovation, 40.0, 1e-9);
+}
+
+TEST(Verdict, WhereNoSweepCouldBeAlignedAllIsLost) {
+  Ride run;
+  RunAssessor assessor;
+  assessor.add(run.next());
+  EXPECT_EQ(assessor.verdict().trust, Trust::reliable) << "one sweep is where it is";
+  assessor.add(Ride::coasting(run.next()));
+  EXPECT_EQ(assessor.verdict().trust, Trust::lost);
+}
+
+}  // namespace
+}  // namespace adit

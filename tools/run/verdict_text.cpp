@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/verdict_text.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/slam/core/nav_state.hpp"
+#include "adit/tools/support/printed.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kNamed = 5;  // stretches in the text; all are in the JSON
+
+std::string cause_text(const DoubtfulStretch& stretch) {
+  const Eigen::Vector3d& d = stretch.direction;
+  switch (stretch.cause) {
+    case DoubtCause::unheld:
+      return (d.isZero() ? "it turned about what no match held"
+                         : printed("no match held it along (%.2f, %.2f, %.2f) of the map", d.x(),
+                                   d.y(), d.z())) +
+             (stretch.inertial
+                  ? ", the IMU alone did; loops or GNSS would tell"
+                  : ", and no IMU did: where it is along that is a guess; fuse an IMU, or use a "
+                    "sensor that sees farther");
+    case DoubtCause::predicted:
+      return std::string("no sweep could be aligned: ") +
+             (stretch.inertial ? "the IMU alone carried it" : "its last velocity carried it on") +
+             "; `adit inspect` tells whether the recording is damaged there";
+    case DoubtCause::contradicted:
+      return printed(
+          "alignments and IMU contradict each other, innovations squared are %.0f times what they "
+          "should be; `adit inspect` holds the IMU's clock, mounting and units against the sweeps, "
+          "and imu.use=false maps without it",
+          stretch.innovation);
+    case DoubtCause::new_start:
+      return "the map began anew after it: how its pieces lie to each other is a guess; map them "
+             "apart with --start and --count";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
+  return printed("%.1f to %.1f s (sweeps %zu to %zu, %.1f m), ", seconds(stretch.begin - start),
+                 seconds(stretch.end - start), stretch.first, stretch.last, stretch.distance) +
+         std::string(to_string(stretch.trust)) + ": " + cause_text(stretch);
+}
+
+std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t indent) {
+  if (verdict.stretches.empty()) {
+    return verdict.trust == Trust::reliable
+               ? "reliable: each sweep was held by its matches or by the IMU"
+               : std::string(to_string(verdict.trust)) + ": no sweep could be aligned";
+  }
+  const std::size_t named = std::min(kNamed, verdict.stretches.size());
+  std::string text(to_string(verdict.trust));
+  for (std::size_t i = 0; i < named; ++i) {
+    text += "\n" + std::string(indent, ' ') + describe(verdict.stretches[i], start);
+  }
+  return verdict.stretches.size() == named
+             ? text
+             : text + "\n" + std::string(indent, ' ') +
+                   printed("and %zu more, see summary.json", verdict.stretches.size() - named);
+}
+
+ordered_json to_json(const Verdict& verdict, Nanoseconds start) {
+  ordered_json json = {{"state", to_string(verdict.trust)}, {"stretches", ordered_json::array()}};
+  for (const DoubtfulStretch& stretch : verdict.stretches) {
+    const Eigen::Vector3d& d = stretch.direction;
+    json["stretches"].push_back(
+        {{"state", to_string(stretch.trust)},
+         {"cause", to_string(stretch.cause)},
+         {"begin_s", seconds(stretch.begin - start)},
+         {"end_s", seconds(stretch.end - start)},
+         {"first_sweep", stretch.first},
+         {"last_sweep", stretch.last},
+         {"distance_m", stretch.distance},
+         {"imu_fused", stretch.inertial},
+         {"direction_map", d.isZero() ? ordered_json() : ordered_json{d.x(), d.y(), d.z()}},
+         {"innovation_squared_per_degree",
+          stretch.innovation > 0.0 ? ordered_json(stretch.innovation) : ordered_json()},
+         {"text", describe(stretch, start)}});
+  }
+  return json;
+}
+
+}  // namespace adit
