@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "adit/benchmarks/slam/slam_families.hpp"
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/benchmarks/slam/slam_run.hpp"
 #include "adit/benchmarks/slam/slam_sequences.hpp"
@@ -56,9 +57,18 @@ std::vector<Candidate> candidates(const BenchSlamOptions& options) {
     return all;
   }
   for (const SlamEntry& entry : slam_catalogue()) {
-    if (!options.quick || entry.quick) {
+    if (options.quick && !entry.quick) {
+      continue;
+    }
+    const auto add = [&](const SlamEntry& one) {
       all.push_back(
-          {.name = entry.name, .description = described(entry), .entry = entry, .sequence = {}});
+          {.name = one.name, .description = described(one), .entry = one, .sequence = {}});
+    };
+    if (options.seeds == 0) {
+      add(entry);
+    }
+    for (uint64_t k = 0; k < options.seeds; ++k) {
+      add(with_seed(entry, options.first_seed + k));
     }
   }
   return all;
@@ -187,6 +197,7 @@ SlamReport measure_all(const BenchSlamOptions& options, const std::vector<Candid
     const SlamSequence sequence = sequence_of(candidate, options.output / "recordings", err);
     SlamRow& row = report.rows.emplace_back();
     row.sequence = sequence.name;
+    row.family = sequence.family;
     row.description = sequence.description;
     const auto add = [&](SlamResult result) {
       row.results.push_back(judged(std::move(result), report.limits));
@@ -215,6 +226,7 @@ int bench_slam(const BenchSlamOptions& options, std::ostream& out, std::ostream&
   }
   const SlamReport report = measure_all(options, sequences, out, err);
   print_table(report, out);
+  print_families(report, out);
   out << "\n";
   if (!options.json.empty()) {
     constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
@@ -248,6 +260,8 @@ CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done)
       "  adit bench slam --only mine --variant lidar:imu.use=false\n"
       "  adit bench slam --trajectories others         others/SYSTEM/SEQUENCE.tum, a column a "
       "system\n"
+      "  adit bench slam --seeds 5                     the whole catalogue five times: median, "
+      "worst\n"
       "  adit bench slam --recordings data             data/NAME.bag with data/NAME.truth.tum\n\n"
       "Exit codes: 0 done, whatever failed is in the table; 1 the device or a file failed, 2 "
       "usage.");
@@ -255,6 +269,13 @@ CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done)
   command->add_option("--only", options->only, "Names of sequences, or how they begin")
       ->type_name("NAME");
   command->add_flag("--quick", options->quick, "Few sequences of the catalogue");
+  command
+      ->add_option("--seeds", options->seeds,
+                   "Each sequence of the catalogue so many times, with other seeds and beginnings")
+      ->type_name("N");
+  command->add_option("--first-seed", options->first_seed, "The first of these")
+      ->type_name("SEED")
+      ->capture_default_str();
   command
       ->add_option("--recordings", options->recordings,
                    "Your recordings, their truth beside them, instead of the catalogue")

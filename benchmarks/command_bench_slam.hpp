@@ -23,6 +23,8 @@ struct BenchSlamOptions {
   std::vector<std::string> only{};  ///< names of sequences or their beginnings; empty: all
   bool quick = false;               ///< the catalogue's quick ones alone
   bool list = false;
+  uint64_t seeds = 0;       ///< each sequence of the catalogue so many times; 0: as it stands there
+  uint64_t first_seed = 1;  ///< of these
   std::filesystem::path recordings{};    ///< these instead of the catalogue
   std::filesystem::path trajectories{};  ///< of other systems: SYSTEM/SEQUENCE.tum
   std::vector<std::string> variants{};   ///< "NAME:section.key=value", on top of `config`

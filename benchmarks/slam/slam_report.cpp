@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adit/benchmarks/slam/slam_families.hpp"
 #include "adit/tools/support/printed.hpp"
 
 namespace adit::bench {
@@ -35,6 +36,7 @@ Json to_json(const SlamResult& result, const SlamSystem& system) {
   return {{"system", system.name},
           {"verdict", to_string(result.verdict)},
           {"why", result.why},
+          {"trust", result.trust.empty() ? Json() : Json(result.trust)},
           {"errors", result.errors ? to_json(*result.errors) : Json()},
           {"effort", result.effort ? to_json(*result.effort) : Json()}};
 }
@@ -139,9 +141,12 @@ Json to_json(const SlamReport& report) {
     for (std::size_t i = 0; i < row.results.size(); ++i) {
       results.push_back(to_json(row.results[i], report.systems[i]));
     }
-    json["sequences"].push_back(
-        {{"name", row.sequence}, {"description", row.description}, {"results", results}});
+    json["sequences"].push_back({{"name", row.sequence},
+                                 {"family", row.family},
+                                 {"description", row.description},
+                                 {"results", results}});
   }
+  json["families"] = families_to_json(report);
   return json;
 }
 

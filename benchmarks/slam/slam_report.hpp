@@ -52,6 +52,7 @@ struct SlamResult {
   std::string why{};                   ///< it failed
   std::optional<SlamErrors> errors{};  ///< none where there is no trajectory to judge
   std::optional<SlamEffort> effort{};
+  std::string trust{};    ///< what the run said of itself (Trust); empty of other systems
   std::string drawing{};  ///< HTML: against the truth
 };
 
@@ -60,6 +61,7 @@ SlamResult judged(SlamResult result, const SlamLimits& limits);
 
 struct SlamRow {
   std::string sequence{};
+  std::string family{};  ///< the sequence's name without its seed
   std::string description{};
   std::vector<SlamResult> results{};  ///< one a system
 };

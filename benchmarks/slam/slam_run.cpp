@@ -18,6 +18,8 @@
 namespace adit::bench {
 namespace {
 
+using namespace nlohmann::literals;
+
 constexpr double kStretch = 10.0;  // m
 
 /// What a command complained of, without its name, up to the first line's end.
@@ -87,7 +89,9 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   SlamResult result;
   if (!summary.str().empty()) {
     result = judge_trajectory(sequence, variant.name, RunFiles(folder).tum);
-    result.effort = effort_of(nlohmann::json::parse(summary.str()));
+    const auto told = nlohmann::json::parse(summary.str());
+    result.effort = effort_of(told);
+    result.trust = told.value("/verdict/state"_json_pointer, "");
   }
   if (code != 0) {
     result.verdict = SlamVerdict::failed;

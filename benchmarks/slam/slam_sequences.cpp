@@ -19,6 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kBetweenBeginnings = 7.0;  // m
+constexpr uint64_t kBeginnings = 5;
+
 SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recording) {
   SimulationOptions options;
   options.scene = entry.scene;
@@ -28,6 +31,7 @@ SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recordin
   options.begin = entry.begin;
   options.seed = entry.seed;
   options.compression = Compression::zstd;
+  options.faults = entry.faults;
   options.output = recording;
   return options;
 }
@@ -37,7 +41,11 @@ std::string origin_of(const SlamEntry& entry) {
   std::ostringstream text;
   text << "adit bench slam: simulator revision " << kSimulatorRevision << ", " << entry.scene
        << ", " << entry.sensor << ", " << entry.trajectory << ", " << entry.duration << " s from "
-       << entry.begin << " m on, seed " << entry.seed << "\n";
+       << entry.begin << " m on, seed " << entry.seed;
+  for (const std::string& fault : entry.faults) {
+    text << ", " << fault;
+  }
+  text << "\n";
   return text.str();
 }
 
@@ -83,6 +91,7 @@ std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
     return std::nullopt;
   }
   return SlamSequence{.name = name.string(),
+                      .family = name.string(),
                       .description = "recorded",
                       .recording = path,
                       .truth = *truth,
@@ -103,9 +112,23 @@ std::vector<SlamEntry> slam_catalogue() {
           {"forest-vlp16-handheld", "forest", "VLP-16", "handheld", 40.0},
           {"forest-os1-walk", "forest", "OS1-64", "walk", 30.0, 100.0, 2},
           {"field-vlp16-drive", "field", "VLP-16", "drive", 60.0},
+          {"field-vlp16-stops", "field", "VLP-16", "stop-and-go", 40.0},
+          {"field-vlp16-walk", "field", "VLP-16", "walk", 40.0},
+          {"field-hdl32e-drive", "field", "HDL-32E", "drive", 30.0},
+          {"field-hdl32e-stops", "field", "HDL-32E", "stop-and-go", 30.0},
+          {"field-hdl32e-walk", "field", "HDL-32E", "walk", 30.0},
           {"field-hdl32e-moving", "field", "HDL-32E", "moving-start", 30.0, 200.0, 2},
+          {"room-mid360-fast", "room", "Mid-360", "fast-handheld", 20.0},
+          {"mine-vlp16-spikes", "mine", "VLP-16", "drive", 30.0, 0.0, 1, false, {"spikes"}},
           {"room-mid360-handheld", "room", "Mid-360", "handheld", 30.0, 0.0, 1, true},
           {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2}};
+}
+
+SlamEntry with_seed(SlamEntry entry, uint64_t seed) {
+  entry.name += "@" + std::to_string(seed);
+  entry.seed = seed;
+  entry.begin += kBetweenBeginnings * static_cast<double>(seed % kBeginnings);
+  return entry;
 }
 
 SlamSequence simulated_sequence(
@@ -114,6 +137,7 @@ SlamSequence simulated_sequence(
   const SimulationFiles files(folder / (entry.name + ".mcap"));
   const fs::path origin = folder / (entry.name + ".origin");
   const SlamSequence sequence{.name = entry.name,
+                              .family = entry.name.substr(0, entry.name.find('@')),
                               .description = described(entry),
                               .recording = files.recording,
                               .truth = files.trajectory,

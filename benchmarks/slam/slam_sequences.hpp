@@ -24,7 +24,11 @@ struct SlamEntry {
   double begin = 0.0;     ///< m along the scene's route
   uint64_t seed = 1;
   bool quick = false;  ///< of the few that --quick maps
+  std::vector<std::string> faults{};
 };
+
+/// The same with another seed, from another place on: "NAME@SEED".
+SlamEntry with_seed(SlamEntry entry, uint64_t seed);
 
 /// Everything that is simulated for the benchmark, by scene.
 std::vector<SlamEntry> slam_catalogue();
@@ -32,6 +36,7 @@ std::vector<SlamEntry> slam_catalogue();
 /// A recording and its truth.
 struct SlamSequence {
   std::string name{};
+  std::string family{};       ///< the name without a seed
   std::string description{};  ///< for people: the sensor and how it was carried, or "recorded"
   std::filesystem::path recording{};
   std::filesystem::path truth{};                       ///< TUM or KITTI format

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The checks of InertialTracker, each sweep, and what follows where one fails.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -25,13 +26,16 @@ constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 }  // namespace
 
 std::string InertialTracker::complaint(const ImuInterval& interval, double most) const {
-  const double longest = interval.longest_silence();
   if (interval.samples.empty()) {
     return "there are no IMU readings";
   }
-  return longest <= most ? ""
-                         : "no IMU readings for " + in_digits(longest) + " s (imu.max_gap is " +
-                               in_digits(config_.max_gap) + ")";
+  // A gap is bridged between its ends; where one of them is missing, nothing tells what comes.
+  const double held = std::max(interval.held_before, interval.held_after);
+  const bool covered = interval.longest_gap <= most && held <= std::min(most, kReadingGap);
+  const double longest = interval.longest_silence();
+  return covered ? ""
+                 : "no IMU readings for " + in_digits(longest) + " s (imu.max_gap is " +
+                       in_digits(config_.max_gap) + ")";
 }
 
 void InertialTracker::lose(const std::string& why) {
