@@ -116,10 +116,12 @@ ImuArrival InertialTracker::take(const ImuSample& sample) {
   const ImuArrival arrival = buffer_.push(corrected);
   if (arrival == ImuArrival::restarted) {
     saturation_ = {};
+    stuck_ = {};
   }
   if (arrival == ImuArrival::appended || arrival == ImuArrival::restarted) {
     monitor_.add(sample);
     saturation_.add(corrected);
+    stuck_.add(corrected);
   }
   if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use) {
     state_ = InertialState::starting;
@@ -155,6 +157,10 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
   if (const std::string wrong = complaint(interval, config_.max_gap); !wrong.empty()) {
     leave(InertialState::lost, wrong);
     after_gap_ = true;
+    return std::nullopt;
+  }
+  if (const auto stuck = stuck_.stuck()) {
+    leave(InertialState::lost, describe(*stuck) + ": is it broken? Check it with adit inspect");
     return std::nullopt;
   }
   const Nanoseconds last = graph_->latest().stamp;

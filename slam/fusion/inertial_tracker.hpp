@@ -16,6 +16,7 @@
 #include "adit/slam/inertial/imu_start.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
 #include "adit/slam/inertial/saturation.hpp"
+#include "adit/slam/inertial/stuck_axis.hpp"
 #include "adit/slam/inertial/sweep_motion.hpp"
 
 namespace adit {
@@ -174,6 +175,7 @@ class InertialTracker {
   ImuBuffer buffer_;
   GyroMonitor monitor_;
   SaturationWatch saturation_;
+  StuckAxisWatch stuck_;
   GyroFault suspected_ = GyroFault::none;  ///< by the last check
   int corrections_ = 0;                    ///< of faults
   int unexplained_ = 0;                    ///< sweeps to wait for a comparison, as a check failed

@@ -119,7 +119,11 @@ std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
   if (surprises_ >= kSurprises) {
     return std::to_string(surprises_) +
            " alignments in a row are where the IMU says that they cannot be" +
-           (passing_cause().empty() ? ": are clock and imu.T_imu_lidar right?" : "") +
+           (passing_cause().empty()
+                ? (timed_ ? ": are clock and imu.T_imu_lidar right?"
+                          : ": the sweeps have no times per point, so motion distorts them; else, "
+                            "are clock and imu.T_imu_lidar right?")
+                : "") +
            (rested_at_ && passing_cause().empty()
                 ? " And the accelerometer's sign, which a start at rest cannot tell from a "
                   "sensor upside down?"

@@ -72,7 +72,8 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
                                     R_body_lidar;
       gyro_agrees_ = rotation_angle(turned->transpose() * found) < kTurnDisagreement;
     }
-    hindrance_ = complaint(interval, config_.max_gap);
+    const auto stuck = stuck_.stuck();
+    hindrance_ = stuck ? describe(*stuck) : complaint(interval, config_.max_gap);
     if (hindrance_.empty()) {
       readings_.push_back(std::move(interval.samples));
     } else {
@@ -114,7 +115,8 @@ void InertialTracker::try_start() {
     how = start_at_rest(buffer_.between(first.stamp, last.stamp).samples, noise_);
     how.gravity_map = kStandardGravity * (last.pose.linear() * -how.up_body);
   }
-  if (!is_started(how.status)) {
+  // At rest with an implausible gravity: that no motion explains.
+  if (!is_started(how.status) && how.status != ImuStartStatus::implausible) {
     const std::vector<StampedPose> poses(poses_.begin(), poses_.end());
     const std::vector<std::vector<ImuSample>> readings(readings_.begin(), readings_.end());
     how = start_in_motion(poses, readings, noise_);

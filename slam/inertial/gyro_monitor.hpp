@@ -18,6 +18,7 @@ enum class GyroFault {
   constant,   ///< it does not move while the sweeps turn
   unrelated,  ///< it moves, and has no motion in common with them
   unit,       ///< it turns many times more, or less
+  scale,      ///< some per cent more, or less
   clock,
   mounting,
 };

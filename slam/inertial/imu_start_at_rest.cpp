@@ -17,6 +17,7 @@ constexpr size_t kFewest = 20;     // readings
 constexpr double kDriftGyro = 0.01;  // rad/s
 constexpr double kDriftAccel = 0.1;  // m/s²
 constexpr double kGravityTolerance = 0.5;
+constexpr double kLeastScale = 0.7;      // less of gravity is no error of scale but another unit
 constexpr double kAccelBiasSigma = 0.1;  // m/s², across gravity
 
 ImuStart refused(ImuStartStatus status, std::string reason) {
@@ -99,9 +100,14 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
   }
   const double norm = all.accel.norm();
   if (std::abs(norm - kStandardGravity) > kGravityTolerance) {
+    const double off = norm / kStandardGravity;
+    const bool scaled = off > kLeastScale && off < 1.0 / kLeastScale;
     return refused(ImuStartStatus::implausible,
                    "the accelerometer reads " + in_digits(raw_norm) +
-                       " at rest; 9.8 (m/s^2) or 1 (g) was expected: is its unit another?");
+                       " at rest; 9.8 (m/s^2) or 1 (g) was expected: " +
+                       (scaled ? "is its scale off? recording.accelerometer_scale = " +
+                                     in_digits(1.0 / off, 4) + " would mend that"
+                               : "is its unit another?"));
   }
 
   ImuStart start;

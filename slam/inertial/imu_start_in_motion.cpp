@@ -21,6 +21,7 @@ constexpr double kPositionSigma = 0.02;        // m, of each pose
 constexpr double kRotationSigma = 0.005;       // rad, of each pose
 constexpr double kAccelBiasSigma = 0.1;        // m/s², before anything is seen of it
 constexpr double kGravityTolerance = 1.0;      // m/s², of its free length
+constexpr double kLeastScale = 0.7;            // of gravity: less is no error of scale
 constexpr double kLargestGravitySigma = 0.05;  // rad
 
 /// Poses with what was integrated between them.
@@ -193,12 +194,17 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   Solution best;
   double free_norm = 0.0;
   double usual_fit = 0.0;
+  double refused_norm = 0.0;  // of the usual sign, in m/s²
   for (const double hypothesis : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
     const Links links{T_map_body, integrated(readings, hypothesis, gyro.value, noise)};
     const Solution unknown_length = solve(links, Eigen::Vector3d::Zero(), free);
     const double norm = unknown_length.gravity.norm();
     free_norm = hypothesis == 1.0 ? norm : free_norm;
-    if (std::abs(norm - kStandardGravity) > kGravityTolerance) {
+    // The length says nothing of the sign: where it is off by some scale, so it is for both.
+    const bool scaled = hypothesis < 0.0 && refused_norm > kLeastScale * kStandardGravity &&
+                        kLeastScale * refused_norm < kStandardGravity;
+    if (std::abs(norm - kStandardGravity) > kGravityTolerance || scaled) {
+      refused_norm = hypothesis > 0.0 && refused_norm == 0.0 ? norm : refused_norm;
       continue;
     }
     const Solution solution = solve_direction(links, unknown_length.gravity);

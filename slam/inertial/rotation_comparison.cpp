@@ -180,6 +180,12 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
   result.offset = fit.frame.offset;
   result.offset_sigma = fit.offset_sigma;
   result.R_range_gyro = fit.frame.R_range_gyro;
+  // The range sensor's turns by the gyroscope's, which have the smaller errors.
+  const Moments at_fit = moments_at(result.offset, turns, integral);
+  const double slope =
+      (result.R_range_gyro.transpose() * at_fit.cross).trace() / at_fit.gyroscope_energy;
+  result.scale = 1.0 / slope;
+  result.scale_sigma = std::sqrt(noise / at_fit.gyroscope_energy) / (slope * slope);
   result.misalignment = rotation_angle(R_range_gyro_expected.transpose() * result.R_range_gyro);
   result.mounting_sigma = mounting_sigma(fit);
   result.mounting_information = fit.eigenvalues;

@@ -32,6 +32,10 @@ struct RotationComparison {
   double offset = 0.0;
   double offset_sigma = 0.0;  ///< s, standard deviation from the residuals
   double correlation = 0.0;   ///< of the two at this offset, 0 to 1
+  /// The gyroscope's turns over the range sensor's: 1 is right; standard deviation from the
+  /// residuals.
+  double scale = 1.0;
+  double scale_sigma = 0.0;
   /// Nearest to the expected mounting in directions that the motion does not tell.
   Eigen::Matrix3d R_range_gyro = Eigen::Matrix3d::Identity();
   double misalignment = 0.0;  ///< rad, of the expected mounting, as far as the motion tells it

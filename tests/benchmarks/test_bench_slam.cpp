@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -10,6 +12,7 @@
 
 #include "adit/benchmarks/command_bench.hpp"
 #include "adit/benchmarks/command_bench_slam.hpp"
+#include "adit/benchmarks/slam/slam_families.hpp"
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/benchmarks/slam/slam_run.hpp"
 #include "adit/benchmarks/slam/slam_sequences.hpp"
@@ -188,6 +191,51 @@ TEST(BenchSlam, MeansAreOverWhatEverySystemMastered) {
   EXPECT_EQ(totals.mean_ate, (std::vector<double>{1.5, 2.25}));
   EXPECT_EQ(best_of(report.rows[0]), 1U);
   EXPECT_EQ(best_of(report.rows[1]), 0U);
+}
+
+/// A run of a family with its error (m; none: no trajectory) on 100 m and what it said of itself.
+SlamRow row_of(const std::string& family, std::optional<double> error, const std::string& trust) {
+  SlamResult result{.trust = trust};
+  if (error) {
+    result.errors = SlamErrors{.ate = *error, .path = 100.0, .covered = 100.0};
+    result = judged(result, {});
+  } else {
+    result.verdict = SlamVerdict::failed;
+  }
+  return {.sequence = family + "@1", .family = family, .results = {result}};
+}
+
+TEST(BenchSlam, FamiliesAreSummedUpByMedianWorstAndFailures) {
+  SlamReport report{.systems = {{.name = "adit"}}};
+  report.rows = {row_of("mine", 0.3, "reliable"), row_of("field", 0.2, "reliable"),
+                 row_of("mine", 0.1, "reliable"), row_of("mine", 5.0, "lost"),
+                 row_of("field", std::nullopt, "doubtful")};
+  const std::vector<SlamFamily> families = families_of(report);
+  ASSERT_EQ(families.size(), 2U);
+  EXPECT_EQ(families[0].name, "mine");
+  const SlamSpread& mine = families[0].systems[0];
+  EXPECT_EQ(mine.runs, 3U);
+  EXPECT_EQ(mine.failed, 1U);
+  EXPECT_DOUBLE_EQ(mine.median, 0.3);
+  EXPECT_DOUBLE_EQ(mine.worst, 5.0);
+  EXPECT_DOUBLE_EQ(mine.path, 100.0);
+  EXPECT_TRUE(std::isinf(families[1].systems[0].worst)) << "one has no trajectory";
+  const SlamConfusion confusion = confusion_of(report, 0);
+  EXPECT_EQ(confusion.counts[0][0], 3U) << "within the limits and reliable";
+  EXPECT_EQ(confusion.counts[1][1], 1U);
+  EXPECT_EQ(confusion.counts[1][2], 1U);
+  std::ostringstream text;
+  print_families(report, text);
+  EXPECT_NE(text.str().find("1 of 3"), std::string::npos) << text.str();
+}
+
+TEST(SlamCatalogue, ASeedIsAnotherWorldAndAnotherBeginning) {
+  const SlamEntry entry = slam_catalogue().front();
+  const SlamEntry second = with_seed(entry, 2);
+  const SlamEntry third = with_seed(entry, 3);
+  EXPECT_EQ(second.name, entry.name + "@2");
+  EXPECT_EQ(second.seed, 2U);
+  EXPECT_NE(second.begin, third.begin);
 }
 
 TEST(BenchSlam, RefusesWhatMakesNoSense) {

@@ -47,8 +47,10 @@ class PlacedAsTold : public Slam {
     return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
   }
   std::optional<Mounting> mounting() const override { return std::nullopt; }
+  const Config& config() const override { return config_; }
 
  private:
+  Config config_;
   std::function<SweepResult(const Sweep&)> place_;
   std::deque<Sweep> waiting_;
   std::optional<Nanoseconds> last_;

@@ -15,8 +15,9 @@
 namespace adit {
 namespace {
 
-constexpr double kMostOffset = 0.5;             // s
-constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
+constexpr double kMostOffset = 0.5;       // s
+constexpr double kHarmlessOffset = 0.02;  // s: what distorted sweeps can feign
+constexpr double kHarmlessScale = 0.04;
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
@@ -229,6 +230,7 @@ Finding mounting_finding(const MotionCheck& check) {
                 angles(found.R_range_gyro).c_str(), found.misalignment * kDegrees,
                 kSureSigmas * known_mounting_sigma(found) * kDegrees,
                 inverted ? "; the transform is the wrong way round" : "");
+  const std::string hidden = unobserved_axes(found);
   return {
       Severity::problem,
       "mounting",
@@ -237,8 +239,27 @@ Finding mounting_finding(const MotionCheck& check) {
       "rotations and gravity act about the wrong axes: mapping with this IMU fails at the first "
       "turn",
       std::string(inverted ? "Invert the transform" : "Correct the transform") +
-          "; by the motion the rotation from this IMU to the range sensor is " +
-          quaternion(found.R_range_gyro)};
+          (hidden.empty() ? "; by the motion the rotation from this IMU to the range sensor is " +
+                                quaternion(found.R_range_gyro)
+                          : "; the motion does not tell its " + hidden +
+                                ": record some seconds in which it turns about every axis")};
+}
+
+Finding scale_finding(const MotionCheck& check) {
+  const RotationComparison& found = *check.comparison;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "its gyroscope turns %.3f (+- %.3f) times as much as the sweeps of %s: its scale "
+                "is off",
+                found.scale, kSureSigmas * found.scale_sigma, check.pair.sweeps.name.c_str());
+  char remedy[80];
+  std::snprintf(remedy, sizeof remedy, "Set recording.gyroscope_scale = %.4f", 1.0 / found.scale);
+  return {Severity::problem,
+          "gyroscope_scale",
+          check.pair.imu.name,
+          text,
+          "turns are predicted wrongly, or it is left out",
+          remedy};
 }
 
 }  // namespace
@@ -263,6 +284,9 @@ std::vector<Finding> find_in_motion(const MotionCheck& check) {
     return findings;
   }
   const RotationComparison& found = *check.comparison;
+  if (std::abs(found.scale - 1.0) > kHarmlessScale + kSureSigmas * found.scale_sigma) {
+    findings.push_back(scale_finding(check));
+  }
   // Without times of points a sweep's stamp may be its start, its middle or its end.
   const double hidden = check.point_times ? kHarmlessOffset : 1.1 * check.period;
   if (std::abs(found.offset) > hidden + kSureSigmas * found.offset_sigma) {

@@ -10,6 +10,7 @@ namespace adit {
 namespace {
 
 constexpr double kGravity = 9.80665;  // m/s²
+constexpr double kScaleError = 0.04;  // of gravity: sensors that are right stay below
 
 /// A number with so many digits after the point.
 std::string fixed(double value, int digits) {
@@ -164,6 +165,17 @@ void check_gravity(const TopicStatistics& topic, const FrameTree& frames, Findin
   }
 }
 
+/// What it read in its longest time at rest, or moving evenly.
+std::optional<double> gravity_at_rest(const ImuStatistics& s) {
+  const std::vector<RestStretch> stretches = rest_stretches(s.timeline);
+  if (stretches.empty()) {
+    return std::nullopt;
+  }
+  const RestStretch& longest = *std::ranges::max_element(
+      stretches, {}, [](const RestStretch& one) { return one.end - one.begin; });
+  return longest.acceleration.norm();
+}
+
 void check_imu(const ImuStatistics& s, Findings& findings) {
   if (s.not_finite > 0) {
     findings.problem("not_finite", std::to_string(s.not_finite) + " samples have no finite numbers",
@@ -175,6 +187,10 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
                      of(s.spikes, readings) +
                          " samples are spikes: far from those before and after them, which agree",
                      "they are left out", "Check the sensor's cable, supply and driver");
+  }
+  if (s.stuck) {
+    findings.problem("stuck_axis", describe(*s.stuck), "mapping goes on without it meanwhile",
+                     "Check the sensor and its driver");
   }
   if (s.impossible > 0) {
     findings.problem("impossible_readings",
@@ -200,6 +216,15 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
   } else if (norm < 0.8 * kGravity || norm > 1.3 * kGravity) {
     findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
                      "gravity cannot be told", "Check the accelerometer's unit and range");
+  }
+  if (const auto gravity = gravity_at_rest(s);
+      gravity && norm >= 0.8 * kGravity && std::abs(*gravity / kGravity - 1.0) > kScaleError) {
+    findings.problem("accelerometer_scale",
+                     "it reads " + fixed(*gravity, 3) + " m/s² at rest, " +
+                         fixed(100.0 * (*gravity / kGravity - 1.0), 1) +
+                         " % off gravity: its scale is off",
+                     "velocities and heights drift, or it is left out",
+                     "Set recording.accelerometer_scale = " + fixed(kGravity / *gravity, 4));
   }
   // 35 rad/s are 2000 degrees/s, the range of most sensors; a tenth of that on average is no
   // motion.

@@ -51,6 +51,11 @@ void take_healthy(ImuStatistics& s, const ImuSample& sample, Nanoseconds receive
   s.acceleration.add(sample.linear_acceleration.norm());
   if (sample.angular_velocity.allFinite()) {
     s.rotation.add(sample.angular_velocity.norm());
+    s.stuck_watch.add(sample);
+    if (const auto stuck = s.stuck_watch.stuck();
+        stuck && (!s.stuck || stuck->duration > s.stuck->duration)) {
+      s.stuck = stuck;
+    }
   }
   s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
                          static_cast<double>(s.acceleration.count);

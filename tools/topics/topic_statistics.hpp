@@ -12,6 +12,7 @@
 
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
+#include "adit/slam/inertial/stuck_axis.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/topics/imu_timeline.hpp"
 #include "adit/tools/topics/interval_histogram.hpp"
@@ -36,9 +37,11 @@ struct ImuStatistics {
   Eigen::Vector3d mean_acceleration = Eigen::Vector3d::Zero();
   uint64_t not_finite = 0;  ///< samples with a number that is none
   uint64_t impossible = 0;  ///< beyond what any sensor reads
-  uint64_t spikes = 0;      ///< far from those before and after, which agree
-  ImuTimeline timeline;     ///< of the others
-  ReadingGate gate{{}};     ///< tells them
+  StuckAxisWatch stuck_watch;
+  std::optional<StuckAxis> stuck;  ///< the longest time that an axis was
+  uint64_t spikes = 0;             ///< far from those before and after, which agree
+  ImuTimeline timeline;            ///< of the others
+  ReadingGate gate{{}};            ///< tells them
 };
 
 /// Directions about the sensor's z axis.

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/inertial/stuck_axis.hpp"
+
+#include "adit/slam/core/nav_state.hpp"
+#include "adit/slam/core/text.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kShortest = 0.5;  // s
+constexpr int kFewest = 50;        // readings
+constexpr int kAlive = 10;         // changes of an axis that works
+constexpr double kTurning = 0.1;   // rad/s
+constexpr double kMoving = 0.5;    // of the accelerometer's unit
+
+}  // namespace
+
+std::string describe(const StuckAxis& stuck) {
+  constexpr std::array kNames = {"x", "y", "z"};
+  return std::string("the ") + (stuck.gyroscope ? "gyroscope" : "accelerometer") + "'s " +
+         kNames.at(static_cast<size_t>(stuck.axis)) + " stays at " + in_digits(stuck.value) +
+         " for " + in_digits(stuck.duration) + " s while its other axes move";
+}
+
+void StuckAxisWatch::add(Triad& triad, const Eigen::Vector3d& value, Nanoseconds stamp) {
+  for (int i = 0; i < 3; ++i) {
+    Axis& axis = triad[static_cast<size_t>(i)];
+    if (axis.readings == 0 || value(i) != axis.value) {
+      axis = {.value = value(i),
+              .since = stamp,
+              .readings = 1,
+              .changes = axis.changes + (axis.readings == 0 ? 0 : 1),
+              .least = value,
+              .greatest = value};
+      continue;
+    }
+    ++axis.readings;
+    axis.least = axis.least.cwiseMin(value);
+    axis.greatest = axis.greatest.cwiseMax(value);
+  }
+}
+
+void StuckAxisWatch::add(const ImuSample& sample) {
+  add(gyroscope_, sample.angular_velocity, sample.stamp);
+  add(accelerometer_, sample.linear_acceleration, sample.stamp);
+  last_ = sample.stamp;
+}
+
+std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, double moving, Nanoseconds now) {
+  for (int i = 0; i < 3; ++i) {
+    const Axis& axis = triad[static_cast<size_t>(i)];
+    const double duration = seconds(now - axis.since);
+    if (axis.changes >= kAlive && axis.readings >= kFewest && duration >= kShortest &&
+        (axis.greatest - axis.least).maxCoeff() > moving) {
+      return StuckAxis{.axis = i, .value = axis.value, .duration = duration};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<StuckAxis> StuckAxisWatch::stuck() const {
+  auto found = stuck(gyroscope_, kTurning, last_);
+  if (!found) {
+    found = stuck(accelerometer_, kMoving, last_);
+    if (found) {
+      found->gyroscope = false;
+    }
+  }
+  return found;
+}
+
+}  // namespace adit
