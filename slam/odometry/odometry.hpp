@@ -92,6 +92,9 @@ class Odometry {
   /// The half behind it: waits for the device, fuses and decides. A begin() must have come before.
   SweepResult finish();
 
+  /// The sweep finished last: down-sampled, lidar axes, m.
+  std::vector<Point> cloud() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
