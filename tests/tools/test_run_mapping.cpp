@@ -47,6 +47,7 @@ class PlacedAsTold : public Slam {
     return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
   }
   std::optional<Mounting> mounting() const override { return std::nullopt; }
+  std::optional<MapReport> finish_map() override { return std::nullopt; }
 
  private:
   std::function<SweepResult(const Sweep&)> place_;
