@@ -18,7 +18,10 @@ class OfflineSlam final : public Slam {
       : configured_(config.imu.T_imu_lidar),
         inertial_(options.inertial && config.imu.use),
         feed_(inertial_),
-        odometry_(context, config) {
+        odometry_(context, config),
+        context_(&context),
+        map_(options.map),
+        session_(options.session) {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
@@ -60,6 +63,14 @@ class OfflineSlam final : public Slam {
 
   const Config& config() const override { return odometry_.config(); }
 
+  std::optional<MapReport> finish_map() override {
+    if (!mapper_) {
+      return std::nullopt;
+    }
+    mapper_->finish();
+    return mapper_->report();
+  }
+
  private:
   void take(const ImuSample& reading) {
     for (const TakenReading& known : odometry_.add(reading)) {
@@ -82,7 +93,15 @@ class OfflineSlam final : public Slam {
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
-    return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
+    // With the lengths that the first sweep told; after the odometry is done with the sweep: a map
+    // changes nothing of it.
+    if (map_ != nullptr && !mapper_) {
+      mapper_.emplace(*context_, odometry_.config(), *map_, session_);
+    }
+    std::optional<MapPlacement> mapped =
+        mapper_ ? std::optional(mapper_->add(sweep, result, odometry_.cloud())) : std::nullopt;
+    return SweepPlaced{
+        .sweep = std::move(sweep), .result = std::move(result), .mapped = std::move(mapped)};
   }
 
   Mounting find_mounting() const {
@@ -101,6 +120,10 @@ class OfflineSlam final : public Slam {
   bool inertial_;
   SensorFeed feed_;
   Odometry odometry_;
+  engine::Context* context_;
+  MapStore* map_;  ///< null: no map is made
+  SessionId session_;
+  std::optional<Mapper> mapper_;
   std::optional<HighRateStream> high_rate_;
   std::deque<ReadingTaken> taken_;  ///< not asked for yet
   FrameTree transforms_;
