@@ -16,6 +16,7 @@
 #include "adit/engine/kernels/voxel_map.hpp"
 #include "adit/engine/self_test/self_test_checks.hpp"
 #include "adit/engine/self_test/self_test_deskew.hpp"
+#include "adit/engine/self_test/self_test_submap.hpp"
 #include "adit/shaders/shared/engine_probe.h"
 
 namespace adit::engine {
@@ -305,19 +306,24 @@ SelfTestReport run_self_test(Context& context) {
   Layout result_layout(&results);
   const Outputs found(result_layout, scene);
   const gpu::SweepCounters counters = read<gpu::SweepCounters>(found.counters)[0];
-  return {{check_probe(read<uint32_t>(found.probe)),
-           check_texel_probe(read<uint32_t>(found.texel_probe)),
-           check_deskew(scene, read<gpu::vec4>(found.moved)), check_insert(scene, counters),
-           check_count(scene, counters), check_emit(scene, read<gpu::vec4>(found.cloud)),
-           check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
-           check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),
-                                   .emptied = read<gpu::GaussianCell>(emptied),
-                                   .counters = read<gpu::VoxelMapCounters>(found.map_counters)[0],
-                                   .voxel_size = kVoxelSize}),
-           check_finished_map(scene, read<gpu::GaussianCell>(found.finished)),
-           check_alignment(scene, "vgicp", found_alignment(found.state, found.progress)),
-           check_alignment(scene, "ndt", found_alignment(found.ndt_state, found.ndt_progress)),
-           check_directions(found_alignment(found.state, found.progress))}};
+  SelfTestReport report{
+      {check_probe(read<uint32_t>(found.probe)),
+       check_texel_probe(read<uint32_t>(found.texel_probe)),
+       check_deskew(scene, read<gpu::vec4>(found.moved)), check_insert(scene, counters),
+       check_count(scene, counters), check_emit(scene, read<gpu::vec4>(found.cloud)),
+       check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
+       check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),
+                               .emptied = read<gpu::GaussianCell>(emptied),
+                               .counters = read<gpu::VoxelMapCounters>(found.map_counters)[0],
+                               .voxel_size = kVoxelSize}),
+       check_finished_map(scene, read<gpu::GaussianCell>(found.finished)),
+       check_alignment(scene, "vgicp", found_alignment(found.state, found.progress)),
+       check_alignment(scene, "ndt", found_alignment(found.ndt_state, found.ndt_progress)),
+       check_directions(found_alignment(found.state, found.progress))}};
+  for (SelfTestCase& one : test_submap(context)) {
+    report.cases.push_back(std::move(one));
+  }
+  return report;
 }
 
 }  // namespace adit::engine

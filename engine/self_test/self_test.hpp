@@ -24,8 +24,8 @@ struct SelfTestReport {
 };
 
 /// Runs every kernel once on a small room corner whose down-sampled cloud, normals and alignment
-/// are known in closed form. One submission, a few milliseconds besides the creation of pipelines.
-/// A wrong answer is a case that did not pass; Error only where the device itself fails.
+/// are known in closed form. Three submissions, a few milliseconds besides the creation of
+/// pipelines. A wrong answer is a case that did not pass; Error only where the device itself fails.
 SelfTestReport run_self_test(Context& context);
 
 }  // namespace adit::engine

@@ -317,8 +317,9 @@ std::string describe(const MotionCheck& check) {
   if (known < 3) {
     line += known == 0 ? " (a guess)" : " (about some axes a guess)";
   }
-  std::snprintf(text, sizeof text, "; correlation %.3f over %zu sweeps", found.correlation,
-                check.sweeps);
+  std::snprintf(text, sizeof text,
+                "; it turns %.3f (+- %.3f) times as much; correlation %.3f over %zu sweeps",
+                found.scale, kSureSigmas * found.scale_sigma, found.correlation, check.sweeps);
   return line + text;
 }
 
