@@ -29,7 +29,6 @@ constexpr Nanoseconds kKept = std::chrono::seconds(1);  // of samples before the
 constexpr double kLively = 0.008;
 constexpr double kStill = 0.02;                 // of the sweeps' turning: a constant gyroscope
 constexpr double kOtherUnit = 2.0;              // times as much, or as little
-constexpr double kHarmlessScale = 0.04;         // sweeps without times, and their drift, feign less
 constexpr double kHarmlessMisalignment = 0.09;  // rad
 constexpr double kClockSigmas = 4.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -111,7 +110,7 @@ std::string unit_evidence(double factor) {
 
 std::string scale_evidence(const RotationComparison& found, size_t turns) {
   return "the gyroscope turns " + with_decimals(found.scale, 3) + " (+- " +
-         with_decimals(kSureSigmas * found.scale_sigma, 3) +
+         with_decimals(kSureScaleSigmas * found.scale_sigma, 3) +
          ") times as much as the sweeps, over " + std::to_string(turns) +
          " of them: its scale is off; recording.gyroscope_scale = " +
          with_decimals(1.0 / found.scale, 3) + " would mend that";
@@ -189,8 +188,7 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
   } else if (factor > kOtherUnit || factor < 1.0 / kOtherUnit) {
     result.fault = GyroFault::unit;
     result.evidence = unit_evidence(factor);
-  } else if (std::abs(result.comparison->scale - 1.0) >
-             kHarmlessScale + kSureSigmas * result.comparison->scale_sigma) {
+  } else if (is_off_scale(*result.comparison)) {
     result.fault = GyroFault::scale;
     result.evidence = scale_evidence(*result.comparison, turns.size());
   } else if (std::abs(result.comparison->offset - expected.offset) >

@@ -5,6 +5,7 @@
 // the offset of their clocks and how they are mounted to each other.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -67,6 +68,20 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
 /// How far the estimates of a comparison may be off: errors of neighbouring sweeps are alike, which
 /// their residuals do not tell.
 inline constexpr double kSureSigmas = 8.0;
+
+/// The scale comes of all turns together, in which errors of neighbours cancel: it is sure within
+/// fewer. Sweeps without times, and their drift, feign some per cent.
+inline constexpr double kSureScaleSigmas = 4.0;
+inline constexpr double kHarmlessScale = 0.04;
+/// Sweeps that hardly agree with the gyroscope, as those of wild motions, tell no scale.
+inline constexpr double kCorrelationForScale = 0.99;
+
+/// The gyroscope's scale is off, for all that the sweeps can feign.
+inline bool is_off_scale(const RotationComparison& comparison) {
+  return comparison.correlation > kCorrelationForScale &&
+         std::abs(comparison.scale - 1.0) >
+             kHarmlessScale + kSureScaleSigmas * comparison.scale_sigma;
+}
 
 /// The greatest standard deviation (rad) of the mounting about an axis that the motion tells.
 double known_mounting_sigma(const RotationComparison& comparison);

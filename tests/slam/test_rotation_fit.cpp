@@ -200,6 +200,15 @@ TEST(GyroMonitor, TurnsNearSaturatedReadingsDoNotCount) {
   EXPECT_NEAR(check.comparison->offset, 0.0, 0.003);
 }
 
+TEST(RotationComparison, AScaleIsOffWhereAllTurnsSaySo) {
+  EXPECT_FALSE(is_off_scale({.correlation = 0.999, .scale = 1.02, .scale_sigma = 0.004}));
+  EXPECT_TRUE(is_off_scale({.correlation = 0.995, .scale = 1.1, .scale_sigma = 0.009}));
+  EXPECT_TRUE(is_off_scale({.correlation = 0.995, .scale = 0.9, .scale_sigma = 0.009}));
+  EXPECT_FALSE(is_off_scale({.correlation = 0.983, .scale = 1.13, .scale_sigma = 0.02}))
+      << "sweeps of a wild motion tell no scale";
+  EXPECT_FALSE(is_off_scale({.correlation = 0.995, .scale = 1.1, .scale_sigma = 0.02}));
+}
+
 TEST(GyroMonitor, TheRemedyOfAClockIsTheWholeSetting) {
   GyroExpectation expected;
   expected.configured = 0.25;

@@ -15,9 +15,8 @@
 namespace adit {
 namespace {
 
-constexpr double kMostOffset = 0.5;       // s
-constexpr double kHarmlessOffset = 0.02;  // s: what distorted sweeps can feign
-constexpr double kHarmlessScale = 0.04;
+constexpr double kMostOffset = 0.5;             // s
+constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
@@ -251,7 +250,7 @@ Finding scale_finding(const MotionCheck& check) {
   std::snprintf(text, sizeof text,
                 "its gyroscope turns %.3f (+- %.3f) times as much as the sweeps of %s: its scale "
                 "is off",
-                found.scale, kSureSigmas * found.scale_sigma, check.pair.sweeps.name.c_str());
+                found.scale, kSureScaleSigmas * found.scale_sigma, check.pair.sweeps.name.c_str());
   char remedy[80];
   std::snprintf(remedy, sizeof remedy, "Set recording.gyroscope_scale = %.4f", 1.0 / found.scale);
   return {Severity::problem,
@@ -284,7 +283,7 @@ std::vector<Finding> find_in_motion(const MotionCheck& check) {
     return findings;
   }
   const RotationComparison& found = *check.comparison;
-  if (std::abs(found.scale - 1.0) > kHarmlessScale + kSureSigmas * found.scale_sigma) {
+  if (is_off_scale(found)) {
     findings.push_back(scale_finding(check));
   }
   // Without times of points a sweep's stamp may be its start, its middle or its end.
@@ -319,7 +318,7 @@ std::string describe(const MotionCheck& check) {
   }
   std::snprintf(text, sizeof text,
                 "; it turns %.3f (+- %.3f) times as much; correlation %.3f over %zu sweeps",
-                found.scale, kSureSigmas * found.scale_sigma, found.correlation, check.sweeps);
+                found.scale, kSureScaleSigmas * found.scale_sigma, found.correlation, check.sweeps);
   return line + text;
 }
 
