@@ -28,8 +28,8 @@ struct PreprocessConfig {
     field("c_min", self.c_min, "m", "returns nearer than this are dropped");
     field("c_max", self.c_max, "m", "returns farther than this are dropped");
     field("r_input", self.r_input, "m",
-          "voxel size of the sweep's down-sampling (one centroid a voxel); 0: a thirtieth of the "
-          "median range of the first sweep, 0.05 to 0.25 m");
+          "voxel size of the sweep's down-sampling (one centroid a voxel); 0: a sixtieth of "
+          "the range that nine in ten points of the first sweep stay below, 0.05 to 0.25 m");
     field("beam_spacing", self.beam_spacing, "rad",
           "angle between neighbouring beams, the wider of the two directions; the neighbourhood of "
           "normal estimation grows with range times this; 0: as the first sweep shows it");

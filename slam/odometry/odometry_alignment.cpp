@@ -105,6 +105,11 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   if (!can || !expected.prediction.trusted || !usual_fit.falls_short(result.registration)) {
     return;
   }
+  // Inertia knows better than what fits best: rings on the ground fit best where they were.
+  const bool failed = !is_usable(result.registration.status);
+  if (expected.inertial && !failed) {
+    return;
+  }
   Prediction doubted = expected.prediction;
   doubted.trusted = false;
   const auto places = places_after_doubt({.predicted = expected.prediction.T_map_lidar,
@@ -119,8 +124,7 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   const bool against = expected.inertial && !is_within(found, expected.prediction, kInertialSigmas);
   const double needed = against ? kAgainstInertia : kClearlyMore;
   const bool clearly = found.inliers > needed * result.registration.inliers;
-  if (is_usable(found.status) &&
-      (clearly || (!against && !is_usable(result.registration.status)))) {
+  if (is_usable(found.status) && (clearly || (failed && !against))) {
     result.registration = found;
   }
   result.searched = true;

@@ -19,8 +19,8 @@ constexpr int kSectors = 360;
 constexpr double kNarrowest = 0.002;    // rad
 constexpr double kWidest = 0.2;         // rad
 constexpr float kNearestReturn = 0.1F;  // m
-constexpr double kVoxelsToMedian =
-    30.0;  // as many voxels lie between the sensor and half its points
+constexpr double kVoxelsToFar =
+    60.0;  // as many voxels lie between the sensor and nine in ten points
 constexpr double kSmallestVoxel = 0.05;  // m
 
 /// Half of the sum of all gaps is in gaps up to this one. 0: there are none.
@@ -79,9 +79,9 @@ std::optional<double> measured_voxel_size(std::span<const Point> points) {
   if (ranges.size() < kFewestReturns) {
     return std::nullopt;
   }
-  const auto median = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
-  std::ranges::nth_element(ranges, median);
-  return std::clamp(static_cast<double>(*median) / kVoxelsToMedian, kSmallestVoxel, kUsualInput);
+  const auto far = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 9 / 10);
+  std::ranges::nth_element(ranges, far);
+  return std::clamp(static_cast<double>(*far) / kVoxelsToFar, kSmallestVoxel, kUsualInput);
 }
 
 }  // namespace adit

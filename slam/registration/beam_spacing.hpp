@@ -16,8 +16,9 @@ namespace adit {
 /// about. None of fewer than 1000 returns.
 std::optional<double> measured_beam_spacing(std::span<const Point> points);
 
-/// Of the ranges of these points the median over a thirtieth: voxels for which near surfaces are
-/// still surfaces. m, between 0.05 and kUsualInput; none of fewer than 1000 returns.
+/// A sixtieth of the range that nine in ten of these points stay below: voxels for which near
+/// surfaces are still surfaces. (Not of the median: on open ground half of the points are near.) m,
+/// between 0.05 and kUsualInput; none of fewer than 1000 returns.
 std::optional<double> measured_voxel_size(std::span<const Point> points);
 
 }  // namespace adit
