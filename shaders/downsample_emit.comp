@@ -9,7 +9,6 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #include "adit/shaders/include/parts.glsl"
-#include "adit/shaders/include/surface.glsl"
 #include "adit/shaders/include/texels.glsl"
 #include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/shaders/shared/preprocess.h"
@@ -29,36 +28,9 @@ layout(set = 0, binding = 7, scalar) buffer Counters { SweepCounters counters; }
 layout(set = 0, binding = 8) uniform utextureBuffer points_texels;
 layout(push_constant, scalar) uniform Push { EmitPush push; };
 
-shared uint thread_offsets[kLocalSize];
+#include "adit/shaders/include/surface_sums.glsl"
 
-void add_to_surface(vec3 p) {
-  const SurfaceCellId id = surface_cell(p, push.inverse_surface_cell, push.level_factor);
-  uint slot = mix32(id.key) & push.surface_mask;
-  uint probes = 0;
-  bool found = false;
-  while (!found && probes < kMaxProbes) {
-    const uint key = atomicCompSwap(surfaces[slot].key, kFree, id.key);
-    found = key == kFree || key == id.key;
-    slot = found ? slot : (slot + 1) & push.surface_mask;
-    probes += 1;
-  }
-  if (!found) {
-    return;  // surface_normals.comp counts it
-  }
-  const uvec3 o = id.offset;
-  const uvec3 x = (o * o.x + 32768) >> 16;  // xx, xy, xz
-  const uvec3 y = (o * o.y + 32768) >> 16;  // xy, yy, yz
-  atomicAdd(surfaces[slot].count, 1);
-  atomicAdd(surfaces[slot].sum_x, o.x);
-  atomicAdd(surfaces[slot].sum_y, o.y);
-  atomicAdd(surfaces[slot].sum_z, o.z);
-  atomicAdd(surfaces[slot].xx, x.x);
-  atomicAdd(surfaces[slot].xy, x.y);
-  atomicAdd(surfaces[slot].xz, x.z);
-  atomicAdd(surfaces[slot].yy, y.y);
-  atomicAdd(surfaces[slot].yz, y.z);
-  atomicAdd(surfaces[slot].zz, (o.z * o.z + 32768) >> 16);
-}
+shared uint thread_offsets[kLocalSize];
 
 // Points before this thread's: those of earlier groups, and of earlier threads of this group.
 uint output_offset(Part part) {
@@ -96,6 +68,7 @@ void main() {
         (vec3(cell.sum_x, cell.sum_y, cell.sum_z) / float(cell.count) + 0.5) / 65536.0;
     const vec3 p = (floor(raw.xyz * push.inverse_cell) + mean) * push.cell;
     cloud[offset + k] = vec4(p, raw.w);
-    add_to_surface(p);
+    add_to_surface(surface_cell(p, push.inverse_surface_cell, push.level_factor),
+                   push.surface_mask);
   }
 }

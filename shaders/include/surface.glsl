@@ -56,13 +56,16 @@ struct SurfaceCellId {
 // 4 bits of level and 9 bits an axis: a cell is at least 2.5 beam spacings wide, so the point's
 // coordinates in cells stay below 1 / (2.5 * beam_spacing), which the configuration keeps below
 // 256.
-SurfaceCellId surface_cell(vec3 p, float inverse_surface_cell, float level_factor) {
-  const uint level = surface_level(p, level_factor);
+SurfaceCellId surface_cell_of_level(vec3 p, uint level, float inverse_surface_cell) {
   const vec3 scaled = p * (inverse_surface_cell * uintBitsToFloat((127u - level) << 23));
   const vec3 corner = floor(scaled);
   const uvec3 biased = uvec3(ivec3(corner) + 256) & 511u;
   return SurfaceCellId(((level << 27) | (biased.x << 18) | (biased.y << 9) | biased.z) + 1u,
                        fixed_offset(scaled, corner));
+}
+
+SurfaceCellId surface_cell(vec3 p, float inverse_surface_cell, float level_factor) {
+  return surface_cell_of_level(p, surface_level(p, level_factor), inverse_surface_cell);
 }
 
 #endif

@@ -140,6 +140,18 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
                  "other than 0");
 }
 
+void check_mapping(Checks& checks, const Config& config) {
+  const MappingConfig& m = config.mapping;
+  checks.between("mapping.r_submap", m.r_submap, 0.02, 10.0, "m");
+  // Keys of a keyframe's cells hold 1023 of them sideways (shaders/include/hash.glsl).
+  const double smallest =
+      (config.preprocess.c_max + std::min(config.keyframe.delta_trans, kShortestReach)) / 1023.0;
+  checks.require(!m.enabled || m.r_submap >= smallest, "mapping.r_submap", m.r_submap,
+                 "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
+                     text_of(config.preprocess.c_max) + ") smaller");
+  checks.between("mapping.delay", m.delay, 0, 1000, "keyframes");
+}
+
 void check_rest(Checks& checks, const Config& config) {
   checks.between("submap.l", config.submap.l, 1, 1000, "clouds");
   checks.between("submap.delta_trans", config.submap.delta_trans, 0.0, 100.0, "m");
@@ -211,6 +223,7 @@ std::optional<ConfigProblem> validate(const Config& stated) {
   check_recording(checks, config.recording);
   check_preprocess(checks, config.preprocess);
   check_registration(checks, config);
+  check_mapping(checks, config);
   check_rest(checks, config);
   check_imu(checks, config.imu);
   return checks.problem();

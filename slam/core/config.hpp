@@ -155,6 +155,23 @@ struct KeyframeConfig {
   }
 };
 
+/// The map that is made of the keyframes.
+struct MappingConfig {
+  bool enabled = false;
+  double r_submap = 0.25;  ///< m
+  int delay = 5;           ///< keyframes
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("enabled", self.enabled, "",
+          "true: keyframes become a map with their submaps; false: odometry alone");
+    field("r_submap", self.r_submap, "m",
+          "voxel size that the sweeps of a keyframe are merged in (one centroid a voxel)");
+    field("delay", self.delay, "keyframes",
+          "what is worked out for a keyframe moves the map once so many more have come");
+  }
+};
+
 /// What to do when a sweep cannot be aligned.
 struct RecoveryConfig {
   int max_coasting = 5;      ///< sweeps
@@ -176,6 +193,7 @@ struct Config {
   RegistrationConfig registration;
   SubmapConfig submap;
   KeyframeConfig keyframe;
+  MappingConfig mapping;
   RecoveryConfig recovery;
   ImuConfig imu;
 
@@ -187,6 +205,7 @@ struct Config {
     section("registration", self.registration);
     section("submap", self.submap);
     section("keyframe", self.keyframe);
+    section("mapping", self.mapping);
     section("recovery", self.recovery);
     section("imu", self.imu);
   }

@@ -22,6 +22,9 @@ class OfflineSlam final : public Slam {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
+    if (options.map != nullptr) {
+      mapper_.emplace(context, config, *options.map, options.session);
+    }
   }
 
   void add(Measurement measurement, std::string_view frame) override {
@@ -60,6 +63,14 @@ class OfflineSlam final : public Slam {
 
   const Config& config() const override { return odometry_.config(); }
 
+  std::optional<MapReport> finish_map() override {
+    if (!mapper_) {
+      return std::nullopt;
+    }
+    mapper_->finish();
+    return mapper_->report();
+  }
+
  private:
   void take(const ImuSample& reading) {
     for (const TakenReading& known : odometry_.add(reading)) {
@@ -82,7 +93,11 @@ class OfflineSlam final : public Slam {
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
-    return SweepPlaced{.sweep = std::move(sweep), .result = std::move(result)};
+    // After the odometry is done with the sweep: a map changes nothing of it.
+    std::optional<MapPlacement> mapped =
+        mapper_ ? std::optional(mapper_->add(sweep, result, odometry_.cloud())) : std::nullopt;
+    return SweepPlaced{
+        .sweep = std::move(sweep), .result = std::move(result), .mapped = std::move(mapped)};
   }
 
   Mounting find_mounting() const {
@@ -101,6 +116,7 @@ class OfflineSlam final : public Slam {
   bool inertial_;
   SensorFeed feed_;
   Odometry odometry_;
+  std::optional<Mapper> mapper_;
   std::optional<HighRateStream> high_rate_;
   std::deque<ReadingTaken> taken_;  ///< not asked for yet
   FrameTree transforms_;

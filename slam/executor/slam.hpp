@@ -17,6 +17,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/executor/sensor_feed.hpp"
 #include "adit/slam/fusion/high_rate_stream.hpp"
+#include "adit/slam/mapping/mapper.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 
 namespace adit {
@@ -32,6 +33,7 @@ struct ReadingTaken {
 struct SweepPlaced {
   Sweep sweep;
   SweepResult result;
+  std::optional<MapPlacement> mapped{};  ///< where there is a map
 };
 
 /// A sweep that has no place in a trajectory: its time is not after that of the sweep before it.
@@ -57,6 +59,9 @@ struct SlamOptions {
   bool inertial = true;  ///< there is an inertial sensor: sweeps wait for its readings
   /// High-rate odometry is wanted: corrections are spread over so many seconds (0: they are steps).
   std::optional<double> high_rate_smoothing{};
+  /// Where a map is kept, and whose share of it this is; null: no map is made. Outlives the Slam.
+  MapStore* map = nullptr;
+  SessionId session = 0;
 };
 
 class Slam {
@@ -79,7 +84,7 @@ class Slam {
   virtual void flush() = 0;
 
   /// The next result; nothing where that needs more measurements, or a flush(). Throws
-  /// engine::Error where the device fails.
+  /// engine::Error where the device fails, and what the map's store throws.
   virtual std::optional<SlamResult> next() = 0;
 
   /// How the sensors are mounted; nothing before the first sweep, or without an inertial sensor.
@@ -87,6 +92,10 @@ class Slam {
 
   /// The configuration in force: lengths that were left at 0 are as the first sweep shows them.
   virtual const Config& config() const = 0;
+
+  /// Ends the map: its last keyframe is stored, and its final poses. No sweep may come after that.
+  /// Nothing where no map is made.
+  virtual std::optional<MapReport> finish_map() = 0;
 };
 
 /// A Slam that is driven by its measurements' own time: one thread, the same measurements give the

@@ -45,7 +45,7 @@ Matrix6d error_by_first(const Eigen::Isometry3d& T_i_j) {
   return -adjoint(T_i_j.inverse());
 }
 
-KernelValue apply(const RobustKernel& kernel, double chi2) {
+KernelValue apply(const RobustLoss& kernel, double chi2) {
   const double square = kernel.width * kernel.width;
   if (kernel.kernel == Kernel::pseudo_huber) {
     const double root = std::sqrt(1.0 + chi2 / square);

@@ -33,7 +33,7 @@ enum class Kernel {
   dcs,           ///< dynamic covariance scaling: bounded, so that a wrong edge loses all influence
 };
 
-struct RobustKernel {
+struct RobustLoss {
   Kernel kernel = Kernel::none;
   double width =
       3.549;  ///< in standard deviations: 95 % of true edges with 6 directions are within
@@ -45,6 +45,6 @@ struct KernelValue {
   double weight = 1.0;     ///< first derivative
   double curvature = 0.0;  ///< second derivative
 };
-KernelValue apply(const RobustKernel& kernel, double chi2);
+KernelValue apply(const RobustLoss& kernel, double chi2);
 
 }  // namespace adit

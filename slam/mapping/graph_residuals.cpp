@@ -5,7 +5,7 @@
 namespace adit {
 namespace {
 
-const RobustKernel& kernel_of(const PoseEdge& edge, const OptimizationSettings& settings) {
+const RobustLoss& kernel_of(const PoseEdge& edge, const OptimizationSettings& settings) {
   return edge.kind == EdgeKind::loop ? settings.loop_kernel : settings.odometry_kernel;
 }
 

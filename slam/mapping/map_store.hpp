@@ -23,9 +23,9 @@ using SessionId = int64_t;
 struct MapSession {
   SessionId id = 0;  ///< given by the store
   std::string name;
-  std::string configuration;  ///< TOML, as `adit config` prints it
+  std::string configuration{};  ///< TOML, as `adit config` prints it
   /// Where the session comes from: names and values such as input hashes, device, driver, version.
-  std::vector<std::pair<std::string, std::string>> provenance;
+  std::vector<std::pair<std::string, std::string>> provenance{};
 };
 
 /// A node of the graph with the sweep it belongs to.
@@ -63,9 +63,9 @@ struct LoopCandidate {
 /// Everything that comes with a new keyframe; it is stored as a whole or not at all.
 struct KeyframeRecord {
   MapKeyframe keyframe;
-  MapSubmap submap;
-  std::vector<PoseEdge> edges;
-  std::vector<LoopCandidate> candidates;
+  MapSubmap submap{};
+  std::vector<PoseEdge> edges{};
+  std::vector<LoopCandidate> candidates{};
 };
 
 class MapStore {
@@ -88,6 +88,8 @@ class MapStore {
   virtual PoseGraph graph() const = 0;
   virtual std::vector<LoopCandidate> candidates() const = 0;
   virtual MapSubmap submap(NodeId keyframe) const = 0;
+  /// One chunk of it alone, the first is 0.
+  virtual std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const = 0;
   /// Keyframes whose submaps may reach into a box of the map frame (m), in order of ids.
   virtual std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                              const Eigen::Vector3d& upper) const = 0;

@@ -97,7 +97,7 @@ class BetweenCost final : public ceres::SizedCostFunction<kFreedom, kBlock, kBlo
 
 class KernelLoss final : public ceres::LossFunction {
  public:
-  explicit KernelLoss(const RobustKernel& kernel) : kernel_(kernel) {}
+  explicit KernelLoss(const RobustLoss& kernel) : kernel_(kernel) {}
 
   void Evaluate(double squared, double result[3]) const override {
     const KernelValue value = apply(kernel_, squared);
@@ -107,7 +107,7 @@ class KernelLoss final : public ceres::LossFunction {
   }
 
  private:
-  RobustKernel kernel_;
+  RobustLoss kernel_;
 };
 
 /// Hands iterations on, and ends the solver where the caller wants it or its steps lead nowhere.
@@ -225,7 +225,7 @@ class GraphProblem {
 
   ceres::LossFunction* loss(const PoseEdge& edge, const OptimizationSettings& settings) {
     const bool loop = edge.kind == EdgeKind::loop;
-    const RobustKernel& kernel = loop ? settings.loop_kernel : settings.odometry_kernel;
+    const RobustLoss& kernel = loop ? settings.loop_kernel : settings.odometry_kernel;
     return kernel.kernel == Kernel::none ? nullptr : loop ? &loop_loss_ : &odometry_loss_;
   }
 

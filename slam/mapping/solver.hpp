@@ -23,8 +23,8 @@ struct OptimizationStep {
 
 struct OptimizationSettings {
   ResidualConvention convention = ResidualConvention::rotation;
-  RobustKernel odometry_kernel{};
-  RobustKernel loop_kernel{};
+  RobustLoss odometry_kernel{};
+  RobustLoss loop_kernel{};
   int max_iterations = 100;
   /// Converged once an iteration changes the cost by less than this part of it.
   double cost_tolerance = 1e-10;

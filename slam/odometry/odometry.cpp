@@ -115,6 +115,10 @@ SweepResult Odometry::finish() {
   return std::move(result);
 }
 
+std::vector<Point> Odometry::cloud() const {
+  return impl_->front_end.read_cloud();
+}
+
 void Odometry::mount(const Eigen::Isometry3d& T_imu_lidar) {
   impl_->inertial.mount(T_imu_lidar);
 }

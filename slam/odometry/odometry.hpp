@@ -97,6 +97,9 @@ class Odometry {
   /// The configuration in force: lengths that were left at 0 are as the first sweep shows them.
   const Config& config() const;
 
+  /// The sweep finished last: down-sampled, lidar axes, m.
+  std::vector<Point> cloud() const;
+
  private:
   void derive_lengths(const Sweep& sweep);
 

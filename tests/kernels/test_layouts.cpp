@@ -11,6 +11,7 @@
 #include "adit/shaders/shared/limit_probes.h"
 #include "adit/shaders/shared/preprocess.h"
 #include "adit/shaders/shared/registration.h"
+#include "adit/shaders/shared/submap.h"
 #include "adit/tests/support/layout.hpp"
 
 namespace adit {
@@ -168,6 +169,37 @@ TEST(KernelLayouts, RegistrationStructsAreTheSameInCppAndGlsl) {
                              {"min_points", offsetof(VoxelMapFinishPush, min_points)},
                              {"least_ratio", offsetof(VoxelMapFinishPush, least_ratio)},
                              {"least_squared", offsetof(VoxelMapFinishPush, least_squared)}});
+}
+
+TEST(KernelLayouts, SubmapStructsAreTheSameInCppAndGlsl) {
+  using gpu::MergeCell;
+  expect_layout<MergeCell>("MergeCell",
+                           {{"key", offsetof(MergeCell, key)},
+                            {"count", offsetof(MergeCell, count)},
+                            {"sum_x", offsetof(MergeCell, sum_x)},
+                            {"sum_y", offsetof(MergeCell, sum_y)},
+                            {"sum_z", offsetof(MergeCell, sum_z)},
+                            {"inverted_nearest", offsetof(MergeCell, inverted_nearest)}});
+  using gpu::MergeCounters;
+  expect_layout<MergeCounters>("MergeCounters",
+                               {{"used_slots", offsetof(MergeCounters, used_slots)},
+                                {"failures", offsetof(MergeCounters, failures)},
+                                {"out_of_range", offsetof(MergeCounters, out_of_range)},
+                                {"unused0", offsetof(MergeCounters, unused0)}});
+  using gpu::MergePush;
+  expect_layout<MergePush>("MergePush", {{"pose", offsetof(MergePush, pose)},
+                                         {"inverse_cell", offsetof(MergePush, inverse_cell)},
+                                         {"table_mask", offsetof(MergePush, table_mask)},
+                                         {"begin", offsetof(MergePush, begin)},
+                                         {"point_count", offsetof(MergePush, point_count)},
+                                         {"sweep", offsetof(MergePush, sweep)}});
+  using gpu::SubmapSurfacePush;
+  expect_layout<SubmapSurfacePush>(
+      "SubmapSurfacePush",
+      {{"point_count", offsetof(SubmapSurfacePush, point_count)},
+       {"inverse_surface_cell", offsetof(SubmapSurfacePush, inverse_surface_cell)},
+       {"level_factor", offsetof(SubmapSurfacePush, level_factor)},
+       {"surface_mask", offsetof(SubmapSurfacePush, surface_mask)}});
 }
 
 TEST(KernelLayouts, LimitProbeStructsAreTheSameInCppAndGlsl) {

@@ -99,7 +99,7 @@ TEST(BetweenResiduals, JacobianOfTheLogarithmHasNoStepWhereItsSeriesEnds) {
 
 TEST(RobustKernels, DerivativesAreTheNumericalOnesAndCostsRise) {
   for (const Kernel kernel : {Kernel::none, Kernel::pseudo_huber, Kernel::dcs}) {
-    const RobustKernel robust{kernel, 3.0};
+    const RobustLoss robust{kernel, 3.0};
     double before = apply(robust, 0.0).cost;
     EXPECT_DOUBLE_EQ(apply(robust, 0.0).weight, 1.0);
     for (const double chi2 : {0.1, 4.0, 8.9, 9.1, 20.0, 400.0, 1e5}) {

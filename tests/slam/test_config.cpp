@@ -57,6 +57,13 @@ std::vector<BadSetting> bad_settings() {
       {"submap.l", [](Config& c) { c.submap.l = 0; }, "clouds"},
       {"submap.delta_trans", [](Config& c) { c.submap.delta_trans = -1.0; }, "between 0 and 100 m"},
       {"submap.delta_rot", [](Config& c) { c.submap.delta_rot = 4.0; }, "rad"},
+      {"mapping.r_submap", [](Config& c) { c.mapping.r_submap = 0.0; }, "between 0.02 and 10 m"},
+      {"mapping.r_submap",
+       [](Config& c) {
+         c.preprocess.c_max = 250.0, c.registration.r_align = 1.0, c.mapping.enabled = true;
+       },
+       "or preprocess.c_max (250) smaller"},
+      {"mapping.delay", [](Config& c) { c.mapping.delay = -1; }, "between 0 and 1000"},
       {"keyframe.delta_trans", [](Config& c) { c.keyframe.delta_trans = 0; }, "greater than 0"},
       {"keyframe.delta_rot", [](Config& c) { c.keyframe.delta_rot = 4; }, "at most pi"},
       {"imu.T_imu_lidar", [](Config& c) { c.imu.T_imu_lidar = {0, 0, 0, 0, 0, 0, 0.5}; },

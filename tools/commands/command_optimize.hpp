@@ -25,7 +25,7 @@ struct OptimizeCommandOptions {
   std::optional<std::filesystem::path> output{};
   ResidualConvention convention = ResidualConvention::quaternion;
   InitialPoses initial = InitialPoses::file;
-  RobustKernel loop_kernel{};
+  RobustLoss loop_kernel{};
   int max_iterations = 100;
   bool direct = false;  ///< without condensing the chains of large graphs first
   bool json = false;

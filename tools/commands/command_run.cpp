@@ -18,6 +18,7 @@
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/run_map.hpp"
 #include "adit/tools/run/run_mapping.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
@@ -164,7 +165,7 @@ void replace_text_file(const std::filesystem::path& file, const std::string& tex
 
 /// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
 /// it had ended before.
-RunOutcome map_and_close(const Mapping& mapping) {
+RunOutcome map_and_close(const Mapping& mapping, const RunMap* map) {
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   outcome.result = map_recording(mapping);
@@ -173,6 +174,9 @@ RunOutcome map_and_close(const Mapping& mapping) {
     mapping.outputs.close();
     if (mapping.high_rate != nullptr) {
       mapping.high_rate->close();
+    }
+    if (outcome.result.map) {
+      map->write_trajectory();
     }
   } catch (const OutputError& error) {
     if (outcome.result.end == RunEnd::completed) {
@@ -248,10 +252,17 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const RunFiles files(options.output);
   replace_text_file(files.summary,
                     running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
+  require_free_map(options.output);
   if (replaces_a_run) {
     remove_earlier_run(options.output);
   }
-  RunOutputs outputs(options.output, options.map);
+  std::optional<RunMap> map;
+  if (config.mapping.enabled) {
+    map.emplace(description);
+    wanted.map = &map->store();
+    wanted.session = map->session();
+  }
+  RunOutputs outputs(options.output, options.map, map.has_value());
   std::optional<HighRateOutput> high_rate;
   if (options.high_rate.enabled) {
     high_rate.emplace(options.output);
@@ -280,7 +291,8 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
                                       .high_rate = high_rate ? &*high_rate : nullptr,
                                       .statistics = statistics,
                                       .progress = progress,
-                                      .quiet = options.quiet});
+                                      .quiet = options.quiet},
+                                     map ? &*map : nullptr);
   progress.finish();
   const std::optional<Mounting> mounting = slam->mounting();
   description.config = with_mounting(slam->config(), mounting);
@@ -333,8 +345,9 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "(pcap, pcapng); or a folder of "
       "sweeps:\n"
       "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
-      "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
-      "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
+      "OUT gets map.adit, trajectory.tum, trajectory.kitti, odometry.tum, sweeps.csv, map.ply and\n"
+      "summary.json; with --high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` "
+      "draws them.\n"
       "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"
       "Examples:\n"
       "  adit run drive/ -o out\n"

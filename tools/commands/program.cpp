@@ -16,7 +16,9 @@
 #include "adit/tools/commands/command_demo.hpp"
 #include "adit/tools/commands/command_devices.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
+#include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_run.hpp"
@@ -107,6 +109,9 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_inspect_command(app, done);
   add_convert_command(app, done);
   add_evaluate_command(app, done);
+  add_info_command(app, done);
+  add_check_command(app, done);
+  add_export_command(app, done);
   add_optimize_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);

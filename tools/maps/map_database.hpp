@@ -50,6 +50,7 @@ class MapDatabase final : public MapStore {
   PoseGraph graph() const override;
   std::vector<LoopCandidate> candidates() const override;
   MapSubmap submap(NodeId keyframe) const override;
+  std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override;
   std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                      const Eigen::Vector3d& upper) const override;
 

@@ -42,6 +42,24 @@ uint64_t hash(std::span<const std::byte> bytes) {
   return value;
 }
 
+[[noreturn]] void fail(const std::filesystem::path& file, NodeId keyframe,
+                       const std::string& found) {
+  throw InputError(file, {}, "submap " + std::to_string(keyframe) + " " + found,
+                   "`adit check` says what else is wrong");
+}
+
+std::vector<std::byte> unpacked(int64_t bytes, std::span<const std::byte> zstd,
+                                const std::filesystem::path& file, NodeId keyframe) {
+  const auto size = static_cast<uint64_t>(std::max<int64_t>(0, bytes));
+  Decompressor decompressor;
+  const Unpacked chunk = decompressor.unpack(Compression::zstd, zstd, size);
+  if (!chunk.problem.empty() || chunk.cut_off || chunk.bytes.size() != size) {
+    fail(file, keyframe,
+         "has a damaged chunk: " + (chunk.problem.empty() ? "it ends early" : chunk.problem));
+  }
+  return {chunk.bytes.begin(), chunk.bytes.end()};
+}
+
 /// A text of the map on one line.
 std::string in_one_line(const std::string& text) {
   std::string line;
@@ -149,13 +167,9 @@ std::vector<LoopCandidate> MapDatabase::candidates() const {
 }
 
 MapSubmap MapDatabase::submap(NodeId keyframe) const {
-  const auto fail = [&](const std::string& found) {
-    throw InputError(database_.path(), {}, "submap " + std::to_string(keyframe) + " " + found,
-                     "`adit check` says what else is wrong");
-  };
   SqliteStatement read = database_.prepare("SELECT box, chunks FROM submaps WHERE keyframe = ?");
   if (!read.bind(1, keyframe).step()) {
-    fail("does not exist");
+    fail(database_.path(), keyframe, "does not exist");
   }
   const auto box = numbers<6>(read.blob(0), database_.path(), "the box of submap", keyframe);
   MapSubmap submap{{box[0], box[1], box[2]}, {box[3], box[4], box[5]}, {}};
@@ -163,21 +177,25 @@ MapSubmap MapDatabase::submap(NodeId keyframe) const {
   SqliteStatement chunks =
       database_.prepare("SELECT bytes, zstd FROM chunks WHERE keyframe = ? ORDER BY number");
   chunks.bind(1, keyframe);
-  Decompressor decompressor;
   while (chunks.step()) {
-    const auto size = static_cast<uint64_t>(std::max<int64_t>(0, chunks.integer(0)));
-    const Unpacked unpacked = decompressor.unpack(Compression::zstd, chunks.blob(1), size);
-    if (!unpacked.problem.empty() || unpacked.cut_off || unpacked.bytes.size() != size) {
-      fail("has a damaged chunk: " +
-           (unpacked.problem.empty() ? "it ends early" : unpacked.problem));
-    }
-    submap.chunks.emplace_back(unpacked.bytes.begin(), unpacked.bytes.end());
+    submap.chunks.push_back(
+        unpacked(chunks.integer(0), chunks.blob(1), database_.path(), keyframe));
   }
   if (submap.chunks.size() != count) {
-    fail("has " + std::to_string(submap.chunks.size()) + " of " + std::to_string(count) +
-         " chunks");
+    fail(
+        database_.path(), keyframe,
+        "has " + std::to_string(submap.chunks.size()) + " of " + std::to_string(count) + " chunks");
   }
   return submap;
+}
+
+std::vector<std::byte> MapDatabase::chunk(NodeId keyframe, std::size_t number) const {
+  SqliteStatement read =
+      database_.prepare("SELECT bytes, zstd FROM chunks WHERE keyframe = ? AND number = ?");
+  if (!read.bind(1, keyframe).bind(2, static_cast<int64_t>(number)).step()) {
+    fail(database_.path(), keyframe, "has no chunk " + std::to_string(number));
+  }
+  return unpacked(read.integer(0), read.blob(1), database_.path(), keyframe);
 }
 
 std::vector<NodeId> MapDatabase::submaps_within(const Eigen::Vector3d& lower,

@@ -31,7 +31,17 @@ constexpr std::array kDrawings = {"evaluation.html", "evaluation.svg", "map.svg"
 std::vector<fs::path> result_files(const fs::path& folder) {
   const RunFiles files(folder);
   const HighRateFiles high_rate(folder);
-  return {files.tum, files.kitti, files.sweeps, files.map, high_rate.tum, high_rate.csv};
+  // A map that was written to until its process was killed has a log beside it.
+  return {files.tum,
+          files.kitti,
+          files.sweeps,
+          files.map,
+          files.odometry,
+          files.database,
+          files.database.string() + "-wal",
+          files.database.string() + "-shm",
+          high_rate.tum,
+          high_rate.csv};
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {

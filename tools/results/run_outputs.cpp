@@ -57,6 +57,8 @@ RunFiles::RunFiles(const fs::path& folder)
       kitti(folder / "trajectory.kitti"),
       sweeps(folder / "sweeps.csv"),
       map(folder / "map.ply"),
+      odometry(folder / "odometry.tum"),
+      database(folder / "map.adit"),
       summary(folder / "summary.json") {}
 
 void check_writable(const fs::path& folder, const MapOptions& map,
@@ -82,7 +84,7 @@ void check_writable(const fs::path& folder, const MapOptions& map,
   }
 }
 
-RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map)
+RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map, bool odometry)
     : files_(folder),
       tum_(std::in_place, files_.tum, TrajectoryFormat::tum),
       kitti_(std::in_place, files_.kitti, TrajectoryFormat::kitti),
@@ -90,17 +92,25 @@ RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map)
   if (map.enabled) {
     map_.emplace(files_.map);
   }
+  if (odometry) {
+    odometry_.emplace(files_.odometry, TrajectoryFormat::tum);
+  }
   if (map.resolution) {
     thinning_.emplace(*map.resolution);
   }
 }
 
-void RunOutputs::write(const SweepResult& sweep, std::size_t index) {
-  const StampedPose pose{.stamp = sweep.stamp, .pose = sweep.T_map_lidar};
+void RunOutputs::write(const SweepResult& sweep, std::size_t index,
+                       const std::optional<Eigen::Isometry3d>& T_map_lidar) {
+  const StampedPose pose{.stamp = sweep.stamp, .pose = T_map_lidar.value_or(sweep.T_map_lidar)};
   tum_->write(pose);
   tum_->flush();
   kitti_->write(pose);
   kitti_->flush();
+  if (odometry_) {
+    odometry_->write({.stamp = sweep.stamp, .pose = sweep.T_map_lidar});
+    odometry_->flush();
+  }
   sweeps_->write(sweep_record(index, sweep));
   sweeps_->flush();
   if (map_ && sweep.keyframe) {
@@ -142,6 +152,7 @@ void RunOutputs::close() {
   };
   end(tum_, files_.tum);
   end(kitti_, files_.kitti);
+  end(odometry_, files_.odometry);
   end(sweeps_, files_.sweeps);
   if (map_) {
     attempt(map_);

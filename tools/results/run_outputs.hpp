@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The folder that `adit run` writes: trajectory.tum, trajectory.kitti, sweeps.csv, map.ply,
-// summary.json. Other files in it are left alone.
+// summary.json; with a map also odometry.tum and map.adit. Other files in it are left alone.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +33,8 @@ struct RunFiles {
   std::filesystem::path kitti;
   std::filesystem::path sweeps;
   std::filesystem::path map;
+  std::filesystem::path odometry;  ///< beside a map database: what it does not correct
+  std::filesystem::path database;
   std::filesystem::path summary;
 };
 
@@ -46,11 +48,13 @@ void check_writable(const std::filesystem::path& folder, const MapOptions& map,
 class RunOutputs {
  public:
   /// Empties trajectories and table and, where there is to be one, the map. Throws OutputError.
-  RunOutputs(const std::filesystem::path& folder, const MapOptions& map);
+  /// `odometry`: odometry.tum, too, for a run whose map corrects the trajectory.
+  RunOutputs(const std::filesystem::path& folder, const MapOptions& map, bool odometry = false);
 
-  /// Sweep `index` of the recording. Throws OutputError (a full disk); what earlier sweeps wrote
-  /// stays as it was.
-  void write(const SweepResult& sweep, std::size_t index);
+  /// Sweep `index` of the recording; `T_map_lidar` is where a map sees it, which the trajectories
+  /// follow. Throws OutputError (a full disk); what earlier sweeps wrote stays as it was.
+  void write(const SweepResult& sweep, std::size_t index,
+             const std::optional<Eigen::Isometry3d>& T_map_lidar = std::nullopt);
 
   /// Closes every file, then throws OutputError if one of them could not be completed. Cuts
   /// half-written lines off.
@@ -64,6 +68,7 @@ class RunOutputs {
   RunFiles files_;
   std::optional<TrajectoryWriter> tum_;
   std::optional<TrajectoryWriter> kitti_;
+  std::optional<TrajectoryWriter> odometry_;
   std::optional<SweepTableWriter> sweeps_;
   std::optional<PlyWriter> map_;
   std::optional<MapThinning> thinning_;

@@ -56,7 +56,8 @@ void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index,
                   .wait = result.wait_ms,
                   .inertial = result.inertial_ms};
   const auto start = Clock::now();
-  mapping.outputs.write(result, index);
+  mapping.outputs.write(result, index,
+                        placed.mapped ? std::optional(placed.mapped->T_map_lidar) : std::nullopt);
   if (mapping.high_rate != nullptr) {
     mapping.high_rate->flush();
   }
@@ -177,9 +178,11 @@ std::string_view to_string(RunEnd end) {
   return "unknown";
 }
 
-MappingResult map_recording(const Mapping& mapping) {
+namespace {
+
+MappingResult caught(const std::function<MappingResult()>& body) {
   try {
-    return map_events(mapping);
+    return body();
   } catch (const InputError& error) {
     return {RunEnd::input_error, error.what()};
   } catch (const OutputError& error) {
@@ -187,6 +190,24 @@ MappingResult map_recording(const Mapping& mapping) {
   } catch (const engine::Error& error) {
     return {RunEnd::device_error, error.what()};
   }
+}
+
+}  // namespace
+
+MappingResult map_recording(const Mapping& mapping) {
+  MappingResult result = caught([&] { return map_events(mapping); });
+  // However the run has ended: what the map still holds back goes into it.
+  const MappingResult end = caught([&] {
+    MappingResult ended;
+    ended.map = mapping.slam.finish_map();
+    return ended;
+  });
+  result.map = end.map;
+  if (result.end == RunEnd::completed && end.end != RunEnd::completed) {
+    result.end = end.end;
+    result.reason = end.reason;
+  }
+  return result;
 }
 
 }  // namespace adit

@@ -39,7 +39,8 @@ struct SweepRange {
 
 struct MappingResult {
   RunEnd end = RunEnd::completed;
-  std::string reason;  ///< for people; empty when completed
+  std::string reason;              ///< for people; empty when completed
+  std::optional<MapReport> map{};  ///< where one was made and could be ended
 };
 
 /// What map_recording() works with.

@@ -85,6 +85,10 @@ ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outco
     json["map_resolution_m"] =
         run.map.resolution ? ordered_json(*run.map.resolution) : ordered_json();
   }
+  if (run.config.mapping.enabled) {
+    json["files"].push_back(files.odometry.filename().string());
+    json["files"].push_back(files.database.filename().string());
+  }
   if (outcome.high_rate) {
     const HighRateFiles high_rate(run.output);
     json["files"].push_back(high_rate.tum.filename().string());
@@ -93,6 +97,19 @@ ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outco
     json["high_rate"]["smoothing_s"] = run.high_rate.smoothing;
   }
   return json;
+}
+
+ordered_json describe_map(const MapReport& map) {
+  const Distribution times = distribution(map.keyframe_ms);
+  return {{"keyframes", map.keyframes},
+          {"sweeps", map.sweeps},
+          {"edges", map.edges},
+          {"aligned_edges", map.aligned_edges},
+          {"components", map.components},
+          {"points", map.points},
+          {"lost_points", map.lost_points},
+          {"keyframe_ms",
+           {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
 }
 
 double rate(const RunOutcome& outcome, const RunStatistics& statistics) {
@@ -119,6 +136,9 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.inertial().any()) {
     json["imu"] = statistics.inertial().to_json();
     json["imu"]["host_ms"] = describe_stage(statistics.inertial_stage());
+  }
+  if (outcome.result.map) {
+    json["map"] = describe_map(*outcome.result.map);
   }
   json["distance_m"] = statistics.distance();
   json["time"] = {{"wall_s", outcome.wall_s},

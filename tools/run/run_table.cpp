@@ -54,6 +54,20 @@ std::string inertial_text(const RunStatistics& statistics) {
   return text;
 }
 
+std::string map_text(const MapReport& map) {
+  const Distribution times = distribution(map.keyframe_ms);
+  std::string text = printed("%zu keyframes, %zu edges, %zu of them with their submaps aligned",
+                             map.keyframes, map.edges, map.aligned_edges);
+  if (map.components > 1) {
+    text += printed("; %zu parts that nothing ties together", map.components);
+  }
+  if (map.lost_points > 0) {
+    text += printed("; %llu points too far from their keyframe",
+                    static_cast<unsigned long long>(map.lost_points));
+  }
+  return text + printed("; %.1f ms a keyframe, %.1f at most", times.mean, times.max);
+}
+
 std::string stage_table(const RunStatistics& statistics) {
   std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
   const auto row = [&](const char* where, const StageTimes& stage) {
@@ -95,11 +109,15 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   }
   text += printed("voxels   points one in %.3g m, submap %.3g m\n", run.config.preprocess.r_input,
                   run.config.registration.r_align);
+  if (outcome.result.map) {
+    text += "map      " + map_text(*outcome.result.map) + "\n";
+  }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
           printed("; %.1f MiB at most\n",
                   static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
-  text += "wrote    " + files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
+  text += "wrote    " + (outcome.result.map ? files.database.string() + "\n         " : "") +
+          files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
           files.sweeps.string() + "\n";
   if (run.map.enabled) {
     text += "         " + files.map.string() +

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a keyframe has seen, as a value: sweeps merged into one cloud with surfaces. It is what the
+// map stores and what alignments get, so that both are the same to the last bit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/slam/registration/alignment_clouds.hpp"
+
+namespace adit {
+
+/// What tells a submap which way is up: its z axis.
+enum class Vertical {
+  unknown,  ///< nothing: its axes are the lidar's
+  gravity,  ///< an inertial sensor
+  ground,   ///< the ground it lies on, a plane fitted to its points
+};
+std::string_view to_string(Vertical vertical);
+
+/// Points lie on a grid of so many steps a metre.
+inline constexpr double kSubmapSteps = 2048.0;
+
+/// A sweep of the submap.
+struct SubmapSweep {
+  Nanoseconds stamp{0};
+  Eigen::Isometry3d T_keyframe_lidar = Eigen::Isometry3d::Identity();
+  bool merged = false;  ///< its points are in; not while the odometry coasted
+};
+
+/// A point in the keyframe's axes.
+struct SubmapPoint {
+  std::array<int32_t, 3> place{};  ///< 1 / kSubmapSteps m
+  uint32_t surface = 0;            ///< packed: shaders/include/surface.glsl
+  uint16_t sweep = 0;              ///< whose sensor was nearest, in KeyframeSubmap::sweeps
+
+  Eigen::Vector3d position() const {
+    return Eigen::Vector3d(place[0], place[1], place[2]) / kSubmapSteps;
+  }
+};
+
+struct KeyframeSubmap {
+  double r_submap = 0.0;  ///< m, edge of the cells that points were merged in
+  Vertical vertical = Vertical::unknown;
+  std::vector<SubmapSweep> sweeps;  ///< each of a run's sweeps is in exactly one submap
+  std::vector<SubmapPoint> points;
+};
+
+/// The box around the points, m; of a submap without points, the origin.
+struct SubmapBox {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero();
+  Eigen::Vector3d upper = Eigen::Vector3d::Zero();
+};
+SubmapBox box_of(const KeyframeSubmap& submap);
+
+/// The submap on the device, for alignments. Throws engine::OutOfMemory.
+SurfaceCloud make_surface_cloud(engine::Context& context, const KeyframeSubmap& submap);
+
+/// The direction of a packed surface, and the surface with that direction turned by a rotation.
+/// What has no direction stays as it is.
+Eigen::Vector3d surface_direction(uint32_t packed);
+uint32_t turned_surface(const Eigen::Matrix3d& rotation, uint32_t packed);
+/// The surface is a plane: its direction is the normal.
+bool is_plane(uint32_t packed);
+
+}  // namespace adit

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/mapper.hpp"
+
+#include <array>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/registration/beam_spacing.hpp"
+
+namespace adit {
+namespace {
+
+AlignmentSettings alignment_settings(const Config& config) {
+  const RegistrationConfig& registration = config.registration;
+  return {.method = RegistrationMethod::vgicp,
+          .neighbours = 1,
+          .robust = RobustKernel::cauchy,
+          .d_max = registration.d_max,
+          .max_iterations = registration.max_iterations,
+          .translation_epsilon = 0.1 * registration.translation_epsilon,
+          .rotation_epsilon = 0.1 * registration.rotation_epsilon,
+          .min_inliers = registration.min_inliers,
+          .min_overlap = registration.min_overlap};
+}
+
+// A covariance of T_odom_lidar as one of T_odom_keyframe: the same place with other axes.
+Matrix6d turned(const Matrix6d& covariance, const Eigen::Isometry3d& T_keyframe_lidar) {
+  const Matrix6d to_keyframe = adjoint(T_keyframe_lidar);
+  return to_keyframe * covariance * to_keyframe.transpose();
+}
+
+}  // namespace
+
+Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session)
+    : context_(&context),
+      config_(config),
+      store_(&store),
+      session_(session),
+      beam_spacing_(config.preprocess.beam_spacing),
+      builder_(context, config.preprocess, config.mapping.r_submap),
+      clouds_(context, config.preprocess),
+      aligner_(context, alignment_settings(config)) {}
+
+MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
+                         std::span<const Point> cloud) {
+  if (beam_spacing_ == 0.0) {
+    beam_spacing_ = measured_beam_spacing(sweep.points).value_or(0.0);
+  }
+  const bool restarted = result.state == OdometryState::restarted;
+  if (!open_ || result.keyframe || restarted || builder_.full()) {
+    if (open_) {
+      freeze();
+    }
+    open_ = Open{
+        .id = next_++, .lidar = {result.T_map_lidar, result.uncertainty}, .detached = restarted};
+  }
+  const bool believed = result.state != OdometryState::coasting;
+  builder_.add({.stamp = result.stamp,
+                .T_odom_lidar = result.T_map_lidar,
+                .cloud = believed ? cloud : std::span<const Point>(),
+                .gravity_odom = result.inertial.gravity_map});
+  ++report_.sweeps;
+  return {.keyframe = open_->id, .T_map_lidar = T_map_odom_ * result.T_map_lidar};
+}
+
+void Mapper::finish() {
+  if (open_) {
+    freeze();
+    open_.reset();
+  }
+  take_effect(std::numeric_limits<NodeId>::max());
+  store_->store_poses(graph_.nodes());
+  report_.components = connected_components(graph_).components.size();
+}
+
+void Mapper::freeze() {
+  const auto start = std::chrono::steady_clock::now();
+  const FrozenSubmap frozen = builder_.freeze(beam_spacing_);
+  const KeyframeSubmap& submap = frozen.submap;
+  const Eigen::Isometry3d T_map_keyframe = T_map_odom_ * frozen.T_odom_keyframe;
+  const Eigen::Isometry3d& T_keyframe_lidar = submap.sweeps.front().T_keyframe_lidar;
+  store_->store(
+      {.keyframe = {.id = open_->id,
+                    .session = session_,
+                    .stamp = submap.sweeps.front().stamp,
+                    .T_map_keyframe = T_map_keyframe,
+                    .covariance = turned(open_->lidar.uncertainty.in_map(), T_keyframe_lidar)},
+       .submap = encode(submap)});
+  graph_.add_node({.id = open_->id, .T_map_node = T_map_keyframe});
+  T_odom_keyframes_.push_back(frozen.T_odom_keyframe);
+
+  const SurfaceCloud cloud = make_surface_cloud(*context_, submap);
+  if (last_ && !open_->detached) {
+    due_.push_back(
+        {.at = open_->id + config_.mapping.delay, .edge = tie(*last_, *open_, frozen, cloud)});
+  }
+  const bool has_points = cloud.size > 0;
+  last_.emplace(Frozen{.id = open_->id,
+                       .lidar = open_->lidar,
+                       .T_odom_keyframe = frozen.T_odom_keyframe,
+                       .target = has_points
+                                     ? clouds_.make_target(cloud, aligner_.settings().method,
+                                                           std::array{config_.registration.r_align})
+                                     : AlignmentTarget(),
+                       .has_points = has_points});
+  ++report_.keyframes;
+  report_.points += submap.points.size();
+  report_.lost_points += frozen.lost_points;
+  take_effect(open_->id);
+  report_.keyframe_ms.push_back(
+      std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
+}
+
+// What the odometry and an alignment of the two submaps say of the way between them.
+PoseEdge Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
+                     const SurfaceCloud& cloud) {
+  const KeyframeMotion odometry{
+      .T_from_to = from.T_odom_keyframe.inverse() * submap.T_odom_keyframe,
+      .covariance = turned(motion_covariance(from.lidar, to.lidar),
+                           submap.submap.sweeps.front().T_keyframe_lidar)};
+  ++report_.edges;
+  if (from.has_points && cloud.size > 0) {
+    const AlignmentPair pair{.source = &cloud,
+                             .target = &from.target,
+                             .T_target_source = odometry.T_from_to,
+                             .prior_information = edge_of(from.id, to.id, odometry).information};
+    const RegistrationResult aligned = aligner_.align(std::span(&pair, 1)).front();
+    if (is_usable(aligned.status)) {
+      ++report_.aligned_edges;
+      return edge_of(from.id, to.id, combined(odometry, motion_of(aligned)));
+    }
+  }
+  return edge_of(from.id, to.id, odometry);
+}
+
+// The graph has no loop yet: each edge places its later node, and all that came after moves along.
+void Mapper::take_effect(NodeId until) {
+  std::vector<PoseEdge> edges;
+  for (; !due_.empty() && due_.front().at <= until; due_.pop_front()) {
+    const PoseEdge& edge = due_.front().edge;
+    edges.push_back(edge);
+    graph_.add_edge(edge);
+    const std::size_t to = graph_.index_of(edge.to);
+    graph_.set_pose(edge.to,
+                    graph_.nodes()[graph_.index_of(edge.from)].T_map_node * edge.T_from_to);
+    T_map_odom_ = orthonormalized(graph_.nodes()[to].T_map_node * T_odom_keyframes_[to].inverse());
+    for (std::size_t i = to + 1; i < graph_.nodes().size(); ++i) {
+      graph_.set_pose(graph_.nodes()[i].id, T_map_odom_ * T_odom_keyframes_[i]);
+    }
+  }
+  if (!edges.empty()) {
+    store_->store(edges, {});
+  }
+}
+
+}  // namespace adit

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/mapping/keyframe_edge.hpp"
+#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/submap_builder.hpp"
+#include "adit/slam/odometry/odometry.hpp"
+#include "adit/slam/registration/batch_aligner.hpp"
+
+namespace adit {
+
+/// Where the map sees a sweep.
+struct MapPlacement {
+  NodeId keyframe = 0;                                            ///< whose submap it belongs to
+  Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();  ///< as far as is known by now
+};
+
+/// What has become of a run's map.
+struct MapReport {
+  std::size_t keyframes = 0;
+  std::size_t sweeps = 0;
+  std::size_t edges = 0;
+  std::size_t aligned_edges = 0;   ///< the submaps could be aligned; the others are odometry alone
+  std::size_t components = 0;      ///< parts of the map that nothing ties together
+  uint64_t points = 0;             ///< of all submaps
+  uint64_t lost_points = 0;        ///< lay too far from their keyframe for its cells
+  std::vector<float> keyframe_ms;  ///< of each keyframe: host time with its waits for the device
+};
+
+/// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges
+/// between consecutive ones into the pose graph. The odometry never learns of it.
+///
+/// A keyframe's work takes effect when `mapping.delay` more have followed, or at finish(): when it
+/// is really done makes no difference to any result.
+class Mapper {
+ public:
+  /// What the constructor is given must outlive it; `config` must have passed validate().
+  Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session);
+
+  /// The sweep belongs to a new keyframe, if its result says so, or else to the last one. `cloud`
+  /// is its down-sampled cloud, lidar axes. What the store throws comes through.
+  MapPlacement add(const Sweep& sweep, const SweepResult& result, std::span<const Point> cloud);
+
+  /// The last keyframe is stored, everything takes effect, and final poses go to the store.
+  void finish();
+
+  const PoseGraph& graph() const { return graph_; }
+  const MapReport& report() const { return report_; }
+
+ private:
+  /// The keyframe whose submap grows.
+  struct Open {
+    NodeId id = 0;
+    UncertainPose lidar;    ///< of its first sweep, in the odometry's frame
+    bool detached = false;  ///< the odometry started anew with it
+  };
+  /// One that is stored.
+  struct Frozen {
+    NodeId id = 0;
+    UncertainPose lidar;
+    Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
+    AlignmentTarget target;
+    bool has_points = false;
+  };
+  struct Due {
+    NodeId at = 0;  ///< the keyframe with which it takes effect
+    PoseEdge edge;
+  };
+
+  void freeze();
+  PoseEdge tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
+               const SurfaceCloud& cloud);
+  void take_effect(NodeId until);
+
+  engine::Context* context_;
+  Config config_;
+  MapStore* store_;
+  SessionId session_;
+  double beam_spacing_;
+  SubmapBuilder builder_;
+  AlignmentClouds clouds_;
+  BatchAligner aligner_;
+  PoseGraph graph_;
+  std::vector<Eigen::Isometry3d> T_odom_keyframes_;  ///< in the order of the graph's nodes
+  Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();
+  std::optional<Open> open_;
+  std::optional<Frozen> last_;
+  std::deque<Due> due_;
+  NodeId next_ = 0;
+  MapReport report_;
+};
+
+}  // namespace adit

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A keyframe's submap as the chunks that a MapStore keeps: the first has its sweeps, the second its
+// points, number by number and byte by byte apart, so that they compress well.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "adit/slam/mapping/keyframe_submap.hpp"
+#include "adit/slam/mapping/map_store.hpp"
+
+namespace adit {
+
+/// Which chunk has the sweeps.
+inline constexpr std::size_t kSweepChunk = 0;
+
+/// Chunks that are no submap. what() says what is wrong, for people.
+class SubmapDamaged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// With the box around the points.
+MapSubmap encode(const KeyframeSubmap& submap);
+/// The same submap, bit by bit. Throws SubmapDamaged.
+KeyframeSubmap decode(const MapSubmap& stored);
+/// A submap without its points, from the first chunk alone. Throws SubmapDamaged.
+KeyframeSubmap decode_sweeps(std::span<const std::byte> chunk);
+
+}  // namespace adit

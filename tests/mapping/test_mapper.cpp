@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/mapper.hpp"
+
+#include <map>
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+#include "adit/slam/executor/slam.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tests/mapping/submap_support.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kSweeps = 40;
+
+const test::SubmapDrive& drive() {
+  static const test::SubmapDrive street = test::submap_drive(kSweeps, 0.4);
+  return street;
+}
+
+class MapperTest : public test::DeviceTest {
+ protected:
+  struct Run {
+    std::vector<SweepPlaced> sweeps;
+    std::optional<MapReport> report;
+  };
+
+  static Run run(const std::vector<Sweep>& sweeps, const Config& config, test::TemporaryMap* map) {
+    const auto slam = make_slam(context(), config,
+                                {.inertial = false,
+                                 .map = map == nullptr ? nullptr : &map->store(),
+                                 .session = map == nullptr ? 0 : map->session()});
+    Run run;
+    for (const Sweep& sweep : sweeps) {
+      slam->add(sweep);
+      while (auto result = slam->next()) {
+        run.sweeps.push_back(std::get<SweepPlaced>(std::move(*result)));
+      }
+    }
+    run.report = slam->finish_map();
+    return run;
+  }
+};
+
+TEST_F(MapperTest, EverySweepBelongsToExactlyOneKeyframe) {
+  std::vector<Sweep> sweeps = drive().sweeps;
+  for (std::size_t i = 20; i < 23; ++i) {
+    sweeps[i].points.clear();  // the odometry coasts
+  }
+  test::TemporaryMap map;
+  const Run mapped = run(sweeps, test::submap_config(), &map);
+  std::map<Nanoseconds, NodeId> owner;
+  std::size_t unbelieved = 0;
+  for (const MapKeyframe& keyframe : map.store().keyframes()) {
+    const KeyframeSubmap submap = decode(map.store().submap(keyframe.id));
+    EXPECT_EQ(submap.sweeps.front().stamp, keyframe.stamp);
+    EXPECT_GT(submap.points.size(), 500U);
+    for (const SubmapSweep& sweep : submap.sweeps) {
+      EXPECT_TRUE(owner.emplace(sweep.stamp, keyframe.id).second) << "in two submaps";
+      unbelieved += sweep.merged ? 0U : 1U;
+    }
+  }
+  EXPECT_EQ(unbelieved, 3U);
+  ASSERT_EQ(owner.size(), kSweeps);
+  for (const SweepPlaced& placed : mapped.sweeps) {
+    EXPECT_EQ(owner.at(placed.result.stamp), placed.mapped->keyframe);
+  }
+  EXPECT_EQ(mapped.report->sweeps, kSweeps);
+  EXPECT_EQ(mapped.report->keyframes, map.store().keyframes().size());
+  EXPECT_GT(mapped.report->keyframes, 8U);
+  EXPECT_LT(mapped.report->keyframes, 20U);
+}
+
+TEST_F(MapperTest, TheOdometryIsTheSameWithAndWithoutAMap) {
+  test::TemporaryMap map;
+  const Run mapped = run(drive().sweeps, test::submap_config(), &map);
+  const Run alone = run(drive().sweeps, test::submap_config(), nullptr);
+  EXPECT_FALSE(alone.report);
+  ASSERT_EQ(mapped.sweeps.size(), alone.sweeps.size());
+  for (std::size_t i = 0; i < kSweeps; ++i) {
+    EXPECT_FALSE(alone.sweeps[i].mapped);
+    EXPECT_EQ(mapped.sweeps[i].result.T_map_lidar.matrix(),
+              alone.sweeps[i].result.T_map_lidar.matrix());
+    EXPECT_EQ(mapped.sweeps[i].result.uncertainty.in_map(),
+              alone.sweeps[i].result.uncertainty.in_map());
+  }
+}
+
+TEST_F(MapperTest, ConsecutiveKeyframesAreTiedWhereTheyReallyAre) {
+  test::TemporaryMap map;
+  const Run mapped = run(drive().sweeps, test::submap_config(), &map);
+  const PoseGraph graph = map.store().graph();
+  ASSERT_EQ(graph.edges().size() + 1, graph.nodes().size());
+  EXPECT_EQ(mapped.report->edges, graph.edges().size());
+  EXPECT_EQ(mapped.report->aligned_edges, graph.edges().size());
+  EXPECT_EQ(mapped.report->components, 1U);
+  const Eigen::Isometry3d T_world_map = drive().truth.front().pose;
+  std::map<Nanoseconds, Eigen::Isometry3d> truth;
+  for (const StampedPose& pose : drive().truth) {
+    truth[pose.stamp] = pose.pose;
+  }
+  std::vector<Eigen::Isometry3d> T_world_keyframe;
+  for (const MapKeyframe& keyframe : map.store().keyframes()) {
+    const KeyframeSubmap submap = decode(map.store().submap(keyframe.id));
+    EXPECT_EQ(submap.vertical, Vertical::ground);
+    T_world_keyframe.push_back(truth.at(keyframe.stamp) *
+                               submap.sweeps.front().T_keyframe_lidar.inverse());
+    const Eigen::Isometry3d off =
+        T_world_keyframe.back().inverse() * (T_world_map * keyframe.T_map_keyframe);
+    EXPECT_LT(off.translation().norm(), 0.1);
+  }
+  for (const PoseEdge& edge : graph.edges()) {
+    EXPECT_EQ(edge.to, edge.from + 1);
+    const auto from = static_cast<std::size_t>(edge.from);
+    const Eigen::Isometry3d off =
+        edge.T_from_to.inverse() * (T_world_keyframe[from].inverse() * T_world_keyframe[from + 1]);
+    EXPECT_LT(off.translation().norm(), 0.03);
+    EXPECT_LT(rotation_angle(off.linear()), 0.004);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(edge.information);
+    EXPECT_GT(eigen.eigenvalues()(0), 100.0) << "1/m^2: something is known in every direction";
+    EXPECT_LT(eigen.eigenvalues()(5), 1e9);
+  }
+}
+
+TEST_F(MapperTest, WorkTakesEffectAfterTheDelayAndTheMapIsTheSameInTheEnd) {
+  std::map<int, std::string> dumps;
+  std::map<int, std::vector<Eigen::Isometry3d>> known;
+  for (const int delay : {0, 3, 1000}) {
+    Config config = test::submap_config();
+    config.mapping.delay = delay;
+    test::TemporaryMap map;
+    const Run mapped = run(drive().sweeps, config, &map);
+    dumps[delay] = map.dump();
+    for (const SweepPlaced& placed : mapped.sweeps) {
+      known[delay].push_back(placed.mapped->T_map_lidar);
+      if (delay == 1000 || placed.mapped->keyframe <= delay + 1) {
+        EXPECT_EQ(placed.mapped->T_map_lidar.matrix(), placed.result.T_map_lidar.matrix())
+            << "nothing has had an effect yet";
+      }
+    }
+    EXPECT_FALSE(delay < 1000 &&
+                 known[delay].back().isApprox(mapped.sweeps.back().result.T_map_lidar, 1e-12))
+        << "what was worked out moves the map";
+  }
+  EXPECT_EQ(dumps[0], dumps[3]);
+  EXPECT_EQ(dumps[0], dumps[1000]);
+}
+
+TEST_F(MapperTest, TheSameBytesTwice) {
+  test::TemporaryMap first;
+  test::TemporaryMap second;
+  run(drive().sweeps, test::submap_config(), &first);
+  run(drive().sweeps, test::submap_config(), &second);
+  EXPECT_EQ(first.dump(), second.dump());
+}
+
+TEST_F(MapperTest, AnOdometryThatStartsAnewBeginsAnotherComponent) {
+  std::vector<Sweep> sweeps = drive().sweeps;
+  sweeps.resize(16);
+  // Somewhere else, where nothing can be aligned with.
+  const test::World elsewhere = test::make_street(300.0, 77);
+  for (std::size_t i = 16; i < 28; ++i) {
+    StampedPose pose = drive().truth[i];
+    pose.pose.translation() += Eigen::Vector3d(200.0, 40.0, 12.0);
+    sweeps.push_back(test::scan(elsewhere, pose, test::small_lidar()));
+  }
+  Config config = test::submap_config();
+  config.recovery.max_coasting = 2;
+  test::TemporaryMap map;
+  const Run mapped = run(sweeps, config, &map);
+  std::size_t restarts = 0;
+  for (const SweepPlaced& placed : mapped.sweeps) {
+    restarts += placed.result.state == OdometryState::restarted ? 1U : 0U;
+  }
+  ASSERT_GT(restarts, 0U);
+  EXPECT_EQ(mapped.report->components, 1 + restarts);
+  EXPECT_EQ(mapped.report->edges + 1 + restarts, mapped.report->keyframes);
+  EXPECT_TRUE(map.store().check().empty());
+}
+
+}  // namespace
+}  // namespace adit

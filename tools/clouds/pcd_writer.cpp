@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/clouds/pcd_writer.hpp"
+
+#include <string>
+
+namespace adit {
+namespace {
+
+// Of a fixed width, so that it can be written over: numbers may begin with zeros.
+std::string count_text(uint64_t count) {
+  const std::string digits = std::to_string(count);
+  return std::string(20 - digits.size(), '0') + digits;
+}
+
+}  // namespace
+
+PcdWriter::PcdWriter(std::filesystem::path path) : file_(std::move(path)) {
+  std::string head =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
+      "COUNT 1 1 1 1\nWIDTH ";
+  width_offset_ = head.size();
+  head += count_text(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
+  points_offset_ = head.size();
+  head += count_text(0) + "\nDATA binary\n";
+  file_.write(head);
+}
+
+void PcdWriter::write(std::span<const Point> points) {
+  file_.write(points.data(), points.size_bytes());
+  count_ += points.size();
+}
+
+void PcdWriter::close() {
+  file_.flush();
+  file_.overwrite(width_offset_, count_text(count_));
+  file_.overwrite(points_offset_, count_text(count_));
+  file_.close();
+}
+
+}  // namespace adit

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/support/output_file.hpp"
+
+namespace adit {
+
+/// Writes a cloud of any length as a binary PCD 0.7 (float x y z intensity), as the points come.
+/// Throws OutputError.
+class PcdWriter {
+ public:
+  explicit PcdWriter(std::filesystem::path path);
+
+  void write(std::span<const Point> points);
+  void close();  ///< must be called for the file to be whole; the destructor cannot report
+
+  uint64_t count() const { return count_; }
+
+ private:
+  OutputFile file_;
+  uint64_t width_offset_ = 0;
+  uint64_t points_offset_ = 0;
+  uint64_t count_ = 0;
+};
+
+}  // namespace adit

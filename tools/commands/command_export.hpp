@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit export MAP`: what a map holds, in formats of others.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+/// One of trajectory, graph, cloud and dump is set.
+struct ExportCommandOptions {
+  std::filesystem::path map{};
+  std::optional<std::filesystem::path> output{};  ///< none: standard output, for the dump alone
+  std::string trajectory{};                       ///< tum, kitti, csv
+  std::string graph{};                            ///< g2o
+  std::string cloud{};                            ///< ply, pcd
+  std::optional<double> resolution{};             ///< m, one point of the cloud a voxel
+  bool dump = false;
+};
+
+/// Returns the exit code: 0 done, 1 the map cannot be read or the file not written, 2 usage.
+int export_command(const ExportCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_export_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

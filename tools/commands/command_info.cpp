@@ -1,0 +1,220 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_info.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/support/printed.hpp"
+
+namespace adit {
+namespace {
+
+/// A map in figures.
+struct Figures {
+  std::vector<MapSession> sessions;
+  std::size_t keyframes = 0;
+  std::size_t sweeps = 0;
+  std::size_t edges = 0;
+  std::size_t loops = 0;
+  std::size_t revoked = 0;
+  std::size_t candidates = 0;
+  std::size_t components = 0;
+  std::map<std::string, std::size_t> verticals;  ///< keyframes by what told them which way is up
+  double length = 0.0;                           ///< m, along the sweeps
+  double seconds = 0.0;                          ///< from the first sweep to the last
+  Eigen::AlignedBox3d box;                       ///< of the sensor's places, m
+  uintmax_t bytes = 0;
+};
+
+Figures figures_of(const std::filesystem::path& file) {
+  const MapDatabase map(file, MapAccess::read);
+  Figures figures;
+  figures.sessions = map.sessions();
+  const PoseGraph graph = map.graph();
+  figures.keyframes = graph.nodes().size();
+  figures.components = connected_components(graph).components.size();
+  for (const PoseEdge& edge : graph.edges()) {
+    ++(edge.status == EdgeStatus::revoked ? figures.revoked
+       : edge.kind == EdgeKind::loop      ? figures.loops
+                                          : figures.edges);
+  }
+  figures.candidates = map.candidates().size();
+  for (const PoseNode& node : graph.nodes()) {
+    const KeyframeSubmap submap = load_sweeps(map, node.id, file);
+    ++figures.verticals[std::string(to_string(submap.vertical))];
+  }
+  const std::vector<StampedPose> poses = map_trajectory(map, file);
+  figures.sweeps = poses.size();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    figures.box.extend(poses[i].pose.translation());
+    figures.length +=
+        i > 0 ? (poses[i].pose.translation() - poses[i - 1].pose.translation()).norm() : 0.0;
+  }
+  if (!poses.empty()) {
+    figures.seconds =
+        std::chrono::duration<double>(poses.back().stamp - poses.front().stamp).count();
+  }
+  std::error_code ignored;
+  figures.bytes = std::filesystem::file_size(file, ignored);
+  return figures;
+}
+
+std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
+  std::string text = printed("map        %s, %.1f MiB\n", options.map.c_str(),
+                             static_cast<double>(figures.bytes) / (1024.0 * 1024.0));
+  if (figures.keyframes == 0) {
+    text += "keyframes  none: the run that made it ended before its first sweep was placed\n";
+  } else {
+    const Eigen::Vector3d size = figures.box.sizes();
+    text += printed("keyframes  %zu, of %zu sweeps in %.1f s\n", figures.keyframes, figures.sweeps,
+                    figures.seconds);
+    text += printed("way        %.1f m, within %.1f x %.1f x %.1f m\n", figures.length, size.x(),
+                    size.y(), size.z());
+    text += "upright    by";
+    for (const auto& [name, count] : figures.verticals) {
+      text += printed(" %s: %zu", name.c_str(), count);
+    }
+    text += printed("\nedges      %zu of the odometry, %zu loops, %zu revoked; %zu candidates\n",
+                    figures.edges, figures.loops, figures.revoked, figures.candidates);
+  }
+  if (figures.components > 1) {
+    text += printed(
+        "parts      %zu, without an edge between them: how they lie to each other is a "
+        "guess\n",
+        figures.components);
+  }
+  for (const MapSession& session : figures.sessions) {
+    text +=
+        printed("session    %lld: %s\n", static_cast<long long>(session.id), session.name.c_str());
+    for (const auto& [key, value] : session.provenance) {
+      text += printed("           %-18s %s\n", key.c_str(), value.c_str());
+    }
+  }
+  return text;
+}
+
+std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
+  nlohmann::ordered_json json = {
+      {"map", options.map.string()},      {"bytes", figures.bytes},
+      {"keyframes", figures.keyframes},   {"sweeps", figures.sweeps},
+      {"seconds", figures.seconds},       {"length_m", figures.length},
+      {"edges", figures.edges},           {"loops", figures.loops},
+      {"revoked", figures.revoked},       {"candidates", figures.candidates},
+      {"components", figures.components}, {"verticals", figures.verticals}};
+  json["sessions"] = nlohmann::ordered_json::array();
+  for (const MapSession& session : figures.sessions) {
+    nlohmann::ordered_json provenance = nlohmann::ordered_json::object();
+    for (const auto& [key, value] : session.provenance) {
+      provenance[key] = value;
+    }
+    json["sessions"].push_back({{"id", session.id},
+                                {"name", session.name},
+                                {"provenance", provenance},
+                                {"configuration", session.configuration}});
+  }
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+/// What is wrong with a map, beyond what its database knows: submaps that are none, sweeps in two
+/// of them.
+std::vector<std::string> problems_of(const std::filesystem::path& file) {
+  const MapDatabase map(file, MapAccess::read);
+  std::vector<std::string> problems = map.check();
+  if (!problems.empty()) {
+    return problems;
+  }
+  std::map<std::pair<SessionId, Nanoseconds>, NodeId> owners;
+  for (const MapKeyframe& keyframe : map.keyframes()) {
+    try {
+      for (const SubmapSweep& sweep : load_submap(map, keyframe.id, file).sweeps) {
+        const auto [owner, is_new] =
+            owners.emplace(std::pair(keyframe.session, sweep.stamp), keyframe.id);
+        if (!is_new) {
+          problems.push_back("a sweep of keyframe " + std::to_string(keyframe.id) +
+                             " is in keyframe " + std::to_string(owner->second) + ", too");
+        }
+      }
+    } catch (const InputError& error) {
+      problems.emplace_back(error.what());
+    }
+  }
+  return problems;
+}
+
+int check(const InfoCommandOptions& options, std::ostream& out) {
+  const std::vector<std::string> problems = problems_of(options.map);
+  if (options.json) {
+    out << nlohmann::ordered_json{{"map", options.map.string()},
+                                  {"whole", problems.empty()},
+                                  {"problems", problems}}
+               .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+        << "\n";
+    return problems.empty() ? 0 : 1;
+  }
+  for (const std::string& problem : problems) {
+    out << problem << "\n";
+  }
+  if (problems.empty()) {
+    out << options.map.string() << " is whole\n";
+  } else {
+    out << options.map.string() << " is damaged: " << problems.size()
+        << " findings. What can be read of it `adit export` still writes.\n";
+  }
+  return problems.empty() ? 0 : 1;
+}
+
+CLI::App* add(CLI::App& app, const char* name, const char* what, const char* codes,
+              int (*command)(const InfoCommandOptions&, std::ostream&, std::ostream&),
+              std::function<void(int)> done) {
+  CLI::App* added = app.add_subcommand(name, what);
+  const auto options = std::make_shared<InfoCommandOptions>();
+  added->footer(
+      "MAP is what `adit run` leaves as OUT/map.adit. A run that goes on is no hindrance.\n"
+      "\nExamples:\n  adit " +
+      std::string(name) + " out/map.adit\n  adit " + name +
+      " out/map.adit --json\n\nExit codes: " + codes);
+  added->add_option("map", options->map, "The map")->required()->type_name("MAP");
+  added->add_flag("--json", options->json, "Print JSON instead of text");
+  added->callback([options, command, done = std::move(done)] {
+    done(command(*options, std::cout, std::cerr));
+  });
+  return added;
+}
+
+}  // namespace
+
+int info_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit info", out, err, [&] {
+    const Figures figures = figures_of(options.map);
+    out << (options.json ? json_of(options, figures) : text_of(options, figures));
+    return 0;
+  });
+}
+
+int check_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit check", out, err, [&] { return check(options, out); });
+}
+
+CLI::App* add_info_command(CLI::App& app, std::function<void(int)> done) {
+  return add(app, "info", "Say what a map holds and where it comes from",
+             "0 done, 1 no map that can be read, 2 usage.", info_command, std::move(done));
+}
+
+CLI::App* add_check_command(CLI::App& app, std::function<void(int)> done) {
+  return add(app, "check", "Read all of a map and say whether it is whole",
+             "0 whole, 1 damaged or no map, 2 usage.", check_command, std::move(done));
+}
+
+}  // namespace adit

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit info MAP` and `adit check MAP`: what a map holds, and whether it is whole.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+
+namespace CLI {
+class App;
+}
+
+namespace adit {
+
+struct InfoCommandOptions {
+  std::filesystem::path map{};
+  bool json = false;
+};
+
+/// Says what a map holds. Returns the exit code: 0 done, 1 the file is no map that can be read.
+int info_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Reads all of a map. Returns the exit code: 0 it is whole, 1 it is not, and `out` says where.
+int check_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Add the sub-commands. They run on std::cout and std::cerr at the end of CLI parsing; `done` gets
+/// the exit code.
+CLI::App* add_info_command(CLI::App& app, std::function<void(int)> done);
+CLI::App* add_check_command(CLI::App& app, std::function<void(int)> done);
+
+}  // namespace adit

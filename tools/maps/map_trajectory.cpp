@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/maps/map_trajectory.hpp"
+
+#include <string>
+
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+namespace {
+
+/// What `read` gives, with the file's name where it is damaged.
+template <class Read>
+KeyframeSubmap named(const std::filesystem::path& file, NodeId keyframe, const Read& read) {
+  try {
+    return read();
+  } catch (const SubmapDamaged& damage) {
+    throw InputError(file, {}, "submap " + std::to_string(keyframe) + " " + damage.what(),
+                     "`adit check` says what else is wrong");
+  }
+}
+
+}  // namespace
+
+std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file) {
+  std::vector<StampedPose> poses;
+  for (const MapKeyframe& keyframe : map.keyframes()) {
+    for (const SubmapSweep& sweep : load_sweeps(map, keyframe.id, file).sweeps) {
+      poses.push_back(
+          {.stamp = sweep.stamp, .pose = keyframe.T_map_keyframe * sweep.T_keyframe_lidar});
+    }
+  }
+  return poses;
+}
+
+KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe,
+                           const std::filesystem::path& file) {
+  return named(file, keyframe, [&] { return decode(map.submap(keyframe)); });
+}
+
+KeyframeSubmap load_sweeps(const MapStore& map, NodeId keyframe,
+                           const std::filesystem::path& file) {
+  return named(file, keyframe, [&] { return decode_sweeps(map.chunk(keyframe, kSweepChunk)); });
+}
+
+}  // namespace adit

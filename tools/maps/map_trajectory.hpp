@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/slam/mapping/keyframe_submap.hpp"
+#include "adit/slam/mapping/map_store.hpp"
+
+namespace adit {
+
+/// T_map_lidar of every sweep of a map, in the order of keyframes. `file` is for messages. Throws
+/// InputError where a submap is damaged.
+std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file);
+
+/// A stored submap, and one without its points. Throw InputError where it is damaged.
+KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);
+KeyframeSubmap load_sweeps(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);
+
+}  // namespace adit

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/run_map.hpp"
+
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/version.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+MapSession session_of(const RunDescription& run) {
+  std::error_code unknown;
+  const auto bytes = fs::file_size(run.recording, unknown);
+  MapSession session{.name = run.recording.filename().string(),
+                     .configuration = to_toml(run.config),
+                     .provenance = {{"adit", std::string(version())},
+                                    {"device", run.device.name},
+                                    {"driver", run.device.driver},
+                                    {"driver version", run.device.driver_version},
+                                    {"recording", run.recording.string()},
+                                    {"recording kind", run.recording_description},
+                                    {"recording sweeps", std::to_string(run.recording_sweeps)},
+                                    {"first sweep", std::to_string(run.range.first)},
+                                    {"sweeps", std::to_string(run.range.count)}}};
+  if (!unknown) {
+    session.provenance.emplace_back("recording bytes", std::to_string(bytes));
+  }
+  return session;
+}
+
+/// The whole file or none of it.
+void replace_trajectory(const fs::path& file, TrajectoryFormat format,
+                        const std::vector<StampedPose>& poses) {
+  const fs::path draft = file.string() + ".part";
+  write_trajectory(draft, format, poses);
+  std::error_code error;
+  fs::rename(draft, file, error);
+  if (error) {
+    throw OutputError(file, file.string() + ": cannot be written: " + error.message() + ".");
+  }
+}
+
+}  // namespace
+
+void require_free_map(const fs::path& folder) {
+  const fs::path file = RunFiles(folder).database;
+  std::error_code unknown;
+  if (fs::exists(file, unknown)) {
+    const WriterLock lock(file);
+  }
+}
+
+RunMap::RunMap(const RunDescription& run)
+    : files_(run.output),
+      database_(files_.database, MapAccess::write),
+      session_(database_.add_session(session_of(run))) {}
+
+void RunMap::write_trajectory() const {
+  const std::vector<StampedPose> poses = map_trajectory(database_, files_.database);
+  replace_trajectory(files_.tum, TrajectoryFormat::tum, poses);
+  replace_trajectory(files_.kitti, TrajectoryFormat::kitti, poses);
+}
+
+}  // namespace adit
