@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "adit/slam/mapping/initialization.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -33,6 +35,7 @@ constexpr int kSignalExit = 128;
 /// What `adit optimize` has done, for the report.
 struct Outcome {
   G2oFile file;
+  bool is_map = false;     ///< its graph and the numbers of its edges stand in `file`
   double file_cost = 0.0;  ///< where the file has the nodes
   OptimizedGraph optimized;
   std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
@@ -87,12 +90,35 @@ std::vector<std::size_t> worst_edges(const OptimizationReport& report) {
   return order;
 }
 
+bool is_map(const std::filesystem::path& file) {
+  constexpr std::string_view kSqlite = "SQLite format 3";
+  std::string head(kSqlite.size(), ' ');
+  std::ifstream(file, std::ios::binary)
+      .read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head == kSqlite || file.extension() == ".adit";
+}
+
+G2oFile graph_of_map(const std::filesystem::path& file) {
+  G2oFile read;
+  read.graph = MapDatabase(file, MapAccess::read).graph();
+  for (uint64_t edge = 0; edge < read.graph.edges().size(); ++edge) {
+    read.edge_lines.push_back(edge);
+  }
+  return read;
+}
+
+/// Of a map it is the one that its information belongs to.
+ResidualConvention convention_of(const OptimizeCommandOptions& options, const Outcome& outcome) {
+  return outcome.is_map ? ResidualConvention::rotation : options.convention;
+}
+
 Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
   Outcome outcome;
-  outcome.file = read_g2o(options.input);
+  outcome.is_map = is_map(options.input);
+  outcome.file = outcome.is_map ? graph_of_map(options.input) : read_g2o(options.input);
   PoseGraph& graph = outcome.file.graph;
   OptimizationSettings settings;
-  settings.convention = options.convention;
+  settings.convention = convention_of(options, outcome);
   if (graph.planar() && options.convention == ResidualConvention::quaternion) {
     settings.convention = ResidualConvention::rotation;  // g2o's EDGE_SE2 has the whole angle
   }
@@ -166,7 +192,7 @@ std::string describe(const OptimizeCommandOptions& options, const Outcome& outco
         outcome.file.indefinite_lines.size(),
         static_cast<unsigned long long>(outcome.file.indefinite_lines.front()));
   }
-  text += "residual     " + convention_text(options.convention, graph.planar()) + "\n";
+  text += "residual     " + convention_text(convention_of(options, outcome), graph.planar()) + "\n";
   text += printed("cost         %.10g in the file", outcome.file_cost);
   if (options.initial != InitialPoses::file) {
     text += printed(", %.10g at the start (%s)", report.cost_before,
@@ -184,7 +210,8 @@ std::string describe(const OptimizeCommandOptions& options, const Outcome& outco
                 i == outcome.worst.front() ? "worst edges" : "           ",
                 static_cast<long long>(edge.from), static_cast<long long>(edge.to), result.chi2);
     text += result.weight < 1.0 ? printed(", weight %.3g", result.weight) : "";
-    text += printed(" (line %llu)\n", static_cast<unsigned long long>(outcome.file.edge_lines[i]));
+    text += printed(outcome.is_map ? " (edge %llu)\n" : " (line %llu)\n",
+                    static_cast<unsigned long long>(outcome.file.edge_lines[i]));
   }
   return text;
 }
@@ -199,7 +226,7 @@ std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcom
   json["loops"] = loops_in(graph);
   json["planar"] = graph.planar();
   json["indefinite_edges"] = outcome.file.indefinite_lines.size();
-  json["residual"] = convention_text(options.convention, graph.planar());
+  json["residual"] = convention_text(convention_of(options, outcome), graph.planar());
   json["initial"] = initial_text(options.initial);
   json["cost_file"] = outcome.file_cost;
   json["cost_before"] = report.cost_before;
@@ -243,10 +270,14 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
   const bool failed = termination == Termination::failed;
   if (options.output && !failed) {
     write_g2o(*options.output, outcome.file.graph);
+  } else if (outcome.is_map && !failed) {
+    MapDatabase(options.input, MapAccess::write).store_poses(outcome.file.graph.nodes());
   }
   out << (options.json ? to_json(options, outcome) : describe(options, outcome));
   if (options.output && !failed && !options.json) {
     out << "wrote        " << options.output->string() << "\n";
+  } else if (outcome.is_map && !failed && !options.json) {
+    out << "wrote        the poses of " << options.input.string() << "\n";
   }
   if (failed) {
     err << "adit optimize: " << options.input.string()
@@ -268,9 +299,11 @@ int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, s
 }
 
 CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done) {
-  CLI::App* command = app.add_subcommand("optimize", "Optimise a pose graph in g2o's format");
+  CLI::App* command =
+      app.add_subcommand("optimize", "Optimise the pose graph of a map, or one in g2o's format");
   const auto options = std::make_shared<OptimizeCommandOptions>();
   command->footer(
+      "A map (OUT/map.adit) gets the optimised poses, unless -o names another file for the graph.\n"
       "GRAPH.g2o holds VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or VERTEX_SE2 and EDGE_SE2; FIX names\n"
       "nodes that stay. Where none is fixed the first node of each connected part is held.\n"
       "The cost is the sum of chi squared, not halved. Programs differ in what a file's "
@@ -278,9 +311,10 @@ CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done) {
       "about rotations belongs to: half the angle (g2o), the angle, or the logarithm of SE(3).\n\n"
       "Examples:\n"
       "  adit optimize sphere2500.g2o -o optimized.g2o\n"
+      "  adit optimize out/map.adit\n"
       "  adit optimize torus3D.g2o --initial chordal --convention angle --json\n\n"
       "Exit codes: 0 converged, 1 failed or not converged, 2 usage.");
-  command->add_option("graph", options->input, "The graph")->required()->type_name("GRAPH.g2o");
+  command->add_option("graph", options->input, "The graph")->required()->type_name("GRAPH");
   command->add_option("-o,--output", options->output, "Write the optimised graph here")
       ->type_name("OUT.g2o");
   command

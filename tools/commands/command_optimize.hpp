@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit optimize GRAPH.g2o`.
+// `adit optimize GRAPH.g2o` and `adit optimize MAP`.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ enum class InitialPoses { file, tree, chordal };
 
 struct OptimizeCommandOptions {
   std::filesystem::path input{};
-  std::optional<std::filesystem::path> output{};
+  std::optional<std::filesystem::path> output{};  ///< none: nothing is written, but for a map
   ResidualConvention convention = ResidualConvention::quaternion;
   InitialPoses initial = InitialPoses::file;
   RobustLoss loop_kernel{};
@@ -31,7 +31,8 @@ struct OptimizeCommandOptions {
   bool json = false;
 };
 
-/// Optimises a graph, reports on `out`, progress and mistakes on `err`. Returns the exit code: 0
+/// Optimises a graph, in g2o's format or of a map, which gets the poses where no other file is to.
+/// Reports on `out`, progress and mistakes on `err`. Returns the exit code: 0
 /// converged, 1 failed or not converged, 2 usage, 130 or 143 after a signal (nothing is written).
 int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err);
 

@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit run` with a map, and what is done with the map after it: info, check, export, optimize.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/commands/command_export.hpp"
+#include "adit/tools/commands/command_info.hpp"
+#include "adit/tools/commands/command_optimize.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/maps/map_database.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kSweeps = 12;
+
+struct Ran {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+template <class Command, class Options>
+Ran ran(Command command, const Options& options) {
+  std::ostringstream out;
+  std::ostringstream err;
+  const int code = command(options, out, err);
+  return {code, out.str(), err.str()};
+}
+
+/// The recording is mapped once for all tests; each has a copy of the map.
+class MapCommands : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    data_ = new test::TemporaryFolder();
+    recording_ = test::small_recording(data_->path(), kSweeps).recording;
+    mapped_ = map_into(data_->path() / "out");
+  }
+  static void TearDownTestSuite() {
+    delete data_;
+    data_ = nullptr;
+  }
+  static Ran map_into(const fs::path& folder, std::vector<std::string> more = {}) {
+    RunCommandOptions options;
+    options.recording = recording_;
+    options.output = folder;
+    options.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true"};
+    options.config.overrides.insert(options.config.overrides.end(), more.begin(), more.end());
+    return ran(run_command, options);
+  }
+  static fs::path out(const char* name) { return data_->path() / "out" / name; }
+
+  void SetUp() override { fs::copy_file(out("map.adit"), map_); }
+
+  static inline test::TemporaryFolder* data_ = nullptr;
+  static inline fs::path recording_;
+  static inline Ran mapped_;
+  test::TemporaryFolder folder_;
+  fs::path map_ = folder_ / "map.adit";
+};
+
+TEST_F(MapCommands, ARunLeavesAMapAndBothTrajectories) {
+  EXPECT_EQ(mapped_.code, 0) << mapped_.err;
+  EXPECT_NE(mapped_.out.find("keyframes, "), std::string::npos) << mapped_.out;
+  EXPECT_NE(mapped_.out.find("map.adit"), std::string::npos) << mapped_.out;
+  EXPECT_FALSE(fs::exists(out("map.adit-wal"))) << "a clean end leaves one file";
+  const Trajectory final = read_trajectory(out("trajectory.tum"));
+  const Trajectory odometry = read_trajectory(out("odometry.tum"));
+  ASSERT_EQ(final.poses.size(), kSweeps);
+  ASSERT_EQ(odometry.poses.size(), kSweeps);
+  EXPECT_EQ(read_trajectory(out("trajectory.kitti")).poses.size(), kSweeps);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < kSweeps; ++i) {
+    EXPECT_EQ(final.poses[i].stamp, odometry.poses[i].stamp);
+    const Eigen::Isometry3d off = odometry.poses[i].pose.inverse() * final.poses[i].pose;
+    largest = std::max(largest, off.translation().norm());
+  }
+  EXPECT_LT(largest, 0.05) << "m: without loops the map agrees with the odometry closely";
+  EXPECT_GT(largest, 0.0) << "the submaps have a say";
+  const nlohmann::json json = test::json_of(out("summary.json"));
+  EXPECT_EQ(json.at("map").at("sweeps"), kSweeps);
+  EXPECT_EQ(json.at("map").at("components"), 1);
+  EXPECT_GT(json.at("map").at("keyframe_ms").at("p50"), 0.0);
+}
+
+TEST_F(MapCommands, AMapChangesNothingOfTheOdometryAndIsTheSameTwice) {
+  ASSERT_EQ(map_into(folder_ / "again").code, 0);
+  ASSERT_EQ(map_into(folder_ / "alone", {"mapping.enabled=false"}).code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "alone/map.adit"));
+  EXPECT_FALSE(fs::exists(folder_ / "alone/odometry.tum"));
+  EXPECT_EQ(test::content(folder_ / "alone/trajectory.tum"), test::content(out("odometry.tum")));
+  EXPECT_EQ(test::content(folder_ / "again/trajectory.tum"), test::content(out("trajectory.tum")));
+  const auto dump = [](const fs::path& map) {
+    return ran(export_command, ExportCommandOptions{.map = map, .dump = true}).out;
+  };
+  EXPECT_EQ(dump(folder_ / "again/map.adit"), dump(map_));
+  EXPECT_GT(dump(map_).size(), 1000U);
+
+  // And a run without a map takes the earlier run's away.
+  ASSERT_EQ(map_into(folder_ / "again", {"mapping.enabled=false"}).code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "again/map.adit"));
+}
+
+TEST_F(MapCommands, InfoSaysWhatAMapHolds) {
+  const Ran text = ran(info_command, InfoCommandOptions{.map = map_});
+  EXPECT_EQ(text.code, 0) << text.err;
+  for (const char* part : {"of 12 sweeps in 1.1 s", "upright    by ground: ", "0 loops",
+                           "session    1: recording", "recording sweeps   12"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+  }
+  const Ran json = ran(info_command, InfoCommandOptions{.map = map_, .json = true});
+  const auto parsed = nlohmann::json::parse(json.out);
+  EXPECT_EQ(parsed.at("sweeps"), kSweeps);
+  EXPECT_EQ(parsed.at("edges"), parsed.at("keyframes").get<int>() - 1);
+  EXPECT_NEAR(parsed.at("length_m").get<double>(), 0.8 * (kSweeps - 1), 0.3);
+}
+
+TEST_F(MapCommands, CheckFindsNothingInAWholeMapAndSaysWhereADamagedOneIs) {
+  const Ran whole = ran(check_command, InfoCommandOptions{.map = map_});
+  EXPECT_EQ(whole.code, 0) << whole.out << whole.err;
+  EXPECT_NE(whole.out.find("is whole"), std::string::npos);
+  {
+    std::fstream file(map_, std::ios::in | std::ios::out | std::ios::binary);
+    const auto size = static_cast<std::streamoff>(fs::file_size(map_));
+    for (std::streamoff at = size / 2; at < size / 2 + 3000; ++at) {
+      file.seekp(at).put('\x5a');
+    }
+  }
+  const Ran damaged = ran(check_command, InfoCommandOptions{.map = map_});
+  EXPECT_EQ(damaged.code, 1);
+  EXPECT_NE(damaged.out.find("is damaged"), std::string::npos) << damaged.out << damaged.err;
+  const Ran json = ran(check_command, InfoCommandOptions{.map = map_, .json = true});
+  EXPECT_FALSE(nlohmann::json::parse(json.out).at("whole").get<bool>());
+}
+
+TEST_F(MapCommands, ExportWritesWhatOtherProgramsRead) {
+  const auto exported = [&](ExportCommandOptions options, const char* name) {
+    options.map = map_;
+    options.output = folder_ / name;
+    const Ran ran_it = ran(export_command, options);
+    EXPECT_EQ(ran_it.code, 0) << ran_it.err;
+    EXPECT_NE(ran_it.out.find(name), std::string::npos) << ran_it.out;
+    return folder_ / name;
+  };
+  EXPECT_EQ(test::content(exported({.trajectory = "tum"}, "t.tum")),
+            test::content(out("trajectory.tum")));
+  EXPECT_EQ(test::content(exported({.trajectory = "kitti"}, "t.kitti")),
+            test::content(out("trajectory.kitti")));
+  EXPECT_EQ(test::lines(exported({.trajectory = "csv"}, "t.csv")), kSweeps + 1);
+  const PoseGraph graph = read_g2o(exported({.graph = "g2o"}, "g.g2o")).graph;
+  EXPECT_EQ(graph.edges().size() + 1, graph.nodes().size());
+  const auto ply = read_ply(exported({.cloud = "ply"}, "c.ply")).points;
+  const auto pcd = read_pcd(exported({.cloud = "pcd"}, "c.pcd")).points;
+  ASSERT_EQ(ply.size(), pcd.size());
+  EXPECT_GT(ply.size(), 5000U);
+  EXPECT_EQ(ply.back().x, pcd.back().x);
+  const auto thin =
+      read_ply(exported({.cloud = "ply", .resolution = 1.0}, "thin.ply")).points.size();
+  EXPECT_LT(thin, ply.size() / 2);
+  EXPECT_GT(thin, 300U);
+  exported({.dump = true}, "dump.txt");
+  EXPECT_EQ(test::content(folder_ / "dump.txt"),
+            ran(export_command, ExportCommandOptions{.map = map_, .dump = true}).out);
+}
+
+TEST_F(MapCommands, ExportSaysWhatIsMissing) {
+  const auto says = [&](ExportCommandOptions options, const char* what) {
+    options.map = map_;
+    const Ran wrong = ran(export_command, options);
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_NE(wrong.err.find(what), std::string::npos) << wrong.err;
+  };
+  says({}, "one of --trajectory");
+  says({.trajectory = "tum", .graph = "g2o"}, "one of --trajectory");
+  says({.trajectory = "tum"}, "-o FILE");
+  says({.output = map_, .graph = "g2o"}, "cannot be written over");
+  says({.output = folder_ / "x", .graph = "g2o", .resolution = 1.0}, "needs --cloud");
+  says({.output = folder_ / "x", .cloud = "ply", .resolution = 0.0}, "between 0.001");
+}
+
+TEST_F(MapCommands, OptimizePutsDisturbedPosesBackIntoTheMap) {
+  const auto poses = [&] { return MapDatabase(map_, MapAccess::read).keyframes(); };
+  const auto before = poses();
+  {
+    MapDatabase map(map_, MapAccess::write);
+    PoseNode moved{.id = before[3].id, .T_map_node = before[3].T_map_keyframe};
+    moved.T_map_node.translation().y() += 0.7;
+    map.store_poses(std::span(&moved, 1));
+  }
+  const Ran other =
+      ran(optimize_command, OptimizeCommandOptions{.input = map_, .output = folder_ / "o.g2o"});
+  EXPECT_EQ(other.code, 0) << other.err;
+  EXPECT_GT(
+      (poses()[3].T_map_keyframe.translation() - before[3].T_map_keyframe.translation()).norm(),
+      0.6)
+      << "with -o the map stays as it is";
+  const Ran done = ran(optimize_command, OptimizeCommandOptions{.input = map_});
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_NE(done.out.find("wrote        the poses of "), std::string::npos) << done.out;
+  const auto after = poses();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_LT(
+        (after[i].T_map_keyframe.translation() - before[i].T_map_keyframe.translation()).norm(),
+        1e-6);
+  }
+}
+
+/// Every command on a file that is no good.
+std::vector<Ran> all_of(const fs::path& map, const fs::path& output) {
+  return {
+      ran(info_command, InfoCommandOptions{.map = map}),
+      ran(check_command, InfoCommandOptions{.map = map}),
+      ran(export_command, ExportCommandOptions{.map = map, .output = output, .trajectory = "tum"}),
+      ran(optimize_command, OptimizeCommandOptions{.input = map})};
+}
+
+TEST_F(MapCommands, WhatIsNoMapIsSaidToBeNone) {
+  const auto expect = [&](const fs::path& map, const char* what) {
+    for (const Ran& wrong : all_of(map, folder_ / "t.tum")) {
+      EXPECT_EQ(wrong.code, 1);
+      EXPECT_NE(wrong.err.find(what), std::string::npos) << wrong.err;
+      EXPECT_NE(wrong.err.find(map.filename().string()), std::string::npos) << wrong.err;
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "t.tum"));
+  };
+  expect(folder_ / "none.adit", "there is no such file");
+  expect(folder_.write("text.adit", std::string(5000, 'x')), "not a database");
+  SqliteDatabase(map_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 9");
+  expect(map_, "written by a newer adit");
+}
+
+TEST_F(MapCommands, AMapThatIsBeingWrittenIsReadButNotWritten) {
+  const MapDatabase writer(map_, MapAccess::write);
+  EXPECT_EQ(ran(info_command, InfoCommandOptions{.map = map_}).code, 0);
+  EXPECT_EQ(ran(check_command, InfoCommandOptions{.map = map_}).code, 0);
+  const Ran locked = ran(optimize_command, OptimizeCommandOptions{.input = map_});
+  EXPECT_EQ(locked.code, 1);
+  EXPECT_NE(locked.err.find("is being written by process"), std::string::npos) << locked.err;
+}
+
+TEST_F(MapCommands, ARunDoesNotTouchAMapThatAnotherWrites) {
+  ASSERT_EQ(map_into(folder_ / "out").code, 0);
+  const std::string before = test::content(folder_ / "out/trajectory.tum");
+  const MapDatabase writer(folder_ / "out/map.adit", MapAccess::write);
+  const Ran second = map_into(folder_ / "out");
+  EXPECT_EQ(second.code, 1);
+  EXPECT_NE(second.err.find("is being written by process"), std::string::npos) << second.err;
+  EXPECT_EQ(test::content(folder_ / "out/trajectory.tum"), before);
+}
+
+TEST_F(MapCommands, AnEmptyMapIsOneToo) {
+  const fs::path empty = folder_ / "empty.adit";
+  { const MapDatabase map(empty, MapAccess::write); }
+  const Ran info = ran(info_command, InfoCommandOptions{.map = empty});
+  EXPECT_EQ(info.code, 0) << info.err;
+  EXPECT_NE(info.out.find("keyframes  none"), std::string::npos) << info.out;
+  EXPECT_EQ(ran(check_command, InfoCommandOptions{.map = empty}).code, 0);
+  const Ran cloud =
+      ran(export_command,
+          ExportCommandOptions{.map = empty, .output = folder_ / "c.ply", .cloud = "ply"});
+  EXPECT_EQ(cloud.code, 0) << cloud.err;
+  EXPECT_NE(cloud.out.find("0 points"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace adit
