@@ -20,8 +20,7 @@ Matrix6d symmetric_inverse(const Matrix6d& matrix) {
   return 0.5 * (inverse + inverse.transpose());
 }
 
-Matrix6d information_of(const KeyframeMotion& motion) {
-  Matrix6d covariance = motion.covariance;
+Matrix6d information_of(Matrix6d covariance) {
   covariance.diagonal().head<3>().array() += kLeastSigmaTranslation * kLeastSigmaTranslation;
   covariance.diagonal().tail<3>().array() += kLeastSigmaRotation * kLeastSigmaRotation;
   return symmetric_inverse(covariance);
@@ -29,25 +28,42 @@ Matrix6d information_of(const KeyframeMotion& motion) {
 
 }  // namespace
 
+Matrix6d in_keyframe_axes(const Matrix6d& covariance, const Eigen::Isometry3d& T_keyframe_lidar) {
+  const Matrix6d to_keyframe = adjoint(T_keyframe_lidar);
+  return to_keyframe * covariance * to_keyframe.transpose();
+}
+
+KeyframeMotion odometry_motion(const UncertainPose& from, const UncertainPose& to,
+                               const Eigen::Isometry3d& T_from_to,
+                               const Eigen::Isometry3d& T_keyframe_lidar) {
+  // The drift is that of the submap: between two poses without errors of their own.
+  const Matrix6d lasting = motion_covariance({from.T_map_lidar, {.drift = from.uncertainty.drift}},
+                                             {to.T_map_lidar, {.drift = to.uncertainty.drift}});
+  return {.T_from_to = T_from_to,
+          .covariance = in_keyframe_axes(motion_covariance(from, to), T_keyframe_lidar),
+          .lasting = in_keyframe_axes(lasting, T_keyframe_lidar)};
+}
+
 KeyframeMotion combined(const KeyframeMotion& odometry, const KeyframeMotion& aligned) {
-  const Matrix6d by_odometry = information_of(odometry);
-  const Matrix6d by_alignment = information_of(aligned);
-  const Matrix6d covariance = symmetric_inverse(by_odometry + by_alignment);
+  const Matrix6d by_alignment = information_of(aligned.lasting);
+  const Matrix6d lasting = symmetric_inverse(information_of(odometry.lasting) + by_alignment);
   const Vector6d off = se3_log(odometry.T_from_to.inverse() * aligned.T_from_to);
-  return {.T_from_to = odometry.T_from_to * se3_exp(covariance * (by_alignment * off)),
-          .covariance = 2.0 * covariance};
+  const Matrix6d sum = information_of(odometry.covariance) + information_of(aligned.covariance);
+  return {.T_from_to = odometry.T_from_to * se3_exp(lasting * (by_alignment * off)),
+          .covariance = 2.0 * symmetric_inverse(sum),
+          .lasting = lasting};
 }
 
 KeyframeMotion motion_of(const RegistrationResult& alignment) {
-  return {.T_from_to = alignment.T_target_source,
-          .covariance = covariance(alignment, kSubmapModel)};
+  const Matrix6d known = covariance(alignment, kSubmapModel);
+  return {.T_from_to = alignment.T_target_source, .covariance = known, .lasting = known};
 }
 
 PoseEdge edge_of(NodeId from, NodeId to, const KeyframeMotion& motion) {
   return {.from = from,
           .to = to,
           .T_from_to = motion.T_from_to,
-          .information = information_of(motion),
+          .information = information_of(motion.covariance),
           .kind = EdgeKind::odometry};
 }
 

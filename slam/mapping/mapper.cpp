@@ -26,12 +26,6 @@ AlignmentSettings alignment_settings(const Config& config) {
           .min_overlap = registration.min_overlap};
 }
 
-// A covariance of T_odom_lidar as one of T_odom_keyframe: the same place with other axes.
-Matrix6d turned(const Matrix6d& covariance, const Eigen::Isometry3d& T_keyframe_lidar) {
-  const Matrix6d to_keyframe = adjoint(T_keyframe_lidar);
-  return to_keyframe * covariance * to_keyframe.transpose();
-}
-
 }  // namespace
 
 Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session)
@@ -82,13 +76,13 @@ void Mapper::freeze() {
   const KeyframeSubmap& submap = frozen.submap;
   const Eigen::Isometry3d T_map_keyframe = T_map_odom_ * frozen.T_odom_keyframe;
   const Eigen::Isometry3d& T_keyframe_lidar = submap.sweeps.front().T_keyframe_lidar;
-  store_->store(
-      {.keyframe = {.id = open_->id,
-                    .session = session_,
-                    .stamp = submap.sweeps.front().stamp,
-                    .T_map_keyframe = T_map_keyframe,
-                    .covariance = turned(open_->lidar.uncertainty.in_map(), T_keyframe_lidar)},
-       .submap = encode(submap)});
+  store_->store({.keyframe = {.id = open_->id,
+                              .session = session_,
+                              .stamp = submap.sweeps.front().stamp,
+                              .T_map_keyframe = T_map_keyframe,
+                              .covariance = in_keyframe_axes(open_->lidar.uncertainty.in_map(),
+                                                             T_keyframe_lidar)},
+                 .submap = encode(submap)});
   graph_.add_node({.id = open_->id, .T_map_node = T_map_keyframe});
   T_odom_keyframes_.push_back(frozen.T_odom_keyframe);
 
@@ -117,10 +111,9 @@ void Mapper::freeze() {
 // What the odometry and an alignment of the two submaps say of the way between them.
 PoseEdge Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
                      const SurfaceCloud& cloud) {
-  const KeyframeMotion odometry{
-      .T_from_to = from.T_odom_keyframe.inverse() * submap.T_odom_keyframe,
-      .covariance = turned(motion_covariance(from.lidar, to.lidar),
-                           submap.submap.sweeps.front().T_keyframe_lidar)};
+  const KeyframeMotion odometry =
+      odometry_motion(from.lidar, to.lidar, from.T_odom_keyframe.inverse() * submap.T_odom_keyframe,
+                      submap.submap.sweeps.front().T_keyframe_lidar);
   ++report_.edges;
   if (from.has_points && cloud.size > 0) {
     const AlignmentPair pair{.source = &cloud,

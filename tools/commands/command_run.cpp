@@ -237,9 +237,15 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   require_clear_point_times(*recording, sweeps.topic, options.recording);
   const std::optional<std::size_t> imu_topic = choose_imu(*recording, config);
   const HighRateFiles high_rate_files(options.output);
-  check_writable(options.output, options.map,
-                 options.high_rate.enabled ? std::vector{high_rate_files.tum, high_rate_files.csv}
-                                           : std::vector<std::filesystem::path>());
+  std::vector<std::filesystem::path> others;
+  if (options.high_rate.enabled) {
+    others = {high_rate_files.tum, high_rate_files.csv};
+  }
+  const RunFiles files(options.output);
+  if (config.mapping.enabled) {
+    others.insert(others.end(), {files.odometry, files.database});
+  }
+  check_writable(options.output, options.map, others);
   DeviceSession session(options.device);
   engine::Context& context = session.context();
   if (context.software_fallback() && !options.quiet) {
@@ -249,7 +255,6 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   SlamOptions wanted{.inertial = imu_topic.has_value()};
 
   // The summary first: from here on the folder tells of this run, whatever ends it.
-  const RunFiles files(options.output);
   replace_text_file(files.summary,
                     running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
   require_free_map(options.output);

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The adit authors
+# SPDX-License-Identifier: Apache-2.0
+"""Kills `adit run` at random moments and looks at the map that is left.
+
+Usage: kill_runs.py ADIT [--kills N] [--seed S] [--sweeps N] [--folder FOLDER]. Each map must open, pass `adit check`,
+hold every keyframe that sweeps.csv says has ended, and hold of them what an undisturbed run holds. Exits 1 where one
+does not.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+SETTINGS = ["--set", "mapping.enabled=true", "--quiet", "--no-map"]
+
+
+def output_of(command):
+    return subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True).stdout
+
+
+def submaps_of(adit, map_file):
+    """The lines of the dump that tell of submaps: they do not change once a keyframe has ended."""
+    return [line for line in output_of([adit, "export", map_file, "--dump"]).splitlines() if line.startswith("submap ")]
+
+
+def ended_keyframes(table):
+    """All but the last keyframe of the sweeps that are written have ended; half a line counts for nothing."""
+    if not table.exists():
+        return 0
+    rows = table.read_text(errors="replace").split("\n")
+    count = sum(row.get("keyframe") == "1" for row in csv.DictReader(rows[:-1]))
+    return max(count - 1, 0)
+
+
+def kill_once(arguments, recording, out, delay):
+    """True where the run was killed before it had ended."""
+    shutil.rmtree(out, ignore_errors=True)
+    run = subprocess.Popen([arguments.adit, "run", recording, "-o", out, *SETTINGS], stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL)
+    try:
+        run.wait(delay)
+        return False
+    except subprocess.TimeoutExpired:
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+        return True
+
+
+def complaints(arguments, out, expected):
+    map_file = out / "map.adit"
+    if not map_file.exists():
+        return ["there is no map, but a keyframe has ended"] if ended_keyframes(out / "sweeps.csv") else []
+    check = subprocess.run([arguments.adit, "check", map_file], capture_output=True, text=True, check=False)
+    if check.returncode != 0:
+        return [f"adit check: {check.stdout}{check.stderr}"]
+    found = []
+    stored = json.loads(output_of([arguments.adit, "info", map_file, "--json"]))["keyframes"]
+    ended = ended_keyframes(out / "sweeps.csv")
+    if stored < ended:
+        found.append(f"{ended} keyframes have ended, {stored} are stored")
+    if submaps_of(arguments.adit, map_file) != expected[:stored]:
+        found.append("its submaps are not those of an undisturbed run")
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--sweeps", type=int, default=60)
+    parser.add_argument("--folder", type=pathlib.Path)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = arguments.folder or pathlib.Path(temporary)
+        recording, whole, out = folder / "room.mcap", folder / "whole", folder / "killed"
+        output_of([arguments.adit, "simulate", "room", "-o", recording, "--duration", arguments.sweeps / 10,
+                   "--seed", arguments.seed])
+        start = time.monotonic()
+        output_of([arguments.adit, "run", recording, "-o", whole, *SETTINGS])
+        duration = time.monotonic() - start
+        expected = submaps_of(arguments.adit, whole / "map.adit")
+        chance = random.Random(arguments.seed)
+        killed, with_keyframes, failures = 0, 0, 0
+        for number in range(arguments.kills):
+            delay = chance.uniform(0.0, duration)
+            killed += kill_once(arguments, recording, out, delay)
+            with_keyframes += ended_keyframes(out / "sweeps.csv") > 0
+            for complaint in complaints(arguments, out, expected):
+                failures += 1
+                print(f"kill {number} after {delay:.3f} s: {complaint}")
+        print(f"{killed} of {arguments.kills} runs of {duration:.1f} s killed, {with_keyframes} with a keyframe that "
+              f"had ended; an undisturbed run has {len(expected)}; {failures} complaints")
+        return 1 if failures or killed == 0 or len(expected) < 3 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
