@@ -20,7 +20,7 @@ import sys
 import tempfile
 import time
 
-SETTINGS = ["--set", "mapping.enabled=true", "--quiet", "--no-map"]
+SETTINGS = ["--set", "mapping.enabled=true", "--set", "keyframe.delta_trans=0.05", "--quiet", "--no-map"]
 
 
 def output_of(command):
@@ -80,6 +80,7 @@ def main():
     parser.add_argument("--sweeps", type=int, default=60)
     parser.add_argument("--folder", type=pathlib.Path)
     arguments = parser.parse_args()
+    arguments.adit = arguments.adit.resolve()
     with tempfile.TemporaryDirectory() as temporary:
         folder = arguments.folder or pathlib.Path(temporary)
         recording, whole, out = folder / "room.mcap", folder / "whole", folder / "killed"

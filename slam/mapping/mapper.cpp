@@ -20,8 +20,8 @@ AlignmentSettings alignment_settings(const Config& config) {
           .robust = RobustKernel::cauchy,
           .d_max = registration.d_max,
           .max_iterations = registration.max_iterations,
-          .translation_epsilon = 0.1 * registration.translation_epsilon,
-          .rotation_epsilon = 0.1 * registration.rotation_epsilon,
+          .translation_epsilon = registration.translation_epsilon,
+          .rotation_epsilon = registration.rotation_epsilon,
           .min_inliers = registration.min_inliers,
           .min_overlap = registration.min_overlap};
 }

@@ -16,6 +16,15 @@ constexpr uint32_t kVersion = 1;
 constexpr std::size_t kChunks = 2;
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
+// FNV-1a: any changed byte changes it.
+uint64_t checksum(std::span<const std::byte> bytes) {
+  uint64_t value = 0xcbf29ce484222325U;
+  for (const std::byte byte : bytes) {
+    value = (value ^ static_cast<uint64_t>(byte)) * 0x100000001b3U;
+  }
+  return value;
+}
+
 class Writer {
  public:
   template <class T>
@@ -33,7 +42,10 @@ class Writer {
       }
     }
   }
-  std::vector<std::byte> take() { return std::move(bytes_); }
+  std::vector<std::byte> take() {
+    put(checksum(bytes_));
+    return std::move(bytes_);
+  }
 
  private:
   std::vector<std::byte> bytes_;
@@ -41,7 +53,18 @@ class Writer {
 
 class Reader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  /// What stands before the checksum. Throws SubmapDamaged where that is another one.
+  explicit Reader(std::span<const std::byte> chunk) {
+    uint64_t written = 0;
+    if (chunk.size() < sizeof(written)) {
+      throw SubmapDamaged("ends early, at byte " + std::to_string(chunk.size()));
+    }
+    bytes_ = chunk.first(chunk.size() - sizeof(written));
+    std::memcpy(&written, chunk.data() + bytes_.size(), sizeof(written));
+    if (written != checksum(bytes_)) {
+      throw SubmapDamaged("has a wrong checksum");
+    }
+  }
 
   template <class T>
   T get() {

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A keyframe's submap as the chunks that a MapStore keeps: the first has its sweeps, the second its
-// points, number by number and byte by byte apart, so that they compress well.
+// points, number by number and byte by byte apart, so that they compress well. Each ends with a
+// checksum: what a disk spoils within packed bytes need not show otherwise.
 #pragma once
 
 #include <cstddef>

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/submap_codec.hpp"
 
+#include <cstring>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -54,53 +56,76 @@ TEST(SubmapCodec, GivesBackEveryBit) {
   EXPECT_TRUE(decode(encode(KeyframeSubmap{})).points.empty());
 }
 
+std::string complaint(const MapSubmap& stored) {
+  try {
+    static_cast<void>(decode(stored));
+  } catch (const SubmapDamaged& damage) {
+    return damage.what();
+  }
+  return "nothing";
+}
+
 TEST(SubmapCodec, SaysWhatIsWrongWithDamagedChunks) {
   const MapSubmap good = encode(some_submap());
-  const auto says = [](const MapSubmap& stored) -> std::string {
-    try {
-      static_cast<void>(decode(stored));
-    } catch (const SubmapDamaged& damage) {
-      return damage.what();
-    }
-    return "nothing";
-  };
   for (std::size_t chunk = 0; chunk < good.chunks.size(); ++chunk) {
     for (std::size_t size = 0; size < good.chunks[chunk].size(); size += 97) {
       MapSubmap cut = good;
       cut.chunks[chunk].resize(size);
-      EXPECT_NE(says(cut), "nothing") << "chunk " << chunk << " of " << size << " bytes";
+      EXPECT_NE(complaint(cut), "nothing") << "chunk " << chunk << " of " << size << " bytes";
     }
-    MapSubmap longer = good;
-    longer.chunks[chunk].push_back({});
-    EXPECT_NE(says(longer).find("1 bytes too many"), std::string::npos) << says(longer);
   }
-  MapSubmap fewer = good;
-  fewer.chunks.pop_back();
-  EXPECT_NE(says(fewer).find("1 chunks, expected 2"), std::string::npos) << says(fewer);
-  MapSubmap newer = good;
-  newer.chunks[0][0] = std::byte{9};
-  EXPECT_NE(says(newer).find("version 9, expected 1"), std::string::npos) << says(newer);
-  MapSubmap greedy = good;
-  greedy.chunks[1][3] = std::byte{0xff};
-  EXPECT_NE(says(greedy).find("claims"), std::string::npos) << says(greedy);
-  MapSubmap strange = good;
-  strange.chunks[1].back() = std::byte{0x7f};
-  EXPECT_NE(says(strange).find("point of sweep"), std::string::npos) << says(strange);
+  EXPECT_EQ(complaint({.chunks = {good.chunks[0]}}), "has 1 chunks, expected 2");
+  EXPECT_EQ(complaint({.chunks = {good.chunks[0], {}}}), "ends early, at byte 0");
+  EXPECT_NE(complaint({.chunks = {good.chunks[1], good.chunks[0]}}), "nothing");
 }
 
-// The bytes of a damaged chunk are anybody's: whatever they are, it ends in a submap or in a word.
-TEST(SubmapCodec, SurvivesAnyByte) {
+/// The same with checksums that are right, of chunks that have been changed.
+MapSubmap with_checksums(MapSubmap stored) {
+  for (std::vector<std::byte>& chunk : stored.chunks) {
+    uint64_t value = 0xcbf29ce484222325U;  // FNV-1a
+    for (std::size_t i = 0; i < chunk.size() - 8; ++i) {
+      value = (value ^ static_cast<uint64_t>(chunk[i])) * 0x100000001b3U;
+    }
+    std::memcpy(chunk.data() + chunk.size() - 8, &value, 8);
+  }
+  return stored;
+}
+
+TEST(SubmapCodec, DoesNotBelieveWhatIsWholeAndMakesNoSense) {
+  const MapSubmap good = encode(some_submap());
+  ASSERT_EQ(complaint(with_checksums(good)), "nothing");
+  MapSubmap longer = good;
+  longer.chunks[1].push_back({});
+  EXPECT_EQ(complaint(with_checksums(longer)), "has 1 bytes too many");
+  MapSubmap newer = good;
+  newer.chunks[0][0] = std::byte{9};
+  EXPECT_EQ(complaint(with_checksums(newer)), "is of version 9, expected 1");
+  MapSubmap greedy = good;
+  greedy.chunks[1][3] = std::byte{0xff};
+  EXPECT_NE(complaint(with_checksums(greedy)).find("claims"), std::string::npos);
+  MapSubmap strange = good;
+  strange.chunks[1][good.chunks[1].size() - 9] = std::byte{0x7f};
+  EXPECT_NE(complaint(with_checksums(strange)).find("point of sweep"), std::string::npos);
+  Random random(9);
+  for (std::size_t i = 0; i < 2000; ++i) {  // whatever it is, it ends in a submap or in a word
+    MapSubmap changed = good;
+    auto& chunk = changed.chunks[i % 2];
+    chunk[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(chunk.size() - 8)))] =
+        static_cast<std::byte>(random.uniform(0.0, 256.0));
+    static_cast<void>(complaint(with_checksums(changed)));
+  }
+}
+
+TEST(SubmapCodec, NoticesAnyChangedByte) {
   const MapSubmap good = encode(some_submap());
   Random random(9);
   for (std::size_t i = 0; i < 2000; ++i) {
     MapSubmap changed = good;
     auto& chunk = changed.chunks[i % 2];
-    chunk[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(chunk.size())))] =
-        static_cast<std::byte>(random.uniform(0.0, 256.0));
-    try {
-      static_cast<void>(decode(changed));
-    } catch (const SubmapDamaged&) {
-    }
+    auto& byte =
+        chunk[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(chunk.size())))];
+    byte ^= static_cast<std::byte>(random.uniform(1.0, 256.0));
+    EXPECT_EQ(complaint(changed), "has a wrong checksum");
   }
 }
 
