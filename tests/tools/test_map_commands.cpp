@@ -18,6 +18,7 @@
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
+#include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
@@ -146,6 +147,43 @@ TEST_F(MapCommands, CheckFindsNothingInAWholeMapAndSaysWhereADamagedOneIs) {
   EXPECT_NE(damaged.out.find("is damaged"), std::string::npos) << damaged.out << damaged.err;
   const Ran json = ran(check_command, InfoCommandOptions{.map = map_, .json = true});
   EXPECT_FALSE(nlohmann::json::parse(json.out).at("whole").get<bool>());
+}
+
+TEST_F(MapCommands, RecoverSavesWhatIsWhole) {
+  const auto recover = [&](const char* name) {
+    return ran(recover_command, RecoverCommandOptions{.map = map_, .output = folder_ / name});
+  };
+  const auto dump = [](const fs::path& map) {
+    return ran(export_command, ExportCommandOptions{.map = map, .dump = true}).out;
+  };
+  const Ran whole = recover("whole.adit");
+  EXPECT_EQ(whole.code, 0) << whole.out << whole.err;
+  EXPECT_EQ(dump(folder_ / "whole.adit"), dump(map_)) << "nothing was damaged";
+  EXPECT_EQ(recover("whole.adit").code, 2) << "it does not write over what is there";
+
+  const std::size_t before = MapDatabase(map_, MapAccess::read).keyframes().size();
+  const std::string bytes = test::content(map_);
+  std::size_t damages = 0;
+  // A page after the other, but for the first, which says what the file is.
+  for (std::size_t page = 1; page < bytes.size() / 4096; page += 3) {
+    std::string damaged = bytes;
+    std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(4096 * page), 4096, '\x5a');
+    folder_.write("map.adit", damaged);
+    const std::string name = "recovered_" + std::to_string(page) + ".adit";
+    const Ran ran_it = recover(name.c_str());
+    if (ran_it.code == 1 && !fs::exists(folder_ / name)) {
+      EXPECT_FALSE(ran_it.err.empty());
+      continue;
+    }
+    const MapDatabase map(folder_ / name, MapAccess::read);
+    EXPECT_TRUE(map.check().empty());
+    EXPECT_LE(map.keyframes().size(), before);
+    damages += ran_it.code == 1 ? 1U : 0U;
+    if (ran_it.code == 0) {
+      EXPECT_EQ(map.keyframes().size(), before) << "page " << page << "\n" << ran_it.out;
+    }
+  }
+  EXPECT_GT(damages, 5U);
 }
 
 TEST_F(MapCommands, ExportWritesWhatOtherProgramsRead) {

@@ -169,8 +169,8 @@ int check(const InfoCommandOptions& options, std::ostream& out) {
   if (problems.empty()) {
     out << options.map.string() << " is whole\n";
   } else {
-    out << options.map.string() << " is damaged: " << problems.size()
-        << " findings. What can be read of it `adit export` still writes.\n";
+    out << options.map.string() << " is damaged: " << problems.size() << " findings. `adit recover "
+        << options.map.string() << " -o NEW` writes what is whole into a new map.\n";
   }
   return problems.empty() ? 0 : 1;
 }

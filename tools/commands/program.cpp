@@ -21,6 +21,7 @@
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
+#include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -111,6 +112,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_evaluate_command(app, done);
   add_info_command(app, done);
   add_check_command(app, done);
+  add_recover_command(app, done);
   add_export_command(app, done);
   add_optimize_command(app, done);
   add_devices_command(app, done);

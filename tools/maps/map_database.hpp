@@ -54,6 +54,12 @@ class MapDatabase final : public MapStore {
   std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                      const Eigen::Vector3d& upper) const override;
 
+  /// One row each; nothing where there is none of that number. Edges are counted from 1 here.
+  std::optional<MapSession> session(SessionId id) const;
+  std::optional<MapKeyframe> keyframe(NodeId id) const;
+  std::optional<PoseEdge> edge(int64_t id) const;
+  std::optional<LoopCandidate> candidate(int64_t id) const;
+
   /// What is wrong with the map, for people; empty: it is whole. Reads everything.
   std::vector<std::string> check() const;
 
@@ -66,6 +72,10 @@ class MapDatabase final : public MapStore {
   void insert(const LoopCandidate& candidate);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
   std::vector<PoseEdge> edges() const;
+  MapSession session_at(const SqliteStatement& row) const;
+  MapKeyframe keyframe_at(const SqliteStatement& row) const;
+  PoseEdge edge_at(const SqliteStatement& row) const;
+  LoopCandidate candidate_at(const SqliteStatement& row) const;
 
   std::optional<WriterLock> lock_;
   SqliteDatabase database_;

@@ -60,6 +60,37 @@ std::vector<std::byte> unpacked(int64_t bytes, std::span<const std::byte> zstd,
   return {chunk.bytes.begin(), chunk.bytes.end()};
 }
 
+constexpr const char* kSessions = "SELECT id, name, configuration FROM sessions";
+constexpr const char* kKeyframes =
+    "SELECT id, session, stamp_ns, fixed, pose, covariance FROM keyframes";
+constexpr const char* kEdges =
+    "SELECT id, node_from, node_to, kind, status, pose, information FROM edges";
+constexpr const char* kCandidates =
+    "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason FROM candidates";
+
+/// What `take` makes of each row, in order of ids.
+template <class Take>
+auto all_rows(const SqliteDatabase& database, const std::string& select, const Take& take) {
+  std::vector<decltype(take(std::declval<const SqliteStatement&>()))> all;
+  SqliteStatement rows = database.prepare(select + " ORDER BY id");
+  while (rows.step()) {
+    all.push_back(take(rows));
+  }
+  return all;
+}
+
+/// What it makes of the row of that id; nothing where there is none.
+template <class Take>
+auto one_row(const SqliteDatabase& database, const std::string& select, int64_t id,
+             const Take& take) {
+  std::optional<decltype(take(std::declval<const SqliteStatement&>()))> one;
+  SqliteStatement row = database.prepare(select + " WHERE id = ?");
+  if (row.bind(1, id).step()) {
+    one = take(row);
+  }
+  return one;
+}
+
 /// A text of the map on one line.
 std::string in_one_line(const std::string& text) {
   std::string line;
@@ -71,61 +102,86 @@ std::string in_one_line(const std::string& text) {
 
 }  // namespace
 
-std::vector<MapSession> MapDatabase::sessions() const {
-  std::vector<MapSession> sessions;
-  SqliteStatement read =
-      database_.prepare("SELECT id, name, configuration FROM sessions ORDER BY id");
+MapSession MapDatabase::session_at(const SqliteStatement& row) const {
+  MapSession session{row.integer(0), row.text(1), row.text(2), {}};
   SqliteStatement origin =
       database_.prepare("SELECT key, value FROM provenance WHERE session = ? ORDER BY key");
-  while (read.step()) {
-    MapSession session{read.integer(0), read.text(1), read.text(2), {}};
-    origin.bind(1, session.id);
-    while (origin.step()) {
-      session.provenance.emplace_back(origin.text(0), origin.text(1));
-    }
-    origin.reset();
-    sessions.push_back(std::move(session));
+  origin.bind(1, session.id);
+  while (origin.step()) {
+    session.provenance.emplace_back(origin.text(0), origin.text(1));
   }
-  return sessions;
+  return session;
+}
+
+MapKeyframe MapDatabase::keyframe_at(const SqliteStatement& row) const {
+  MapKeyframe keyframe;
+  keyframe.id = row.integer(0);
+  keyframe.session = row.integer(1);
+  keyframe.stamp = Nanoseconds(row.integer(2));
+  keyframe.fixed = row.integer(3) != 0;
+  const auto& file = database_.path();
+  keyframe.T_map_keyframe =
+      pose_from(numbers<12>(row.blob(4), file, "the pose of keyframe", keyframe.id));
+  keyframe.covariance =
+      matrix_from(numbers<36>(row.blob(5), file, "the covariance of keyframe", keyframe.id));
+  return keyframe;
+}
+
+PoseEdge MapDatabase::edge_at(const SqliteStatement& row) const {
+  const int64_t id = row.integer(0);
+  const auto& file = database_.path();
+  PoseEdge edge;
+  edge.from = row.integer(1);
+  edge.to = row.integer(2);
+  edge.kind = enumerator(row.integer(3), EdgeKind::loop, file, "the kind of an edge");
+  edge.status = enumerator(row.integer(4), EdgeStatus::revoked, file, "the status of an edge");
+  edge.T_from_to = pose_from(numbers<12>(row.blob(5), file, "the pose of edge", id));
+  edge.information = matrix_from(numbers<36>(row.blob(6), file, "the information of edge", id));
+  return edge;
+}
+
+LoopCandidate MapDatabase::candidate_at(const SqliteStatement& row) const {
+  LoopCandidate candidate;
+  candidate.id = row.integer(0);
+  candidate.from = row.integer(1);
+  candidate.to = row.integer(2);
+  candidate.verdict = enumerator(row.integer(3), CandidateVerdict::rejected, database_.path(),
+                                 "the verdict about a candidate");
+  candidate.T_from_to =
+      pose_from(numbers<12>(row.blob(4), database_.path(), "the pose of candidate", candidate.id));
+  candidate.score = row.real(5);
+  candidate.overlap = row.real(6);
+  candidate.chi2 = row.real(7);
+  candidate.reason = row.text(8);
+  return candidate;
+}
+
+std::vector<MapSession> MapDatabase::sessions() const {
+  return all_rows(database_, kSessions, [&](const auto& row) { return session_at(row); });
+}
+std::optional<MapSession> MapDatabase::session(SessionId id) const {
+  return one_row(database_, kSessions, id, [&](const auto& row) { return session_at(row); });
 }
 
 std::vector<MapKeyframe> MapDatabase::keyframes() const {
-  std::vector<MapKeyframe> keyframes;
-  SqliteStatement read = database_.prepare(
-      "SELECT id, session, stamp_ns, fixed, pose, covariance FROM keyframes ORDER BY id");
-  while (read.step()) {
-    MapKeyframe keyframe;
-    keyframe.id = read.integer(0);
-    keyframe.session = read.integer(1);
-    keyframe.stamp = Nanoseconds(read.integer(2));
-    keyframe.fixed = read.integer(3) != 0;
-    const auto& file = database_.path();
-    keyframe.T_map_keyframe =
-        pose_from(numbers<12>(read.blob(4), file, "the pose of keyframe", keyframe.id));
-    keyframe.covariance =
-        matrix_from(numbers<36>(read.blob(5), file, "the covariance of keyframe", keyframe.id));
-    keyframes.push_back(keyframe);
-  }
-  return keyframes;
+  return all_rows(database_, kKeyframes, [&](const auto& row) { return keyframe_at(row); });
+}
+std::optional<MapKeyframe> MapDatabase::keyframe(NodeId id) const {
+  return one_row(database_, kKeyframes, id, [&](const auto& row) { return keyframe_at(row); });
 }
 
 std::vector<PoseEdge> MapDatabase::edges() const {
-  std::vector<PoseEdge> edges;
-  SqliteStatement read = database_.prepare(
-      "SELECT id, node_from, node_to, kind, status, pose, information FROM edges ORDER BY id");
-  while (read.step()) {
-    const int64_t id = read.integer(0);
-    const auto& file = database_.path();
-    PoseEdge edge;
-    edge.from = read.integer(1);
-    edge.to = read.integer(2);
-    edge.kind = enumerator(read.integer(3), EdgeKind::loop, file, "the kind of an edge");
-    edge.status = enumerator(read.integer(4), EdgeStatus::revoked, file, "the status of an edge");
-    edge.T_from_to = pose_from(numbers<12>(read.blob(5), file, "the pose of edge", id));
-    edge.information = matrix_from(numbers<36>(read.blob(6), file, "the information of edge", id));
-    edges.push_back(edge);
-  }
-  return edges;
+  return all_rows(database_, kEdges, [&](const auto& row) { return edge_at(row); });
+}
+std::optional<PoseEdge> MapDatabase::edge(int64_t id) const {
+  return one_row(database_, kEdges, id, [&](const auto& row) { return edge_at(row); });
+}
+
+std::vector<LoopCandidate> MapDatabase::candidates() const {
+  return all_rows(database_, kCandidates, [&](const auto& row) { return candidate_at(row); });
+}
+std::optional<LoopCandidate> MapDatabase::candidate(int64_t id) const {
+  return one_row(database_, kCandidates, id, [&](const auto& row) { return candidate_at(row); });
 }
 
 PoseGraph MapDatabase::graph() const {
@@ -141,29 +197,6 @@ PoseGraph MapDatabase::graph() const {
     throw InputError(database_.path(), {}, error.what(), "The map is damaged");
   }
   return graph;
-}
-
-std::vector<LoopCandidate> MapDatabase::candidates() const {
-  std::vector<LoopCandidate> candidates;
-  SqliteStatement read = database_.prepare(
-      "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason"
-      " FROM candidates ORDER BY id");
-  while (read.step()) {
-    LoopCandidate candidate;
-    candidate.id = read.integer(0);
-    candidate.from = read.integer(1);
-    candidate.to = read.integer(2);
-    candidate.verdict = enumerator(read.integer(3), CandidateVerdict::rejected, database_.path(),
-                                   "the verdict about a candidate");
-    candidate.T_from_to = pose_from(
-        numbers<12>(read.blob(4), database_.path(), "the pose of candidate", candidate.id));
-    candidate.score = read.real(5);
-    candidate.overlap = read.real(6);
-    candidate.chi2 = read.real(7);
-    candidate.reason = read.text(8);
-    candidates.push_back(std::move(candidate));
-  }
-  return candidates;
 }
 
 MapSubmap MapDatabase::submap(NodeId keyframe) const {

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_recover.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/maps/map_recovery.hpp"
+#include "adit/tools/support/printed.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kProblemsTold = 10;
+
+int run(const RecoverCommandOptions& options, std::ostream& out) {
+  std::error_code ignored;
+  if (std::filesystem::exists(options.output, ignored)) {
+    throw UsageError("-o " + options.output.string() +
+                     ": there is a file of that name. Name one that is not there yet.");
+  }
+  const MapRecovery done = recover_map(options.map, options.output);
+  for (std::size_t i = 0; i < std::min(done.problems.size(), kProblemsTold); ++i) {
+    out << "lost       " << done.problems[i] << "\n";
+  }
+  if (done.problems.size() > kProblemsTold) {
+    out << "lost       and " << done.problems.size() - kProblemsTold << " more\n";
+  }
+  out << printed("recovered  %zu keyframes, %zu edges, %zu candidates, %zu sessions\n",
+                 done.keyframes, done.edges, done.candidates, done.sessions);
+  if (done.lost_keyframes + done.lost_edges > 0) {
+    out << printed("lost       %zu keyframes, %zu edges\n", done.lost_keyframes, done.lost_edges);
+  }
+  out << "wrote      " << options.output.string() << "; " << options.map.string()
+      << " stays as it is\n";
+  return done.problems.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+int recover_command(const RecoverCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit recover", out, err, [&] { return run(options, out); });
+}
+
+CLI::App* add_recover_command(CLI::App& app, std::function<void(int)> done) {
+  CLI::App* command =
+      app.add_subcommand("recover", "Write what is whole of a damaged map into a new one");
+  const auto options = std::make_shared<RecoverCommandOptions>();
+  command->footer(
+      "For a map of which `adit check` says that it is damaged.\n\n"
+      "Example:\n"
+      "  adit recover out/map.adit -o recovered.adit\n\n"
+      "Exit codes: 0 nothing was lost, 1 something is lost or nothing can be read, 2 usage.");
+  command->add_option("map", options->map, "The map")->required()->type_name("MAP");
+  command->add_option("-o,--output", options->output, "The map to write; must not be there yet")
+      ->required()
+      ->type_name("NEW");
+  command->callback(
+      [options, done = std::move(done)] { done(recover_command(*options, std::cout, std::cerr)); });
+  return command;
+}
+
+}  // namespace adit
