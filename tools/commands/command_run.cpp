@@ -254,10 +254,10 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
   SlamOptions wanted{.inertial = imu_topic.has_value()};
 
+  require_free_map(options.output);
   // The summary first: from here on the folder tells of this run, whatever ends it.
   replace_text_file(files.summary,
                     running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
-  require_free_map(options.output);
   if (replaces_a_run) {
     remove_earlier_run(options.output);
   }

@@ -17,35 +17,41 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kMostHidden = 1'000'000;  // rows that are looked for one by one
+// Rows that are looked for one by one: between those that are seen, and where none is.
+constexpr int64_t kMostHidden = 1'000'000;
+constexpr int64_t kBeyond = 10'000;
 
-/// Ids of a table in one order, up to the first page that is damaged.
-std::vector<int64_t> ids_in_order(const SqliteDatabase& database, const std::string& table,
-                                  const std::string& order, bool& whole) {
-  std::vector<int64_t> found;
+/// Ids of a table as they are read in one order, up to the first page that is damaged.
+struct IdsInOrder {
+  std::vector<int64_t> ids;
+  bool all = false;
+};
+
+IdsInOrder ids_in_order(const SqliteDatabase& database, const std::string& table,
+                        const std::string& order) {
+  IdsInOrder read;
   try {
     SqliteStatement rows = database.prepare("SELECT id FROM " + table + " ORDER BY id " + order);
     while (rows.step()) {
-      found.push_back(rows.integer(0));
+      read.ids.push_back(rows.integer(0));
     }
-    whole = true;
+    read.all = true;
   } catch (const FileError&) {
-    whole = false;
+    read.all = false;
   }
-  return found;
+  return read;
 }
 
 /// Every id that a row of the table may have: those that are seen from either end, and those
 /// between them, which damaged pages hide.
 std::set<int64_t> possible_ids(const SqliteDatabase& database, const std::string& table) {
-  bool whole = false;
-  const std::vector<int64_t> first = ids_in_order(database, table, "ASC", whole);
-  std::set<int64_t> ids(first.begin(), first.end());
-  if (!whole) {
-    const std::vector<int64_t> last = ids_in_order(database, table, "DESC", whole);
+  const IdsInOrder first = ids_in_order(database, table, "ASC");
+  std::set<int64_t> ids(first.ids.begin(), first.ids.end());
+  if (!first.all) {
+    const std::vector<int64_t> last = ids_in_order(database, table, "DESC").ids;
     ids.insert(last.begin(), last.end());
-    const int64_t from = first.empty() ? 0 : first.back() + 1;
-    const int64_t to = last.empty() ? from + 1000 : last.back();
+    const int64_t from = first.ids.empty() ? 0 : first.ids.back() + 1;
+    const int64_t to = last.empty() ? from + kBeyond : last.back();
     for (int64_t id = from; id < std::min(to, from + kMostHidden); ++id) {
       ids.insert(id);
     }
