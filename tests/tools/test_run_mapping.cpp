@@ -48,6 +48,7 @@ class PlacedAsTold : public Slam {
   }
   std::optional<Mounting> mounting() const override { return std::nullopt; }
   const Config& config() const override { return config_; }
+  std::optional<MapReport> finish_map() override { return std::nullopt; }
 
  private:
   Config config_;
