@@ -202,13 +202,13 @@ TEST_F(MapCommands, ExportWritesWhatOtherProgramsRead) {
   EXPECT_EQ(test::lines(exported({.trajectory = "csv"}, "t.csv")), kSweeps + 1);
   const PoseGraph graph = read_g2o(exported({.graph = "g2o"}, "g.g2o")).graph;
   EXPECT_EQ(graph.edges().size() + 1, graph.nodes().size());
-  const auto ply = read_ply(exported({.cloud = "ply"}, "c.ply")).points;
-  const auto pcd = read_pcd(exported({.cloud = "pcd"}, "c.pcd")).points;
+  const auto ply = read_ply(exported({.cloud = "ply"}, "c.ply")).sweep.points;
+  const auto pcd = read_pcd(exported({.cloud = "pcd"}, "c.pcd")).sweep.points;
   ASSERT_EQ(ply.size(), pcd.size());
   EXPECT_GT(ply.size(), 5000U);
   EXPECT_EQ(ply.back().x, pcd.back().x);
   const auto thin =
-      read_ply(exported({.cloud = "ply", .resolution = 1.0}, "thin.ply")).points.size();
+      read_ply(exported({.cloud = "ply", .resolution = 1.0}, "thin.ply")).sweep.points.size();
   EXPECT_LT(thin, ply.size() / 2);
   EXPECT_GT(thin, 300U);
   exported({.dump = true}, "dump.txt");
