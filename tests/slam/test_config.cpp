@@ -60,9 +60,9 @@ std::vector<BadSetting> bad_settings() {
       {"mapping.r_submap", [](Config& c) { c.mapping.r_submap = 0.0; }, "between 0.02 and 10 m"},
       {"mapping.r_submap",
        [](Config& c) {
-         c.preprocess.c_max = 250.0, c.registration.r_align = 1.0, c.mapping.enabled = true;
+         c.preprocess.c_max = 300.0, c.registration.r_align = 1.0, c.mapping.enabled = true;
        },
-       "or preprocess.c_max (250) smaller"},
+       "or preprocess.c_max (300) smaller"},
       {"mapping.delay", [](Config& c) { c.mapping.delay = -1; }, "between 0 and 1000"},
       {"keyframe.delta_trans", [](Config& c) { c.keyframe.delta_trans = 0; }, "greater than 0"},
       {"keyframe.delta_rot", [](Config& c) { c.keyframe.delta_rot = 4; }, "at most pi"},
