@@ -143,12 +143,19 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
 void check_mapping(Checks& checks, const Config& config) {
   const MappingConfig& m = config.mapping;
   checks.between("mapping.r_submap", m.r_submap, 0.02, 10.0, "m");
-  // Keys of a keyframe's cells hold 1023 of them sideways (shaders/include/hash.glsl).
-  const double smallest =
-      (config.preprocess.c_max + std::min(config.keyframe.delta_trans, kShortestReach)) / 1023.0;
-  checks.require(!m.enabled || m.r_submap >= smallest, "mapping.r_submap", m.r_submap,
-                 "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
-                     text_of(config.preprocess.c_max) + ") smaller");
+  // Keys of a keyframe's cells hold 1023 of them sideways, those of the voxels that others are
+  // aligned with 511 upwards (shaders/include/hash.glsl).
+  const double reach =
+      config.preprocess.c_max + std::max(config.keyframe.delta_trans, kShortestReach);
+  const auto smaller = [&](double smallest) {
+    return "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
+           text_of(config.preprocess.c_max) + ") or keyframe.delta_trans (" +
+           text_of(config.keyframe.delta_trans) + ") smaller";
+  };
+  checks.require(!m.enabled || m.r_submap >= reach / 1023.0, "mapping.r_submap", m.r_submap,
+                 smaller(reach / 1023.0));
+  checks.require(!m.enabled || config.registration.r_align >= reach / 511.0, "registration.r_align",
+                 config.registration.r_align, smaller(reach / 511.0));
   checks.between("mapping.delay", m.delay, 0, 1000, "keyframes");
 }
 

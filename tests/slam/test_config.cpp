@@ -62,7 +62,12 @@ std::vector<BadSetting> bad_settings() {
        [](Config& c) {
          c.preprocess.c_max = 300.0, c.registration.r_align = 1.0, c.mapping.enabled = true;
        },
-       "or preprocess.c_max (300) smaller"},
+       "or preprocess.c_max (300) or"},
+      {"registration.r_align",
+       [](Config& c) {
+         c.keyframe.delta_trans = 200.0, c.mapping = {true, 0.5, 5};
+       },
+       "keyframe.delta_trans (200) smaller"},
       {"mapping.delay", [](Config& c) { c.mapping.delay = -1; }, "between 0 and 1000"},
       {"keyframe.delta_trans", [](Config& c) { c.keyframe.delta_trans = 0; }, "greater than 0"},
       {"keyframe.delta_rot", [](Config& c) { c.keyframe.delta_rot = 4; }, "at most pi"},
