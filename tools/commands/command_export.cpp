@@ -102,28 +102,29 @@ uint64_t write_cloud(const MapDatabase& map, const ExportCommandOptions& options
   return writer.count();
 }
 
-void write_dump(const MapDatabase& map, const ExportCommandOptions& options, std::ostream& out) {
-  if (!options.output) {
-    map.dump([&](std::string_view line) { out << line << "\n"; });
-    return;
-  }
-  OutputFile file(*options.output);
+std::size_t write_dump(const MapDatabase& map, const fs::path& path) {
+  OutputFile file(path);
+  std::size_t lines = 0;
   map.dump([&](std::string_view line) {
     file.write(line);
     file.write("\n");
+    ++lines;
   });
   file.close();
+  return lines;
 }
 
 int run(const ExportCommandOptions& options, std::ostream& out) {
   check_options(options);
   const MapDatabase map(options.map, MapAccess::read);
   std::string wrote;
-  if (options.dump) {
-    write_dump(map, options, out);
+  if (options.dump && !options.output) {
+    map.dump([&](std::string_view line) { out << line << "\n"; });
     return 0;
   }
-  if (!options.trajectory.empty()) {
+  if (options.dump) {
+    wrote = printed("%zu lines", write_dump(map, *options.output));
+  } else if (!options.trajectory.empty()) {
     wrote = printed("%zu poses", write_poses(map, options));
   } else if (!options.graph.empty()) {
     const PoseGraph graph = map.graph();
