@@ -11,6 +11,9 @@ namespace {
 // alignments have, but that surfaces of two submaps are cut into other cells.
 constexpr CovarianceModel kSubmapModel{
     .kappa = 0.3, .area = 0.016, .sigma_translation = 0.01, .sigma_rotation = 0.001};
+// Variances of an alignment's errors that last are those times this: they are alike from submap to
+// submap, as what is seen is (docs/theory/mapping.md).
+constexpr double kAlike = 25.0;
 // Nothing is known better than this.
 constexpr double kLeastSigmaTranslation = 1e-3;  // m
 constexpr double kLeastSigmaRotation = 1e-4;     // rad
@@ -56,7 +59,7 @@ KeyframeMotion combined(const KeyframeMotion& odometry, const KeyframeMotion& al
 
 KeyframeMotion motion_of(const RegistrationResult& alignment) {
   const Matrix6d known = covariance(alignment, kSubmapModel);
-  return {.T_from_to = alignment.T_target_source, .covariance = known, .lasting = known};
+  return {.T_from_to = alignment.T_target_source, .covariance = known, .lasting = kAlike * known};
 }
 
 PoseEdge edge_of(NodeId from, NodeId to, const KeyframeMotion& motion) {
