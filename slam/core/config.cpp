@@ -154,8 +154,9 @@ void check_mapping(Checks& checks, const Config& config) {
   };
   checks.require(!m.enabled || m.r_submap >= reach / 1023.0, "mapping.r_submap", m.r_submap,
                  smaller(reach / 1023.0));
-  checks.require(!m.enabled || config.registration.r_align >= reach / 511.0, "registration.r_align",
-                 config.registration.r_align, smaller(reach / 511.0));
+  checks.require(!m.enabled || config.registration.r_align >= reach / kVoxelsUpwards,
+                 "registration.r_align", config.registration.r_align,
+                 smaller(reach / kVoxelsUpwards));
   checks.between("mapping.delay", m.delay, 0, 1000, "keyframes");
 }
 
@@ -211,6 +212,7 @@ Config with_lengths(Config config, double r_input) {
   r.r_align = r.r_align == 0.0 ? 2.0 * p.r_input : r.r_align;
   r.d_max = r.d_max == 0.0 ? r.r_align : r.d_max;
   p.surface_size = p.surface_size == 0.0 ? 2.5 * p.r_input : p.surface_size;
+  config.mapping.r_submap = config.mapping.r_submap == 0.0 ? p.r_input : config.mapping.r_submap;
   if (derived) {
     p.c_max = std::min(p.c_max, kVoxelsUpwards * r.r_align - kShortestReach);
   }

@@ -158,15 +158,16 @@ struct KeyframeConfig {
 /// The map that is made of the keyframes.
 struct MappingConfig {
   bool enabled = false;
-  double r_submap = 0.25;  ///< m
-  int delay = 5;           ///< keyframes
+  double r_submap = 0.0;  ///< m; 0: derived
+  int delay = 5;          ///< keyframes
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("enabled", self.enabled, "",
           "true: keyframes become a map with their submaps; false: odometry alone");
     field("r_submap", self.r_submap, "m",
-          "voxel size that the sweeps of a keyframe are merged in (one centroid a voxel)");
+          "voxel size that the sweeps of a keyframe are merged in (one centroid a voxel); 0: "
+          "preprocess.r_input");
     field("delay", self.delay, "keyframes",
           "what is worked out for a keyframe moves the map once so many more have come");
   }

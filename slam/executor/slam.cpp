@@ -6,6 +6,7 @@
 #include <deque>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "adit/slam/core/frame_tree.hpp"
 
@@ -64,9 +65,10 @@ class OfflineSlam final : public Slam {
   const Config& config() const override { return odometry_.config(); }
 
   std::optional<MapReport> finish_map() override {
-    if (!mapper_) {
+    if (map_ == nullptr) {
       return std::nullopt;
     }
+    begin_map();
     mapper_->finish();
     return mapper_->report();
   }
@@ -93,15 +95,34 @@ class OfflineSlam final : public Slam {
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
-    // With the lengths that the first sweep told; after the odometry is done with the sweep: a map
-    // changes nothing of it.
-    if (map_ != nullptr && !mapper_) {
-      mapper_.emplace(*context_, odometry_.config(), *map_, session_);
-    }
-    std::optional<MapPlacement> mapped =
-        mapper_ ? std::optional(mapper_->add(sweep, result, odometry_.cloud())) : std::nullopt;
+    // After the odometry is done with the sweep: a map changes nothing of it.
+    std::optional<MapPlacement> mapped = add_to_map(sweep, result);
     return SweepPlaced{
         .sweep = std::move(sweep), .result = std::move(result), .mapped = std::move(mapped)};
+  }
+
+  /// Lengths of the map are known once the odometry has begun; what came before it has no points.
+  std::optional<MapPlacement> add_to_map(const Sweep& sweep, const SweepResult& result) {
+    if (map_ == nullptr) {
+      return std::nullopt;
+    }
+    if (!mapper_ && result.state == OdometryState::coasting) {
+      before_map_.push_back(result);
+      return std::nullopt;
+    }
+    begin_map();
+    return mapper_->add(sweep, result, odometry_.cloud());
+  }
+
+  void begin_map() {
+    if (mapper_) {
+      return;
+    }
+    mapper_.emplace(*context_, odometry_.config(), *map_, session_);
+    for (const SweepResult& result : before_map_) {
+      static_cast<void>(mapper_->add(Sweep{}, result, {}));
+    }
+    before_map_.clear();
   }
 
   Mounting find_mounting() const {
@@ -121,9 +142,10 @@ class OfflineSlam final : public Slam {
   SensorFeed feed_;
   Odometry odometry_;
   engine::Context* context_;
-  MapStore* map_;  ///< null: no map is made
+  MapStore* map_;
   SessionId session_;
   std::optional<Mapper> mapper_;
+  std::vector<SweepResult> before_map_;  ///< of sweeps that came before the odometry began
   std::optional<HighRateStream> high_rate_;
   std::deque<ReadingTaken> taken_;  ///< not asked for yet
   FrameTree transforms_;

@@ -22,7 +22,7 @@ inline const Lidar& small_lidar() {
 inline Config submap_config() {
   Config config;
   config.preprocess.beam_spacing = small_lidar().beam_spacing();
-  return config;
+  return with_lengths(config);
 }
 
 /// A drive along a street with the places where its sweeps were taken.

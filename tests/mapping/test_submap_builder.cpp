@@ -105,8 +105,8 @@ TEST_F(SubmapBuilderTest, CellsHoldTheMeanOfTheirPointsAndTheNearestSensor) {
     const Eigen::Vector3d p = point.position();  // gravity is along z: the axes are the lidar's
     const Eigen::Vector3d corner = (p / kCell).array().floor();
     const Eigen::Vector3d within = p / kCell - corner;
-    const auto found = cells.find({static_cast<int>(corner.x()), static_cast<int>(corner.y()),
-                                   static_cast<int>(corner.z())});
+    const auto found = cells.find(
+        {static_cast<int>(corner.x()), static_cast<int>(corner.y()), static_cast<int>(corner.z())});
     if (within.minCoeff() < 2e-3 || within.maxCoeff() > 1.0 - 2e-3) {
       continue;  // the grid of stored places may have moved it into the next cell
     }

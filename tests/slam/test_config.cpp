@@ -57,15 +57,15 @@ std::vector<BadSetting> bad_settings() {
       {"submap.l", [](Config& c) { c.submap.l = 0; }, "clouds"},
       {"submap.delta_trans", [](Config& c) { c.submap.delta_trans = -1.0; }, "between 0 and 100 m"},
       {"submap.delta_rot", [](Config& c) { c.submap.delta_rot = 4.0; }, "rad"},
-      {"mapping.r_submap", [](Config& c) { c.mapping.r_submap = 0.0; }, "between 0.02 and 10 m"},
+      {"mapping.r_submap", [](Config& c) { c.mapping.r_submap = 0.001; }, "between 0.02 and 10 m"},
       {"mapping.r_submap",
        [](Config& c) {
-         c.preprocess.c_max = 300.0, c.registration.r_align = 1.0, c.mapping.enabled = true;
+         c.preprocess.c_max = 300.0, c.registration.r_align = 1.0, c.mapping = {true, 0.2, 5};
        },
        "or preprocess.c_max (300) or"},
       {"registration.r_align",
        [](Config& c) {
-         c.keyframe.delta_trans = 200.0, c.mapping = {true, 0.5, 5};
+         c.keyframe.delta_trans = 200.0, c.registration.r_align = 0.5, c.mapping = {true, 0.5, 5};
        },
        "keyframe.delta_trans (200) smaller"},
       {"mapping.delay", [](Config& c) { c.mapping.delay = -1; }, "between 0 and 1000"},
