@@ -2,25 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tests/commands/command_cases.hpp"
 
+#include <algorithm>
 #include <array>
-#include <cctype>
 #include <ctime>
-#include <fstream>
+#include <iterator>
 #include <memory>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "adit/tests/commands/small_room.hpp"
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_run.hpp"
-#include "adit/tools/containers/bag_writer.hpp"
-#include "adit/tools/containers/mcap_writer.hpp"
-#include "adit/tools/containers/rosbag2_writer.hpp"
-#include "adit/tools/recordings/ros_codec.hpp"
-#include "adit/tools/recordings/ros_events.hpp"
 
 namespace adit::test {
 namespace {
@@ -37,74 +33,34 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-std::string content(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+constexpr const char* kTables = "tables";  // of poses, which only `evaluate` reads
+
+/// What a person wrote or a program prints, so that numbers in it can be damaged.
+bool is_text(const fs::path& file) {
+  constexpr std::array kSuffixes = {".txt", ".csv", ".tum", ".json", ".kitti", ".yaml"};
+  return std::ranges::count(kSuffixes, file.extension()) > 0;
 }
 
-void write(const fs::path& file, const std::string& bytes) {
-  fs::create_directories(file.parent_path());
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream.flush()) {
-    throw std::runtime_error("cannot write " + file.string());
+void damage_file(const fs::path& file, Dice& dice) {
+  std::string bytes = content(file);
+  if (is_text(file)) {
+    damage_text(bytes, dice);
+  } else {
+    damage_bytes(bytes, dice);
   }
+  write(file, bytes);
 }
 
-/// Sweeps, readings, fixes and mountings of some tenths of a second, few points a sweep.
-std::vector<Recorded> small_drive() {
-  return MovingRig{.tenths = 8, .lidar = {.beams = 12, .columns = 72}}.record();
-}
-
-std::unique_ptr<MessageWriter> writer(const fs::path& folder, fs::path& file, std::size_t kind) {
-  switch (kind) {
-    case 0:
-      file = folder / "drive.bag";
-      return std::make_unique<BagWriter>(file, BagOptions{});
-    case 1:
-      file = folder / "drive";
-      return std::make_unique<Rosbag2Writer>(file, Rosbag2Options{});
-    case 2:
-      file = folder / "drive.mcap";
-      return std::make_unique<McapWriter>(file, McapOptions{.compression = Compression::lz4});
-    default:
-      file = folder / "drive.mcap";
-      return std::make_unique<McapWriter>(file, McapOptions{.chunks = false, .summary = false});
+/// Files in the folder and below, in the order of their names.
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      files.push_back(entry.path());
+    }
   }
-}
-
-/// Writes the events; with dice, the bytes of some messages are damaged.
-fs::path record(const std::vector<Recorded>& events, const fs::path& folder, std::size_t kind,
-                Dice* dice) {
-  fs::path file;
-  const std::unique_ptr<MessageWriter> out = writer(folder, file, kind);
-  const Encoding encoding = kind == 0 ? Encoding::ros1 : Encoding::cdr;
-  std::map<std::string, std::size_t> channels;
-  for (const Recorded& event : events) {
-    ros::EncodedEvent message;
-    try {
-      const std::string frame = event.topic == "/points" ? "lidar" : event.topic.substr(1);
-      message = ros::from_event(event.value, encoding, frame);
-    } catch (const ros::CodecError&) {
-      continue;  // a time that a message cannot hold
-    }
-    if (!channels.contains(event.topic)) {
-      channels[event.topic] = out->add_channel({.topic = event.topic,
-                                                .type = message.type,
-                                                .encoding = encoding,
-                                                .definition = {},
-                                                .messages = std::nullopt});
-    }
-    if (dice != nullptr && dice->one_in(20)) {
-      std::string bytes(reinterpret_cast<const char*>(message.bytes.data()), message.bytes.size());
-      damage_bytes(bytes, *dice);
-      const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
-      message.bytes.assign(begin, begin + bytes.size());
-    }
-    out->write(channels[event.topic], event.received, message.bytes);
-  }
-  out->close();
-  return file;
+  std::ranges::sort(files);
+  return files;
 }
 
 /// The first number in it that is none; empty where all are. What is quoted is the input's.
@@ -129,106 +85,96 @@ std::string_view to_string(FuzzedCommand command) {
 
 CommandCases::CommandCases(engine::Context& context)
     : context_(&context), events_(small_drive()), run_(folder_ / "run") {
-  for (FuzzSeed& seed : fuzz_corpus()) {
-    if (seed.fuzzer == "containers" || seed.fuzzer == "clouds") {
-      files_.push_back(std::move(seed));
-    }
-  }
+  formats_ = write_healthy_recordings(folder_ / "formats", events_);
   std::ostringstream told;
   RunCommandOptions options;
-  options.recording = record(events_, folder_.path(), 3, nullptr);
+  options.recording = write_messages(folder_ / "drive", "mcap", 0, events_).path();
   options.output = run_;
   options.device.opened = context_;
   if (run_command(options, told, told) != 0) {
     throw std::runtime_error("the healthy recording could not be mapped: " + told.str());
   }
-  const std::unique_ptr<Recording> recording = open_recording(options.recording);
-  const auto events = recording->events({});
-  int sweeps = 0;
-  while (const std::optional<Event> event = events->next()) {
-    if (const auto* sweep = std::get_if<Sweep>(&event->value)) {
-      const std::string name = "sweeps/velodyne/00000" + std::to_string(sweeps++) + ".bin";
-      write(folder_ / name, std::string(reinterpret_cast<const char*>(sweep->points.data()),
-                                        sweep->points.size() * sizeof(Point)));
+  // The run's poses as other programs write them.
+  const Trajectory trajectory = read_trajectory(run_ / "trajectory.tum");
+  std::string euroc = "#timestamp,p_RS_R_x [m],p_y [m],p_z [m],q_w,q_x,q_y,q_z\n";
+  for (const StampedPose& pose : trajectory.poses) {
+    const Eigen::Vector3d p = pose.pose.translation();
+    euroc += std::to_string(pose.stamp.count());
+    for (const double number : {p.x(), p.y(), p.z(), 1.0, 0.0, 0.0, 0.0}) {
+      euroc += "," + std::to_string(number);
+    }
+    euroc += "\n";
+  }
+  write(run_ / "data.csv", euroc);
+}
+
+std::vector<std::string> CommandCases::formats() const {
+  std::vector<std::string> names;
+  for (const HealthyFormat& format : formats_) {
+    names.push_back(format.name);
+  }
+  names.emplace_back(kTables);
+  return names;
+}
+
+CommandCases::Damaged CommandCases::damaged_recording(const std::string& name,
+                                                      const fs::path& folder, Dice& dice) const {
+  // In half of the cases whole messages, or the numbers in them, within a container that is sound.
+  if (holds_messages(name) && dice.one_in(2)) {
+    std::vector<Recorded> events = events_;
+    const bool in_fields = !dice.one_in(3);
+    if (in_fields) {
+      damage_events(events, dice);
+    }
+    const auto change = [&](std::string& bytes) {
+      if (!in_fields && dice.one_in(20)) {
+        damage_bytes(bytes, dice);
+      }
+    };
+    const std::size_t variant = dice.below(12);
+    return {write_messages(folder / "drive", name, variant, events, change).path(), {}};
+  }
+  const auto format = std::ranges::find(formats_, name, &HealthyFormat::name);
+  const HealthyRecording& healthy = format->recordings[dice.below(format->recordings.size())];
+  const HealthyRecording copy = {
+      .folder = folder / "copy", .opened = healthy.opened, .metadata = healthy.metadata};
+  fs::copy(healthy.folder, copy.folder, fs::copy_options::recursive);
+  std::vector<fs::path> files = files_in(copy.folder);
+  for (std::size_t change = 0; change <= dice.below(4); ++change) {
+    const fs::path& file = files[dice.below(files.size())];
+    if (files.size() > 1 && dice.one_in(20)) {
+      fs::remove(file);
+    } else {
+      damage_file(file, dice);
     }
   }
-  std::string times;
-  for (int i = 0; i < sweeps; ++i) {
-    times += std::to_string(0.1 * i) + "\n";
-  }
-  write(folder_ / "sweeps/times.txt", times);
+  return {copy.path(), copy.metadata.empty() ? fs::path() : copy.folder / copy.metadata};
 }
 
-fs::path CommandCases::damaged_messages(const fs::path& folder, Dice& dice) const {
-  std::vector<Recorded> events = events_;
-  const bool in_fields = !dice.one_in(3);
-  if (in_fields) {
-    damage_events(events, dice);
-  }
-  return record(events, folder, dice.below(4), in_fields ? nullptr : &dice);
-}
-
-fs::path CommandCases::damaged_folder(const fs::path& folder, Dice& dice) const {
-  const fs::path copy = folder / "sweeps";
-  fs::copy(folder_ / "sweeps", copy, fs::copy_options::recursive);
-  if (dice.one_in(3)) {
-    std::string times = content(copy / "times.txt");
-    damage_text(times, dice);
-    write(copy / "times.txt", times);
-  }
-  for (std::size_t i = dice.below(4); i > 0; --i) {
-    const fs::path file = copy / "velodyne" / ("00000" + std::to_string(dice.below(8)) + ".bin");
-    std::string bytes = content(file);
-    damage_bytes(bytes, dice);
-    write(file, bytes);
-  }
-  return copy;
-}
-
-fs::path CommandCases::damaged_recording(const fs::path& folder, Dice& dice) const {
-  const std::size_t kind = dice.below(10);
-  if (kind < 5) {
-    return damaged_messages(folder, dice);
-  }
-  if (kind < 6) {
-    return damaged_folder(folder, dice);
-  }
-  // The bytes of a whole file: of the drive, or of a small one of any format.
-  if (kind < 8) {
-    const fs::path file = record(events_, folder, dice.one_in(2) ? 0 : 3, nullptr);
-    std::string bytes = content(file);
-    damage_bytes(bytes, dice);
-    write(file, bytes);
-    return file;
-  }
-  const FuzzSeed& seed = files_[dice.below(files_.size())];
-  std::string bytes = seed.bytes;
-  damage_bytes(bytes, dice);
-  const fs::path file = folder / ("file." + (seed.format == "rosbag2" ? "db3" : seed.format));
-  write(file, bytes);
-  return file;
-}
-
-int CommandCases::evaluate(const fs::path& folder, Dice& dice, std::ostream& told) const {
+int CommandCases::evaluate_tables(const fs::path& folder, Dice& dice, std::ostream& told) const {
   const fs::path copy = folder / "run";
   fs::copy(run_, copy, fs::copy_options::recursive);
-  const std::array<const char*, 4> names = {"sweeps.csv", "trajectory.tum", "trajectory.kitti",
-                                            "summary.json"};
+  const std::array<const char*, 5> names = {"sweeps.csv", "trajectory.tum", "trajectory.kitti",
+                                            "summary.json", "data.csv"};
   const fs::path damaged = copy / names[dice.below(names.size())];
-  std::string text = content(damaged);
-  damage_text(text, dice);
-  write(damaged, text);
+  damage_file(damaged, dice);
 
   EvaluateCommandOptions options;
   options.json = dice.one_in(2);
   options.evaluation.tolerance = 0.06;
-  switch (dice.below(3)) {
+  switch (dice.below(4)) {
     case 0:
       options.estimates = {copy};
       options.truth = run_ / "trajectory.tum";
       break;
     case 1:
       options.estimates = {copy};
+      break;
+    case 2:
+      options.json = false;
+      options.table = TableFormat::csv;
+      options.estimates = {damaged, copy / "trajectory.tum"};
+      options.truth = run_ / "trajectory.tum";
       break;
     default:
       options.estimates = {damaged};
@@ -241,23 +187,44 @@ int CommandCases::evaluate(const fs::path& folder, Dice& dice, std::ostream& tol
   return evaluate_command(options, told, told);
 }
 
-int CommandCases::call(FuzzedCommand command, const fs::path& folder, Dice& dice,
-                       std::ostream& told) const {
-  if (command == FuzzedCommand::evaluate) {
-    return evaluate(folder, dice, told);
+int CommandCases::evaluate(const fs::path& recording, Dice& dice, std::ostream& told) const {
+  EvaluateCommandOptions options;
+  options.json = dice.one_in(2);
+  options.evaluation.tolerance = 0.06;
+  options.estimates = {run_ / "trajectory.tum"};
+  options.truth = recording;
+  if (dice.one_in(2)) {
+    std::swap(options.estimates.front(), options.truth);
   }
-  const fs::path recording = damaged_recording(folder, dice);
+  return evaluate_command(options, told, told);
+}
+
+int CommandCases::call(FuzzedCommand command, const std::string& format, const fs::path& folder,
+                       Dice& dice, std::ostream& told) const {
+  if (format == kTables) {
+    return evaluate_tables(folder, dice, told);
+  }
+  const auto [recording, metadata] = damaged_recording(format, folder, dice);
+  if (command == FuzzedCommand::evaluate) {
+    return evaluate(recording, dice, told);
+  }
   if (command == FuzzedCommand::convert) {
     const std::array<const char*, 3> names = {"out.mcap", "out.bag", "out"};
     ConvertOptions options;
     options.input = recording;
     options.output = folder / names[dice.below(names.size())];
-    options.repair = dice.one_in(2) ? std::optional(RecordingConfig{}) : std::nullopt;
+    options.metadata = metadata.string();
+    if (dice.one_in(2)) {
+      options.repair.emplace().metadata = metadata.string();
+    }
     return convert_command(options, told, told);
   }
+  ConfigSource config;
+  config.metadata = metadata.string();
   if (command == FuzzedCommand::inspect) {
     InspectCommandOptions options;
     options.recording = recording;
+    options.config = config;
     options.device.opened = context_;
     options.json = dice.one_in(2);
     options.html = folder / "page.html";
@@ -266,6 +233,7 @@ int CommandCases::call(FuzzedCommand command, const fs::path& folder, Dice& dice
   }
   RunCommandOptions options;
   options.recording = recording;
+  options.config = config;
   options.output = folder / "out";
   options.device.opened = context_;
   options.high_rate.enabled = dice.one_in(2);
@@ -273,13 +241,14 @@ int CommandCases::call(FuzzedCommand command, const fs::path& folder, Dice& dice
   return run_command(options, told, told);
 }
 
-CommandOutcome CommandCases::run(FuzzedCommand command, uint64_t number) const {
+CommandOutcome CommandCases::run(FuzzedCommand command, const std::string& format,
+                                 uint64_t number) const {
   Dice dice(4 * number + static_cast<uint64_t>(command));
   const TemporaryFolder folder;
   std::ostringstream told;
   CommandOutcome outcome;
   const double before = processor_seconds();
-  outcome.code = call(command, folder.path(), dice, told);
+  outcome.code = call(command, format, folder.path(), dice, told);
   const double taken = processor_seconds() - before;
   outcome.told = told.str();
   if (outcome.code < 0 || outcome.code > 2) {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "adit/engine/context.hpp"
+#include "adit/tests/commands/healthy_recordings.hpp"
 #include "adit/tests/commands/mutations.hpp"
-#include "adit/tests/recordings/fuzz_corpus.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit::test {
@@ -30,28 +30,36 @@ struct CommandOutcome {
 };
 
 /// Small recordings and runs, and the commands on damaged copies of them. A case is told by its
-/// number: the same number, the same damage.
+/// number: the same command, format and number, the same damage.
 class CommandCases {
  public:
   /// Device work is done on `context`.
   explicit CommandCases(engine::Context& context);
 
+  /// Those of recordings, and at last "tables": the files of a run and tables of poses, which
+  /// only `evaluate` reads.
+  std::vector<std::string> formats() const;
+
   /// A code of 0, 1 or 2 in bounded time, and nothing written that is not a number.
-  CommandOutcome run(FuzzedCommand command, uint64_t number) const;
+  CommandOutcome run(FuzzedCommand command, const std::string& format, uint64_t number) const;
 
  private:
-  std::filesystem::path damaged_recording(const std::filesystem::path& folder, Dice& dice) const;
-  std::filesystem::path damaged_messages(const std::filesystem::path& folder, Dice& dice) const;
-  std::filesystem::path damaged_folder(const std::filesystem::path& folder, Dice& dice) const;
-  int call(FuzzedCommand command, const std::filesystem::path& folder, Dice& dice,
-           std::ostream& told) const;
-  int evaluate(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
+  struct Damaged {
+    std::filesystem::path recording;
+    std::filesystem::path metadata;  // to be named to the command; or empty
+  };
+  Damaged damaged_recording(const std::string& format, const std::filesystem::path& folder,
+                            Dice& dice) const;
+  int call(FuzzedCommand command, const std::string& format, const std::filesystem::path& folder,
+           Dice& dice, std::ostream& told) const;
+  int evaluate_tables(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
+  int evaluate(const std::filesystem::path& recording, Dice& dice, std::ostream& told) const;
 
   engine::Context* context_;
   TemporaryFolder folder_;
   std::vector<Recorded> events_;
-  std::vector<FuzzSeed> files_;  ///< whole recordings, by their format
-  std::filesystem::path run_;    ///< the folder of a healthy run
+  std::vector<HealthyFormat> formats_;
+  std::filesystem::path run_;  ///< the folder of a healthy run
 };
 
 }  // namespace adit::test

@@ -109,7 +109,13 @@ void damage(StaticTransform& transform, Dice& dice) {
   transform.T_parent_child.translation().x() = number(dice);
 }
 
-void damage(ReferencePose&, Dice&) {}
+void damage(ReferencePose& pose, Dice& dice) {
+  if (dice.one_in(2)) {
+    pose.stamp = stamp(pose.stamp, dice);
+  } else {
+    pose.T_parent_child.translation().x() = number(dice);
+  }
+}
 
 }  // namespace
 

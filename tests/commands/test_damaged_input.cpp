@@ -2,19 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Some of the cases of `./dev fuzz-commands`: commands on damaged input end, and tell numbers only.
+#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "adit/tests/commands/command_cases.hpp"
 #include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/command_run.hpp"
 
 namespace adit {
 namespace {
 
 using test::FuzzedCommand;
 
-constexpr uint64_t kCases = 40;
+constexpr uint64_t kCases = 3;  // of each command and format
 
 class DamagedInput : public test::DeviceTest {};
 
@@ -22,15 +25,35 @@ TEST_F(DamagedInput, EndsEveryCommandWithACodeAndWithNumbers) {
   const test::CommandCases cases(context());
   for (const FuzzedCommand command : test::kFuzzedCommands) {
     int told[3] = {0, 0, 0};
-    for (uint64_t number = 0; number < kCases; ++number) {
-      const test::CommandOutcome outcome = cases.run(command, number);
-      ASSERT_EQ(outcome.complaint, "") << to_string(command) << ", case " << number << ":\n"
-                                       << outcome.told;
-      ++told[outcome.code];
+    for (const std::string& format : cases.formats()) {
+      for (uint64_t number = 0; number < kCases; ++number) {
+        const test::CommandOutcome outcome = cases.run(command, format, number);
+        ASSERT_EQ(outcome.complaint, "")
+            << to_string(command) << ", " << format << ", case " << number << ":\n"
+            << outcome.told;
+        ++told[outcome.code];
+      }
     }
     // Damage that hinders always, or never, would try nothing.
     EXPECT_GT(told[0], 0) << to_string(command);
     EXPECT_GT(told[1], 0) << to_string(command);
+  }
+}
+
+TEST_F(DamagedInput, IsOfRecordingsThatAreHealthyWithoutTheDamage) {
+  const test::TemporaryFolder folder;
+  for (const test::HealthyFormat& format :
+       test::write_healthy_recordings(folder / "formats", test::small_drive())) {
+    ASSERT_FALSE(format.recordings.empty()) << format.name;
+    const test::HealthyRecording& first = format.recordings.front();
+    std::ostringstream told;
+    RunCommandOptions options;
+    options.recording = first.path();
+    options.output = folder / ("out_" + format.name);
+    options.device.opened = &context();
+    const int code = run_command(options, told, told);
+    // EuRoC's folders have no sweeps, which there is nothing to map without.
+    EXPECT_EQ(code, format.name == "euroc" ? 1 : 0) << format.name << ":\n" << told.str();
   }
 }
 
