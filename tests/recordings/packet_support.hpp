@@ -275,6 +275,8 @@ struct HesaiLayout {
   uint8_t minor = 1;
   uint8_t lasers = 32;
   uint8_t mode = 0x37;
+  uint8_t flags = 0;     ///< of protocol 1.4
+  std::size_t more = 0;  ///< bytes of a channel behind its reflectivity
 };
 template <class Range>
 Bytes hesai_packet(const HesaiLayout& layout, const std::vector<double>& azimuths,
@@ -290,7 +292,7 @@ Bytes hesai_packet(const HesaiLayout& layout, const std::vector<double>& azimuth
     }
   } else {
     for (const uint8_t value : {layout.major, layout.minor, uint8_t{0}, uint8_t{0}, layout.lasers,
-                                blocks, uint8_t{0}, uint8_t{4}, uint8_t{1}, uint8_t{0}}) {
+                                blocks, uint8_t{0}, uint8_t{4}, uint8_t{1}, layout.flags}) {
       add(value);
     }
   }
@@ -299,9 +301,7 @@ Bytes hesai_packet(const HesaiLayout& layout, const std::vector<double>& azimuth
     for (std::size_t laser = 0; laser < layout.lasers; ++laser) {
       add(static_cast<uint16_t>(range(block, laser)));
       add(static_cast<uint8_t>(laser));
-      if (xt) {
-        add(uint8_t{0});
-      }
+      packet.resize(packet.size() + (xt ? 1 : layout.more), std::byte{0x5a});
     }
   }
   const std::array<uint8_t, 6> utc = {23, 11, 14, 22, 13, 20};
@@ -318,7 +318,7 @@ Bytes hesai_packet(const HesaiLayout& layout, const std::vector<double>& azimuth
     add(uint8_t{0x42});
     add_utc();
   } else {
-    packet.resize(packet.size() + (xt ? 10 : 4 + 12));
+    packet.resize(packet.size() + (xt ? 10 : ((layout.flags & 4U) != 0 ? 17 : 0) + 4 + 12));
     add(layout.mode);
     add(uint16_t{6000});
     add_utc();

@@ -69,6 +69,15 @@ TEST_F(EurocFolder, SelectionByTopicTimeAndNumber) {
   EXPECT_EQ(test::read_all(*recording, {.skip = 2}).events.size(), 1U);
 }
 
+TEST_F(EurocFolder, QuaternionBeyondAllBoundsIsRefusedInWords) {
+  write("imu0", kImu);
+  write("state_groundtruth_estimate0", "1403715273264142976,1.0,2.0,3.0,1e200,0.0,0.0,0.0\n");
+  const test::ReadEvents read = test::read_all(*open_recording(folder_.path()));
+  ASSERT_EQ(read.errors.size(), 1U);
+  EXPECT_NE(read.errors[0].found().find("the length of more than 1000"), std::string::npos)
+      << read.errors[0].found();
+}
+
 TEST_F(EurocFolder, LinesThatAreNoneAreNamedAndPassedOver) {
   write("imu0",
         "12a,1,2,3,4,5,6\n" + kImu + "7,1,2,3,4,5\n8,1,2,x,4,5,6\n" + std::string(5000, '1'));

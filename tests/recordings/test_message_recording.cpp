@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -228,6 +229,19 @@ TEST(MessageRecording, RowsMayBePadded) {
   const auto read = test::read_all(*record<ros::PointCloud2>(folder, {cloud}));
   ASSERT_TRUE(read.errors.empty());
   EXPECT_EQ(std::get<Sweep>(read.events.at(0).value).points.at(1).x, -1.0F);
+}
+
+TEST(MessageRecording, PoseBeyondAllBoundsIsRefusedInWords) {
+  for (const double w : {1e200, std::numeric_limits<double>::quiet_NaN()}) {
+    const test::TemporaryFolder folder;
+    ros::PoseStamped pose = test::pose_message(0);
+    pose.pose.orientation.w = w;
+    const auto read = test::read_all(*record<ros::PoseStamped>(folder, {pose}));
+    ASSERT_EQ(read.errors.size(), 1U);
+    const std::string& found = read.errors[0].found();
+    EXPECT_NE(found.find("quaternion of a length beyond 1000, or of none"), std::string::npos)
+        << found;
+  }
 }
 
 TEST(MessageRecording, PoseWithoutRotationIsAnError) {

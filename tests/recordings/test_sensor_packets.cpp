@@ -90,6 +90,22 @@ TEST(OusterProfiles, RangesReturnsAndFramesAreThoseOfTheLayout) {
   }
 }
 
+TEST(OusterProfiles, LegacyPacketsThatTellTheirFrameInTheFirstColumnAloneAreOneSweep) {
+  const test::TemporaryFolder folder;
+  const OusterSensor sensor =
+      read_ouster_sensor(folder.write("m.json", test::ouster_metadata(2, "LEGACY")));
+  OusterSweeps sweeps(sensor);
+  for (const std::size_t first : {0U, 16U}) {
+    Bytes packet =
+        test::ouster_packet(true, 2, first, 7, 100000 * first, [](auto, auto) { return 3000; });
+    for (std::size_t column = 1; column < 16; ++column) {  // as ouster-sdk writes them
+      test::put(packet, column * sensor.column_bytes() + 10, uint16_t{0});
+    }
+    EXPECT_TRUE(sweeps.take(datagram(packet)).empty());
+  }
+  EXPECT_EQ(sweeps.finish().value().points.size(), 64U);
+}
+
 TEST(OusterProfiles, CaptureIsReadWithMetadataThatIsNamed) {
   const test::TemporaryFolder folder;
   const auto write = [](Bytes& bytes, std::size_t at, std::size_t, std::size_t) {
@@ -305,6 +321,25 @@ TEST(Hesai, OthersAreReadWithTheirAngleCorrection) {
   folder.write("bad.csv", "1,10.0,x\n");
   EXPECT_THROW(read_hesai_angles(folder / "bad.csv"), InputError);
   EXPECT_THROW(read_hesai_angles(folder.write("empty.csv", "nothing\n")), InputError);
+}
+
+TEST(Hesai, ChannelsOfProtocol14HaveAByteMoreForEachOfThreeFlags) {
+  for (const auto& [flags, more] :
+       {std::pair{0x00, 0U}, {0x10, 1U}, {0x20, 1U}, {0x40, 1U}, {0x30, 2U}, {0x74, 3U}}) {
+    HesaiSweeps sweeps({.elevations = {10.0, -5.0}, .azimuths = {0.0, 0.0}});
+    const test::HesaiLayout layout{
+        .major = 1, .minor = 4, .lasers = 2, .flags = static_cast<uint8_t>(flags), .more = more};
+    const Bytes packet =
+        test::hesai_packet(layout, {90.0, 90.2}, 123456,
+                           [](auto block, auto laser) { return 1000 + 100 * block + laser; });
+    sweeps.take(datagram(packet));
+    const Sweep sweep = sweeps.finish().value();
+    ASSERT_EQ(sweep.points.size(), 4U) << flags;
+    EXPECT_NEAR(distance(sweep.points[1]), 4.004, 1e-4) << flags;
+    EXPECT_NEAR(distance(sweep.points[3]), 4.404, 1e-4) << flags;
+    EXPECT_EQ(sweep.points[1].intensity, 1.0F) << flags;
+    EXPECT_NEAR(static_cast<double>((sweep.stamp - kUtc).count()), 123456000.0, 1e5) << flags;
+  }
 }
 
 TEST(SensorPackets, CutPacketsAreNone) {

@@ -69,6 +69,20 @@ TEST(InspectionPage, GapsAreMarkedAndNamed) {
   EXPECT_EQ(count(page, "no fault found"), 0U);
 }
 
+TEST(InspectionPage, FramesThatComeMoreSeldomThanOthersOfTheirTopicAreNoGaps) {
+  std::vector<test::Recorded> events = test::clean_recording();
+  const Nanoseconds begin = events.front().received;
+  for (int i = 0; i < 300; ++i) {
+    const Nanoseconds at = begin + std::chrono::milliseconds(20LL * i);
+    events.push_back({"/tf", at, ReferencePose{at, "map", "odom", Eigen::Isometry3d::Identity()}});
+    if (i % 5 == 0) {
+      events.push_back({"/tf", at, ReferencePose{at, "map", "imu", Eigen::Isometry3d::Identity()}});
+    }
+  }
+  std::ranges::stable_sort(events, {}, &test::Recorded::received);
+  EXPECT_EQ(gaps_marked(page_of(events)), 0U);
+}
+
 TEST(TopicTimeline, KeepsAllEventsInFewBins) {
   TopicTimeline timeline;
   for (int i = 0; i < 100000; ++i) {

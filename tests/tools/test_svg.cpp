@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -85,6 +86,32 @@ TEST(EvaluationPlot, LooksAlongTheShortestAxis) {
             std::string::npos);
   EXPECT_EQ(plot_evaluation(perfect({{0, 0, 0}, {1, 90, 50}}), "t").find(">x (m)<"),
             std::string::npos);
+}
+
+TEST(EvaluationPlot, TicksOfErrorsAreShortEnoughToLeaveRoomForTheirName) {
+  for (const auto& [error, unit] :
+       {std::pair{3e-5, "mm"}, {1.2e-3, "mm"}, {0.034, "cm"}, {0.9, "cm"}, {2500.0, "m"}}) {
+    Trajectory truth;
+    Trajectory estimate;
+    for (int i = 0; i < 3; ++i) {
+      StampedPose pose;
+      pose.pose.translation() << 1.0 * i, 0.3 * i, 0.0;
+      truth.poses.push_back(pose);
+      pose.pose.translation().y() += 0.5 * error * i;
+      estimate.poses.push_back(pose);
+    }
+    EvaluationOptions options;
+    options.alignment = Alignment::none;
+    const std::string svg = plot_evaluation(evaluate(estimate, truth, options), "t");
+    EXPECT_NE(svg.find("position error (" + std::string(unit) + ")"), std::string::npos) << error;
+    // The ticks of the axis that the name stands beside; the first of the panel is that of zero.
+    const std::string panel = svg.substr(svg.find("distance along the truth") - 3000, 3000);
+    const std::string end = "text-anchor=\"end\"";
+    for (std::size_t at = panel.find(end); at != panel.npos; at = panel.find(end, at + 1)) {
+      const std::size_t begin = panel.find('>', at) + 1;
+      EXPECT_LE(panel.find('<', begin) - begin, 5U) << panel.substr(begin, 12);
+    }
+  }
 }
 
 TEST(EvaluationPlot, DegeneratePathsGiveFiniteNumbers) {

@@ -52,7 +52,8 @@ CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done) {
       "What it prints is a configuration file that gives the same configuration.\n\n"
       "Examples:\n"
       "  adit config > my.toml\n"
-      "  adit config --config my.toml --set preprocess.r_input=0.5");
+      "  adit config --config my.toml --set preprocess.r_input=0.5\n\n"
+      "Exit codes: 0 done, 1 a file cannot be read or what is printed not be written, 2 usage.");
   add_config_options(*command, *source);
   command->callback(
       [source, done = std::move(done)] { done(config_command(*source, std::cout, std::cerr)); });

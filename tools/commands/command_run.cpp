@@ -330,9 +330,10 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
   CLI::App* command = app.add_subcommand("run", "Map a recording: trajectory, map and summary");
   command->footer(
       "RECORDING is an MCAP file, a ROS 1 bag, a rosbag2 folder or .db3 file, a capture of packets "
-      "(pcap, pcapng); or a folder of "
-      "sweeps:\n"
-      "KITTI (velodyne/*.bin with times.txt), *.pcd or *.ply; or one such file.\n"
+      "(pcap, pcapng);\nor a folder: "
+      "sweeps as KITTI has them (velodyne/*.bin with times.txt), *.pcd, *.ply or *.las, TUM "
+      "RGB-D;\n"
+      "or one such file.\n"
       "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
       "--high-rate also odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
       "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"

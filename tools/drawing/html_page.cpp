@@ -24,7 +24,7 @@ dl { display: grid; grid-template-columns: max-content 1fr; gap: 0.1em 1em; } dt
 .finding p { margin: 0.1em 0; } .wrong { color: #a4262c; } .best { font-weight: bold; } small { color: #666; }
 svg { max-width: 100%; height: auto; display: block; } .phone { display: none; }
 pre { font: 12.5px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; overflow-x: auto; }
-@media (min-width: 1000px) { pre { white-space: pre-wrap; } }
+@media (min-width: 1000px) { pre { white-space: pre-wrap; } .scroll { width: max-content; min-width: 100%; max-width: calc(100vw - 3em); margin-left: 50%; transform: translateX(-50%); } }
 @media (max-width: 640px) { .desk { display: none; } .phone { display: block; } body { margin: 1em auto; padding: 0 0.8em; } }
 @media (prefers-color-scheme: dark) {
   body { color: #eceff3; background: #15181c; } dt, small { color: #a7adb5; } .wrong { color: #f2848a; }

@@ -227,24 +227,39 @@ std::vector<double> path_of(const Evaluation& evaluation, const Evaluation& refe
   return path;
 }
 
+/// What errors are drawn in, so that their ticks are short.
+struct LengthUnit {
+  const char* axis;
+  double per_metre;
+};
+LengthUnit unit_for(double highest) {
+  if (highest < 0.02) {
+    return {"position error (mm)", 1e3};
+  }
+  return highest < 1.0 ? LengthUnit{"position error (cm)", 1e2}
+                       : LengthUnit{"position error (m)", 1.0};
+}
+
 void draw_errors(SvgDocument& svg, std::span<const PlottedEstimate> estimates,
                  const Columns& columns, double top) {
   const Evaluation& reference = widest(estimates);
-  double highest = 1e-6;
+  double highest = 1e-4;
   for (const PlottedEstimate& one : estimates) {
     highest = std::max(highest, 1.08 * one.evaluation->ate.max);
   }
   const double length = std::max(reference.truth_path.back(), 1e-6);
+  const LengthUnit unit = unit_for(highest);
+  highest *= unit.per_metre;
   const Panel panel{
       {columns.left, top}, {columns.panel, kErrorHeight}, {0.0, 0.0}, {length, highest}};
-  draw_axes(svg, panel, "distance along the truth (m)", "position error (m)",
+  draw_axes(svg, panel, "distance along the truth (m)", unit.axis,
             round_ticks(0.0, length, columns.ticks), round_ticks(0.0, highest, 5));
   for (std::size_t k = 0; k < estimates.size(); ++k) {
     const Evaluation& evaluation = *estimates[k].evaluation;
     const std::vector<double> path = path_of(evaluation, reference);
     std::vector<Eigen::Vector2d> curve;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      curve.push_back(panel(path[i], evaluation.position_errors[i]));
+      curve.push_back(panel(path[i], unit.per_metre * evaluation.position_errors[i]));
     }
     SvgStroke stroke = stroke_of(k);
     stroke.width = 1.5;
@@ -258,9 +273,9 @@ void draw_errors(SvgDocument& svg, std::span<const PlottedEstimate> estimates,
   }
   if (estimates.size() == 1) {
     const double rmse = reference.ate.rmse;
-    svg.line(panel(0.0, rmse), panel(length, rmse), {kGateColor, 1.5, "7 4"});
-    svg.text(panel(length, rmse) + Eigen::Vector2d(-6.0, -5.0),
-             "rmse " + tick_label(rmse, 1e-3) + " m",
+    const Eigen::Vector2d at = panel(length, unit.per_metre * rmse);
+    svg.line({columns.left, at.y()}, at, {kGateColor, 1.5, "7 4"});
+    svg.text(at + Eigen::Vector2d(-6.0, -5.0), "rmse " + tick_label(rmse, 1e-3) + " m",
              {12.0, kTextColor, SvgAnchor::end, true, false, true});
   }
 }

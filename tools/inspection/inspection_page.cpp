@@ -112,9 +112,11 @@ void draw_intervals(SvgDocument& svg, Panel panel, const TopicStatistics& s) {
   const TopicTimeline& timeline = s.timeline;
   draw_line(svg, panel, timeline,
             [](const TopicTimeline::Bin& bin) { return 1e3 * bin.largest_interval; });
+  // The bins do not tell whose interval it is: what is usual of the slowest series is no gap.
+  const double gap = 2.5 * s.slowest_period();
   for (std::size_t i = 0; i < timeline.bins().size(); ++i) {
     const double interval = timeline.bins()[i].largest_interval;
-    if (s.period() > 0.0 && interval > 2.5 * s.period()) {
+    if (gap > 0.0 && interval > gap) {
       const double x = timeline.bin_width() * (static_cast<double>(i) + 0.5);
       svg.circle(panel(std::min(x, panel.last), 1e3 * interval), 3.5, kBadColor,
                  {.color = kBadColor});

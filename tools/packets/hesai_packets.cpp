@@ -3,6 +3,7 @@
 #include "adit/tools/packets/hesai_packets.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -60,12 +61,13 @@ std::optional<HesaiPacket> xt_packet(std::span<const std::byte> payload) {
 std::optional<HesaiPacket> ot_packet(std::span<const std::byte> payload) {
   const unsigned flags = load<uint8_t>(payload, 11);
   constexpr unsigned kFunctionalSafety = 0x04;
-  constexpr unsigned kConfidence = 0x10;
-  HesaiPacket packet{.lasers = load<uint8_t>(payload, 6),
-                     .blocks = load<uint8_t>(payload, 7),
-                     .block_at = 12,
-                     .channel_bytes = (flags & kConfidence) != 0 ? 4U : 3U,
-                     .range_unit = 1e-3 * load<uint8_t>(payload, 9)};
+  constexpr unsigned kMoreOfAChannel = 0x70;  // confidence, weight, ambient light: a byte each
+  HesaiPacket packet{
+      .lasers = load<uint8_t>(payload, 6),
+      .blocks = load<uint8_t>(payload, 7),
+      .block_at = 12,
+      .channel_bytes = static_cast<std::size_t>(3 + std::popcount(flags & kMoreOfAChannel)),
+      .range_unit = 1e-3 * load<uint8_t>(payload, 9)};
   const std::size_t body = packet.block_at + packet.blocks * packet.block_bytes();
   const std::size_t tail = body + 4 + ((flags & kFunctionalSafety) != 0 ? 17U : 0U);
   constexpr std::size_t kTail = 26;

@@ -41,9 +41,10 @@ struct Column {
 Column column_of(std::span<const std::byte> packet, std::size_t i, const OusterSensor& sensor) {
   if (sensor.profile == OusterProfile::legacy) {
     const auto column = packet.subspan(i * sensor.column_bytes(), sensor.column_bytes());
+    // The sensor tells the frame in every column; packets that ouster-sdk writes, in the first.
     return {.time = time_of(load<uint64_t>(column, 0)),
             .index = load<uint16_t>(column, 8),
-            .frame = load<uint16_t>(column, 10),
+            .frame = load<uint16_t>(packet, 10),
             .valid = load<uint32_t>(column, column.size() - 4) == 0xffffffffU,
             .pixels = column.subspan(16, 12 * sensor.beams)};
   }

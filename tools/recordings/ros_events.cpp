@@ -29,9 +29,13 @@ Vector3 vector(const Eigen::Vector3d& v) {
 Eigen::Isometry3d isometry(const Vector3& position, const Quaternion& rotation) {
   const Eigen::Quaterniond q(rotation.w, rotation.x, rotation.y, rotation.z);
   const double norm = q.norm();
-  if (!(norm > 0.5 && norm < 2.0) || !vector(position).allFinite()) {
-    throw CodecError("its pose has a quaternion of length " + std::to_string(norm) +
-                     " (expected: 1), or a position that is not finite");
+  if (!(norm > 0.5 && norm < 2.0)) {
+    const std::string told =
+        norm < 1e3 ? "length " + std::to_string(norm) : "a length beyond 1000, or of none";
+    throw CodecError("its pose has a quaternion of " + told + " (expected: 1)");
+  }
+  if (!vector(position).allFinite()) {
+    throw CodecError("its pose has a position that is not finite");
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = q.normalized().toRotationMatrix();

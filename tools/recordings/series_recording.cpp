@@ -163,9 +163,11 @@ std::unique_ptr<Recording> make_series_recording(std::string description,
 
 Eigen::Isometry3d series_pose(const Eigen::Vector3d& position, const std::array<double, 4>& wxyz) {
   const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-  if (!(q.norm() > 0.5 && q.norm() < 2.0)) {
-    throw SeriesLineError("its quaternion has the length " + std::to_string(q.norm()) +
-                          ", expected 1");
+  const double length = q.norm();
+  if (!(length > 0.5 && length < 2.0)) {
+    const std::string told =
+        length < 1e3 ? "length " + std::to_string(length) : "length of more than 1000";
+    throw SeriesLineError("its quaternion has the " + told + ", expected 1");
   }
   if (!position.allFinite()) {
     throw SeriesLineError("its position is not finite");

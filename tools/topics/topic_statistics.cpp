@@ -173,6 +173,14 @@ double TopicStatistics::largest_interval() const {
   return largest;
 }
 
+double TopicStatistics::slowest_period() const {
+  double slowest = 0.0;
+  for (const auto& [name, one] : series) {
+    slowest = std::max(slowest, one.period());
+  }
+  return slowest;
+}
+
 double TopicStatistics::period() const {
   const auto most =
       std::ranges::max_element(series, {}, [](const auto& entry) { return entry.second.events; });

@@ -117,6 +117,7 @@ struct TopicStatistics {
   uint64_t gaps() const;            ///< likewise
   double largest_interval() const;  ///< s, of all series
   double period() const;            ///< s, of the series with the most events
+  double slowest_period() const;    ///< s, of the series with the longest
   /// By their points' times sweeps last about as long as it takes to the next. True where there are
   /// no times, or no period to compare with.
   bool point_times_fit() const;
