@@ -229,15 +229,14 @@ std::vector<double> path_of(const Evaluation& evaluation, const Evaluation& refe
 
 /// What errors are drawn in, so that their ticks are short.
 struct LengthUnit {
-  const char* axis;
+  std::string name;
   double per_metre;
 };
 LengthUnit unit_for(double highest) {
   if (highest < 0.02) {
-    return {"position error (mm)", 1e3};
+    return {"mm", 1e3};
   }
-  return highest < 1.0 ? LengthUnit{"position error (cm)", 1e2}
-                       : LengthUnit{"position error (m)", 1.0};
+  return highest < 1.0 ? LengthUnit{"cm", 1e2} : LengthUnit{"m", 1.0};
 }
 
 void draw_errors(SvgDocument& svg, std::span<const PlottedEstimate> estimates,
@@ -252,7 +251,7 @@ void draw_errors(SvgDocument& svg, std::span<const PlottedEstimate> estimates,
   highest *= unit.per_metre;
   const Panel panel{
       {columns.left, top}, {columns.panel, kErrorHeight}, {0.0, 0.0}, {length, highest}};
-  draw_axes(svg, panel, "distance along the truth (m)", unit.axis,
+  draw_axes(svg, panel, "distance along the truth (m)", "position error (" + unit.name + ")",
             round_ticks(0.0, length, columns.ticks), round_ticks(0.0, highest, 5));
   for (std::size_t k = 0; k < estimates.size(); ++k) {
     const Evaluation& evaluation = *estimates[k].evaluation;
@@ -275,7 +274,8 @@ void draw_errors(SvgDocument& svg, std::span<const PlottedEstimate> estimates,
     const double rmse = reference.ate.rmse;
     const Eigen::Vector2d at = panel(length, unit.per_metre * rmse);
     svg.line({columns.left, at.y()}, at, {kGateColor, 1.5, "7 4"});
-    svg.text(at + Eigen::Vector2d(-6.0, -5.0), "rmse " + tick_label(rmse, 1e-3) + " m",
+    svg.text(at + Eigen::Vector2d(-6.0, -5.0),
+             "rmse " + tick_label(unit.per_metre * rmse, 0.01) + " " + unit.name,
              {12.0, kTextColor, SvgAnchor::end, true, false, true});
   }
 }
