@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,12 +76,39 @@ TEST(Rosbag2, ChannelsAndTimesAreChosen) {
   EXPECT_EQ(read(*file, {.begin = middle, .end = middle}).messages.size(), 1U);
 }
 
+/// A variable of the environment that has its old value again at the end.
+class TemporaryVariable {
+ public:
+  TemporaryVariable(const char* name, const std::filesystem::path& value) : name_(name) {
+    if (const char* old = std::getenv(name)) {
+      old_ = old;
+    }
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~TemporaryVariable() {
+    if (old_) {
+      ::setenv(name_, old_->c_str(), 1);
+    } else {
+      ::unsetenv(name_);
+    }
+  }
+  TemporaryVariable(const TemporaryVariable&) = delete;
+  TemporaryVariable& operator=(const TemporaryVariable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
 TEST(Rosbag2, FileThatIsPackedAsAWholeIsUnpackedAndCleanedUp) {
   const TemporaryFolder folder;
   const std::string plain = content_of(write_rosbag2(folder, false));
   const std::vector<std::byte> packed =
       compress(Compression::zstd, std::as_bytes(std::span(plain)));
   const std::string bytes(reinterpret_cast<const char*>(packed.data()), packed.size());
+  // A folder for temporary files of its own: others write to the system's.
+  const test::TemporaryFolder temporary;
+  const TemporaryVariable variable("TMPDIR", temporary.path());
   const std::size_t before = files_in(std::filesystem::temp_directory_path());
   {
     const auto files = open_message_files(folder.write("p/drive_0.db3.zstd", bytes));
