@@ -134,10 +134,12 @@ std::vector<std::byte> encode_points(const KeyframeSubmap& submap) {
   writer.put(static_cast<uint32_t>(submap.points.size()));
   std::vector<uint32_t> numbers(submap.points.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    int32_t last = 0;
+    uint32_t last = 0;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      numbers[i] = zigzag(submap.points[i].place[axis] - last);
-      last = submap.points[i].place[axis];
+      // Wraps around as decoding does: any two places have a difference.
+      const auto place = static_cast<uint32_t>(submap.points[i].place[axis]);
+      numbers[i] = zigzag(static_cast<int32_t>(place - last));
+      last = place;
     }
     writer.put_planes(numbers);
   }
