@@ -22,19 +22,26 @@
 namespace adit {
 namespace {
 
-/// Places sweeps as they come, as it is told.
+enum class Arrivals { as_they_come, sorted };
+
+/// Places sweeps as it is told: as they come, or all at the end by their times.
 class PlacedAsTold : public Slam {
  public:
-  explicit PlacedAsTold(std::function<SweepResult(const Sweep&)> place)
-      : place_(std::move(place)) {}
+  PlacedAsTold(std::function<SweepResult(const Sweep&)> place, Arrivals arrivals)
+      : place_(std::move(place)), sorted_(arrivals == Arrivals::sorted) {}
 
   void add(Measurement measurement, std::string_view) override {
     waiting_.push_back(std::get<Sweep>(std::move(measurement)));
   }
   void add(const StaticTransform&) override {}
-  void flush() override {}
+  void flush() override {
+    if (sorted_) {
+      std::ranges::stable_sort(waiting_, {}, &Sweep::stamp);
+    }
+    flushed_ = true;
+  }
   std::optional<SlamResult> next() override {
-    if (waiting_.empty()) {
+    if (waiting_.empty() || (sorted_ && !flushed_)) {
       return std::nullopt;
     }
     Sweep sweep = std::move(waiting_.front());
@@ -53,6 +60,8 @@ class PlacedAsTold : public Slam {
  private:
   Config config_;
   std::function<SweepResult(const Sweep&)> place_;
+  bool sorted_;
+  bool flushed_ = false;
   std::deque<Sweep> waiting_;
   std::optional<Nanoseconds> last_;
 };
@@ -61,10 +70,11 @@ class PlacedAsTold : public Slam {
 class MapRecording : public testing::Test {
  protected:
   MappingResult map(const Recording& recording, SweepRange range,
-                    const std::function<SweepResult(const Sweep&)>& place = test::placed) {
+                    const std::function<SweepResult(const Sweep&)>& place = test::placed,
+                    Arrivals arrivals = Arrivals::as_they_come) {
     RunOutputs outputs(folder_.path(), {});
     Progress progress(notes_, ProgressStyle::none, "mapping", range.count);
-    PlacedAsTold slam(place);
+    PlacedAsTold slam(place, arrivals);
     MappingResult result = map_recording({.recording = recording,
                                           .topic = 0,
                                           .range = range,
@@ -129,6 +139,23 @@ TEST_F(MapRecording, SweepsWhoseTimesDoNotRiseAreLeftOutAndTold) {
   }
   EXPECT_EQ(statistics_.left_out().text(),
             "3 sweeps whose time is not after that of the sweep before");
+}
+
+TEST_F(MapRecording, SweepsThatArePutInOrderAreTold) {
+  // The door takes them in the order of their times, as it does where readings come too.
+  const std::vector<int> tenths = {0, 1, 3, 2, 4, 5};
+  const test::MemoryRecording recording(tenths.size(), {}, [&](std::size_t index) {
+    return std::chrono::milliseconds(100 * tenths[index]);
+  });
+  EXPECT_EQ(map(recording, {.first = 0, .count = 6}, test::placed, Arrivals::sorted).end,
+            RunEnd::completed);
+  EXPECT_EQ(statistics_.sweeps(), 6U);
+  EXPECT_FALSE(statistics_.left_out().any());
+  EXPECT_EQ(statistics_.left_out().put_in_order(), 1U);
+  EXPECT_NE(notes_.str().find("sweep 2 came after one with a later time"), std::string::npos)
+      << notes_.str();
+  EXPECT_EQ(statistics_.left_out().order_text(),
+            "1 sweep that came after one with a later time, taken in the order of their times");
 }
 
 TEST_F(MapRecording, InterruptFinishesTheCurrentSweep) {

@@ -205,6 +205,9 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
   if (statistics.left_out().any()) {
     err << "adit run: left out: " << statistics.left_out().text() << std::endl;
   }
+  if (statistics.left_out().put_in_order() > 0) {
+    err << "adit run: " << statistics.left_out().order_text() << std::endl;
+  }
   const InertialStatistics& imu = statistics.inertial();
   const std::size_t repeated = imu.count(ImuArrival::duplicate);
   const std::size_t back = imu.count(ImuArrival::too_late) + imu.count(ImuArrival::restarted);

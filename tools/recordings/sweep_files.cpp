@@ -182,6 +182,12 @@ std::unique_ptr<Recording> open_kitti(const fs::path& path, const fs::path& fold
 std::unique_ptr<Recording> open_plain_folder(const fs::path& path) {
   SweepFiles sweeps = list_sweeps(path);
   if (sweeps.files.empty()) {
+    if (fs::is_empty(path)) {
+      throw InputError(path, {}, "the folder is empty",
+                       "A run leaves its folder so where it was killed before it had begun: start "
+                       "that again. " +
+                           std::string(kWhatIsRead));
+    }
     const bool sequences = fs::is_directory(path / "sequences");
     throw InputError(path, {},
                      sequences ? "it holds a whole KITTI data set, not one sequence"

@@ -44,6 +44,12 @@ std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sw
                           " of the sweep before it");
 }
 
+std::optional<std::string> LeftOut::add_put_in_order(std::size_t index) {
+  return add(order_, "sweep " + std::to_string(index) +
+                         " came after one with a later time: both are taken in the order of their "
+                         "times");
+}
+
 std::string LeftOut::first_damage() const {
   return damage_.first.empty() ? std::string() : damage_.first.front();
 }
@@ -51,6 +57,7 @@ std::string LeftOut::first_damage() const {
 nlohmann::ordered_json LeftOut::to_json() const {
   return {{"damaged_places", damage_.count},
           {"sweeps_not_rising", stamps_.count},
+          {"sweeps_put_in_order", order_.count},
           {"damage", damage_.first},
           {"stamps", stamps_.first}};
 }
@@ -67,6 +74,13 @@ std::string LeftOut::text() const {
             " not after that of the sweep before";
   }
   return text;
+}
+
+std::string LeftOut::order_text() const {
+  return put_in_order() == 0
+             ? ""
+             : counted(put_in_order(), "sweep that came", "sweeps that came") +
+                   " after one with a later time, taken in the order of their times";
 }
 
 }  // namespace adit

@@ -14,7 +14,7 @@
 
 namespace adit {
 
-/// What of a recording a run left out, counted, with the first reasons.
+/// What of a recording a run left out or took in another order, counted, with the first reasons.
 class LeftOut {
  public:
   /// A damaged place. Each add_ returns the reason as a note for people, or nothing once enough of
@@ -25,8 +25,13 @@ class LeftOut {
   /// in a trajectory.
   std::optional<std::string> add_sweep(std::size_t index, const Sweep& sweep, Nanoseconds last);
 
-  std::size_t damaged() const { return damage_.count; }     ///< places
-  std::size_t not_rising() const { return stamps_.count; }  ///< sweeps
+  /// A sweep that was read after one with a later stamp and still found its place: the sweep number
+  /// `index` of the trajectory.
+  std::optional<std::string> add_put_in_order(std::size_t index);
+
+  std::size_t damaged() const { return damage_.count; }      ///< places
+  std::size_t not_rising() const { return stamps_.count; }   ///< sweeps
+  std::size_t put_in_order() const { return order_.count; }  ///< sweeps; they are not left out
   bool any() const { return damaged() + not_rising() > 0; }
   /// The first damage; empty where there is none.
   std::string first_damage() const;
@@ -35,6 +40,8 @@ class LeftOut {
   nlohmann::ordered_json to_json() const;
   /// One line for people, without its end; empty where nothing was left out.
   std::string text() const;
+  /// Likewise of the sweeps that were put in order.
+  std::string order_text() const;
 
  private:
   struct Kind {
@@ -45,6 +52,7 @@ class LeftOut {
 
   Kind damage_;
   Kind stamps_;
+  Kind order_;
 };
 
 }  // namespace adit

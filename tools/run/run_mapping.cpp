@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/run_mapping.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -38,8 +40,10 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
 /// What the loop has done by now.
 struct Mapped {
   std::size_t sweeps = 0;
-  std::size_t passed_over = 0;  ///< sweeps before the range
-  double read_ms = 0.0;         ///< since the last sweep
+  std::size_t passed_over = 0;           ///< sweeps before the range
+  double read_ms = 0.0;                  ///< since the last sweep
+  std::optional<Nanoseconds> newest{};   ///< of the stamps of sweeps that were read
+  std::set<Nanoseconds> stepped_back{};  ///< stamps that came after a later one, not placed yet
 };
 
 void write(const Mapping& mapping, const ReadingTaken& reading) {
@@ -73,6 +77,12 @@ void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index,
   }
 }
 
+void note(const Mapping& mapping, const std::optional<std::string>& text) {
+  if (text && !mapping.quiet) {
+    mapping.progress.note(*text);
+  }
+}
+
 /// Writes what has become known, up to the end of the range.
 void write_results(const Mapping& mapping, Mapped& done) {
   while (done.sweeps < mapping.range.count) {
@@ -86,13 +96,14 @@ void write_results(const Mapping& mapping, Mapped& done) {
     }
     const std::size_t counted = mapping.range.first + done.sweeps;
     if (const auto* left_out = std::get_if<SweepLeftOut>(&*result)) {
-      const auto note = mapping.statistics.left_out().add_sweep(
-          left_out->sweep.number.value_or(counted), left_out->sweep, left_out->last);
-      if (note && !mapping.quiet) {
-        mapping.progress.note(*note);
-      }
+      done.stepped_back.erase(left_out->sweep.stamp);
+      note(mapping, mapping.statistics.left_out().add_sweep(
+                        left_out->sweep.number.value_or(counted), left_out->sweep, left_out->last));
     } else {
       const auto& placed = std::get<SweepPlaced>(*result);
+      if (done.stepped_back.erase(placed.sweep.stamp) > 0) {
+        note(mapping, mapping.statistics.left_out().add_put_in_order(counted));
+      }
       write(mapping, placed, placed.sweep.number.value_or(counted), done.read_ms);
       done.read_ms = 0.0;
     }
@@ -109,6 +120,10 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
       return;
     }
     sweep->number = event.number;
+    if (done.newest && sweep->stamp < *done.newest) {
+      done.stepped_back.insert(sweep->stamp);
+    }
+    done.newest = std::max(done.newest.value_or(sweep->stamp), sweep->stamp);
     mapping.slam.add(std::move(*sweep), event.frame);
   } else if (const auto* reading = std::get_if<ImuSample>(&event.value)) {
     mapping.slam.add(*reading, event.frame);

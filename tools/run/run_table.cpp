@@ -104,6 +104,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.left_out().any()) {
     text += "left out " + statistics.left_out().text() + "\n";
   }
+  if (statistics.left_out().put_in_order() > 0) {
+    text += "order    " + statistics.left_out().order_text() + "\n";
+  }
   if (statistics.inertial().any()) {
     text += "imu      " + inertial_text(statistics) + "\n";
   }
