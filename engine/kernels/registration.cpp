@@ -90,40 +90,87 @@ void RegistrationKernels::write_start(std::span<std::byte> bytes, uint32_t count
   }
 }
 
-void RegistrationKernels::record_steps(Recorder& recorder, const RegistrationSettings& settings,
-                                       const RegistrationArguments& arguments,
-                                       Slice scratch) const {
+uint32_t RegistrationKernels::passes(Stage stage, const RegistrationSettings& settings) const {
+  const bool surfaces = options_.method != gpu::kNdtToNdt;  // Gaussians have no normals to agree
+  switch (stage) {
+    case Stage::iterate:
+      return settings.max_iterations;
+    case Stage::geometry:
+      return surfaces ? 2 : 1;
+    case Stage::constrain:
+      return surfaces ? settings.max_constrained : 0;
+    case Stage::geometry_again:
+      return surfaces && settings.max_constrained > 0 ? 2 : 0;
+  }
+  return 0;
+}
+
+uint64_t RegistrationKernels::remaining_at(Stage stage) {
+  constexpr uint64_t kRemaining = offsetof(gpu::RegistrationPass, remaining);
+  switch (stage) {
+    case Stage::iterate:
+      return offsetof(gpu::RegistrationHeader, iterate) + kRemaining;
+    case Stage::geometry:
+      return offsetof(gpu::RegistrationHeader, assess) + kRemaining;
+    case Stage::constrain:
+      return offsetof(gpu::RegistrationHeader, constrained) + kRemaining;
+    case Stage::geometry_again:
+      return offsetof(gpu::RegistrationHeader, reassess) + kRemaining;
+  }
+  return 0;
+}
+
+void RegistrationKernels::record_start(Recorder& recorder, const RegistrationArguments& arguments) {
   recorder.barrier();
   recorder.copy(arguments.start, arguments.progress);
   recorder.barrier();
-  for (uint32_t i = 0; i < settings.max_iterations; ++i) {
-    record_pass(recorder, linearize_, gpu::kPhaseIterate,
-                offsetof(gpu::RegistrationHeader, iterate), settings, arguments, scratch);
+}
+
+void RegistrationKernels::record(Recorder& recorder, Stage stage, uint32_t first, uint32_t count,
+                                 const RegistrationSettings& settings,
+                                 const RegistrationArguments& arguments, Slice scratch) const {
+  RegistrationSettings limits = settings;
+  if (stage != Stage::iterate) {
+    limits.max_iterations = settings.max_constrained;
   }
+  for (uint32_t i = first; i < first + count; ++i) {
+    const auto pass = [&](const Kernel& kernel, uint32_t phase, uint64_t pass_at) {
+      record_pass(recorder, kernel, phase, pass_at, limits, arguments, scratch);
+    };
+    switch (stage) {
+      case Stage::iterate:
+        pass(linearize_, gpu::kPhaseIterate, offsetof(gpu::RegistrationHeader, iterate));
+        break;
+      case Stage::geometry:
+        pass(i == 0 ? assess_ : localize_, i == 0 ? gpu::kPhaseAssess : gpu::kPhaseLocalize,
+             offsetof(gpu::RegistrationHeader, assess));
+        break;
+      case Stage::constrain:
+        pass(assess_, gpu::kPhaseConstrained, offsetof(gpu::RegistrationHeader, constrained));
+        break;
+      case Stage::geometry_again:
+        pass(i == 0 ? assess_ : localize_, i == 0 ? gpu::kPhaseReassess : gpu::kPhaseRelocalize,
+             offsetof(gpu::RegistrationHeader, reassess));
+        break;
+    }
+  }
+}
+
+void RegistrationKernels::record_steps(Recorder& recorder, const RegistrationSettings& settings,
+                                       const RegistrationArguments& arguments,
+                                       Slice scratch) const {
+  record_start(recorder, arguments);
+  record(recorder, Stage::iterate, 0, passes(Stage::iterate, settings), settings, arguments,
+         scratch);
 }
 
 void RegistrationKernels::record_assessment(Recorder& recorder,
                                             const RegistrationSettings& settings,
                                             const RegistrationArguments& arguments,
                                             Slice scratch) const {
-  RegistrationSettings constrained = settings;
-  constrained.max_iterations = settings.max_constrained;
-  const auto pass = [&](const Kernel& kernel, uint32_t phase, uint64_t pass_at) {
-    record_pass(recorder, kernel, phase, pass_at, constrained, arguments, scratch);
-  };
-  pass(assess_, gpu::kPhaseAssess, offsetof(gpu::RegistrationHeader, assess));
-  if (options_.method == gpu::kNdtToNdt) {
-    return;  // Gaussians have no normals to agree
+  for (const Stage stage : {Stage::geometry, Stage::constrain, Stage::geometry_again}) {
+    record(recorder, stage, 0, passes(stage, settings), settings, arguments, scratch);
   }
-  pass(localize_, gpu::kPhaseLocalize, offsetof(gpu::RegistrationHeader, assess));
-  if (settings.max_constrained == 0) {
-    return;
-  }
-  for (uint32_t i = 0; i < settings.max_constrained; ++i) {
-    pass(assess_, gpu::kPhaseConstrained, offsetof(gpu::RegistrationHeader, constrained));
-  }
-  pass(assess_, gpu::kPhaseReassess, offsetof(gpu::RegistrationHeader, reassess));
-  pass(localize_, gpu::kPhaseRelocalize, offsetof(gpu::RegistrationHeader, reassess));
 }
 
 void RegistrationKernels::record_pass(Recorder& recorder, const Kernel& kernel, uint32_t phase,

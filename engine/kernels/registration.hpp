@@ -67,6 +67,26 @@ class RegistrationKernels {
   static void write_start(std::span<std::byte> bytes, uint32_t count, uint32_t group_stride,
                           uint32_t phase = gpu::kPhaseIterate);
 
+  /// The passes of one level, in this order. A long alignment may be cut between any two of them
+  /// into several submissions: all that goes on from one to the next is in the batch's own slices.
+  enum class Stage {
+    iterate,    ///< steps, up to RegistrationSettings::max_iterations
+    geometry,   ///< the sums at each pose, and which directions its matches hold: 2 passes
+    constrain,  ///< steps without the weak directions and with the prior, up to max_constrained
+    geometry_again,  ///< as geometry, where there were such steps: 2 passes
+  };
+  /// How many passes a stage has at most. What is recorded beyond convergence does nothing.
+  uint32_t passes(Stage stage, const RegistrationSettings& settings) const;
+  /// Where the header of RegistrationArguments::progress tells the work left in a stage.
+  static uint64_t remaining_at(Stage stage);
+
+  /// Starts every alignment of the batch. Begins and ends with a barrier.
+  static void record_start(Recorder& recorder, const RegistrationArguments& arguments);
+  /// `count` passes of a stage from its pass number `first` on. Ends with a barrier.
+  void record(Recorder& recorder, Stage stage, uint32_t first, uint32_t count,
+              const RegistrationSettings& settings, const RegistrationArguments& arguments,
+              Slice scratch) const;
+
   /// Starts every alignment of the batch and takes up to max_iterations steps. Levels of a
   /// coarse-to-fine alignment are recorded one after the other on the same states. Begins and ends
   /// with a barrier.

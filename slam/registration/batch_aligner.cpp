@@ -3,22 +3,27 @@
 #include "adit/slam/registration/batch_aligner.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <cstring>
-#include <map>
+#include <limits>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "adit/engine/context.hpp"
+#include "adit/engine/submission.hpp"
 #include "adit/shaders/shared/registration.h"
+#include "adit/slam/registration/batch_chunk.hpp"
 
 namespace adit {
 namespace {
 
-// Coarse levels need not be exact.
-constexpr double kCoarseTranslationEpsilon = 5e-3;  // m
-constexpr double kCoarseRotationEpsilon = 1e-3;     // rad
+using Clock = std::chrono::steady_clock;
 
-constexpr double kOutliers = 0.55;  // part of the points that NDT's score takes for outliers
+// Of a device that nothing is known of yet, a pass over one point of a source: slower than any.
+constexpr double kSlowest = 5e-4;  // ms
+// A chunk is small enough for so many passes in one piece, where it can be.
+constexpr double kPassesOfAPiece = 4.0;
 
 uint32_t to_gpu(RegistrationMethod method) {
   switch (method) {
@@ -59,91 +64,6 @@ engine::RegistrationOptions options_of(const AlignmentSettings& settings) {
           .drop_back_faces = settings.drop_back_faces};
 }
 
-// Constants of Magnusson's score for a cell size r (m): a Gaussian and a uniform floor.
-struct Score {
-  double d1 = 0.0;
-  double d2 = 0.0;
-};
-
-Score score_of(double r) {
-  const double c1 = 10.0 * (1.0 - kOutliers);
-  const double c2 = kOutliers / (r * r * r);
-  const double d3 = -std::log(c2);
-  const double d1 = -std::log(c1 + c2) - d3;
-  const double d2 = -2.0 * std::log((-std::log(c1 * std::exp(-0.5) + c2) - d3) / d1);
-  return {d1, d2};
-}
-
-bool is_gaussian(RegistrationMethod method) {
-  return method == RegistrationMethod::ndt || method == RegistrationMethod::ndt_to_ndt;
-}
-
-float squared(double length) {
-  return static_cast<float>(length * length);
-}
-
-// The device's pose, between clouds about their origins, from one between the clouds' frames.
-Eigen::Isometry3d about_origins(const AlignmentPair& pair, const Eigen::Isometry3d& pose) {
-  return Eigen::Translation3d(-pair.target->origin) * pose *
-         Eigen::Translation3d(pair.source->origin);
-}
-
-// Where things are in the one upload of a batch.
-struct Layout {
-  uint64_t jobs_stride = 0;  // of a level's jobs
-  uint64_t start_at = 0;
-  uint64_t states_at = 0;
-  uint64_t bytes = 0;
-
-  Layout(size_t levels, uint32_t count)
-      : jobs_stride(engine::align_slice(count * sizeof(gpu::RegistrationJob))),
-        start_at(levels * jobs_stride),
-        states_at(start_at +
-                  engine::align_slice(engine::RegistrationKernels::progress_bytes(count))),
-        bytes(states_at + count * sizeof(gpu::RegistrationState)) {}
-};
-
-// Buffers of a batch by the clouds and tables they hold: each once.
-class Gathered {
- public:
-  /// Where the buffer's content will be, in bytes.
-  uint64_t offset_of(const engine::Buffer& buffer) {
-    const auto [found, added] = offsets_.try_emplace(&buffer, bytes_);
-    if (added) {
-      parts_.push_back(&buffer);
-      bytes_ += engine::align_slice(buffer.size());
-    }
-    return found->second;
-  }
-  uint64_t bytes() const { return bytes_; }
-
-  /// The one buffer itself, or copies of all of them in `arena`.
-  engine::Slice record(engine::Context& context, engine::Recorder& recorder,
-                       std::vector<engine::Buffer>& arenas) const {
-    if (parts_.size() == 1) {
-      return *parts_.front();
-    }
-    arenas.push_back(context.make_buffer(bytes_, engine::Memory::device, "batch"));
-    for (const engine::Buffer* part : parts_) {
-      recorder.copy(*part, arenas.back().slice(offsets_.at(part), part->size()));
-    }
-    return arenas.back();
-  }
-
- private:
-  std::map<const engine::Buffer*, uint64_t> offsets_;
-  std::vector<const engine::Buffer*> parts_;
-  uint64_t bytes_ = 0;
-};
-
-const engine::Buffer& source_of(const AlignmentPair& pair, size_t level) {
-  return pair.source_map != nullptr ? pair.source_map->levels[level].table : pair.source->points;
-}
-
-uint32_t source_count(const AlignmentPair& pair, size_t level) {
-  return pair.source_map != nullptr ? pair.source_map->levels[level].slots : pair.source->size;
-}
-
 void check(const AlignmentPair& pair, const AlignmentPair& first,
            const AlignmentSettings& settings) {
   if (pair.source == nullptr || pair.target == nullptr) {
@@ -176,179 +96,157 @@ bool can_run(const AlignmentPair& pair) {
 BatchAligner::BatchAligner(engine::Context& context, const AlignmentSettings& settings)
     : context_(&context), settings_(settings), kernels_(context, options_of(settings)) {}
 
-std::vector<RegistrationResult> BatchAligner::align(std::span<const AlignmentPair> pairs) {
-  return run(pairs, true);
+std::vector<RegistrationResult> BatchAligner::align(std::span<const AlignmentPair> pairs) const {
+  return begin(pairs).finish();
 }
 
-std::vector<RegistrationResult> BatchAligner::evaluate(std::span<const AlignmentPair> pairs) {
-  return run(pairs, false);
+std::vector<RegistrationResult> BatchAligner::evaluate(std::span<const AlignmentPair> pairs) const {
+  return start(pairs, false).finish();
 }
 
-// Cuts the batch where what it refers to would not fit into one buffer of the device.
-std::vector<RegistrationResult> BatchAligner::run(std::span<const AlignmentPair> pairs,
-                                                  bool steps) {
-  const uint64_t room = context_->device().max_storage_buffer_bytes;
-  std::vector<RegistrationResult> results(pairs.size());
-  std::vector<const AlignmentPair*> chunk;
-  std::vector<RegistrationResult*> chunk_results;
-  Gathered sources;
-  Gathered targets;
-  const auto flush = [&] {
-    if (!chunk.empty()) {
-      run_chunk(chunk, steps, chunk_results);
-    }
-    chunk.clear();
-    chunk_results.clear();
-    sources = {};
-    targets = {};
-  };
+BatchAlignment BatchAligner::begin(std::span<const AlignmentPair> pairs) const {
+  return start(pairs, true);
+}
+
+struct BatchAlignment::State {
+  engine::Context* context;
+  const engine::RegistrationKernels* kernels;
+  AlignmentSettings settings;
+  bool steps;
+  std::vector<AlignmentPair> pairs;
+  std::vector<RegistrationResult> results;
+  std::vector<size_t> waiting;  // pairs that can be aligned
+  size_t next = 0;              // of them
+  std::vector<size_t> taken;    // by the chunk
+  std::unique_ptr<BatchChunk> chunk{};
+  uint32_t alive = 0;              // pairs of the chunk that want the next pass
+  double ms_per_point = kSlowest;  // of a pass
+  double points = 0.0;             // times passes, of the piece under way
+  Clock::time_point submitted{};
+  std::optional<engine::Submission> under_way{};  // destroyed first
+
+  void make_chunk(double budget);
+  void learn(double elapsed, bool waited);
+};
+
+BatchAlignment BatchAligner::start(std::span<const AlignmentPair> pairs, bool steps) const {
+  auto state = std::make_unique<BatchAlignment::State>(
+      BatchAlignment::State{.context = context_,
+                            .kernels = &kernels_,
+                            .settings = settings_,
+                            .steps = steps,
+                            .pairs = {pairs.begin(), pairs.end()},
+                            .results = std::vector<RegistrationResult>(pairs.size()),
+                            .waiting = {},
+                            .taken = {}});
   for (size_t i = 0; i < pairs.size(); ++i) {
     const AlignmentPair& pair = pairs[i];
     check(pair, pairs.front(), settings_);
-    results[i].T_target_source = pair.T_target_source;
-    results[i].source_points = static_cast<int>(pair.source->size);
-    if (!can_run(pair)) {
-      const bool finite = pair.T_target_source.matrix().allFinite();
-      results[i].status =
-          finite ? RegistrationStatus::too_few_points : RegistrationStatus::diverged;
+    RegistrationResult& result = state->results[i];
+    result.T_target_source = pair.T_target_source;
+    result.source_points = static_cast<int>(pair.source->size);
+    if (can_run(pair)) {
+      state->waiting.push_back(i);
       continue;
     }
-    const auto grown = [&](Gathered gathered, const engine::Buffer& buffer) {
-      gathered.offset_of(buffer);
-      return gathered.bytes();
-    };
-    const engine::Buffer& finest = pair.target->levels.back().table;
-    if (grown(sources, source_of(pair, pair.target->levels.size() - 1)) > room ||
-        grown(targets, finest) > room) {
-      flush();
-    }
-    sources.offset_of(source_of(pair, pair.target->levels.size() - 1));
-    targets.offset_of(finest);
-    chunk.push_back(&pair);
-    chunk_results.push_back(&results[i]);
+    const bool finite = pair.T_target_source.matrix().allFinite();
+    result.status = finite ? RegistrationStatus::too_few_points : RegistrationStatus::diverged;
   }
-  flush();
-  return results;
+  return BatchAlignment(std::move(state));
 }
 
-void BatchAligner::run_chunk(std::span<const AlignmentPair* const> pairs, bool steps,
-                             std::span<RegistrationResult* const> results) {
-  const auto count = static_cast<uint32_t>(pairs.size());
-  const size_t levels = pairs.front()->target->levels.size();
-  const size_t first_level = steps ? 0 : levels - 1;
-  uint32_t group_stride = 0;
-  for (const AlignmentPair* pair : pairs) {
-    for (size_t level = 0; level < levels; ++level) {
-      group_stride = std::max(group_stride, kernels_.groups(source_count(*pair, level)));
-    }
-  }
+BatchAlignment::BatchAlignment(std::unique_ptr<State> state) : state_(std::move(state)) {}
+BatchAlignment::BatchAlignment(BatchAlignment&&) noexcept = default;
+BatchAlignment& BatchAlignment::operator=(BatchAlignment&&) noexcept = default;
+BatchAlignment::~BatchAlignment() = default;
 
-  const Layout layout(levels, count);
-  const uint64_t progress_bytes = engine::RegistrationKernels::progress_bytes(count);
-  const uint64_t states_bytes = count * sizeof(gpu::RegistrationState);
-  const engine::Buffer upload =
-      context_->make_buffer(layout.bytes, engine::Memory::upload, "batch start");
-  const engine::Buffer progress =
-      context_->make_buffer(progress_bytes, engine::Memory::device, "batch progress");
-  const engine::Buffer states =
-      context_->make_buffer(states_bytes, engine::Memory::device, "batch states");
-  const engine::Buffer scratch = context_->make_buffer(kernels_.scratch_bytes(count, group_stride),
-                                                       engine::Memory::device, "batch scratch");
-  const engine::Buffer readback =
-      context_->make_buffer(engine::align_slice(states_bytes) + progress_bytes,
-                            engine::Memory::readback, "batch results");
-  std::vector<engine::Buffer> arenas;
-  arenas.reserve(2 * levels);
-
-  auto* initial = reinterpret_cast<gpu::RegistrationState*>(upload.mapped() + layout.states_at);
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    initial[i] = initial_state(about_origins(*pairs[i], pairs[i]->T_target_source),
-                               pairs[i]->prior_information);
-  }
-  engine::RegistrationKernels::write_start({upload.mapped() + layout.start_at, progress_bytes},
-                                           count, group_stride,
-                                           steps ? gpu::kPhaseIterate : gpu::kPhaseAssess);
-
-  engine::Recorder recorder = context_->make_recorder();
-  recorder.copy(upload.slice(layout.states_at, states_bytes), states);
-  engine::RegistrationSettings level_settings{};
-  for (size_t level = first_level; level < levels; ++level) {
-    const bool finest = level + 1 == levels;
-    Gathered sources;
-    Gathered targets;
-    auto* jobs =
-        reinterpret_cast<gpu::RegistrationJob*>(upload.mapped() + level * layout.jobs_stride);
-    for (size_t i = 0; i < pairs.size(); ++i) {
-      const AlignmentPair& pair = *pairs[i];
-      const AlignmentTarget::Level& target = pair.target->levels[level];
-      const Score score = score_of(target.voxel_size);
-      const bool gaussian = is_gaussian(settings_.method);
-      const Eigen::Vector3f viewpoint =
-          (pair.target->viewpoint - pair.target->origin).cast<float>();
-      jobs[i] = {
-          .source_begin =
-              static_cast<uint32_t>(sources.offset_of(source_of(pair, level)) / sizeof(gpu::uvec4)),
-          .source_count = source_count(pair, level),
-          .target_begin =
-              static_cast<uint32_t>(targets.offset_of(target.table) / sizeof(gpu::uvec4)),
-          .table_mask = target.slots - 1,
-          .groups = kernels_.groups(source_count(pair, level)),
-          .cell = static_cast<float>(target.voxel_size),
-          .inverse_cell = static_cast<float>(1.0 / target.voxel_size),
-          .max_squared = squared(finest ? settings_.d_max : target.voxel_size),
-          .wide_squared = squared(std::max(settings_.d_max_wide, settings_.d_max)),
-          .wide_iterations = finest && steps ? static_cast<uint32_t>(settings_.wide_iterations) : 0,
-          .score_weight = gaussian ? static_cast<float>(-score.d1 * score.d2) : 1.0F,
-          .score_exponent = gaussian ? static_cast<float>(0.5 * score.d2) : 0.0F,
-          .viewpoint = {viewpoint.x(), viewpoint.y(), viewpoint.z()},
-          .unused0 = 0};
+// As many pairs as their time allows, and as what they refer to fits into one buffer of the device.
+void BatchAlignment::State::make_chunk(double budget) {
+  const uint64_t room = context->device().max_storage_buffer_bytes;
+  const double most_points = budget / (kPassesOfAPiece * ms_per_point);
+  GatheredBuffers sources;
+  GatheredBuffers targets;
+  std::vector<const AlignmentPair*> chosen;
+  taken.clear();
+  double chosen_points = 0.0;
+  for (size_t i = next; i < waiting.size(); ++i) {
+    const AlignmentPair& pair = pairs[waiting[i]];
+    const size_t finest = pair.target->levels.size() - 1;
+    const engine::Buffer& source = source_of(pair, finest);
+    const engine::Buffer& target = pair.target->levels[finest].table;
+    chosen_points += source_count(pair, finest);
+    if (!chosen.empty() && (chosen_points > most_points || sources.bytes_with(source) > room ||
+                            targets.bytes_with(target) > room)) {
+      break;
     }
-    const engine::RegistrationArguments arguments{
-        .count = count,
-        .group_stride = group_stride,
-        .source = sources.record(*context_, recorder, arenas),
-        .target = targets.record(*context_, recorder, arenas),
-        .jobs = upload.slice(level * layout.jobs_stride, count * sizeof(gpu::RegistrationJob)),
-        .start = upload.slice(layout.start_at, progress_bytes),
-        .progress = progress,
-        .states = states};
-    level_settings = {
-        .translation_epsilon = finest ? settings_.translation_epsilon : kCoarseTranslationEpsilon,
-        .rotation_epsilon = finest ? settings_.rotation_epsilon : kCoarseRotationEpsilon,
-        .max_iterations = steps ? static_cast<uint32_t>(settings_.max_iterations) : 0,
-        .max_constrained =
-            steps && settings_.resolve_weak ? static_cast<uint32_t>(settings_.max_iterations) : 0,
-        .robust_width = settings_.robust_width};
-    {
-      const engine::Scope scope = recorder.scope("alignment");
-      kernels_.record_steps(recorder, level_settings, arguments, scratch);
-    }
-    if (finest) {
-      const engine::Scope scope = recorder.scope("assessment");
-      kernels_.record_assessment(recorder, level_settings, arguments, scratch);
-    }
+    sources.offset_of(source);
+    targets.offset_of(target);
+    chosen.push_back(&pair);
+    taken.push_back(waiting[i]);
   }
-  recorder.copy(states, readback.slice(0, states_bytes));
-  recorder.copy(progress, readback.slice(engine::align_slice(states_bytes), progress_bytes));
-  context_->submit(std::move(recorder)).wait();
+  chunk = std::make_unique<BatchChunk>(*context, *kernels, settings, std::move(chosen), steps);
+  next += taken.size();
+  alive = chunk->size();
+}
 
-  const auto* found = reinterpret_cast<const gpu::RegistrationState*>(readback.mapped());
-  const auto* ended = reinterpret_cast<const gpu::RegistrationProgress*>(
-      readback.mapped() + engine::align_slice(states_bytes) + sizeof(gpu::RegistrationHeader));
-  RegistrationConfig limits;
-  limits.min_inliers = settings_.min_inliers;
-  limits.min_overlap = settings_.min_overlap;
-  const double fictitious = kernels_.options().method == gpu::kVgicp ? 0.5 : 0.0;
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    const AlignmentPair& pair = *pairs[i];
-    const uint32_t points =
-        pair.source_map != nullptr ? pair.source_map->voxels : pair.source->size;
-    *results[i] =
-        read_registration({found[i], ended[i]}, static_cast<int>(points), fictitious, limits);
-    results[i]->T_target_source = Eigen::Translation3d(pair.target->origin) *
-                                  results[i]->T_target_source *
-                                  Eigen::Translation3d(-pair.source->origin);
+// A piece that had ended before anybody looked took at most so long.
+void BatchAlignment::State::learn(double elapsed, bool waited) {
+  const double found = elapsed / points;
+  if (waited || found < ms_per_point) {
+    ms_per_point = found;
   }
+}
+
+bool BatchAlignment::done() const {
+  return !state_->chunk && state_->next == state_->waiting.size();
+}
+
+void BatchAlignment::submit(double budget) {
+  wait();
+  if (done()) {
+    return;
+  }
+  State& s = *state_;
+  if (!s.chunk) {
+    s.make_chunk(budget);
+  }
+  const double alive_points =
+      static_cast<double>(s.chunk->points()) * s.alive / static_cast<double>(s.chunk->size());
+  constexpr double kAll = std::numeric_limits<uint32_t>::max();
+  const double passes = std::clamp(budget / (alive_points * s.ms_per_point), 1.0, kAll);
+  engine::Recorder recorder = s.context->make_recorder();
+  const uint32_t recorded = s.chunk->record(recorder, static_cast<uint32_t>(passes));
+  s.points = alive_points * std::max(recorded, 1U);
+  s.submitted = Clock::now();
+  s.under_way.emplace(s.context->submit(std::move(recorder)));
+}
+
+void BatchAlignment::wait() {
+  State& s = *state_;
+  if (!s.under_way) {
+    return;
+  }
+  const bool early = !s.under_way->done();
+  s.under_way->wait();
+  s.learn(std::chrono::duration<double, std::milli>(Clock::now() - s.submitted).count(), early);
+  s.under_way.reset();
+  s.alive = std::max(s.chunk->look(), 1U);
+  if (s.chunk->recorded()) {
+    std::vector<RegistrationResult> found = s.chunk->results();
+    for (size_t i = 0; i < found.size(); ++i) {
+      s.results[s.taken[i]] = std::move(found[i]);
+    }
+    s.chunk.reset();
+  }
+}
+
+std::vector<RegistrationResult> BatchAlignment::finish() {
+  wait();
+  while (!done()) {
+    submit(std::numeric_limits<double>::infinity());
+    wait();
+  }
+  return std::move(state_->results);
 }
 
 }  // namespace adit

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,8 +46,38 @@ struct AlignmentPair {
   Matrix6d prior_information = Matrix6d::Zero();
 };
 
+class BatchAligner;
+
+/// A batch under way. It is worked off in pieces, each a submission of its own, so that other work
+/// on the device, a live sweep's above all, waits for one piece at most. The aligner, the clouds
+/// and the targets must outlive it.
+class BatchAlignment {
+ public:
+  BatchAlignment(BatchAlignment&&) noexcept;
+  BatchAlignment& operator=(BatchAlignment&&) noexcept;
+  ~BatchAlignment();
+
+  /// Nothing is left to submit or to wait for.
+  bool done() const;
+  /// Submits the next piece and does not wait: what the device is expected to do in `budget` ms, by
+  /// what it did so far, and one pass over one pair at least. Waits for the piece before it, if
+  /// nobody has. Throws engine::OutOfMemory, engine::DeviceLost.
+  void submit(double budget);
+  /// Waits for the piece that was submitted last.
+  void wait();
+  /// Works off what is left in one piece. Results in the order of the pairs.
+  std::vector<RegistrationResult> finish();
+
+ private:
+  friend class BatchAligner;
+  struct State;
+  explicit BatchAlignment(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
 /// Aligns any number of pairs at once: one submission and one wait for as many as fit the device.
-/// A pair's result does not depend on the others of its batch, bit for bit.
+/// A pair's result does not depend on the others of its batch, nor on how it was cut into pieces,
+/// bit for bit.
 class BatchAligner {
  public:
   BatchAligner(engine::Context& context, const AlignmentSettings& settings);
@@ -55,14 +86,14 @@ class BatchAligner {
   /// Results in the order of the pairs. A pair that cannot be aligned (no points, a guess that is
   /// not finite) has a status that says so. Throws std::logic_error for a target of another method
   /// or with other numbers of levels than the rest, engine::OutOfMemory; the next call works.
-  std::vector<RegistrationResult> align(std::span<const AlignmentPair> pairs);
+  std::vector<RegistrationResult> align(std::span<const AlignmentPair> pairs) const;
   /// The same, without a step: how well the guesses fit.
-  std::vector<RegistrationResult> evaluate(std::span<const AlignmentPair> pairs);
+  std::vector<RegistrationResult> evaluate(std::span<const AlignmentPair> pairs) const;
+  /// The same as align(), to be worked off in pieces.
+  BatchAlignment begin(std::span<const AlignmentPair> pairs) const;
 
  private:
-  std::vector<RegistrationResult> run(std::span<const AlignmentPair> pairs, bool steps);
-  void run_chunk(std::span<const AlignmentPair* const> pairs, bool steps,
-                 std::span<RegistrationResult* const> results);
+  BatchAlignment start(std::span<const AlignmentPair> pairs, bool steps) const;
 
   engine::Context* context_;
   AlignmentSettings settings_;

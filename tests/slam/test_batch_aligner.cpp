@@ -168,6 +168,43 @@ TEST_F(BatchAlignerTest, APairsResultDoesNotDependOnItsBatch) {
   }
 }
 
+TEST_F(BatchAlignerTest, APairsResultDoesNotDependOnThePiecesItWasWorkedOffIn) {
+  for (const RegistrationMethod method : kMethods) {
+    const Street scene = street(method, 3, {2.0, 1.0});
+    std::vector<AlignmentPair> pairs;
+    for (size_t target = 0; target < 3; ++target) {
+      for (size_t source = 0; source < 3; ++source) {
+        pairs.push_back(
+            scene.pair(target, source, offset(0.1 * static_cast<double>(source), 0.01)));
+      }
+    }
+    pairs[4].T_target_source.translation().x() = std::numeric_limits<double>::quiet_NaN();
+    const BatchAligner aligner(context(), settings_for(method));
+    const std::vector<RegistrationResult> whole = aligner.align(pairs);
+    for (const double budget : {0.0, 1.0, 50.0}) {  // ms; 0: one pass of one pair each
+      BatchAlignment batch = aligner.begin(pairs);
+      size_t pieces = 0;
+      while (!batch.done()) {
+        batch.submit(budget);
+        if (pieces % 3 == 0) {
+          batch.wait();  // or else the next submit() does
+        }
+        ++pieces;
+      }
+      const std::vector<RegistrationResult> found = batch.finish();
+      ASSERT_EQ(found.size(), whole.size());
+      for (size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].status, whole[i].status);
+        EXPECT_TRUE(i == 4 || same_bits(found[i], whole[i]))
+            << to_string(method) << ", pair " << i << ", pieces of " << budget << " ms";
+      }
+      EXPECT_TRUE(budget > 0.0 || pieces >= 8 * 4) << pieces;
+      RecordProperty(std::string(to_string(method)) + " " + std::to_string(budget),
+                     std::to_string(pieces) + " pieces");
+    }
+  }
+}
+
 TEST_F(BatchAlignerTest, ShuffledPointsMakeTheSameVoxelsAndNearlyTheSamePose) {
   const Street scene = street(RegistrationMethod::vgicp, 2);
   AlignmentClouds maker(context(), preprocessing());
