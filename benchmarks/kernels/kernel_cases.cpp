@@ -5,6 +5,7 @@
 // what each has to do at least. FLOP are counted from the shaders, a point of the usual path;
 // address and integer arithmetic is not counted.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <span>
@@ -185,6 +186,68 @@ Work voxel_map_finish(Bench& bench, int points) {
   return work;
 }
 
+// The two clouds of an alignment in their true places, as two sweeps of one submap.
+std::vector<reference::CloudToMerge> two_clouds(const test::AlignmentCase& scene) {
+  return {{.points = scene.target},
+          {.points = scene.source, .T_submap_lidar = scene.T_target_source}};
+}
+
+Work submap_merge(Bench& bench, int points) {
+  const std::vector<reference::CloudToMerge> clouds = two_clouds(bench.alignment(points));
+  const double edge = 2.0 * bench.alignment(points).preprocess.r_input;
+  const reference::MergedClouds twin = reference::merge(clouds, edge, 2.0 * test::kMovedPointError);
+  const auto slots = static_cast<uint32_t>(std::bit_ceil(2 * twin.cells.size()));
+  const auto run = std::make_shared<test::SubmapMergeRun>(bench.context(), clouds, edge, slots);
+  run->run();
+  Work work{.problem = first_problem(test::verify_merged(twin, run->cells())),
+            .verified_by = "double-precision twin",
+            .items = clouds[0].points.size() + clouds[1].points.size()};
+  work.run = [run] { return sample_of(run->run(), "merge"); };
+  // Moved and scaled 21, its range 6, offsets 6. A claim, five sums.
+  const auto count = static_cast<double>(work.items);
+  work.cost = {
+      .bytes = kPoint * count + sizeof(gpu::MergeCell) * static_cast<double>(twin.cells.size()),
+      .flop = 33.0 * count,
+      .atomics = 6.0 * count,
+      .dispatches = 2.0};
+  work.figures["cells"] = static_cast<double>(twin.cells.size());
+  return work;
+}
+
+Work submap_surfaces(Bench& bench, int points) {
+  const test::AlignmentCase& scene = bench.alignment(points);
+  engine::PreprocessSettings settings = scene.preprocess;
+  settings.r_input *= 2.0;
+  const std::vector<reference::CloudToMerge> clouds = two_clouds(scene);
+  std::vector<reference::SeenPoint> seen;
+  std::vector<gpu::uvec4> cloud;
+  const std::vector<Eigen::Vector3f> sensors = {Eigen::Vector3f::Zero(),
+                                                scene.T_target_source.translation().cast<float>()};
+  for (const auto& [at, cell] : reference::merge(clouds, settings.r_input, 0.0).cells) {
+    const Eigen::Vector3d corner(static_cast<double>(at[0]), static_cast<double>(at[1]),
+                                 static_cast<double>(at[2]));
+    const Eigen::Vector3f p = ((corner + cell.mean) * settings.r_input).cast<float>();
+    seen.push_back({.p = p, .ray = p - sensors[cell.nearest]});
+    cloud.push_back({std::bit_cast<uint32_t>(p.x()), std::bit_cast<uint32_t>(p.y()),
+                     std::bit_cast<uint32_t>(p.z()), cell.nearest});
+  }
+  const auto run =
+      std::make_shared<test::SubmapSurfacesRun>(bench.context(), settings, cloud, sensors);
+  run->run();
+  Work work{.problem = first_problem(test::verify_surfaces(settings, seen, run->surface_cloud())),
+            .verified_by = "double-precision twin",
+            .items = cloud.size()};
+  work.run = [run] { return sample_of(run->run(), "submap surfaces"); };
+  // As the surfaces of a sweep, with the moments besides: 20, ten additions and a claim.
+  const auto count = static_cast<double>(cloud.size());
+  work.cost = {.bytes = 3.0 * kPoint * count,
+               .flop = 285.0 * count,
+               .reads = count,
+               .atomics = 11.0 * count,
+               .dispatches = 2.0};
+  return work;
+}
+
 struct Linearization {
   engine::RegistrationKernels kernels;
   test::DeviceCloud source;
@@ -261,6 +324,8 @@ std::vector<Case> kernel_cases() {
        .make = [](Bench& b, int n) { return preprocess(b, n, "surfaces"); }},
       {.name = "preprocess",
        .make = [](Bench& b, int n) { return preprocess(b, n, "preprocess"); }},
+      {.name = "submap/merge", .make = submap_merge},
+      {.name = "submap/surfaces", .make = submap_surfaces},
       {.name = "voxel-map/add", .make = voxel_map_add},
       {.name = "voxel-map/finish", .item = "slot", .make = voxel_map_finish},
   };

@@ -3,15 +3,20 @@
 //
 // Whole registrations as callers have them: from prepared clouds, from raw points, in batches. Each
 // is held to the true pose before it is timed.
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "adit/benchmarks/kernels/cases.hpp"
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/timing.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/slam/odometry/odometry.hpp"
 #include "adit/slam/registration/batch_aligner.hpp"
 #include "adit/tools/support/random.hpp"
 
@@ -22,6 +27,8 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kBatchPoints = 60'000;  // raw, of each cloud of a batch
 constexpr double kBatchInput = 0.1;   // m
 constexpr size_t kBatchClouds = 8;
+constexpr size_t kStalledSweeps = 60;
+constexpr double kPiece = 5.0;  // ms, of a batch beside live sweeps
 
 struct Method {
   std::string name{};
@@ -157,18 +164,19 @@ Work pipeline(Bench& bench, int points, const Method& method) {
   return work;
 }
 
+struct Batch {
+  std::vector<std::unique_ptr<Prepared>> submaps;
+  std::unique_ptr<BatchAligner> aligner;
+  std::vector<AlignmentPair> pairs;
+};
+
 // Submaps as loop closing has them: 34 000 points each, from guesses up to 0.3 m and 2
 // degrees off.
-Work batch(Bench& bench, int pairs, const Method& method) {
+std::shared_ptr<Batch> make_batch(Bench& bench, int pairs, const Method& method) {
   const test::AlignmentCase& scene = bench.alignment(kBatchPoints);
   PreprocessConfig config = config_of(scene);
   config.r_input = kBatchInput;
-  struct State {
-    std::vector<std::unique_ptr<Prepared>> submaps;
-    std::unique_ptr<BatchAligner> aligner;
-    std::vector<AlignmentPair> pairs;
-  };
-  const auto state = std::make_shared<State>();
+  const auto state = std::make_shared<Batch>();
   for (size_t i = 0; i < std::min<size_t>(static_cast<size_t>(pairs), kBatchClouds); ++i) {
     state->submaps.push_back(std::make_unique<Prepared>(bench.context(), config, scene, method));
   }
@@ -182,6 +190,12 @@ Work batch(Bench& bench, int pairs, const Method& method) {
     state->pairs.push_back(state->submaps[static_cast<size_t>(i) % state->submaps.size()]->pair(
         retract(scene.T_target_source, offset)));
   }
+  return state;
+}
+
+Work batch(Bench& bench, int pairs, const Method& method) {
+  const test::AlignmentCase& scene = bench.alignment(kBatchPoints);
+  const std::shared_ptr<Batch> state = make_batch(bench, pairs, method);
   Work work{.verified_by = bench.knows_truth() ? "true pose of each" : "their own status alone",
             .items = static_cast<uint64_t>(pairs)};
   int wrong = 0;
@@ -200,6 +214,66 @@ Work batch(Bench& bench, int pairs, const Method& method) {
   work.figures["iterations"] = iterations / pairs;
   work.figures["points a pair"] = state->submaps.front()->source.size;
   work.run = [state] { return time_on_host([&] { state->aligner->align(state->pairs); }); };
+  return work;
+}
+
+// A drive along a street, twice over the same sweeps: alone, and each sweep just behind a piece of
+// a batch, as a loop search leaves them. How much later a sweep is done for that is its stall.
+Work beside(Bench& bench, int pairs, const Method& method) {
+  const std::shared_ptr<Batch> batch = make_batch(bench, pairs, method);
+  const test::World world = test::make_street(60.0);
+  std::vector<Sweep> sweeps;
+  for (const StampedPose& pose : test::steady_drive(kStalledSweeps, test::twist(0.8, 0.01))) {
+    Sweep& sweep = sweeps.emplace_back();
+    sweep.stamp = pose.stamp;
+    sweep.points = test::scan(world, pose, {.beams = 64, .columns = 1024}).points;
+  }
+  Config config;
+  config.imu.use = false;
+  const auto drive = [&](double piece) {
+    Odometry odometry(bench.context(), config);
+    std::optional<BatchAlignment> under_way;
+    std::vector<double> times;
+    for (const Sweep& sweep : sweeps) {
+      if (piece > 0.0) {
+        if (!under_way || under_way->done()) {
+          under_way.emplace(batch->aligner->begin(batch->pairs));
+        }
+        under_way->submit(piece);
+      }
+      times.push_back(time_on_host([&] { static_cast<void>(odometry.step(sweep)); }).host_ms);
+      if (under_way) {
+        under_way->wait();
+      }
+    }
+    return times;
+  };
+  Work work{.verified_by = "see batch/" + method.name, .items = static_cast<uint64_t>(pairs)};
+  static_cast<void>(drive(kPiece));  // drivers compile at the first dispatch
+  const std::vector<double> alone = drive(0.0);
+  const auto stalls = [&](double piece) {
+    std::vector<double> later = drive(piece);
+    for (size_t i = 0; i < later.size(); ++i) {
+      later[i] -= alone[i];
+    }
+    return later;
+  };
+  const std::vector<double> cut = stalls(kPiece);
+  const std::vector<double> whole = stalls(std::numeric_limits<double>::infinity());
+  work.figures = {{"sweep ms", spread_of(alone).median},
+                  {"stall ms", spread_of(cut).median},
+                  {"longest ms", std::ranges::max(cut)},
+                  {"uncut ms", spread_of(whole).median},
+                  {"uncut longest ms", std::ranges::max(whole)}};
+  work.run = [batch] {
+    return time_on_host([&] {
+      BatchAlignment under_way = batch->aligner->begin(batch->pairs);
+      while (!under_way.done()) {
+        under_way.submit(kPiece);
+        under_way.wait();
+      }
+    });
+  };
   return work;
 }
 
@@ -227,6 +301,10 @@ std::vector<Case> registration_cases() {
                        .make = [m](Bench& b, int n) { return batch(b, n, m); }});
     }
   }
+  cases.push_back({.name = "beside/vgicp",
+                   .kind = CaseKind::batch,
+                   .item = "pair",
+                   .make = [](Bench& b, int n) { return beside(b, n, methods().front()); }});
   return cases;
 }
 

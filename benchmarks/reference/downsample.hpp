@@ -33,6 +33,14 @@ inline Cell cell_of(const Eigen::Vector3f& p, float inverse_edge) {
   return cell;
 }
 
+/// The cell of a packed key (shaders/include/hash.glsl), which is not gpu::kFree.
+inline Cell unpacked_cell(uint32_t key) {
+  const uint32_t biased = key - 1;
+  return {static_cast<int64_t>(biased >> 21U) - 1024,
+          static_cast<int64_t>((biased >> 10U) & 2047U) - 1024,
+          static_cast<int64_t>(biased & 1023U) - 512};
+}
+
 struct DownsampledPoint {
   Cell cell{};
   Eigen::Vector3d centroid =

@@ -59,10 +59,7 @@ inline FinishedMap decode_finished(std::span<const gpu::GaussianCell> table) {
     if (cell.key == gpu::kFree || cell.count == 0) {
       continue;
     }
-    const uint32_t biased = cell.key - 1U;
-    const Cell at{static_cast<int64_t>(biased >> 21U) - 1024,
-                  static_cast<int64_t>((biased >> 10U) & 2047U) - 1024,
-                  static_cast<int64_t>(biased & 1023U) - 512};
+    const Cell at = unpacked_cell(cell.key);
     FinishedVoxel voxel{.count = cell.count};
     voxel.mean << real(cell.sum_x), real(cell.sum_y), real(cell.sum_z);
     voxel.form << real(cell.xx), real(cell.xy), real(cell.xz),  //

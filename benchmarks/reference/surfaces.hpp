@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Twin of surface_normals.comp and of the moments that downsample_emit.comp gathers for it.
+// Twin of surface_normals.comp and of the moments that downsample_emit.comp gathers for it; of
+// submap_surface_cells.comp and submap_surfaces.comp where each point has a sensor of its own.
 #pragma once
 
 #include <cmath>
@@ -43,8 +44,8 @@ inline constexpr double kLineRatio = 0.02;
 inline constexpr double kSteep = 0.7;
 
 /// The smallest level, 0 to 15, whose cells' size relative to level 0 is at least range *
-/// 2.5 beam_spacing / edge of level 0. Decided on squares in float32, in this order of operations,
-/// as the device does.
+/// 2.5 beam_spacing / edge of level 0, for a point at `p` from its sensor. Decided on squares in
+/// float32, in this order of operations, as the device does.
 inline int surface_level(const Eigen::Vector3f& p, const engine::PreprocessSettings& settings) {
   const double edge = std::max(settings.surface_size, 2.5 * settings.r_input);
   const double root = 2.5 * settings.beam_spacing / edge;
@@ -65,14 +66,14 @@ inline float inverse_surface_cell(const engine::PreprocessSettings& settings, in
          static_cast<float>(1U << static_cast<unsigned>(level));
 }
 
-/// Classifies the covariance of a point's neighbours.
-inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& p,
+/// Classifies the covariance of a point's neighbours; `ray` leads to it from its sensor.
+inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& ray,
                         int neighbours) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   Surface surface{.eigenvalues = solver.eigenvalues(), .neighbours = neighbours};
   const bool line = surface.eigenvalues[1] < kLineRatio * surface.eigenvalues[2];
   surface.direction = solver.eigenvectors().col(line ? 2 : 0);
-  if (surface.direction.dot(p) > 0.0) {
+  if (surface.direction.dot(ray) > 0.0) {
     surface.direction = -surface.direction;
   }
   if (!line) {
@@ -83,18 +84,23 @@ inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d
   return surface;
 }
 
-/// The surface at each point of a down-sampled cloud, from the points that share its cell and
-/// level.
-inline std::vector<Surface> surfaces(std::span<const Point> cloud,
+/// A point of a cloud, and where it lies from the sensor that saw it, m.
+struct SeenPoint {
+  Eigen::Vector3f p = Eigen::Vector3f::Zero();
+  Eigen::Vector3f ray = Eigen::Vector3f::Zero();
+};
+
+/// The surface at each point, from the points that share its cell and level.
+inline std::vector<Surface> surfaces(std::span<const SeenPoint> cloud,
                                      const engine::PreprocessSettings& settings) {
   std::map<std::pair<int, Cell>, std::vector<Eigen::Vector3d>> neighbourhoods;
   std::vector<std::pair<int, Cell>> keys;
-  for (const Point& point : cloud) {
-    const Eigen::Vector3f p(point.x, point.y, point.z);
-    const int level = surface_level(p, settings);
+  for (const SeenPoint& point : cloud) {
+    const int level = surface_level(point.ray, settings);
     const float inverse_edge = inverse_surface_cell(settings, level);
-    keys.emplace_back(level, cell_of(p, inverse_edge));
-    neighbourhoods[keys.back()].push_back(p.cast<double>() * static_cast<double>(inverse_edge));
+    keys.emplace_back(level, cell_of(point.p, inverse_edge));
+    neighbourhoods[keys.back()].push_back(point.p.cast<double>() *
+                                          static_cast<double>(inverse_edge));
   }
   std::vector<Surface> result;
   for (size_t i = 0; i < cloud.size(); ++i) {
@@ -112,9 +118,20 @@ inline std::vector<Surface> surfaces(std::span<const Point> cloud,
     for (const Eigen::Vector3d& neighbour : neighbours) {
       covariance += (neighbour - mean) * (neighbour - mean).transpose() / n;
     }
-    result.push_back(classify(covariance, Eigen::Vector3d(cloud[i].x, cloud[i].y, cloud[i].z), n));
+    result.push_back(classify(covariance, cloud[i].ray.cast<double>(), n));
   }
   return result;
+}
+
+/// The same for a sweep: its one sensor is the origin.
+inline std::vector<SeenPoint> seen_from_origin(std::span<const Point> cloud) {
+  std::vector<SeenPoint> points;
+  points.reserve(cloud.size());
+  for (const Point& point : cloud) {
+    const Eigen::Vector3f p(point.x, point.y, point.z);
+    points.push_back({.p = p, .ray = p});
+  }
+  return points;
 }
 
 /// A point of a surface cloud as kernels read it.

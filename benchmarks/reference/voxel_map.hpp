@@ -99,10 +99,7 @@ inline VoxelMap decode(std::span<const gpu::GaussianCell> table, double voxel_si
     if (cell.key == gpu::kFree || cell.count == 0) {
       continue;
     }
-    const uint32_t biased = cell.key - 1U;
-    const Cell at{static_cast<int64_t>(biased >> 21U) - 1024,
-                  static_cast<int64_t>((biased >> 10U) & 2047U) - 1024,
-                  static_cast<int64_t>(biased & 1023U) - 512};
+    const Cell at = unpacked_cell(cell.key);
     const auto offset = [](uint32_t sum) { return static_cast<double>(sum) / 65536.0; };
     const auto entry = [&cell](uint32_t sum) {
       return static_cast<double>(sum) / 32768.0 - static_cast<double>(cell.surfaces);

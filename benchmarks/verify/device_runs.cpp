@@ -47,6 +47,23 @@ uint64_t bytes_for(uint32_t count) {
   return uint64_t{std::max(count, 1U)} * sizeof(T);
 }
 
+/// All clouds in one buffer.
+std::vector<Point> joined(std::span<const reference::CloudToMerge> clouds) {
+  std::vector<Point> points;
+  for (const reference::CloudToMerge& cloud : clouds) {
+    points.insert(points.end(), cloud.points.begin(), cloud.points.end());
+  }
+  return points;
+}
+
+std::vector<gpu::vec4> as_device(const std::vector<Eigen::Vector3f>& places) {
+  std::vector<gpu::vec4> result;
+  for (const Eigen::Vector3f& place : places) {
+    result.push_back({place.x(), place.y(), place.z(), 0.0F});
+  }
+  return result;
+}
+
 }  // namespace
 
 PreprocessRun::PreprocessRun(engine::Context& context, const engine::PreprocessSettings& settings,
@@ -122,6 +139,78 @@ std::vector<Point> DeskewRun::moved() const {
   std::vector<Point> result = download<Point>(*context_, moved_);
   result.resize(count_);
   return result;
+}
+
+SubmapMergeRun::SubmapMergeRun(engine::Context& context,
+                               std::span<const reference::CloudToMerge> clouds, double edge,
+                               uint32_t slots)
+    : context_(&context),
+      kernels_(context),
+      edge_(edge),
+      points_(upload(context, joined(clouds), "clouds")),
+      table_(context.make_buffer(engine::SubmapMerge::table_bytes(slots), Memory::device, "cells")),
+      counters_(context.make_buffer(sizeof(gpu::MergeCounters), Memory::device, "counters")) {
+  uint32_t begin = 0;
+  for (const reference::CloudToMerge& cloud : clouds) {
+    const auto count = static_cast<uint32_t>(cloud.points.size());
+    clouds_.push_back({.points = points_,
+                       .begin = begin,
+                       .count = count,
+                       .sweep = static_cast<uint32_t>(clouds_.size()),
+                       .T_submap_lidar = to_device(cloud.T_submap_lidar)});
+    begin += count;
+  }
+}
+
+engine::MergeView SubmapMergeRun::view() const {
+  return {.table = table_, .counters = counters_, .voxel_size = edge_};
+}
+
+Times SubmapMergeRun::run() {
+  submit(*context_, [&](Recorder& recorder) { kernels_.record_clear(recorder, view()); });
+  return submit(*context_, [&](Recorder& recorder) {
+    const engine::Scope scope = recorder.scope("merge");
+    for (engine::MergeCloud cloud : clouds_) {
+      cloud.points = points_;
+      kernels_.record_add(recorder, view(), cloud);
+    }
+  });
+}
+
+std::vector<gpu::MergeCell> SubmapMergeRun::cells() const {
+  return download<gpu::MergeCell>(*context_, table_);
+}
+
+gpu::MergeCounters SubmapMergeRun::counters() const {
+  return download<gpu::MergeCounters>(*context_, counters_).front();
+}
+
+SubmapSurfacesRun::SubmapSurfacesRun(engine::Context& context,
+                                     const engine::PreprocessSettings& settings,
+                                     const std::vector<gpu::uvec4>& points,
+                                     const std::vector<Eigen::Vector3f>& sensors)
+    : context_(&context),
+      kernels_(context),
+      settings_(settings),
+      count_(static_cast<uint32_t>(points.size())),
+      points_(upload(context, points, "merged points")),
+      sensors_(upload(context, as_device(sensors), "sensors")),
+      surface_cloud_(
+          context.make_buffer(bytes_for<gpu::uvec4>(count_), Memory::device, "surface cloud")),
+      scratch_(context.make_buffer(engine::SubmapMerge::surface_scratch_bytes(count_),
+                                   Memory::device, "scratch")) {}
+
+Times SubmapSurfacesRun::run() {
+  return submit(*context_, [&](Recorder& recorder) {
+    kernels_.record_surfaces(
+        recorder, settings_,
+        {.count = count_, .points = points_, .sensors = sensors_, .surface_cloud = surface_cloud_},
+        scratch_);
+  });
+}
+
+std::vector<gpu::uvec4> SubmapSurfacesRun::surface_cloud() const {
+  return download<gpu::uvec4>(*context_, surface_cloud_.slice(0, count_ * sizeof(gpu::uvec4)));
 }
 
 DeviceCloud::DeviceCloud(engine::Context& context, const std::vector<gpu::uvec4>& points)

@@ -13,11 +13,13 @@
 
 #include <Eigen/Geometry>
 
+#include "adit/benchmarks/reference/submap_merge.hpp"
 #include "adit/benchmarks/reference/vgicp.hpp"
 #include "adit/engine/context.hpp"
 #include "adit/engine/kernels/deskew.hpp"
 #include "adit/engine/kernels/preprocess.hpp"
 #include "adit/engine/kernels/registration.hpp"
+#include "adit/engine/kernels/submap_merge.hpp"
 #include "adit/engine/kernels/voxel_map.hpp"
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/inertial/sweep_motion.hpp"
@@ -123,6 +125,53 @@ class VoxelMapRun {
   engine::Buffer table_;
   engine::Buffer counters_;
   std::optional<engine::Buffer> finished_;
+};
+
+/// Clouds on the device, and the cells that SubmapMerge makes of them.
+class SubmapMergeRun {
+ public:
+  /// `edge` in m; `slots` is a power of two.
+  SubmapMergeRun(engine::Context& context, std::span<const reference::CloudToMerge> clouds,
+                 double edge, uint32_t slots);
+
+  Times run();  ///< empties the table first, which is not timed
+
+  std::vector<gpu::MergeCell> cells() const;
+  gpu::MergeCounters counters() const;
+
+ private:
+  engine::MergeView view() const;
+
+  engine::Context* context_;
+  engine::SubmapMerge kernels_;
+  double edge_;
+  std::vector<engine::MergeCloud> clouds_;
+  engine::Buffer points_;
+  engine::Buffer table_;
+  engine::Buffer counters_;
+};
+
+/// A merged cloud on the device, and its surfaces.
+class SubmapSurfacesRun {
+ public:
+  /// Each point with the number of its sensor; where the sensors were, m.
+  SubmapSurfacesRun(engine::Context& context, const engine::PreprocessSettings& settings,
+                    const std::vector<gpu::uvec4>& points,
+                    const std::vector<Eigen::Vector3f>& sensors);
+
+  Times run();
+
+  std::vector<gpu::uvec4> surface_cloud() const;
+
+ private:
+  engine::Context* context_;
+  engine::SubmapMerge kernels_;
+  engine::PreprocessSettings settings_;
+  uint32_t count_;
+  engine::Buffer points_;
+  engine::Buffer sensors_;
+  engine::Buffer surface_cloud_;
+  engine::Buffer scratch_;
 };
 
 /// All that the device leaves of an alignment.

@@ -152,6 +152,12 @@ Verdict verify_deskew(std::span<const Point> raw, std::span<const Eigen::Vector3
 
 Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<const Point> cloud,
                         std::span<const gpu::uvec4> surface_cloud) {
+  return verify_surfaces(settings, reference::seen_from_origin(cloud), surface_cloud);
+}
+
+Verdict verify_surfaces(const engine::PreprocessSettings& settings,
+                        std::span<const reference::SeenPoint> cloud,
+                        std::span<const gpu::uvec4> surface_cloud) {
   Verdict verdict;
   Complaints complaints(verdict);
   if (surface_cloud.size() != cloud.size()) {
@@ -161,9 +167,9 @@ Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<co
   const std::vector<Surface> expected = reference::surfaces(cloud, settings);
   for (size_t i = 0; i < cloud.size(); ++i) {
     const gpu::uvec4& packed = surface_cloud[i];
-    if (packed.x != std::bit_cast<uint32_t>(cloud[i].x) ||
-        packed.y != std::bit_cast<uint32_t>(cloud[i].y) ||
-        packed.z != std::bit_cast<uint32_t>(cloud[i].z)) {
+    if (packed.x != std::bit_cast<uint32_t>(cloud[i].p.x()) ||
+        packed.y != std::bit_cast<uint32_t>(cloud[i].p.y()) ||
+        packed.z != std::bit_cast<uint32_t>(cloud[i].p.z())) {
       complaints.add("position", i, " is not the cloud's");
     }
     const Surface& surface = expected[i];
@@ -193,7 +199,7 @@ Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<co
       complaints.add("direction", i, ": ", angle * kDegrees, " degrees off, bound ",
                      bound * kDegrees, ", eigenvalues ", surface.eigenvalues.transpose());
     }
-    const Eigen::Vector3d ray = position(cloud[i]).normalized();
+    const Eigen::Vector3d ray = cloud[i].ray.cast<double>().normalized();
     if (found.direction.dot(ray) > bound) {
       complaints.add("side", i, ": points away from the sensor");
     }
@@ -202,6 +208,54 @@ Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<co
          bound < 0.5 / kDegrees ? "direction error where the bound is below 0.5 degrees, degrees"
                                 : "direction error elsewhere, degrees",
          angle * kDegrees);
+  }
+  return verdict;
+}
+
+Verdict verify_merged(const reference::MergedClouds& expected,
+                      std::span<const gpu::MergeCell> cells) {
+  Verdict verdict;
+  Complaints complaints(verdict);
+  std::map<reference::Cell, const gpu::MergeCell*> found;
+  for (const gpu::MergeCell& cell : cells) {
+    if (cell.key != gpu::kFree &&
+        !found.emplace(reference::unpacked_cell(cell.key), &cell).second) {
+      complaints.add("cells", "two have the key ", cell.key);
+    }
+  }
+  const double error = 2.0 * kMovedPointError;
+  for (const auto& [at, cell] : expected.cells) {
+    const auto place = found.find(at);
+    if (!cell.certain) {
+      verdict.worst["cells that rounding decides"] += 1.0;
+    } else if (place == found.end()) {
+      complaints.add("cell", "of ", cell.count, " points at ", at[0], " ", at[1], " ", at[2],
+                     " is missing");
+    } else {
+      const gpu::MergeCell& device = *place->second;
+      const Eigen::Vector3d mean =
+          Eigen::Vector3d(device.sum_x, device.sum_y, device.sum_z) / device.count / 65536.0;
+      const Eigen::Array3d off = (mean - cell.mean).array();
+      const uint32_t sweep = ~device.inverted_nearest & ((1U << gpu::kSweepBits) - 1U);
+      if (device.count != cell.count) {
+        complaints.add("count", "expected ", cell.count, ", found ", device.count);
+      } else if (!(off <= error).all() || !(off >= -error - 1.0 / 65536.0).all()) {
+        complaints.add("mean", "of ", cell.count, " points is ", off.transpose(), " of a cell off");
+      } else if (cell.nearest_is_certain && sweep != cell.nearest) {
+        complaints.add("nearest", "expected sweep ", cell.nearest, ", found ", sweep);
+      }
+      note(verdict, "mean, of a cell", off.abs().maxCoeff());
+      verdict.worst["cells compared"] += 1.0;
+    }
+    if (place != found.end()) {
+      found.erase(place);
+    }
+  }
+  for (const auto& [at, cell] : found) {
+    if (!expected.near_a_border.contains(at)) {
+      complaints.add("cell", "of ", cell->count, " points at ", at[0], " ", at[1], " ", at[2],
+                     " is one too many");
+    }
   }
   return verdict;
 }

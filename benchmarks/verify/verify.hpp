@@ -11,12 +11,14 @@
 #include <vector>
 
 #include "adit/benchmarks/reference/downsample.hpp"
+#include "adit/benchmarks/reference/submap_merge.hpp"
 #include "adit/benchmarks/reference/surfaces.hpp"
 #include "adit/benchmarks/reference/vgicp.hpp"
 #include "adit/benchmarks/reference/voxel_map.hpp"
 #include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/shaders/shared/preprocess.h"
 #include "adit/shaders/shared/registration.h"
+#include "adit/shaders/shared/submap.h"
 
 namespace adit::test {
 
@@ -52,12 +54,23 @@ inline constexpr double kDeskewError = 5e-5;
 /// these bounds of its threshold.
 Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<const Point> cloud,
                         std::span<const gpu::uvec4> surface_cloud);
+/// The same for a cloud whose points were seen from several places.
+Verdict verify_surfaces(const engine::PreprocessSettings& settings,
+                        std::span<const reference::SeenPoint> cloud,
+                        std::span<const gpu::uvec4> surface_cloud);
 /// Planes whose smallest eigenvalue is more than kFlattest of the second are balls: their normals,
 /// which the device finds by Newton steps that have not converged there, mean nothing and are not
 /// compared.
 inline constexpr double kFlattest = 0.75;
 inline constexpr double kCovarianceError = 3e-5;
 inline constexpr double kPackingError = 1.5e-4;  ///< rad
+
+/// Same cells and counts, but for points so near a border that rounding of the moved point decides
+/// (kMovedPointError cells, twice over for a sum of rounded products of metres far away); means
+/// within 1/65536 of a cell, rounded down, and that error; the nearest sweep where no other was
+/// as near, within 2 / gpu::kRangeSteps m.
+Verdict verify_merged(const reference::MergedClouds& expected,
+                      std::span<const gpu::MergeCell> cells);
 
 /// Same voxels and counts; per point, offsets within 1/65536 voxel and constraints within 1/32768,
 /// both rounded down, besides float32 of the moved point (kMovedPointError voxels) and direction.

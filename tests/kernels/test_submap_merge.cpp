@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Clouds merged into cells, and surfaces seen from several places, beside their twins.
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "adit/benchmarks/verify/device_runs.hpp"
+#include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/benchmarks/verify/verify.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kEdge = 0.3;  // m
+constexpr uint32_t kSlots = 1U << 17U;
+
+class SubmapKernels : public test::DeviceTest {
+ protected:
+  struct Drive {
+    std::vector<Sweep> sweeps;
+    std::vector<StampedPose> poses;
+
+    std::vector<reference::CloudToMerge> clouds() const {
+      std::vector<reference::CloudToMerge> clouds;
+      for (std::size_t i = 0; i < sweeps.size(); ++i) {
+        clouds.push_back({.points = sweeps[i].points,
+                          .T_submap_lidar = poses.front().pose.inverse() * poses[i].pose});
+      }
+      return clouds;
+    }
+  };
+
+  static Drive drive(std::size_t count) {
+    const test::World world = test::make_street(30.0);
+    Drive made{.sweeps = {}, .poses = test::steady_drive(count, test::twist(0.6, 0.1))};
+    for (const StampedPose& pose : made.poses) {
+      Sweep& sweep = made.sweeps.emplace_back(test::scan(world, pose, test::Lidar{}));
+      std::erase_if(sweep.points, [](const Point& p) { return p.x == 0.0F && p.y == 0.0F; });
+    }
+    return made;
+  }
+};
+
+TEST_F(SubmapKernels, CellsAreTheTwins) {
+  const Drive made = drive(5);
+  const std::vector<reference::CloudToMerge> clouds = made.clouds();
+  test::SubmapMergeRun run(context(), clouds, kEdge, kSlots);
+  run.run();
+  const reference::MergedClouds twin =
+      reference::merge(clouds, kEdge, 2.0 * test::kMovedPointError);
+  const test::Verdict verdict = test::verify_merged(twin, run.cells());
+  EXPECT_TRUE(verdict.passed()) << verdict.text();
+  EXPECT_GT(verdict.worst.at("cells compared"), 0.95 * static_cast<double>(twin.cells.size()));
+  EXPECT_EQ(run.counters().failures, 0U);
+  EXPECT_EQ(run.counters().out_of_range, 0U);
+  RecordProperty("verdict", verdict.text());
+}
+
+TEST_F(SubmapKernels, TheOrderOfCloudsDoesNotMatter) {
+  const Drive made = drive(3);
+  std::vector<reference::CloudToMerge> clouds = made.clouds();
+  test::SubmapMergeRun forwards(context(), clouds, kEdge, kSlots);
+  forwards.run();
+  const auto by_key = [](const std::vector<gpu::MergeCell>& cells) {
+    std::map<uint32_t, std::array<uint32_t, 4>> sums;  // the number of the nearest sweep apart
+    for (const gpu::MergeCell& cell : cells) {
+      if (cell.key != gpu::kFree) {
+        sums[cell.key] = {cell.count, cell.sum_x, cell.sum_y, cell.sum_z};
+      }
+    }
+    return sums;
+  };
+  std::ranges::reverse(clouds);
+  test::SubmapMergeRun backwards(context(), clouds, kEdge, kSlots);
+  backwards.run();
+  EXPECT_EQ(by_key(forwards.cells()), by_key(backwards.cells()));
+}
+
+TEST_F(SubmapKernels, PointsTooFarAwayAreCounted) {
+  const std::vector<Point> points = {{1.0F, 2.0F, 0.5F, 0.0F}, {0.0F, 0.0F, 400.0F, 0.0F}};
+  const std::vector<reference::CloudToMerge> clouds = {{.points = points}};
+  test::SubmapMergeRun run(context(), clouds, kEdge, 64);
+  run.run();
+  EXPECT_EQ(run.counters().out_of_range, 1U);
+  EXPECT_EQ(run.counters().used_slots, 1U);
+}
+
+TEST_F(SubmapKernels, SurfacesAreTheTwinsSeenFromEachSensor) {
+  const Drive made = drive(3);
+  const std::vector<reference::CloudToMerge> clouds = made.clouds();
+  const engine::PreprocessSettings settings{.r_input = kEdge,
+                                            .beam_spacing = test::Lidar{}.beam_spacing()};
+  std::vector<Eigen::Vector3f> sensors;
+  for (const reference::CloudToMerge& cloud : clouds) {
+    sensors.push_back(cloud.T_submap_lidar.translation().cast<float>());
+  }
+  std::vector<reference::SeenPoint> seen;
+  std::vector<gpu::uvec4> points;
+  for (const auto& [at, cell] : reference::merge(clouds, kEdge, 0.0).cells) {
+    const Eigen::Vector3d corner(static_cast<double>(at[0]), static_cast<double>(at[1]),
+                                 static_cast<double>(at[2]));
+    const Eigen::Vector3f p = ((corner + cell.mean) * kEdge).cast<float>();
+    seen.push_back({.p = p, .ray = p - sensors[cell.nearest]});
+    points.push_back({std::bit_cast<uint32_t>(p.x()), std::bit_cast<uint32_t>(p.y()),
+                      std::bit_cast<uint32_t>(p.z()), cell.nearest});
+  }
+  test::SubmapSurfacesRun run(context(), settings, points, sensors);
+  run.run();
+  const test::Verdict verdict = test::verify_surfaces(settings, seen, run.surface_cloud());
+  EXPECT_TRUE(verdict.passed()) << verdict.text();
+  EXPECT_GT(verdict.worst.at("normals compared"), 1000.0);
+  RecordProperty("verdict", verdict.text());
+}
+
+}  // namespace
+}  // namespace adit
