@@ -55,7 +55,7 @@ TEST_F(SubmapKernels, CellsAreTheTwins) {
       reference::merge(clouds, kEdge, 2.0 * test::kMovedPointError);
   const test::Verdict verdict = test::verify_merged(twin, run.cells());
   EXPECT_TRUE(verdict.passed()) << verdict.text();
-  EXPECT_GT(verdict.worst.at("cells compared"), 0.95 * static_cast<double>(twin.cells.size()));
+  EXPECT_GT(verdict.worst.at("cells compared"), 0.9 * static_cast<double>(twin.cells.size()));
   EXPECT_EQ(run.counters().failures, 0U);
   EXPECT_EQ(run.counters().out_of_range, 0U);
   RecordProperty("verdict", verdict.text());

@@ -85,6 +85,11 @@ TEST_F(MapCommands, ARunLeavesAMapAndBothTrajectories) {
   ASSERT_EQ(final.poses.size(), kSweeps);
   ASSERT_EQ(odometry.poses.size(), kSweeps);
   EXPECT_EQ(read_trajectory(out("trajectory.kitti")).poses.size(), kSweeps);
+  const Trajectory online = read_trajectory(out("online.tum"));
+  ASSERT_EQ(online.poses.size(), kSweeps);
+  EXPECT_EQ(online.poses.front().pose.matrix(), odometry.poses.front().pose.matrix())
+      << "before the first edge";
+  EXPECT_NE(test::content(out("online.tum")), test::content(out("trajectory.tum")));
   double largest = 0.0;
   for (std::size_t i = 0; i < kSweeps; ++i) {
     EXPECT_EQ(final.poses[i].stamp, odometry.poses[i].stamp);
@@ -104,6 +109,7 @@ TEST_F(MapCommands, AMapChangesNothingOfTheOdometryAndIsTheSameTwice) {
   ASSERT_EQ(map_into(folder_ / "alone", {"mapping.enabled=false"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "alone/map.adit"));
   EXPECT_FALSE(fs::exists(folder_ / "alone/odometry.tum"));
+  EXPECT_FALSE(fs::exists(folder_ / "alone/online.tum"));
   EXPECT_EQ(test::content(folder_ / "alone/trajectory.tum"), test::content(out("odometry.tum")));
   EXPECT_EQ(test::content(folder_ / "again/trajectory.tum"), test::content(out("trajectory.tum")));
   const auto dump = [](const fs::path& map) {

@@ -355,7 +355,7 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "RGB-D;\n"
       "or one such file.\n"
       "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
-      "mapping.enabled=true also map.adit and odometry.tum; with --high-rate also\n"
+      "mapping.enabled=true also map.adit, odometry.tum and online.tum; with --high-rate also\n"
       "odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
       "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"
       "Examples:\n"

@@ -37,6 +37,7 @@ std::vector<fs::path> result_files(const fs::path& folder) {
           files.sweeps,
           files.map,
           files.odometry,
+          files.online,
           files.database,
           files.database.string() + "-wal",
           files.database.string() + "-shm",

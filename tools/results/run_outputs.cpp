@@ -58,6 +58,7 @@ RunFiles::RunFiles(const fs::path& folder)
       sweeps(folder / "sweeps.csv"),
       map(folder / "map.ply"),
       odometry(folder / "odometry.tum"),
+      online(folder / "online.tum"),
       database(folder / "map.adit"),
       summary(folder / "summary.json") {}
 

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The folder that `adit run` writes: trajectory.tum, trajectory.kitti, sweeps.csv, map.ply,
-// summary.json; with a map also odometry.tum and map.adit. Other files in it are left alone.
+// summary.json; with a map also odometry.tum, online.tum and map.adit. Other files in it are left
+// alone.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +35,7 @@ struct RunFiles {
   std::filesystem::path sweeps;
   std::filesystem::path map;
   std::filesystem::path odometry;  ///< beside a map database: what it does not correct
+  std::filesystem::path online;    ///< poses in the map as they were known at their time
   std::filesystem::path database;
   std::filesystem::path summary;
 };

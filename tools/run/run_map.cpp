@@ -65,6 +65,12 @@ RunMap::RunMap(const RunDescription& run)
       session_(database_.add_session(session_of(run))) {}
 
 void RunMap::write_trajectory() const {
+  std::error_code error;
+  fs::copy_file(files_.tum, files_.online, fs::copy_options::overwrite_existing, error);
+  if (error) {
+    throw OutputError(files_.online,
+                      files_.online.string() + ": cannot be written: " + error.message() + ".");
+  }
   const std::vector<StampedPose> poses = map_trajectory(database_, files_.database);
   replace_trajectory(files_.tum, TrajectoryFormat::tum, poses);
   replace_trajectory(files_.kitti, TrajectoryFormat::kitti, poses);

@@ -22,7 +22,7 @@ class RunMap {
   MapStore& store() { return database_; }
   SessionId session() const { return session_; }
   /// trajectory.tum and trajectory.kitti of the final map, in place of what was known as the run
-  /// went on. Throws OutputError.
+  /// went on, which online.tum keeps. Throws OutputError.
   void write_trajectory() const;
 
  private:
