@@ -244,6 +244,18 @@ TEST(MessageRecording, PoseBeyondAllBoundsIsRefusedInWords) {
   }
 }
 
+TEST(MessageRecording, PositionBeyondAllBoundsIsRefused) {
+  for (const double x : {1e200, -1e13, std::numeric_limits<double>::infinity()}) {
+    const test::TemporaryFolder folder;
+    ros::PoseStamped pose = test::pose_message(0);
+    pose.pose.position.x = x;
+    const auto read = test::read_all(*record<ros::PoseStamped>(folder, {pose}));
+    ASSERT_EQ(read.errors.size(), 1U) << x;
+    EXPECT_NE(read.errors[0].found().find("beyond 1e12 m"), std::string::npos)
+        << read.errors[0].found();
+  }
+}
+
 TEST(MessageRecording, PoseWithoutRotationIsAnError) {
   const test::TemporaryFolder folder;
   ros::PoseStamped pose = test::pose_message(0);

@@ -118,5 +118,30 @@ TEST(SweepTable, ColumnsOfOtherVersionsAreNoErrorAndBadCellsAre) {
             std::string::npos);
 }
 
+TEST(SweepTable, ValuesThatNoRunWritesAreRefused) {
+  const test::TemporaryFolder folder;
+  written_and_read({sweep_record(17, fused_sweep())}, folder / "whole.csv");
+  const std::string whole = test::content(folder / "whole.csv");
+  const auto changed = [&](const std::string& column, const std::string& value) {
+    const std::size_t line = whole.find('\n') + 1;
+    const std::string header = "," + whole.substr(0, line - 1) + ",";
+    const std::size_t before = header.find("," + column + ",");
+    EXPECT_NE(before, header.npos) << column;
+    std::size_t cell = line;
+    for (auto n =
+             std::count(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(before), ',');
+         n > 0; --n) {
+      cell = whole.find(',', cell) + 1;
+    }
+    std::string text = whole;
+    return complaint(folder, text.replace(cell, whole.find_first_of(",\n", cell) - cell, value));
+  };
+  EXPECT_EQ(changed("overlap", "0.5"), "");
+  EXPECT_NE(changed("state", "nan").find("line 2: state is 'nan'"), std::string::npos);
+  EXPECT_NE(changed("imu", "7").find("line 2: imu is '7'"), std::string::npos);
+  EXPECT_NE(changed("t0_axis_x", "nan").find("has not the length 1"), std::string::npos);
+  EXPECT_NE(changed("t0_axis_x", "1e10").find("has not the length 1"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace adit

@@ -90,9 +90,9 @@ double size_of(const fs::path& folder) {
 std::string where_to_look(const SimulationFiles& files, const fs::path& folder) {
   const std::string out = folder.string();
   return "look at  " + out + "/evaluation.html (how the run went, beside the truth)\n         " +
-         out + "/map.svg (from above), " + out + "/map.ply (any point cloud viewer), " +
-         files.picture.string() + " (the mine)\n" + "again    adit run " +
-         files.recording.string() + " -o OUT\n         adit evaluate OUT " +
+         out + "/map.html (the map, to fly through), " + out + "/map.svg (from above), " + out +
+         "/map.ply (any point cloud viewer), " + files.picture.string() + " (the mine)\n" +
+         "again    adit run " + files.recording.string() + " -o OUT\n         adit evaluate OUT " +
          files.trajectory.string() + "\n" +
          printed("takes    %.0f MiB in %s, most of it the recording %s; it can be removed\n",
                  size_of(folder), out.c_str(), files.recording.filename().c_str());

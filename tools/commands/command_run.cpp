@@ -19,6 +19,7 @@
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/run_map.hpp"
+#include "adit/tools/run/run_map_page.hpp"
 #include "adit/tools/run/run_mapping.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
@@ -165,7 +166,7 @@ void replace_text_file(const std::filesystem::path& file, const std::string& tex
 
 /// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
 /// it had ended before.
-RunOutcome map_and_close(const Mapping& mapping, const RunMap* map) {
+RunOutcome map_and_close(const Mapping& mapping, const RunMap* map, const RunDescription& run) {
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   outcome.result = map_recording(mapping);
@@ -178,6 +179,8 @@ RunOutcome map_and_close(const Mapping& mapping, const RunMap* map) {
     if (outcome.result.map) {
       map->write_trajectory();
     }
+    write_map_page(RunFiles(run.output), mapping.outputs.page_cloud(),
+                   run.recording.filename().string());
   } catch (const OutputError& error) {
     if (outcome.result.end == RunEnd::completed) {
       outcome.result = {RunEnd::output_error, error.what()};
@@ -300,7 +303,7 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
                                       .statistics = statistics,
                                       .progress = progress,
                                       .quiet = options.quiet},
-                                     map ? &*map : nullptr);
+                                     map ? &*map : nullptr, description);
   progress.finish();
   const std::optional<Mounting> mounting = slam->mounting();
   description.config = with_mounting(slam->config(), mounting);
@@ -354,7 +357,8 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "sweeps as KITTI has them (velodyne/*.bin with times.txt), *.pcd, *.ply or *.las, TUM "
       "RGB-D;\n"
       "or one such file.\n"
-      "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply and summary.json; with\n"
+      "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply, map.html and summary.json; "
+      "with\n"
       "mapping.enabled=true also map.adit, odometry.tum and online.tum; with --high-rate also\n"
       "odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
       "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"

@@ -43,6 +43,12 @@ struct Topic {
 
 using EventValue = std::variant<Sweep, ImuSample, GnssFix, ReferencePose, StaticTransform>;
 
+/// Coordinates (m) that a pose can have: finite, and not so large that a path of them is not.
+inline bool is_position(const Eigen::Vector3d& p) {
+  constexpr double kFarthest = 1e12;
+  return (p.array().abs() <= kFarthest).all();
+}
+
 struct Event {
   std::size_t topic = 0;    ///< index into Recording::topics()
   Nanoseconds received{0};  ///< the recorder's clock; for files of sweeps, the sweep's stamp

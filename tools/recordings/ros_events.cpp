@@ -34,8 +34,8 @@ Eigen::Isometry3d isometry(const Vector3& position, const Quaternion& rotation) 
         norm < 1e3 ? "length " + std::to_string(norm) : "a length beyond 1000, or of none";
     throw CodecError("its pose has a quaternion of " + told + " (expected: 1)");
   }
-  if (!vector(position).allFinite()) {
-    throw CodecError("its pose has a position that is not finite");
+  if (!is_position(vector(position))) {
+    throw CodecError("its pose has a position that is not finite, or beyond 1e12 m");
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = q.normalized().toRotationMatrix();

@@ -169,8 +169,8 @@ Eigen::Isometry3d series_pose(const Eigen::Vector3d& position, const std::array<
         length < 1e3 ? "length " + std::to_string(length) : "length of more than 1000";
     throw SeriesLineError("its quaternion has the " + told + ", expected 1");
   }
-  if (!position.allFinite()) {
-    throw SeriesLineError("its position is not finite");
+  if (!is_position(position)) {
+    throw SeriesLineError("its position is not finite, or beyond 1e12 m");
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = q.normalized().toRotationMatrix();

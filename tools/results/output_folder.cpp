@@ -36,6 +36,7 @@ std::vector<fs::path> result_files(const fs::path& folder) {
           files.kitti,
           files.sweeps,
           files.map,
+          files.page,
           files.odometry,
           files.online,
           files.database,

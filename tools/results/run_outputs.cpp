@@ -57,6 +57,7 @@ RunFiles::RunFiles(const fs::path& folder)
       kitti(folder / "trajectory.kitti"),
       sweeps(folder / "sweeps.csv"),
       map(folder / "map.ply"),
+      page(folder / "map.html"),
       odometry(folder / "odometry.tum"),
       online(folder / "online.tum"),
       database(folder / "map.adit"),
@@ -74,7 +75,7 @@ void check_writable(const fs::path& folder, const MapOptions& map,
                                   ". Choose another one with -o.");
   }
   const RunFiles files(folder);
-  for (const fs::path& file : {files.tum, files.kitti, files.sweeps, files.summary}) {
+  for (const fs::path& file : {files.tum, files.kitti, files.sweeps, files.page, files.summary}) {
     check_file(file);
   }
   if (map.enabled) {
@@ -115,8 +116,10 @@ void RunOutputs::write(const SweepResult& sweep, std::size_t index,
   sweeps_->write(sweep_record(index, sweep));
   sweeps_->flush();
   if (map_ && sweep.keyframe) {
+    page_cloud_.add(sweep.cloud, sweep.T_map_lidar, poses_);
     write_map(sweep);
   }
+  ++poses_;
 }
 
 void RunOutputs::write_map(const SweepResult& keyframe) {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The folder that `adit run` writes: trajectory.tum, trajectory.kitti, sweeps.csv, map.ply,
-// summary.json; with a map also odometry.tum, online.tum and map.adit. Other files in it are left
-// alone.
+// map.html, summary.json; with a map also odometry.tum, online.tum and map.adit. Other files in it
+// are left alone.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/results/map_thinning.hpp"
+#include "adit/tools/results/page_cloud.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 
@@ -34,6 +35,7 @@ struct RunFiles {
   std::filesystem::path kitti;
   std::filesystem::path sweeps;
   std::filesystem::path map;
+  std::filesystem::path page;
   std::filesystem::path odometry;  ///< beside a map database: what it does not correct
   std::filesystem::path online;    ///< poses in the map as they were known at their time
   std::filesystem::path database;
@@ -62,6 +64,8 @@ class RunOutputs {
   /// half-written lines off.
   void close();
 
+  /// Keyframes' clouds, thinned, for a page; empty without a map.
+  const PageCloud& page_cloud() const { return page_cloud_; }
   uint64_t map_points() const { return map_ ? map_->count() : 0; }
 
  private:
@@ -74,6 +78,8 @@ class RunOutputs {
   std::optional<SweepTableWriter> sweeps_;
   std::optional<PlyWriter> map_;
   std::optional<MapThinning> thinning_;
+  PageCloud page_cloud_;
+  uint32_t poses_ = 0;         ///< written
   std::vector<Point> points_;  ///< of the current keyframe, map frame
 };
 

@@ -187,6 +187,43 @@ void describe_inertial(const InertialReport& report, SweepRecord& record) {
   }
 }
 
+template <class Enum, std::size_t kCount>
+bool is_one_of(const std::string& word, const std::array<Enum, kCount>& values) {
+  return word.empty() ||
+         std::ranges::any_of(values, [&](Enum value) { return word == to_string(value); });
+}
+
+bool is_unit(const Eigen::Vector3d& axis) {
+  constexpr double kRounded = 0.01;
+  return std::abs(axis.norm() - 1.0) < kRounded;
+}
+
+/// Values that `adit run` does not write: somebody or something has changed them since.
+std::optional<std::string> impossible_value(const SweepRecord& record) {
+  using enum OdometryState;
+  if (!is_one_of(record.state, std::array{initializing, tracking, coasting, restarted})) {
+    return "state is '" + record.state + "', which no sweep is in";
+  }
+  using enum InertialState;
+  if (!is_one_of(record.imu, std::array{absent, starting, fused, lost, refused})) {
+    return "imu is '" + record.imu + "', which no sensor is";
+  }
+  for (const auto* directions : {&record.translation, &record.rotation}) {
+    for (const SweepDirection& direction : *directions) {
+      if (!direction.localizability.empty() && !is_unit(direction.axis)) {
+        return std::string("the axis of a direction has not the length 1");
+      }
+    }
+  }
+  for (const Matrix6d* covariance : {&record.uncertainty.local, &record.uncertainty.drift}) {
+    const bool known = !covariance->diagonal().array().isNaN().all();
+    if (known && !(covariance->diagonal().array() >= 0.0).all()) {
+      return std::string("a variance is negative or missing");
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 SweepRecord sweep_record(std::size_t index, const SweepResult& sweep) {
@@ -263,6 +300,10 @@ std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
     });
     for (Matrix6d* covariance : {&record.uncertainty.local, &record.uncertainty.drift}) {
       *covariance = Matrix6d(covariance->selfadjointView<Eigen::Upper>());
+    }
+    if (const std::optional<std::string> wrong = impossible_value(record)) {
+      throw InputError(file, Place::line(lines.number()), *wrong,
+                       "Run `adit run` again, or delete the line");
     }
   }
   return records;
