@@ -7,7 +7,6 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/command_bench_consistency.hpp"
@@ -16,8 +15,8 @@
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/report.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/support/nearest_name.hpp"
-#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -136,11 +135,11 @@ int bench_command(const BenchCommandOptions& options, std::ostream& out, std::os
   });
 }
 
-CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
+void add_bench_command(Command app, std::function<void(int)> done) {
   const auto options = std::make_shared<BenchCommandOptions>();
-  CLI::App* command =
-      app.add_subcommand("bench", "How fast a device is: kernels, registrations, batches");
-  command->footer(
+  const Command command =
+      app.add_command("bench", "How fast a device is: kernels, registrations, batches");
+  command.footer(
       "Every case is verified before it is timed. `of its limit` is the least time that the\n"
       "device's measured limits allow over the time measured, with the limit that binds.\n\n"
       "Examples:\n"
@@ -153,49 +152,47 @@ CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done) {
       "--help`\n"
       "  adit bench consistency                       whether it knows how accurate it is\n\n"
       "Exit codes: 0 done, 1 a case is wrong or the device failed, 2 usage.");
-  command->add_option("cases", options->cases, "Names of cases, or how they begin")
-      ->type_name("CASE");
-  command->add_flag("--list", options->list, "Name the cases and do nothing");
-  command->add_option("--sizes", options->sizes, "Raw points of the simulated sweeps")
-      ->delimiter(',')
-      ->check(number_from(100, 2e6))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--batches", options->batches, "Pairs of the batches")
-      ->delimiter(',')
-      ->check(number_from(1, 4096))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "Time for each case and size, at least (s)")
-      ->check(number_from(0.0, 600.0))
-      ->type_name("S")
-      ->capture_default_str();
+  command.option("cases", options->cases, "Names of cases, or how they begin").value_name("CASE");
+  command.flag("--list", options->list, "Name the cases and do nothing");
+  command.option("--sizes", options->sizes, "Raw points of the simulated sweeps")
+      .with_commas()
+      .from(100, 2e6)
+      .value_name("N")
+      .show_default();
+  command.option("--batches", options->batches, "Pairs of the batches")
+      .with_commas()
+      .from(1, 4096)
+      .value_name("N")
+      .show_default();
+  command.option("--seconds", options->seconds, "Time for each case and size, at least (s)")
+      .from(0.0, 600.0)
+      .value_name("S")
+      .show_default();
   command
-      ->add_option("--input", options->input,
-                   "A recording or one or two point clouds instead of the simulated sweeps")
-      ->expected(1, 2)
-      ->type_name("FILE");
-  command->add_option("--r-input", options->r_input, "Down-sampling of --input (m)")
-      ->check(number_from(0.01, 10.0))
-      ->type_name("M")
-      ->capture_default_str();
-  command->add_flag_callback(
+      .option("--input", options->input,
+              "A recording or one or two point clouds instead of the simulated sweeps")
+      .values(1, 2)
+      .value_name("FILE");
+  command.option("--r-input", options->r_input, "Down-sampling of --input (m)")
+      .from(0.01, 10.0)
+      .value_name("M")
+      .show_default();
+  command.flag(
       "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
-  command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
-  command->add_option("--html", options->html, "Write a page with plots")->type_name("FILE");
-  command->add_option("--compare", options->compare, "Compare two files of --json, measure nothing")
-      ->expected(2)
-      ->type_name("BEFORE AFTER");
-  command->add_option("--device", options->device.device, "Index, UUID or part of the name")
-      ->type_name("DEVICE");
-  add_bench_slam_command(*command, done);
-  add_bench_consistency_command(*command, done);
-  command->callback([command, options, done = std::move(done)] {
-    if (command->get_subcommands().empty()) {
+  command.option("--json", options->json, "Write all figures").value_name("FILE");
+  command.option("--html", options->html, "Write a page with plots").value_name("FILE");
+  command.option("--compare", options->compare, "Compare two files of --json, measure nothing")
+      .values(2, 2)
+      .value_name("BEFORE AFTER");
+  command.option("--device", options->device.device, "Index, UUID or part of the name")
+      .value_name("DEVICE");
+  add_bench_slam_command(command, done);
+  add_bench_consistency_command(command, done);
+  command.action([command, options, done = std::move(done)] {
+    if (!command.has_chosen()) {
       done(bench_command(*options, std::cout, std::cerr));
     }
   });
-  return command;
 }
 
 }  // namespace adit::bench

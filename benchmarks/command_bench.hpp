@@ -12,8 +12,8 @@
 
 #include "adit/tools/run/device_session.hpp"
 
-namespace CLI {
-class App;
+namespace adit {
+class Command;
 }
 
 namespace adit::bench {
@@ -36,8 +36,8 @@ struct BenchCommandOptions {
 /// Returns the exit code: 0; 1 where a case is wrong or the device fails; 2 usage.
 int bench_command(const BenchCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_bench_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_bench_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit::bench

@@ -8,14 +8,13 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/consistency/consistency.hpp"
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/support/nearest_name.hpp"
-#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -82,11 +81,11 @@ int bench_consistency_command(const BenchConsistencyOptions& options, std::ostre
                  [&] { return bench_consistency(options, out, err); });
 }
 
-CLI::App* add_bench_consistency_command(CLI::App& bench, std::function<void(int)> done) {
+void add_bench_consistency_command(Command bench, std::function<void(int)> done) {
   const auto options = std::make_shared<BenchConsistencyOptions>();
-  CLI::App* command = bench.add_subcommand(
+  const Command command = bench.add_command(
       "consistency", "How honest: simulated runs, their errors beside what covariances say");
-  command->footer(
+  command.footer(
       "Each run begins elsewhere on its scene's route, with other noise. Nothing is written but "
       "--json.\n\n"
       "Examples:\n"
@@ -94,26 +93,25 @@ CLI::App* add_bench_consistency_command(CLI::App& bench, std::function<void(int)
       "  adit bench consistency --only mine --runs 5 --sensor OS0-128\n"
       "  adit bench consistency --json consistency.json\n\n"
       "Exit codes: 0 done, whatever the figures are; 1 the device or a file failed, 2 usage.");
-  command->add_option("--only", options->only, "Names of cases: room, office, mine, city, forest")
-      ->type_name("NAME");
-  command->add_option("--sensor", options->sensor, "This range sensor instead of the cases' own")
-      ->type_name("NAME");
-  command->add_option("--runs", options->runs, "Runs in all, shared evenly among the cases")
-      ->check(number_from(1, 100'000))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--duration", options->duration, "Time of a run (s)")
-      ->check(number_from(2.0, 600.0))
-      ->type_name("S")
-      ->capture_default_str();
-  add_config_options(*command, options->config);
-  command->add_option("--device", options->device.device, "Index, UUID or part of the name")
-      ->type_name("DEVICE");
-  command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
-  command->callback([options, done = std::move(done)] {
+  command.option("--only", options->only, "Names of cases: room, office, mine, city, forest")
+      .value_name("NAME");
+  command.option("--sensor", options->sensor, "This range sensor instead of the cases' own")
+      .value_name("NAME");
+  command.option("--runs", options->runs, "Runs in all, shared evenly among the cases")
+      .from(1, 100'000)
+      .value_name("N")
+      .show_default();
+  command.option("--duration", options->duration, "Time of a run (s)")
+      .from(2.0, 600.0)
+      .value_name("S")
+      .show_default();
+  add_config_options(command, options->config);
+  command.option("--device", options->device.device, "Index, UUID or part of the name")
+      .value_name("DEVICE");
+  command.option("--json", options->json, "Write all figures").value_name("FILE");
+  command.action([options, done = std::move(done)] {
     done(bench_consistency_command(*options, std::cout, std::cerr));
   });
-  return command;
 }
 
 }  // namespace adit::bench

@@ -13,8 +13,8 @@
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
 
-namespace CLI {
-class App;
+namespace adit {
+class Command;
 }
 
 namespace adit::bench {
@@ -33,8 +33,8 @@ struct BenchConsistencyOptions {
 int bench_consistency_command(const BenchConsistencyOptions& options, std::ostream& out,
                               std::ostream& err);
 
-/// Adds the sub-command to `bench`. It runs on std::cout and std::cerr at the end of CLI parsing;
-/// `done` gets the exit code.
-CLI::App* add_bench_consistency_command(CLI::App& bench, std::function<void(int)> done);
+/// Adds the sub-command to `bench`. It runs on std::cout and std::cerr once the command line is
+/// read; `done` gets the exit code.
+void add_bench_consistency_command(Command bench, std::function<void(int)> done);
 
 }  // namespace adit::bench

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/slam/slam_families.hpp"
@@ -17,6 +17,7 @@
 #include "adit/benchmarks/slam/slam_sequences.hpp"
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -37,12 +38,9 @@ struct Candidate {
 };
 
 std::string described(const SlamEntry& entry) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%-7s %-8s %-13s %3.0f s from %4.0f m on, seed %llu%s",
-                entry.scene.c_str(), entry.sensor.c_str(), entry.trajectory.c_str(), entry.duration,
-                entry.begin, static_cast<unsigned long long>(entry.seed),
-                entry.quick ? ", quick" : "");
-  return text;
+  return fmt::format("{:<7} {:<8} {:<13} {:>3.0f} s from {:>4.0f} m on, seed {}{}", entry.scene,
+                     entry.sensor, entry.trajectory, entry.duration, entry.begin, entry.seed,
+                     entry.quick ? ", quick" : "");
 }
 
 std::vector<Candidate> candidates(const BenchSlamOptions& options) {
@@ -247,11 +245,11 @@ int bench_slam_command(const BenchSlamOptions& options, std::ostream& out, std::
   return guarded("adit bench slam", out, err, [&] { return bench_slam(options, out, err); });
 }
 
-CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done) {
+void add_bench_slam_command(Command bench, std::function<void(int)> done) {
   const auto options = std::make_shared<BenchSlamOptions>();
-  CLI::App* command = bench.add_subcommand(
+  const Command command = bench.add_command(
       "slam", "How accurate: simulated or recorded sequences, mapped and compared with the truth");
-  command->footer(
+  command.footer(
       "Each sequence is mapped as `adit run` does it and compared as `adit evaluate` does it.\n"
       "Simulated recordings are kept in OUT and made but once.\n\n"
       "Examples:\n"
@@ -265,45 +263,43 @@ CLI::App* add_bench_slam_command(CLI::App& bench, std::function<void(int)> done)
       "  adit bench slam --recordings data             data/NAME.bag with data/NAME.truth.tum\n\n"
       "Exit codes: 0 done, whatever failed is in the table; 1 the device or a file failed, 2 "
       "usage.");
-  command->add_flag("--list", options->list, "Name the sequences and do nothing");
-  command->add_option("--only", options->only, "Names of sequences, or how they begin")
-      ->type_name("NAME");
-  command->add_flag("--quick", options->quick, "Few sequences of the catalogue");
+  command.flag("--list", options->list, "Name the sequences and do nothing");
+  command.option("--only", options->only, "Names of sequences, or how they begin")
+      .value_name("NAME");
+  command.flag("--quick", options->quick, "Few sequences of the catalogue");
   command
-      ->add_option("--seeds", options->seeds,
-                   "Each sequence of the catalogue so many times, with other seeds and beginnings")
-      ->type_name("N");
-  command->add_option("--first-seed", options->first_seed, "The first of these")
-      ->type_name("SEED")
-      ->capture_default_str();
+      .option("--seeds", options->seeds,
+              "Each sequence of the catalogue so many times, with other seeds and beginnings")
+      .value_name("N");
+  command.option("--first-seed", options->first_seed, "The first of these")
+      .value_name("SEED")
+      .show_default();
   command
-      ->add_option("--recordings", options->recordings,
-                   "Your recordings, their truth beside them, instead of the catalogue")
-      ->type_name("DIR");
+      .option("--recordings", options->recordings,
+              "Your recordings, their truth beside them, instead of the catalogue")
+      .value_name("DIR");
   command
-      ->add_option("--trajectories", options->trajectories,
-                   "Other systems' trajectories of the sequences: DIR/SYSTEM/SEQUENCE.tum")
-      ->type_name("DIR");
+      .option("--trajectories", options->trajectories,
+              "Other systems' trajectories of the sequences: DIR/SYSTEM/SEQUENCE.tum")
+      .value_name("DIR");
   command
-      ->add_option("--variant", options->variants,
-                   "One more column of ours, NAME:section.key=value; may be given again, also for "
-                   "the same NAME")
-      ->allow_extra_args(false)
-      ->type_name("SETTING");
-  add_config_options(*command, options->config);
-  add_device_options(*command, options->device);
+      .option("--variant", options->variants,
+              "One more column of ours, NAME:section.key=value; may be given again, also for "
+              "the same NAME")
+      .one_value_each()
+      .value_name("SETTING");
+  add_config_options(command, options->config);
+  add_device_options(command, options->device);
   command
-      ->add_option("-o,--output", options->output,
-                   "Folder for simulated recordings and our trajectories")
-      ->type_name("OUT")
-      ->capture_default_str();
-  command->add_option("--json", options->json, "Write all figures")->type_name("FILE");
-  command->add_option("--html", options->html, "Write a page with every trajectory")
-      ->type_name("FILE");
-  command->callback([options, done = std::move(done)] {
+      .option("-o,--output", options->output,
+              "Folder for simulated recordings and our trajectories")
+      .value_name("OUT")
+      .show_default();
+  command.option("--json", options->json, "Write all figures").value_name("FILE");
+  command.option("--html", options->html, "Write a page with every trajectory").value_name("FILE");
+  command.action([options, done = std::move(done)] {
     done(bench_slam_command(*options, std::cout, std::cerr));
   });
-  return command;
 }
 
 }  // namespace adit::bench

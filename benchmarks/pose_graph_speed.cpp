@@ -9,13 +9,13 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
-
-#include <CLI/CLI.hpp>
 
 #include "adit/benchmarks/simulated_graph.hpp"
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/initialization.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 
 namespace {
@@ -62,20 +62,23 @@ void measure(const SimulatedGraph& simulated, const std::string& way, double tol
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Times the optimisation of a simulated pose graph", "pose_graph_speed");
+  const CommandLine line("pose_graph_speed", "Times the optimisation of a simulated pose graph");
+  const Command program = line.program();
   SimulatedGraphSettings settings{.nodes = 100000, .loops = 9800};
   std::string way = "direct";
   double tolerance = 1e-7;
   std::filesystem::path file;
-  app.add_option("--nodes", settings.nodes);
-  app.add_option("--loops", settings.loops);
-  app.add_option("--seed", settings.seed);
-  app.add_option("--streets", settings.streets);
-  app.add_flag("--planar", settings.planar);
-  app.add_option("--way", way)->check(CLI::IsMember({"direct", "condensed", "chordal", "tree"}));
-  app.add_option("--tolerance", tolerance, "Of the cost: where iterations end");
-  app.add_option("--write", file, "Write the graph as g2o and do nothing else");
-  CLI11_PARSE(app, argc, argv);
+  program.option("--nodes", settings.nodes, "");
+  program.option("--loops", settings.loops, "");
+  program.option("--seed", settings.seed, "");
+  program.option("--streets", settings.streets, "");
+  program.flag("--planar", settings.planar, "");
+  program.option("--way", way, "").one_of({"direct", "condensed", "chordal", "tree"});
+  program.option("--tolerance", tolerance, "Of the cost: where iterations end");
+  program.option("--write", file, "Write the graph as g2o and do nothing else");
+  if (const std::optional<int> ended = line.run(argc, argv)) {
+    return *ended;
+  }
   try {
     const SimulatedGraph simulated = simulated_graph(settings);
     std::printf("%zu nodes, %zu edges, %.1f m from the truth, %.2f GiB\n",

@@ -90,7 +90,7 @@ Slice Slice::sub(uint64_t at, uint64_t length) const {
     throw std::out_of_range("a slice of " + std::to_string(length) + " bytes at " +
                             std::to_string(at) + " is not inside one of " + std::to_string(bytes) +
                             " bytes" +
-                            (buffer == nullptr ? "" : " of buffer '" + buffer->name() + "'"));
+                            (buffer == nullptr ? "" : " of buffer '" + buffer->name + "'"));
   }
   return {buffer, offset + at, length};
 }
@@ -100,7 +100,7 @@ Slice Slice::from(uint64_t at) const {
 }
 
 std::byte* Slice::mapped() const {
-  return buffer == nullptr || buffer->mapped() == nullptr ? nullptr : buffer->mapped() + offset;
+  return buffer == nullptr || buffer->mapped == nullptr ? nullptr : buffer->mapped + offset;
 }
 
 }  // namespace adit::engine

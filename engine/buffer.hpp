@@ -33,22 +33,7 @@ constexpr uint64_t align_slice(uint64_t bytes) {
   return (bytes + kSliceAlignment - 1) / kSliceAlignment * kSliceAlignment;
 }
 
-class Buffer;
-
-/// A range of a buffer: what kernels bind and what fill() and copy() act on. It refers to the
-/// Buffer object, so it is made when it is needed and not kept across a move of the buffer.
-struct Slice {
-  const Buffer* buffer = nullptr;
-  uint64_t offset = 0;  ///< bytes; a multiple of kSliceAlignment where a kernel binds it
-  uint64_t bytes = 0;
-
-  /// The range [at, at + length) of this slice, bytes. Throws std::out_of_range past its end.
-  Slice sub(uint64_t at, uint64_t length) const;
-  /// The rest of this slice from `at` on, bytes.
-  Slice from(uint64_t at) const;
-  /// The same bytes on the host; null where the buffer is not mapped.
-  std::byte* mapped() const;
-};
+struct Slice;
 
 /// Device memory with one owner. Made by Context::make_buffer(); the context must outlive it, and
 /// it must outlive every submission that uses it. Contents are undefined until written.
@@ -76,19 +61,41 @@ class Buffer {
     return {reinterpret_cast<T*>(mapped()), static_cast<std::size_t>(size() / sizeof(T))};
   }
 
-  Slice slice() const { return {this, 0, size()}; }
-  Slice slice(uint64_t offset, uint64_t bytes) const { return slice().sub(offset, bytes); }
-  operator Slice() const {
-    return slice();
-  }  // NOLINT(google-explicit-constructor): binds as a whole
+  Slice slice() const;
+  Slice slice(uint64_t offset, uint64_t bytes) const;
+  operator Slice() const;  // NOLINT(google-explicit-constructor): binds as a whole
 
   struct State;
-  const State& state() const { return *state_; }  ///< for the engine alone
 
  private:
   friend class Context;
   explicit Buffer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// A range of a buffer: what kernels bind and what fill() and copy() act on. It refers to the
+/// buffer's memory: it stays good where the Buffer is moved, and ends with it.
+struct Slice {
+  const Buffer::State* buffer = nullptr;
+  uint64_t offset = 0;  ///< bytes; a multiple of kSliceAlignment where a kernel binds it
+  uint64_t bytes = 0;
+
+  /// The range [at, at + length) of this slice, bytes. Throws std::out_of_range past its end.
+  Slice sub(uint64_t at, uint64_t length) const;
+  /// The rest of this slice from `at` on, bytes.
+  Slice from(uint64_t at) const;
+  /// The same bytes on the host; null where the buffer is not mapped.
+  std::byte* mapped() const;
+};
+
+inline Slice Buffer::slice() const {
+  return {state_.get(), 0, size()};
+}
+inline Slice Buffer::slice(uint64_t offset, uint64_t bytes) const {
+  return slice().sub(offset, bytes);
+}
+inline Buffer::operator Slice() const {
+  return slice();
+}
 
 }  // namespace adit::engine

@@ -28,8 +28,8 @@ constexpr uint64_t kIndirectBytes = 3 * sizeof(uint32_t);
 std::string text(const Slice& slice) {
   return std::to_string(slice.bytes) + " bytes at " + std::to_string(slice.offset) +
          (slice.buffer == nullptr ? " of no buffer"
-                                  : " of buffer '" + slice.buffer->name() + "' (" +
-                                        std::to_string(slice.buffer->size()) + " bytes)");
+                                  : " of buffer '" + slice.buffer->name + "' (" +
+                                        std::to_string(slice.buffer->bytes) + " bytes)");
 }
 
 // Empty if the slice is a range of a buffer, else what is wrong with it.
@@ -40,7 +40,7 @@ std::string range_problem(const Slice& slice) {
   if (slice.bytes == 0) {
     return "the slice is empty: " + text(slice);
   }
-  if (slice.offset > slice.buffer->size() || slice.bytes > slice.buffer->size() - slice.offset) {
+  if (slice.offset > slice.buffer->bytes || slice.bytes > slice.buffer->bytes - slice.offset) {
     return "the slice ends past its buffer: " + text(slice);
   }
   return {};
@@ -71,7 +71,7 @@ std::string binding_problem(const Slice& slice, bool texels, const Device& devic
   if (std::string problem = size_problem(slice, texels, device.info); !problem.empty()) {
     return problem;
   }
-  if (slice.buffer->state().device != &device) {
+  if (slice.buffer->device != &device) {
     return "the buffer belongs to another context: " + text(slice);
   }
   return {};
@@ -109,7 +109,7 @@ void check_words(const char* call, const Slice& slice) {
 }
 
 vk::Buffer handle(const Slice& slice) {
-  return *slice.buffer->state().handle;
+  return *slice.buffer->handle;
 }
 
 // Binds pipeline, buffers and push constants for the dispatch that follows.
@@ -130,7 +130,7 @@ void bind(Recorder::State& state, const Kernel& kernel, std::span<const std::byt
     for (uint32_t i = 0; i < count; ++i) {
       writes[i] = vk::WriteDescriptorSet(set, i, 0, 1, vk::DescriptorType::eStorageBuffer);
       if (k.reflection.bindings[i].texels) {
-        TexelView view = slices[i].buffer->state().texels(slices[i].offset, slices[i].bytes);
+        TexelView view = slices[i].buffer->texels(slices[i].offset, slices[i].bytes);
         views[i] = **view;
         state.slot->keep(std::move(view));
         writes[i].setDescriptorType(vk::DescriptorType::eUniformTexelBuffer);

@@ -8,6 +8,7 @@
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_GOOGLE_include_directive : require
 
 #include "adit/shaders/shared/engine_probe.h"
 

@@ -181,6 +181,15 @@ def check_ceres(files):
                 yield path, f"includes <{name}>; only slam/mapping/solver.cpp does"
 
 
+def check_command_line(files):
+    """CLI11 takes longer to compile than any source that is ours: one does."""
+    for path, text in files.items():
+        if suffix(path) in CXX and path != "tools/commands/command_line.cpp":
+            for _, name in includes(text):
+                if name.startswith("CLI/"):
+                    yield path, f"includes <{name}>; only tools/commands/command_line.cpp does"
+
+
 def check_headers(files):
     for path, text in files.items():
         if suffix(path) not in {".hpp", ".h"}:
@@ -214,7 +223,7 @@ def check(files):
     """All violations in a tree given as {path: text}, as sorted 'path: message' lines."""
     folders = {str(parent) for path in files for parent in pathlib.PurePosixPath(path).parents}
     found = [*check_layout(files), *check_text(files), *check_markdown(files), *check_groups(files),
-             *check_includes(files), *check_silence(files), *check_vulkan(files), *check_ceres(files),
+             *check_includes(files), *check_silence(files), *check_vulkan(files), *check_ceres(files), *check_command_line(files),
              *check_headers(files), *check_links(files, folders)]
     return sorted(f"{path}: {message}" for path, message in found)
 

@@ -87,6 +87,9 @@ class CheckTree(unittest.TestCase):
         self.expect("slam/mapping/pose_graph.hpp", HEADER + "#include <ceres/ceres.h>\n", "only slam/mapping/solver.cpp")
         self.assertEqual(check_tree.check({**SOUND, "slam/mapping/solver.cpp": SPDX + "#include <ceres/ceres.h>\n"}), [])
 
+    def test_cli11_outside_its_file_is_found(self):
+        self.expect("tools/commands/a.cpp", SPDX + "#include <CLI/CLI.hpp>\n", "only tools/commands/command_line.cpp")
+
     def test_vulkan_through_a_header_is_found(self):
         tree = {**SOUND, "engine/vulkan/leak.hpp": HEADER + "#include <vulkan/vulkan.h>\n",
                 "slam/core/a.cpp": SPDX + '#include "adit/engine/vulkan/leak.hpp"\n'}

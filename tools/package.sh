@@ -21,7 +21,7 @@ die() { printf 'package: %s\n' "$*" >&2; exit 1; }
 link_flags='-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib'
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DADIT_TESTS=OFF \
-  -DADIT_PEERS=OFF -DADIT_STATIC_CERES=ON -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
+  -DADIT_PEERS=OFF -DADIT_STATIC_CERES=ON -DADIT_FMT_HEADER_ONLY=ON -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
 cmake --build "$build" --target adit >&2
 
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
@@ -70,7 +70,7 @@ done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 # Compiled or linked in: header-only libraries, the C++ and Fortran runtimes, Ceres and what it needs.
 linked=(libceres-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libgfortran-12-dev
   libstdc++6)
-for package in libeigen3-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev "${linked[@]}"; do
+for package in libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev "${linked[@]}"; do
   add_license "$package"
 done
 for text in GPL-3 LGPL-2.1 Apache-2.0; do # which those files refer to

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <ostream>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/consistency/consistency.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit::bench {
 namespace {
@@ -82,14 +82,16 @@ void print_consistency_head(const ConsistencyReport& report, std::ostream& out) 
 void print_consistency_row(const std::string& name, const Consistency& found, std::ostream& out) {
   const MeanBounds bounds = chi_squared_bounds(found.runs, kPoseDegrees);
   const auto& rho = found.correlation;
-  out << printed("%-9s %4zu %8.1f %6.1f %6.2f %11.2f  (%.2f-%.2f) %6.2f %6.2f %7.2f %6.2f %6.2f",
-                 name.c_str(), found.runs, found.path, 1e3 * found.error, 1e3 * found.turn,
-                 found.last.pose, bounds.low, bounds.high, found.last.translation,
-                 found.last.rotation, found.all.pose, found.motion.pose, found.nis)
-      << printed("  %5.2f %5.2f %5.2f %5.2f %5.2f  %6.3f", rho[0], rho[1], rho[2], rho[3], rho[4],
-                 white_bound(found));
+  out << fmt::format(
+             "{:<9} {:4} {:>8.1f} {:>6.1f} {:>6.2f} {:>11.2f}  ({:.2f}-{:.2f}) {:>6.2f} {:>6.2f} "
+             "{:>7.2f} {:>6.2f} {:>6.2f}",
+             name, found.runs, found.path, 1e3 * found.error, 1e3 * found.turn, found.last.pose,
+             bounds.low, bounds.high, found.last.translation, found.last.rotation, found.all.pose,
+             found.motion.pose, found.nis)
+      << fmt::format("  {:>5.2f} {:>5.2f} {:>5.2f} {:>5.2f} {:>5.2f}  {:>6.3f}", rho[0], rho[1],
+                     rho[2], rho[3], rho[4], white_bound(found));
   if (found.bridged > 0) {
-    out << printed("  %zu sweeps bridged", found.bridged);
+    out << fmt::format("  {} sweeps bridged", found.bridged);
   }
   out << "\n";
 }
@@ -98,12 +100,12 @@ void print_consistency_verdict(const Consistency& all, std::ostream& out) {
   const bool honest = all.last.pose >= 1.0 / kFactor && all.last.pose <= kFactor;
   const double largest = std::abs(
       *std::ranges::max_element(all.correlation, {}, [](double rho) { return std::abs(rho); }));
-  out << "\npose     NEES " << printed("%.2f", kPoseDegrees * all.last.pose) << " for "
+  out << "\npose     NEES " << fmt::format("{:.2f}", kPoseDegrees * all.last.pose) << " for "
       << kPoseDegrees << " degrees of freedom over " << all.runs
       << " runs: " << (honest ? "within" : "outside") << " [0.5, 2] times that\n"
       << "white    " << (largest <= white_bound(all) ? "innovations are" : "innovations are not")
-      << printed(": they correlate by up to %.2f, white ones by less than %.3f", largest,
-                 white_bound(all))
+      << fmt::format(": they correlate by up to {:.2f}, white ones by less than {:.3f}", largest,
+                     white_bound(all))
       << "\n";
 }
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/timing.hpp"
 #include "adit/benchmarks/verify/synthetic_world.hpp"
+#include "adit/slam/core/units.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/slam/registration/batch_aligner.hpp"
 #include "adit/tools/support/random.hpp"
@@ -23,7 +23,6 @@
 namespace adit::bench {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kBatchPoints = 60'000;  // raw, of each cloud of a batch
 constexpr double kBatchInput = 0.1;   // m
 constexpr size_t kBatchClouds = 8;
@@ -109,7 +108,7 @@ void judge(Work& work, const RegistrationResult& result, const Method& method, B
     const Eigen::Isometry3d error =
         bench.alignment(points).T_target_source.inverse() * result.T_target_source;
     work.figures["error mm"] = 1e3 * error.translation().norm();
-    work.figures["error deg"] = kDegrees * rotation_angle(error.linear());
+    work.figures["error deg"] = kDegreesPerRadian * rotation_angle(error.linear());
     work.verified_by = "true pose";
     if (!(error.translation().norm() < method.bound)) {
       work.problem =

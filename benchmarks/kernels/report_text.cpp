@@ -4,20 +4,19 @@
 #include <cmath>
 #include <iomanip>
 #include <ostream>
-#include <sstream>
+
+#include <fmt/core.h>
 
 #include "adit/benchmarks/kernels/report.hpp"
+#include "adit/slam/core/text.hpp"
 
 namespace adit::bench {
 namespace {
 
 // Three significant digits.
 std::string digits(double value) {
-  std::ostringstream text;
   const double size = std::abs(value);
-  text << std::fixed
-       << std::setprecision(size < 0.995 ? 3 : (size < 9.95 ? 2 : (size < 99.5 ? 1 : 0))) << value;
-  return text.str();
+  return with_decimals(value, size < 0.995 ? 3 : (size < 9.95 ? 2 : (size < 99.5 ? 1 : 0)));
 }
 
 std::string clock(const std::optional<Spread>& spread) {
@@ -61,15 +60,13 @@ void print_row(const Row& row, const Report& report, std::ostream& out) {
   const Bound bound = bound_of(row.cost, report.limits);
   const bool counted = bound.ms > 0.0;
   const Row* peer = peer_of(row, report);
-  std::ostringstream share;
-  if (counted) {
-    share << digits(100.0 * bound.ms / ms) << " % " << bound.by;
-  }
+  const std::string share =
+      counted ? fmt::format("{} % {}", digits(100.0 * bound.ms / ms), bound.by) : "-";
   out << std::setw(11) << clock(row.timing.device) << std::setw(9) << clock(row.timing.wait)
       << std::setw(9) << digits(row.timing.host.median) << std::setw(11) << digits(row.ns_an_item())
       << std::setw(8) << (counted ? digits(1e-6 * row.cost.bytes / ms) : "-") << std::setw(9)
-      << (counted ? digits(1e-6 * row.cost.flop / ms) : "-") << std::setw(20)
-      << (counted ? share.str() : "-") << std::setw(9)
+      << (counted ? digits(1e-6 * row.cost.flop / ms) : "-") << std::setw(20) << share
+      << std::setw(9)
       << (peer != nullptr && peer->problem.empty() ? digits(ms / peer->timing.best().median) : "-")
       << " ";
   const char* separator = " ";

@@ -7,9 +7,8 @@
 #include <limits>
 #include <ostream>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
-
-#include "adit/tools/support/printed.hpp"
 
 namespace adit::bench {
 namespace {
@@ -46,7 +45,7 @@ SlamSpread spread_of(const std::vector<const SlamRow*>& rows, std::size_t system
 }
 
 std::string error_text(double error) {
-  return std::isfinite(error) ? printed("%8.3f", error) : "       x";
+  return std::isfinite(error) ? fmt::format("{:>8.3f}", error) : "       x";
 }
 
 Json json_of(double error) {
@@ -97,21 +96,20 @@ void print_families(const SlamReport& report, std::ostream& out) {
     for (std::size_t i = 0; i < family.systems.size(); ++i) {
       const SlamSpread& spread = family.systems[i];
       if (spread.runs > 0) {
-        out << printed("%-*s%-12s%s%s  %zu of %zu  (%.1f m)\n", kName,
-                       i == 0 ? family.name.c_str() : "", report.systems[i].name.c_str(),
-                       error_text(spread.median).c_str(), error_text(spread.worst).c_str(),
-                       spread.failed, spread.runs, spread.path);
+        out << fmt::format("{:<{}}{:<12}{}{}  {} of {}  ({:.1f} m)\n",
+                           i == 0 ? family.name.c_str() : "", kName, report.systems[i].name,
+                           error_text(spread.median), error_text(spread.worst), spread.failed,
+                           spread.runs, spread.path);
       }
     }
   }
   for (std::size_t i = 0; i < report.systems.size(); ++i) {
     const auto& [good, failed] = confusion_of(report, i).counts;
     if (good[0] + good[1] + good[2] + failed[0] + failed[1] + failed[2] > 0) {
-      out << printed(
-          "\nwhat %s said of its runs    reliable  doubtful      lost\n"
-          "  within the limits%20zu%10zu%10zu\n  failed%31zu%10zu%10zu\n",
-          report.systems[i].name.c_str(), good[0], good[1], good[2], failed[0], failed[1],
-          failed[2]);
+      out << fmt::format(
+          "\nwhat {} said of its runs    reliable  doubtful      lost\n"
+          "  within the limits{:20}{:10}{:10}\n  failed{:31}{:10}{:10}\n",
+          report.systems[i].name, good[0], good[1], good[2], failed[0], failed[1], failed[2]);
     }
   }
 }

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/slam/slam_families.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit::bench {
 namespace {
@@ -53,16 +53,16 @@ std::string complaint(const SlamResult& result, const SlamLimits& limits) {
     const auto sweeps = static_cast<double>(result.effort->sweeps);
     const std::size_t lost = result.effort->sweeps - result.effort->placed;
     if (static_cast<double>(lost) > limits.lost_share * sweeps) {
-      return printed("%zu of %zu sweeps could not be placed", lost, result.effort->sweeps);
+      return fmt::format("{} of {} sweeps could not be placed", lost, result.effort->sweeps);
     }
   }
   const SlamErrors& errors = *result.errors;
   if (errors.covered < limits.covered_share * errors.path) {
-    return printed("it covers %.1f of %.1f m", errors.covered, errors.path);
+    return fmt::format("it covers {:.1f} of {:.1f} m", errors.covered, errors.path);
   }
   if (errors.ate > std::max(limits.error_least, limits.error_share * errors.path)) {
-    return printed("an error of %.2f m, %.1f %% of the path", errors.ate,
-                   100.0 * errors.ate / errors.path);
+    return fmt::format("an error of {:.2f} m, {:.1f} % of the path", errors.ate,
+                       100.0 * errors.ate / errors.path);
   }
   return {};
 }

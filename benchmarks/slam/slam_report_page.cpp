@@ -3,8 +3,9 @@
 //
 // The page: what was measured on, the errors by sequence and system, all figures, the trajectories.
 #include <algorithm>
-#include <cstdio>
 #include <sstream>
+
+#include <fmt/core.h>
 
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/tools/drawing/html_page.hpp"
@@ -12,12 +13,6 @@
 
 namespace adit::bench {
 namespace {
-
-std::string number(double value, const char* format) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 std::string error_cell(const SlamRow& row, std::size_t system) {
   const SlamResult& result = row.results[system];
@@ -31,7 +26,7 @@ std::string error_cell(const SlamRow& row, std::size_t system) {
   }
   const auto good = std::ranges::count(row.results, SlamVerdict::good, &SlamResult::verdict);
   return (good > 1 && best_of(row) == system ? "<td class=best>" : "<td>") +
-         number(result.errors->ate, "%.3f") + "</td>";
+         fmt::format("{:.3f}", result.errors->ate) + "</td>";
 }
 
 std::string error_table(const SlamReport& report) {
@@ -54,7 +49,7 @@ std::string error_table(const SlamReport& report) {
     out << "<tr><td>mean</td><td class=left>of the " << totals.mastered_by_all
         << " that none failed on</td>";
     for (const double ate : totals.mean_ate) {
-      out << "<td>" << number(ate, "%.3f") << "</td>";
+      out << "<td>" << fmt::format("{:.3f}", ate) << "</td>";
     }
     out << "</tr>\n";
   }
@@ -70,15 +65,16 @@ std::string figure_cells(const SlamResult& result) {
   std::ostringstream out;
   if (result.errors) {
     const SlamErrors& e = *result.errors;
-    out << "<td>" << number(e.path, "%.1f") << "</td><td>" << number(e.ate, "%.3f") << "</td><td>"
-        << number(e.ate_largest, "%.3f") << "</td><td>" << number(e.ate_rotation, "%.2f")
-        << "</td><td>" << (e.drift ? number(100.0 * *e.drift, "%.2f") : "-") << "</td>";
+    out << "<td>" << fmt::format("{:.1f}", e.path) << "</td><td>" << fmt::format("{:.3f}", e.ate)
+        << "</td><td>" << fmt::format("{:.3f}", e.ate_largest) << "</td><td>"
+        << fmt::format("{:.2f}", e.ate_rotation) << "</td><td>"
+        << (e.drift ? fmt::format("{:.2f}", 100.0 * *e.drift) : "-") << "</td>";
   } else {
     out << "<td></td><td></td><td></td><td></td><td></td>";
   }
   if (result.effort) {
     out << "<td>" << result.effort->placed << "/" << result.effort->sweeps << "</td><td>"
-        << number(result.effort->ms_a_sweep, "%.1f") << "</td>";
+        << fmt::format("{:.1f}", result.effort->ms_a_sweep) << "</td>";
   } else {
     out << "<td></td><td></td>";
   }
@@ -134,9 +130,10 @@ std::string to_html(const SlamReport& report) {
   out << "</dl>\n<h2>ATE RMSE (m)</h2>\n<p>All poses, SE(3)-aligned. Bold: least of its row, where "
          "several are. "
          "&times;: failed, that is an error above "
-      << number(100.0 * l.error_share, "%g") << " % of the path and " << number(l.error_least, "%g")
-      << " m, more than " << number(100.0 * l.lost_share, "%g")
-      << " % of the sweeps not placed, or less than " << number(100.0 * l.covered_share, "%g")
+      << fmt::format("{:g}", 100.0 * l.error_share) << " % of the path and "
+      << fmt::format("{:g}", l.error_least) << " m, more than "
+      << fmt::format("{:g}", 100.0 * l.lost_share) << " % of the sweeps not placed, or less than "
+      << fmt::format("{:g}", 100.0 * l.covered_share)
       << " % of the path covered.</p>\n<div class=scroll>" << error_table(report)
       << "</div>\n<h2>All figures</h2>\n<p>Drift: the mean error of "
       << "stretches of 10 m. Time: of the host, with reading and writing.</p>\n<div class=scroll>"

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <ostream>
 
+#include <fmt/core.h>
+
 #include "adit/benchmarks/slam/slam_report.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit::bench {
 namespace {
@@ -40,7 +41,7 @@ std::string cell(const SlamRow& row, std::size_t system) {
       break;
   }
   return (best_of(row) == system && row.results.size() > 1 ? "*" : "") +
-         printed("%.3f", result.errors->ate);
+         fmt::format("{:.3f}", result.errors->ate);
 }
 
 }  // namespace
@@ -55,10 +56,9 @@ void print_setting(const SlamReport& report, std::size_t sequences, std::ostream
     out << "system   " << system.name << ": " << system.origin << "\n";
   }
   out << "failed   error above "
-      << printed(
-             "%.3g %% of the path and %.3g m, more than %.3g %% of the sweeps lost, or less than "
-             "%.3g %% of "
-             "the path",
+      << fmt::format(
+             "{:.3g} % of the path and {:.3g} m, more than {:.3g} % of the sweeps lost, or less "
+             "than {:.3g} % of the path",
              100.0 * report.limits.error_share, report.limits.error_least,
              100.0 * report.limits.lost_share, 100.0 * report.limits.covered_share)
       << "\n\n"
@@ -77,7 +77,7 @@ void print_result(const SlamReport& report, const SlamRow& row, std::size_t syst
   const bool first = system == 0;
   out << left(first ? row.sequence : "", kSequence)
       << left(first ? row.description : "", kDescription)
-      << right(first && result.errors ? printed("%.1f", result.errors->path) : "", 8) << "  "
+      << right(first && result.errors ? fmt::format("{:.1f}", result.errors->path) : "", 8) << "  "
       << left(report.systems[system].name, system_width(report));
   if (result.verdict == SlamVerdict::missing) {
     out << right("-", 9) << "  no trajectory\n";
@@ -85,15 +85,16 @@ void print_result(const SlamReport& report, const SlamRow& row, std::size_t syst
   }
   if (result.errors) {
     const SlamErrors& errors = *result.errors;
-    out << right(printed("%.3f", errors.ate), 9) << right(printed("%.3f", errors.ate_largest), 9)
-        << right(printed("%.2f", errors.ate_rotation), 8)
-        << right(errors.drift ? printed("%.2f", 100.0 * *errors.drift) : "-", 9);
+    out << right(fmt::format("{:.3f}", errors.ate), 9)
+        << right(fmt::format("{:.3f}", errors.ate_largest), 9)
+        << right(fmt::format("{:.2f}", errors.ate_rotation), 8)
+        << right(errors.drift ? fmt::format("{:.2f}", 100.0 * *errors.drift) : "-", 9);
   } else {
     out << right("-", 9) << right("-", 9) << right("-", 8) << right("-", 9);
   }
   if (result.effort) {
-    out << right(printed("%zu/%zu", result.effort->placed, result.effort->sweeps), 11)
-        << right(printed("%.1f", result.effort->ms_a_sweep), 8);
+    out << right(fmt::format("{}/{}", result.effort->placed, result.effort->sweeps), 11)
+        << right(fmt::format("{:.1f}", result.effort->ms_a_sweep), 8);
   } else {
     out << right("", 19);
   }
@@ -118,9 +119,9 @@ void print_table(const SlamReport& report, std::ostream& out) {
   }
   const SlamTotals totals = totals_of(report);
   if (!totals.mean_ate.empty()) {
-    out << left(printed("mean of %zu without x", totals.mastered_by_all), kSequence);
+    out << left(fmt::format("mean of {} without x", totals.mastered_by_all), kSequence);
     for (std::size_t i = 0; i < totals.mean_ate.size(); ++i) {
-      out << right(printed("%.3f", totals.mean_ate[i]), widths[i]);
+      out << right(fmt::format("{:.3f}", totals.mean_ate[i]), widths[i]);
     }
     out << "\n";
   }

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <sstream>
+
+#include "adit/slam/core/units.hpp"
 
 namespace adit::test {
 namespace {
@@ -15,7 +16,6 @@ using reference::Surface;
 using reference::SurfaceKind;
 using reference::SurfacePoint;
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 // Directions that the bound leaves free (three equal eigenvalues) are not compared.
 constexpr double kUselessBound = 0.3;  // rad
 
@@ -196,8 +196,8 @@ Verdict verify_surfaces(const engine::PreprocessSettings& settings,
     const double angle = std::atan2(found.direction.cross(surface.direction).norm(),
                                     std::abs(found.direction.dot(surface.direction)));
     if (!(angle <= bound)) {
-      complaints.add("direction", i, ": ", angle * kDegrees, " degrees off, bound ",
-                     bound * kDegrees, ", eigenvalues ", surface.eigenvalues.transpose());
+      complaints.add("direction", i, ": ", angle * kDegreesPerRadian, " degrees off, bound ",
+                     bound * kDegreesPerRadian, ", eigenvalues ", surface.eigenvalues.transpose());
     }
     const Eigen::Vector3d ray = cloud[i].ray.cast<double>().normalized();
     if (found.direction.dot(ray) > bound) {
@@ -205,9 +205,10 @@ Verdict verify_surfaces(const engine::PreprocessSettings& settings,
     }
     note(verdict, "direction error, fraction of bound", angle / bound);
     note(verdict,
-         bound < 0.5 / kDegrees ? "direction error where the bound is below 0.5 degrees, degrees"
-                                : "direction error elsewhere, degrees",
-         angle * kDegrees);
+         bound < 0.5 / kDegreesPerRadian
+             ? "direction error where the bound is below 0.5 degrees, degrees"
+             : "direction error elsewhere, degrees",
+         angle * kDegreesPerRadian);
   }
   return verdict;
 }

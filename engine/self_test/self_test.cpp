@@ -41,16 +41,17 @@ constexpr uint32_t kTexels = 200;
 // Slices one after the other; made twice, first to learn the size.
 class Layout {
  public:
-  explicit Layout(const Buffer* buffer) : buffer_(buffer) {}
+  Layout() = default;
+  explicit Layout(const Slice& whole) : whole_(whole) {}
   Slice take(uint64_t bytes) {
-    const Slice slice{buffer_, end_, bytes};
+    const Slice slice{whole_.buffer, end_, bytes};
     end_ += align_slice(bytes);
     return slice;
   }
   uint64_t bytes() const { return end_; }
 
  private:
-  const Buffer* buffer_;
+  Slice whole_;  // of no buffer while only the size is asked for
   uint64_t end_ = 0;
 };
 
@@ -97,7 +98,7 @@ struct Outputs {
 
 template <class Slices>
 uint64_t bytes_of(const KnownScene& scene) {
-  Layout layout(nullptr);
+  Layout layout;
   const Slices slices(layout, scene);
   return layout.bytes();
 }
@@ -226,7 +227,7 @@ SelfTestReport run_self_test(Context& context) {
   const Buffer alignment_scratch = context.make_buffer(
       vgicp.scratch_bytes(1, groups), Memory::device, "self-test alignment scratch");
 
-  Layout upload_layout(&upload);
+  Layout upload_layout(upload);
   const Inputs staged(upload_layout, scene);
   write(staged.raw, scene.raw);
   write(staged.times, known_times(scene));
@@ -239,9 +240,9 @@ SelfTestReport run_self_test(Context& context) {
   write(staged.order, reversed_order());
   write(staged.mask, texel_values(77));
 
-  Layout input_layout(&input);
+  Layout input_layout(input);
   const Inputs in(input_layout, scene);
-  Layout work_layout(&work);
+  Layout work_layout(work);
   const Outputs out(work_layout, scene);
   const VoxelMapView map{.table = out.map, .counters = out.map_counters, .voxel_size = kVoxelSize};
   const VoxelMapView gaussians{
@@ -303,7 +304,7 @@ SelfTestReport run_self_test(Context& context) {
   recorder.copy(out.map, emptied);
   context.submit(std::move(recorder)).wait();
 
-  Layout result_layout(&results);
+  Layout result_layout(results);
   const Outputs found(result_layout, scene);
   const gpu::SweepCounters counters = read<gpu::SweepCounters>(found.counters)[0];
   SelfTestReport report{

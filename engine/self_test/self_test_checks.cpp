@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
+
+#include <fmt/core.h>
 
 namespace adit::engine {
 namespace {
@@ -30,10 +31,7 @@ std::string count(uint64_t n) {
 }
 
 std::string number(double value) {
-  std::array<char, 32> text{};
-  const std::to_chars_result end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 3);
-  return {text.data(), end.ptr};
+  return fmt::format("{:.3g}", value);
 }
 
 double distance(const Vector& a, const Vector& b) {

@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <map>
 
+#include <spirv/unified1/spirv.hpp11>
+
 #include "adit/engine/vulkan/spirv_words.hpp"
 
 namespace adit::engine::spirv {
 namespace {
+
+using spv::Decoration;
+using spv::Op;
+using spv::StorageClass;
 
 struct Member {
   std::string name;
@@ -19,7 +25,7 @@ struct Member {
 
 // What is known of one id. Decorations and names come before the types they belong to.
 struct Id {
-  uint32_t op = 0;
+  Op op = Op::OpNop;  // OpNop: not defined
   std::string name;
   std::optional<uint32_t> spec_id, binding, set;
   uint32_t array_stride = 0;
@@ -44,10 +50,10 @@ class Parser {
     }
     return ids_[index];
   }
-  void instruction(uint32_t op, const Operands& in);
-  void decorate(uint32_t decoration, uint32_t value, Id& target);
-  void decorate_member(uint32_t decoration, uint32_t value, Member& member);
-  void define_type(uint32_t op, const Operands& in);
+  void instruction(Op op, const Operands& in);
+  void decorate(Decoration decoration, uint32_t value, Id& target);
+  void decorate_member(Decoration decoration, uint32_t value, Member& member);
+  void define_type(Op op, const Operands& in);
   void define_struct(Id& type);
   void variable(const Operands& in);
   void finish();
@@ -60,7 +66,7 @@ class Parser {
 };
 
 Reflection Parser::parse(std::span<const uint32_t> words) {
-  if (words.size() < 5 || words[0] != kMagic) {
+  if (words.size() < 5 || words[0] != spv::MagicNumber) {
     fail("it does not begin like one");
   }
   if (words[3] > kMaxBound) {
@@ -68,55 +74,55 @@ Reflection Parser::parse(std::span<const uint32_t> words) {
   }
   ids_.resize(words[3]);
   for (std::size_t at = 5; at < words.size();) {
-    const std::size_t length = words[at] >> 16U;
+    const std::size_t length = words[at] >> spv::WordCountShift;
     if (length == 0 || length > words.size() - at) {
       fail("it is cut short at word " + std::to_string(at));
     }
-    instruction(words[at] & 0xFFFFU, Operands(words.subspan(at + 1, length - 1)));
+    instruction(Op(words[at] & spv::OpCodeMask), Operands(words.subspan(at + 1, length - 1)));
     at += length;
   }
   finish();
   return std::move(result_);
 }
 
-void Parser::instruction(uint32_t op, const Operands& in) {
+void Parser::instruction(Op op, const Operands& in) {
   switch (op) {
-    case kOpName:
+    case Op::OpName:
       id(in[0]).name = in.text(1);
       break;
-    case kOpMemberName:
+    case Op::OpMemberName:
       id(in[0]).members[in[1]].name = in.text(2);
       break;
-    case kOpDecorate:
-      decorate(in[1], in.size() > 2 ? in[2] : 0, id(in[0]));
+    case Op::OpDecorate:
+      decorate(Decoration(in[1]), in.size() > 2 ? in[2] : 0, id(in[0]));
       break;
-    case kOpMemberDecorate:
-      decorate_member(in[2], in.size() > 3 ? in[3] : 0, id(in[0]).members[in[1]]);
+    case Op::OpMemberDecorate:
+      decorate_member(Decoration(in[2]), in.size() > 3 ? in[3] : 0, id(in[0]).members[in[1]]);
       break;
-    case kOpEntryPoint:
-      entry_points_ += in[0] == kModelGLCompute ? 1U : 2U;
+    case Op::OpEntryPoint:
+      entry_points_ += spv::ExecutionModel(in[0]) == spv::ExecutionModel::GLCompute ? 1U : 2U;
       break;
-    case kOpExecutionMode:
-      if (in[1] == kModeLocalSize) {
+    case Op::OpExecutionMode:
+      if (spv::ExecutionMode(in[1]) == spv::ExecutionMode::LocalSize) {
         result_.local_size = {in[2], in[3], in[4]};
       }
       break;
-    case kOpExecutionModeId:
-      if (in[1] == kModeLocalSizeId) {
+    case Op::OpExecutionModeId:
+      if (spv::ExecutionMode(in[1]) == spv::ExecutionMode::LocalSizeId) {
         size_ids_ = {in[2], in[3], in[4]};
       }
       break;
-    case kOpConstant:
-    case kOpSpecConstant:
+    case Op::OpConstant:
+    case Op::OpSpecConstant:
       id(in[1]).op = op;
       id(in[1]).value = in[2];
       break;
-    case kOpSpecConstantTrue:
-    case kOpSpecConstantFalse:
+    case Op::OpSpecConstantTrue:
+    case Op::OpSpecConstantFalse:
       id(in[1]).op = op;
-      id(in[1]).value = op == kOpSpecConstantTrue ? 1 : 0;
+      id(in[1]).value = op == Op::OpSpecConstantTrue ? 1 : 0;
       break;
-    case kOpVariable:
+    case Op::OpVariable:
       variable(in);
       break;
     default:
@@ -124,21 +130,21 @@ void Parser::instruction(uint32_t op, const Operands& in) {
   }
 }
 
-void Parser::decorate(uint32_t decoration, uint32_t value, Id& target) {
+void Parser::decorate(Decoration decoration, uint32_t value, Id& target) {
   switch (decoration) {
-    case kSpecId:
+    case Decoration::SpecId:
       target.spec_id = value;
       break;
-    case kBinding:
+    case Decoration::Binding:
       target.binding = value;
       break;
-    case kDescriptorSet:
+    case Decoration::DescriptorSet:
       target.set = value;
       break;
-    case kArrayStride:
+    case Decoration::ArrayStride:
       target.array_stride = value;
       break;
-    case kNonWritable:
+    case Decoration::NonWritable:
       target.non_writable = true;
       break;
     default:
@@ -146,51 +152,51 @@ void Parser::decorate(uint32_t decoration, uint32_t value, Id& target) {
   }
 }
 
-void Parser::decorate_member(uint32_t decoration, uint32_t value, Member& member) {
-  if (decoration == kOffset) {
+void Parser::decorate_member(Decoration decoration, uint32_t value, Member& member) {
+  if (decoration == Decoration::Offset) {
     member.offset = value;
-  } else if (decoration == kMatrixStride) {
+  } else if (decoration == Decoration::MatrixStride) {
     member.matrix_stride = value;
-  } else if (decoration == kNonWritable) {
+  } else if (decoration == Decoration::NonWritable) {
     member.non_writable = true;
   }
 }
 
 // Types are defined before they are used, so each one's size is known when the next needs it.
-void Parser::define_type(uint32_t op, const Operands& in) {
+void Parser::define_type(Op op, const Operands& in) {
   switch (op) {
-    case kOpTypeInt:
+    case Op::OpTypeInt:
       id(in[0]).bytes = in[1] / 8;
       id(in[0]).value = in[2];
       break;
-    case kOpTypeFloat:
+    case Op::OpTypeFloat:
       id(in[0]).bytes = in[1] / 8;
       break;
-    case kOpTypeVector:
+    case Op::OpTypeVector:
       id(in[0]).bytes = id(in[1]).bytes * in[2];
       break;
-    case kOpTypeMatrix:
+    case Op::OpTypeMatrix:
       id(in[0]).columns = in[2];
       id(in[0]).bytes = id(in[1]).bytes * in[2];
       break;
-    case kOpTypeArray:
+    case Op::OpTypeArray:
       id(in[0]).element = in[1];
       id(in[0]).bytes = id(in[0]).array_stride * id(in[2]).value;
       break;
-    case kOpTypeRuntimeArray:
-    case kOpTypePointer:
-      id(in[0]).element = in[op == kOpTypePointer ? 2 : 1];
+    case Op::OpTypeRuntimeArray:
+    case Op::OpTypePointer:
+      id(in[0]).element = in[op == Op::OpTypePointer ? 2 : 1];
       break;
-    case kOpTypeImage: {
+    case Op::OpTypeImage: {
       const Id& of = id(in[1]);
-      id(in[0]).texel_buffer = in[2] == kDimBuffer && in[6] == kSampled && of.op == kOpTypeInt &&
-                               of.bytes == 4 && of.value == 0;
+      id(in[0]).texel_buffer = spv::Dim(in[2]) == spv::Dim::Buffer && in[6] == kSampled &&
+                               of.op == Op::OpTypeInt && of.bytes == 4 && of.value == 0;
       break;
     }
-    case kOpTypeSampledImage:
+    case Op::OpTypeSampledImage:
       id(in[0]).texel_buffer = id(in[1]).texel_buffer;
       break;
-    case kOpTypeStruct:
+    case Op::OpTypeStruct:
       for (std::size_t i = 1; i < in.size(); ++i) {
         id(in[0]).types.push_back(in[i]);
       }
@@ -217,12 +223,12 @@ void Parser::define_struct(Id& type) {
 
 void Parser::variable(const Operands& in) {
   const Id& variable = id(in[1]);
-  const uint32_t storage = in[2];
+  const auto storage = StorageClass(in[2]);
   const Id& type = id(id(in[0]).element);
-  const bool texels = storage == kClassUniformConstant && type.texel_buffer;
-  if (storage == kClassPushConstant) {
+  const bool texels = storage == StorageClass::UniformConstant && type.texel_buffer;
+  if (storage == StorageClass::PushConstant) {
     result_.push_bytes = type.bytes;
-  } else if (storage == kClassStorageBuffer || texels) {
+  } else if (storage == StorageClass::StorageBuffer || texels) {
     if (variable.set.value_or(0) != 0 || !variable.binding.has_value()) {
       fail("a buffer is outside descriptor set 0");
     }
@@ -231,7 +237,7 @@ void Parser::variable(const Operands& in) {
         (!type.types.empty() &&
          std::ranges::all_of(type.members, [](const auto& m) { return m.second.non_writable; }));
     result_.bindings.push_back({*variable.binding, read_only, texels});
-  } else if (storage == kClassUniform || storage == kClassUniformConstant) {
+  } else if (storage == StorageClass::Uniform || storage == StorageClass::UniformConstant) {
     fail("it uses descriptors other than storage buffers and uniform texel buffers of uint");
   }
 }
@@ -256,7 +262,7 @@ void Parser::finish() {
   }
   std::map<uint32_t, uint32_t> constants;
   for (const Id& constant : ids_) {
-    if (constant.spec_id.has_value() && constant.op != 0) {
+    if (constant.spec_id.has_value() && constant.op != Op::OpNop) {
       constants.emplace(*constant.spec_id, constant.value);
     }
   }
@@ -274,8 +280,8 @@ void Parser::finish() {
                                 of.array_stride});
     }
     for (const Id& array : ids_) {
-      if ((array.op == kOpTypeArray || array.op == kOpTypeRuntimeArray) && array.element == index &&
-          array.array_stride != 0) {
+      if ((array.op == Op::OpTypeArray || array.op == Op::OpTypeRuntimeArray) &&
+          array.element == index && array.array_stride != 0) {
         layout.array_strides.push_back(array.array_stride);
       }
     }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The words of SPIR-V that reflect() understands: instructions, decorations, modes and storage
-// classes with their numbers in the specification, and the operands of one instruction.
+// The words of SPIR-V as reflect() reads them: the operands of one instruction, and the two numbers
+// of the specification that Khronos' header (spirv/unified1/spirv.hpp11) has not.
 #pragma once
 
 #include <cstddef>
@@ -14,53 +14,8 @@
 
 namespace adit::engine::spirv {
 
-inline constexpr uint32_t kMagic = 0x07230203;
 inline constexpr uint32_t kMaxBound = 4'194'303;  // the specification's limit on ids
-
-enum Op : uint32_t {
-  kOpName = 5,
-  kOpMemberName = 6,
-  kOpEntryPoint = 15,
-  kOpExecutionMode = 16,
-  kOpTypeInt = 21,
-  kOpTypeFloat = 22,
-  kOpTypeVector = 23,
-  kOpTypeMatrix = 24,
-  kOpTypeImage = 25,
-  kOpTypeSampledImage = 27,
-  kOpTypeArray = 28,
-  kOpTypeRuntimeArray = 29,
-  kOpTypeStruct = 30,
-  kOpTypePointer = 32,
-  kOpConstant = 43,
-  kOpSpecConstantTrue = 48,
-  kOpSpecConstantFalse = 49,
-  kOpSpecConstant = 50,
-  kOpVariable = 59,
-  kOpDecorate = 71,
-  kOpMemberDecorate = 72,
-  kOpExecutionModeId = 331,
-};
-
-enum Decoration : uint32_t {
-  kSpecId = 1,
-  kArrayStride = 6,
-  kMatrixStride = 7,
-  kNonWritable = 24,
-  kBinding = 33,
-  kDescriptorSet = 34,
-  kOffset = 35,
-};
-
-inline constexpr uint32_t kModeLocalSize = 17;
-inline constexpr uint32_t kModeLocalSizeId = 38;
-inline constexpr uint32_t kModelGLCompute = 5;
-inline constexpr uint32_t kClassUniformConstant = 0;
-inline constexpr uint32_t kClassUniform = 2;
-inline constexpr uint32_t kClassPushConstant = 9;
-inline constexpr uint32_t kClassStorageBuffer = 12;
-inline constexpr uint32_t kDimBuffer = 5;
-inline constexpr uint32_t kSampled = 1;
+inline constexpr uint32_t kSampled = 1;           // an image's operand: read through a sampler
 
 /// Throws Error.
 [[noreturn]] inline void fail(const std::string& what) {

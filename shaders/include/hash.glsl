@@ -51,7 +51,8 @@ RunHead unpack_run_head(uint head, uint block_begin) {
 
 // Voxel maps: 11 bits for x and y, 10 for z, biased. Cells outside give kFree.
 uint pack_voxel(ivec3 c) {
-  const uvec3 biased = uvec3(c + ivec3(1024, 1024, 512));
+  const uvec3 biased =
+      uvec3(c + ivec3(kVoxelsSideways + 1, kVoxelsSideways + 1, kVoxelsUpwards + 1));
   const bool inside = biased.x < 2047u && biased.y < 2048u && biased.z < 1024u;
   return inside ? ((biased.x << 21) | (biased.y << 10) | biased.z) + 1u : kFree;
 }

@@ -13,9 +13,15 @@ namespace adit::gpu {
 // Keys, owners and slot numbers are stored plus one: a table is free when it is zero.
 const uint kFree = 0;
 
+// More points than these may overflow a cell's sums.
+const uint kMostCellPoints = 65535;
+// Keys of voxel maps name so many cells from the origin, in x and y, and in z (pack_voxel).
+const int kVoxelsSideways = 1023;
+const int kVoxelsUpwards = 511;
+
 // 48 bytes, read by kernels as three uvec4. Sums are fixed point: offsets from the cell's corner in
 // 1/65536 of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets), or,
-// of points with a surface, as (entry + 1) * 32768 (voxel maps). At most 65535 points a cell.
+// of points with a surface, as (entry + 1) * 32768 (voxel maps). At most kMostCellPoints.
 struct GaussianCell {
   uint key;  // packed cell coordinates; kFree: free
   uint count;

@@ -3,24 +3,16 @@
 #include "adit/slam/core/config.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
 
+#include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/slam/core/imu_noise.hpp"
+#include "adit/slam/core/text.hpp"
 
 namespace adit {
 namespace {
-
-/// The shortest text that reads back as the same number.
-template <class Number>
-std::string text_of(Number value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
 
 /// Collects the first violated condition; later ones are not looked at.
 class Checks {
@@ -29,15 +21,16 @@ class Checks {
   void require(bool holds, const char* field, Number value, const std::string& must) {
     if (!holds && !problem_) {
       problem_ =
-          ConfigProblem{.field = field, .message = "is " + text_of(value) + "; must be " + must};
+          ConfigProblem{.field = field, .message = "is " + shortest(value) + "; must be " + must};
     }
   }
 
   template <class Number>
   void between(const char* field, Number value, Number low, Number high,
                const std::string& unit = "") {
-    require(value >= low && value <= high, field, value,
-            "between " + text_of(low) + " and " + text_of(high) + (unit.empty() ? "" : " " + unit));
+    require(
+        value >= low && value <= high, field, value,
+        "between " + shortest(low) + " and " + shortest(high) + (unit.empty() ? "" : " " + unit));
   }
 
   void holds(bool holds, const char* field, const std::string& message) {
@@ -70,7 +63,7 @@ void check_finite(Checks& checks, const Config& config) {
 }
 
 std::string than(const char* relation, const char* field, double value) {
-  return std::string(relation) + " " + field + " (" + text_of(value) + ")";
+  return std::string(relation) + " " + field + " (" + shortest(value) + ")";
 }
 
 // The device works in float32 in the submap's frame: a millimetre is resolved within about 4 km,
@@ -79,8 +72,6 @@ constexpr double kFarthestReturn = 1000.0;
 
 // How far the sensor can at least go before the submap's frame has to follow, m.
 constexpr double kShortestReach = 10.0;
-// Keys of the submap's voxels hold so many of them upwards (shaders/include/hash.glsl).
-constexpr double kVoxelsUpwards = 511.0;
 
 void check_preprocess(Checks& checks, const PreprocessConfig& p) {
   checks.between("preprocess.c_min", p.c_min, 0.0, kFarthestReturn, "m");
@@ -100,16 +91,16 @@ void check_registration(Checks& checks, const Config& config) {
   checks.between("registration.r_align", r.r_align, 0.05, 50.0, "m");
   checks.require(r.r_align >= config.preprocess.r_input, "registration.r_align", r.r_align,
                  than("at least", "preprocess.r_input", config.preprocess.r_input));
-  const double smallest = (config.preprocess.c_max + kShortestReach) / kVoxelsUpwards;
+  const double smallest = (config.preprocess.c_max + kShortestReach) / gpu::kVoxelsUpwards;
   checks.require(r.r_align >= smallest, "registration.r_align", r.r_align,
-                 "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
-                     text_of(config.preprocess.c_max) + ") smaller");
-  // A voxel's sums hold 65535 points.
+                 "at least " + shortest(smallest) + " m, or preprocess.c_max (" +
+                     shortest(config.preprocess.c_max) + ") smaller");
   const double edge = std::ceil(r.r_align / config.preprocess.r_input) + 1.0;
   const double fullest = edge * edge * edge * config.submap.l;
-  checks.require(fullest <= 65535.0, "registration.r_align", r.r_align,
-                 "smaller: a voxel could hold " + text_of(fullest) + " points of " +
-                     text_of(config.submap.l) + " clouds, and 65535 is the most");
+  checks.require(fullest <= gpu::kMostCellPoints, "registration.r_align", r.r_align,
+                 "smaller: a voxel could hold " + shortest(fullest) + " points of " +
+                     shortest(config.submap.l) + " clouds, and " + shortest(gpu::kMostCellPoints) +
+                     " is the most");
   checks.between("registration.d_max", r.d_max, 0.01, 100.0, "m");
   checks.between("registration.max_iterations", r.max_iterations, 1, 200);
   checks.require(r.translation_epsilon > 0.0, "registration.translation_epsilon",
@@ -143,20 +134,19 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
 void check_mapping(Checks& checks, const Config& config) {
   const MappingConfig& m = config.mapping;
   checks.between("mapping.r_submap", m.r_submap, 0.02, 10.0, "m");
-  // Keys of a keyframe's cells hold 1023 of them sideways, those of the voxels that others are
-  // aligned with 511 upwards (shaders/include/hash.glsl).
+  // A keyframe's cells need keys sideways, the voxels that others are aligned with upwards as well.
   const double reach =
       config.preprocess.c_max + std::max(config.keyframe.delta_trans, kShortestReach);
   const auto smaller = [&](double smallest) {
-    return "at least " + text_of(smallest) + " m, or preprocess.c_max (" +
-           text_of(config.preprocess.c_max) + ") or keyframe.delta_trans (" +
-           text_of(config.keyframe.delta_trans) + ") smaller";
+    return "at least " + shortest(smallest) + " m, or preprocess.c_max (" +
+           shortest(config.preprocess.c_max) + ") or keyframe.delta_trans (" +
+           shortest(config.keyframe.delta_trans) + ") smaller";
   };
-  checks.require(!m.enabled || m.r_submap >= reach / 1023.0, "mapping.r_submap", m.r_submap,
-                 smaller(reach / 1023.0));
-  checks.require(!m.enabled || config.registration.r_align >= reach / kVoxelsUpwards,
+  checks.require(!m.enabled || m.r_submap >= reach / gpu::kVoxelsSideways, "mapping.r_submap",
+                 m.r_submap, smaller(reach / gpu::kVoxelsSideways));
+  checks.require(!m.enabled || config.registration.r_align >= reach / gpu::kVoxelsUpwards,
                  "registration.r_align", config.registration.r_align,
-                 smaller(reach / kVoxelsUpwards));
+                 smaller(reach / gpu::kVoxelsUpwards));
   checks.between("mapping.delay", m.delay, 0, 1000, "keyframes");
 }
 
@@ -214,7 +204,7 @@ Config with_lengths(Config config, double r_input) {
   p.surface_size = p.surface_size == 0.0 ? 2.5 * p.r_input : p.surface_size;
   config.mapping.r_submap = config.mapping.r_submap == 0.0 ? p.r_input : config.mapping.r_submap;
   if (derived) {
-    p.c_max = std::min(p.c_max, kVoxelsUpwards * r.r_align - kShortestReach);
+    p.c_max = std::min(p.c_max, gpu::kVoxelsUpwards * r.r_align - kShortestReach);
   }
   return config;
 }
@@ -223,7 +213,7 @@ std::optional<ConfigProblem> validate(const Config& stated) {
   Checks checks;
   check_finite(checks, stated);
   checks.require(stated.preprocess.c_max <= kFarthestReturn, "preprocess.c_max",
-                 stated.preprocess.c_max, "at most " + text_of(kFarthestReturn) + " m");
+                 stated.preprocess.c_max, "at most " + shortest(kFarthestReturn) + " m");
   if (stated.preprocess.r_input != 0.0) {
     checks.between("preprocess.r_input", stated.preprocess.r_input, 0.01, 10.0,
                    "m, or 0 (derived)");

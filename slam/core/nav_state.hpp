@@ -5,13 +5,12 @@
 #include "adit/slam/core/direction.hpp"
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/types.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
-
-constexpr double kStandardGravity = 9.80665;  // m/s²
 
 /// What an inertial sensor reads when it should read nothing; body axes.
 struct ImuBias {

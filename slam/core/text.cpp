@@ -5,24 +5,35 @@
 #include <array>
 #include <charconv>
 
+#include <fmt/core.h>
+
 namespace adit {
 namespace {
 
-std::string text_of(double value, std::chars_format format, int precision) {
-  std::array<char, 400> buffer{};  // the greatest double has 309 digits before its point
-  const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, precision).ptr;
-  return {buffer.data(), end};
+// fmt's own shortest texts have fewer exponents and so more letters: 100000 where this is 1e+05.
+template <class Number>
+std::string shortest_of(Number value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
 }
 
 }  // namespace
 
 std::string in_digits(double value, int digits) {
-  return text_of(value, std::chars_format::general, digits);
+  return fmt::format("{:.{}g}", value, digits);
 }
 
 std::string with_decimals(double value, int decimals) {
-  return text_of(value, std::chars_format::fixed, decimals);
+  return fmt::format("{:.{}f}", value, decimals);
+}
+
+std::string shortest(double value) {
+  return shortest_of(value);
+}
+
+std::string shortest(float value) {
+  return shortest_of(value);
 }
 
 }  // namespace adit

@@ -16,7 +16,6 @@ namespace adit {
 namespace {
 
 constexpr std::size_t kMostPending = 1U << 15U;  // points; then they go to the device
-constexpr double kFullestCell = 65535.0;         // points
 constexpr double kOffsetSteps = 65536.0;         // a cell's edge, in units of its sums
 constexpr double kLeastGravity = 1.0;            // m/s^2
 
@@ -24,7 +23,7 @@ constexpr double kLeastGravity = 1.0;            // m/s^2
 // voxels lie to the cells.
 std::size_t most_sweeps(double r_submap, double r_input) {
   const double edge = std::ceil(std::sqrt(3.0) * r_submap / r_input) + 1.0;
-  return static_cast<std::size_t>(std::clamp(kFullestCell / (edge * edge * edge), 1.0,
+  return static_cast<std::size_t>(std::clamp(gpu::kMostCellPoints / (edge * edge * edge), 1.0,
                                              static_cast<double>(engine::kMostMergedSweeps)));
 }
 

@@ -13,7 +13,6 @@ namespace adit {
 namespace {
 
 constexpr uint32_t kSmallestTable = 256;
-constexpr uint32_t kMostPointsOfAVoxel = 65535;
 
 // Magnusson 2009, section 6.2.1, and the floor that keeps the Gaussian of one place invertible.
 constexpr engine::FinishSettings kGaussians = {
@@ -118,11 +117,11 @@ AlignmentTarget::Level AlignmentClouds::make_level(const SurfaceCloud& cloud,
         build(kernels, cloud, {.table = roomy, .counters = counters_, .voxel_size = voxel_size});
   }
   if (counters.failures + counters.out_of_range > 0) {
-    throw engine::Error(std::to_string(counters.failures + counters.out_of_range) + " of " +
-                        std::to_string(cloud.size) + " points do not fit into a map of voxels of " +
-                        std::to_string(voxel_size) +
-                        " m: it reaches 1023 voxels from its origin, 511 in height; take larger "
-                        "voxels or a smaller cloud");
+    throw engine::Error(fmt::format(
+        "{} of {} points do not fit into a map of voxels of {:f} m: it reaches {} voxels "
+        "from its origin, {} in height; take larger voxels or a smaller cloud",
+        counters.failures + counters.out_of_range, cloud.size, voxel_size, gpu::kVoxelsSideways,
+        gpu::kVoxelsUpwards));
   }
   voxels = counters.used_slots;
   const uint32_t slots = std::bit_ceil(std::max(2 * voxels, kSmallestTable));
@@ -143,9 +142,9 @@ AlignmentTarget::Level AlignmentClouds::make_level(const SurfaceCloud& cloud,
 gpu::VoxelMapCounters AlignmentClouds::build(const engine::VoxelMapKernels& kernels,
                                              const SurfaceCloud& cloud,
                                              const engine::VoxelMapView& map) {
-  if (cloud.size > kMostPointsOfAVoxel && map.voxel_size > 1e3) {
+  if (cloud.size > gpu::kMostCellPoints && map.voxel_size > 1e3) {
     throw engine::Error("voxels of " + std::to_string(map.voxel_size) + " m may hold more than " +
-                        std::to_string(kMostPointsOfAVoxel) + " points");
+                        std::to_string(gpu::kMostCellPoints) + " points");
   }
   engine::Recorder recorder = context_->make_recorder();
   kernels.record_clear(recorder, map);

@@ -10,18 +10,17 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tests/support/moving_rig.hpp"
 
 namespace adit::test {
 
 inline constexpr int kSweeps = 8;  // 0.1 s each
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 inline std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

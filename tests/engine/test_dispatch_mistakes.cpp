@@ -77,10 +77,11 @@ TEST_F(DispatchMistakes, SliceWithoutBytesOrBufferIsRefused) {
 }
 
 TEST_F(DispatchMistakes, SlicePastTheEndOfItsBufferIsRefused) {
-  expect_mistake(mistake([&] {
-                   recorder_.dispatch(kernel_, 1, ProbePush{}, {Slice{&in_, 256, 4096}, out_});
-                 }),
-                 {"binding 0", "past", "points"});
+  expect_mistake(
+      mistake([&] {
+        recorder_.dispatch(kernel_, 1, ProbePush{}, {Slice{in_.slice().buffer, 256, 4096}, out_});
+      }),
+      {"binding 0", "past", "points"});
 }
 
 TEST_F(DispatchMistakes, SliceLargerThanTheDeviceBindsIsRefused) {

@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+#include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -47,6 +51,30 @@ TEST(Memory, BuffersOfABlockDoNotOverlap) {
       ASSERT_EQ(word, i);
     }
   }
+}
+
+TEST(Memory, SliceOfABufferThatWasMovedIsTheSameBytes) {
+  Context context(test::test_options());
+  auto first = std::make_unique<Buffer>(context.make_buffer(1024, Memory::upload, "first"));
+  const Slice slice = first->slice(256, 512);
+  const Buffer second = std::move(*first);
+  first.reset();
+  std::memset(slice.mapped(), 7, 512);
+  EXPECT_EQ(slice.mapped(), second.mapped() + 256);
+  Recorder recorder = context.make_recorder();
+  recorder.fill(slice, 0x01020304);
+  context.submit(std::move(recorder)).wait();
+  EXPECT_EQ(second.as<uint32_t>()[64], 0x01020304U);
+  EXPECT_THROW(
+      {
+        try {
+          slice.sub(512, 1);
+        } catch (const std::out_of_range& error) {
+          EXPECT_NE(std::string(error.what()).find("'first'"), std::string::npos) << error.what();
+          throw;
+        }
+      },
+      std::out_of_range);
 }
 
 TEST(Memory, UnusedMemoryIsReusedForTheNextBuffer) {

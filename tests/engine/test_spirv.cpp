@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <spirv/unified1/spirv.hpp11>
 
 #include "adit/engine/error.hpp"
 #include "adit/engine/vulkan/spirv.hpp"
@@ -14,6 +15,8 @@
 
 namespace adit::engine {
 namespace {
+
+using spv::Op;
 
 std::vector<uint32_t> probe() {
   const std::span<const uint32_t> words = shaders::find("engine_probe");
@@ -54,7 +57,7 @@ TEST(Spirv, TexelBuffersAreToldFromStorageBuffers) {
 // A module that declares `count` variables of one opaque type, bindings 0, 1, ... of set 0. Modules
 // before SPIR-V 1.6 make a usamplerBuffer a sampled image, which today's compiler does not.
 struct Image {
-  uint32_t dim = 5;         // Buffer
+  spv::Dim dim = spv::Dim::Buffer;
   uint32_t sampled = 1;     // 2: a storage image
   uint32_t signedness = 0;  // of its int
   uint32_t width = 32;      // of its int, bits
@@ -63,22 +66,27 @@ struct Image {
 };
 
 std::vector<uint32_t> module_of(const Image& image) {
-  std::vector<uint32_t> words{0x07230203, 0x00010500, 0, 100, 0};
-  const auto add = [&](uint32_t op, std::initializer_list<uint32_t> operands) {
-    words.push_back(static_cast<uint32_t>(operands.size() + 1) << 16U | op);
+  enum Id : uint32_t { entry = 1, number, texels, combined, pointer, first_variable = 10 };
+  std::vector<uint32_t> words{spv::MagicNumber, 0x00010500, 0, 100, 0};
+  const auto add = [&](Op op, std::initializer_list<uint32_t> operands) {
+    words.push_back(static_cast<uint32_t>(operands.size() + 1) << spv::WordCountShift |
+                    static_cast<uint32_t>(op));
     words.insert(words.end(), operands);
   };
-  add(15, {5, 1, 0});  // OpEntryPoint GLCompute
+  const auto uniform = static_cast<uint32_t>(spv::StorageClass::UniformConstant);
+  add(Op::OpEntryPoint, {static_cast<uint32_t>(spv::ExecutionModel::GLCompute), entry, 0});
   for (uint32_t i = 0; i < image.count; ++i) {
-    add(71, {10 + i, 34, 0});  // DescriptorSet
-    add(71, {10 + i, 33, i});  // Binding
+    const uint32_t variable = first_variable + i;
+    add(Op::OpDecorate, {variable, static_cast<uint32_t>(spv::Decoration::DescriptorSet), 0});
+    add(Op::OpDecorate, {variable, static_cast<uint32_t>(spv::Decoration::Binding), i});
   }
-  add(21, {2, image.width, image.signedness});            // OpTypeInt
-  add(25, {3, 2, image.dim, 0, 0, 0, image.sampled, 0});  // OpTypeImage
-  add(27, {4, 3});                                        // OpTypeSampledImage
-  add(32, {5, 0, image.combined ? 4U : 3U});              // OpTypePointer UniformConstant
+  add(Op::OpTypeInt, {number, image.width, image.signedness});
+  add(Op::OpTypeImage,
+      {texels, number, static_cast<uint32_t>(image.dim), 0, 0, 0, image.sampled, 0});
+  add(Op::OpTypeSampledImage, {combined, texels});
+  add(Op::OpTypePointer, {pointer, uniform, image.combined ? combined : texels});
   for (uint32_t i = 0; i < image.count; ++i) {
-    add(59, {5, 10 + i, 0});  // OpVariable UniformConstant
+    add(Op::OpVariable, {pointer, first_variable + i, uniform});
   }
   return words;
 }
@@ -93,11 +101,13 @@ TEST(Spirv, SamplerBufferOfOlderModulesIsATexelBuffer) {
 }
 
 TEST(Spirv, OnlyTexelBuffersOfUintAreUniformDescriptorsThatCanBeBound) {
-  for (const Image& image : {Image{.dim = 1}, Image{.sampled = 2}, Image{.signedness = 1},
-                             Image{.width = 64}, Image{.dim = 1, .combined = true}}) {
+  for (const Image& image :
+       {Image{.dim = spv::Dim::Dim2D}, Image{.sampled = 2}, Image{.signedness = 1},
+        Image{.width = 64}, Image{.dim = spv::Dim::Dim2D, .combined = true}}) {
     try {
       reflect(module_of(image));
-      FAIL() << "dim " << image.dim << ", sampled " << image.sampled << " was taken";
+      FAIL() << "dim " << static_cast<uint32_t>(image.dim) << ", sampled " << image.sampled
+             << " was taken";
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("texel buffers of uint"), std::string::npos)
           << error.what();

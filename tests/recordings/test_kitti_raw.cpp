@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "adit/tests/recordings/event_support.hpp"
@@ -21,12 +22,10 @@ namespace {
 /// A reading at rest, but for the numbers given.
 std::string reading(double latitude, double longitude, double altitude, double roll = 0.0,
                     double pitch = 0.0, double yaw = 0.0) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%.12f %.13f %.11f %.6f %.6f %.13f 0 0 0 0 0 0.5 -0.25 9.75 0 0 9.8 0.01 0.02 "
-                "0.03 0.1 0.2 0.3 0.5 0.02 4 10 6 4 0\n",
-                latitude, longitude, altitude, roll, pitch, yaw);
-  return text;
+  return fmt::format(
+      "{:.12f} {:.13f} {:.11f} {:.6f} {:.6f} {:.13f} 0 0 0 0 0 0.5 -0.25 9.75 0 0 9.8 0.01 0.02 "
+      "0.03 0.1 0.2 0.3 0.5 0.02 4 10 6 4 0\n",
+      latitude, longitude, altitude, roll, pitch, yaw);
 }
 
 constexpr const char* kImuToVelodyne =
@@ -147,14 +146,10 @@ TEST(KittiOxts, PosesAreThoseThatOthersDerivedFromTheSameReadings) {
     for (double& value : v) {
       words >> value;
     }
-    char name[60];
-    std::snprintf(name, sizeof name, "drive/oxts/data/%010d.txt", i);
-    folder.write(name, reading(v[2], v[3], v[4], v[5], v[6], v[7]));
-    std::snprintf(name, sizeof name, "drive/velodyne_points/data/%010d.bin", i);
-    folder.write(name, "");
-    char time[40];
-    std::snprintf(time, sizeof time, "%.6f\n", v[1]);
-    times += time;
+    folder.write(fmt::format("drive/oxts/data/{:010}.txt", i),
+                 reading(v[2], v[3], v[4], v[5], v[6], v[7]));
+    folder.write(fmt::format("drive/velodyne_points/data/{:010}.bin", i), "");
+    times += fmt::format("{:.6f}\n", v[1]);
   }
   folder.write("drive/oxts/timestamps.txt", times);
   folder.write("drive/velodyne_points/timestamps.txt", times);

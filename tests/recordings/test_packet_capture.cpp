@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tests/recordings/event_support.hpp"
 #include "adit/tests/recordings/packet_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
@@ -25,7 +26,6 @@ using test::CapturedFrame;
 constexpr Nanoseconds kHour{1'699'999'200'000'000'000};  // a whole one
 constexpr uint32_t kMicrosecond = 1'000'000;             // of it, of the first packet
 static_assert(kHour % std::chrono::hours(1) == Nanoseconds(0));
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 void write(const fs::path& file, const Bytes& bytes) {
   std::ofstream stream(file, std::ios::binary);

@@ -7,18 +7,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double elevation_of(const Firing& firing) {
   return std::asin(firing.direction.z()) / kDegree;

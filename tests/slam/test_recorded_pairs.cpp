@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/slam/registration/batch_aligner.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 #include "adit/tests/support/shared_data.hpp"
@@ -20,13 +21,11 @@
 namespace adit {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-
 double metres_off(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
   return (truth.inverse() * result.T_target_source).translation().norm();
 }
 double degrees_off(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
-  return kDegrees * rotation_angle((truth.inverse() * result.T_target_source).linear());
+  return kDegreesPerRadian * rotation_angle((truth.inverse() * result.T_target_source).linear());
 }
 
 std::vector<Point> read_three_floats(const std::filesystem::path& file) {

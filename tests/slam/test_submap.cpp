@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -144,6 +145,20 @@ TEST_F(SubmapTest, HoldsTheLastCloudsAndNoTraceOfThoseBefore) {
     }
     ASSERT_EQ(voxels_in(submap), from_scratch(submap, last)) << "after cloud " << i;
   }
+}
+
+TEST_F(SubmapTest, GoesOnWhereItWasMovedTo) {
+  auto first = std::make_unique<Submap>(context(), config_of(2));
+  std::vector<Cloud> clouds;
+  for (uint64_t i = 0; i < 3; ++i) {
+    clouds.push_back(some_cloud(i, pose_after(static_cast<double>(i))));
+  }
+  add(*first, clouds[0]);
+  add(*first, clouds[1]);
+  Submap second = std::move(*first);
+  first.reset();
+  add(second, clouds[2]);
+  EXPECT_EQ(voxels_in(second), from_scratch(second, {clouds[1], clouds[2]}));
 }
 
 TEST_F(SubmapTest, WantsTheFirstTenAndThenWhatIsSeenFromElsewhere) {

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/verify/synthetic_world.hpp"
@@ -140,8 +141,7 @@ inline SmallRecording small_recording(const std::filesystem::path& folder, std::
   for (std::size_t i = 0; i < sweeps; ++i) {
     const Sweep sweep =
         scan(world, poses[i], {.beams = 24, .columns = 360, .max_range = 80.0}, i + 1);
-    char name[32];
-    std::snprintf(name, sizeof name, "%06zu.bin", i);
+    const std::string name = fmt::format("{:06}.bin", i);
     std::ofstream(files.recording / "velodyne" / name, std::ios::binary)
         .write(reinterpret_cast<const char*>(sweep.points.data()),
                static_cast<std::streamsize>(sweep.points.size() * sizeof(Point)));

@@ -139,8 +139,8 @@ TEST(SweepTable, ValuesThatNoRunWritesAreRefused) {
   EXPECT_EQ(changed("overlap", "0.5"), "");
   EXPECT_NE(changed("state", "nan").find("line 2: state is 'nan'"), std::string::npos);
   EXPECT_NE(changed("imu", "7").find("line 2: imu is '7'"), std::string::npos);
-  EXPECT_NE(changed("t0_axis_x", "nan").find("has not the length 1"), std::string::npos);
-  EXPECT_NE(changed("t0_axis_x", "1e10").find("has not the length 1"), std::string::npos);
+  EXPECT_NE(changed("translation1_axis_x", "nan").find("has not the length 1"), std::string::npos);
+  EXPECT_NE(changed("translation1_axis_x", "1e10").find("has not the length 1"), std::string::npos);
 }
 
 }  // namespace

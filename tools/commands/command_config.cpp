@@ -6,9 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/run/presets.hpp"
 
 namespace adit {
@@ -20,44 +19,41 @@ int config_command(const ConfigSource& source, std::ostream& out, std::ostream& 
   });
 }
 
-void add_config_options(CLI::App& command, ConfigSource& source) {
-  command
-      .add_option("--config", source.file, "TOML file; `adit config` prints one with every setting")
-      ->type_name("FILE");
+void add_config_options(Command command, ConfigSource& source) {
+  command.option("--config", source.file, "TOML file; `adit config` prints one with every setting")
+      .value_name("FILE");
   std::string known;
   for (const std::string& name : preset_names()) {
     known += (known.empty() ? "" : ", ") + name;
   }
-  command.add_option("--preset", source.preset, "Settings for a public data set: " + known)
-      ->type_name("NAME");
-  command
-      .add_option("--set", source.overrides, "Overrides one setting; may be given several times")
-      ->type_name("SECTION.KEY=VALUE")
-      ->allow_extra_args(false);
+  command.option("--preset", source.preset, "Settings for a public data set: " + known)
+      .value_name("NAME");
+  command.option("--set", source.overrides, "Overrides one setting; may be given several times")
+      .value_name("SECTION.KEY=VALUE")
+      .one_value_each();
 }
 
-void add_metadata_option(CLI::App& command, ConfigSource& source) {
+void add_metadata_option(Command command, ConfigSource& source) {
   command
-      .add_option("--metadata", source.metadata,
-                  "What tells of the sensor whose packets are recorded: Ouster's JSON, Hesai's "
-                  "angle correction (CSV)")
-      ->type_name("FILE");
+      .option("--metadata", source.metadata,
+              "What tells of the sensor whose packets are recorded: Ouster's JSON, Hesai's "
+              "angle correction (CSV)")
+      .value_name("FILE");
 }
 
-CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done) {
+void add_config_command(Command app, std::function<void(int)> done) {
   auto source = std::make_shared<ConfigSource>();
-  CLI::App* command = app.add_subcommand(
+  const Command command = app.add_command(
       "config", "Print the effective configuration, each setting with unit and meaning");
-  command->footer(
+  command.footer(
       "What it prints is a configuration file that gives the same configuration.\n\n"
       "Examples:\n"
       "  adit config > my.toml\n"
       "  adit config --config my.toml --set preprocess.r_input=0.5\n\n"
       "Exit codes: 0 done, 1 a file cannot be read or what is printed not be written, 2 usage.");
-  add_config_options(*command, *source);
-  command->callback(
+  add_config_options(command, *source);
+  command.action(
       [source, done = std::move(done)] { done(config_command(*source, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

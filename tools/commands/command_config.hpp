@@ -9,24 +9,22 @@
 
 #include "adit/tools/run/config_file.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 /// Prints the effective configuration as TOML. Returns the exit code: 0, 1 for a bad file, 2 for a
 /// bad option.
 int config_command(const ConfigSource& source, std::ostream& out, std::ostream& err);
 
 /// Adds --config and --set.
-void add_config_options(CLI::App& command, ConfigSource& source);
+void add_config_options(Command command, ConfigSource& source);
 
 /// Adds --metadata.
-void add_metadata_option(CLI::App& command, ConfigSource& source);
+void add_metadata_option(Command command, ConfigSource& source);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_config_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_config_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

@@ -10,11 +10,9 @@
 #include <system_error>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/support/option_values.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -75,11 +73,11 @@ int convert_command(const ConvertOptions& options, std::ostream& out, std::ostre
   return guarded("adit convert", out, err, [&] { return convert(options, out, err); });
 }
 
-CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
+void add_convert_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command =
-      app.add_subcommand("convert", "Write a recording in another format, or a part of it");
-  command->footer(
+  const Command command =
+      app.add_command("convert", "Write a recording in another format, or a part of it");
+  command.footer(
       "IN is any recording that `adit run` reads. OUT tells the format by its name: NAME.mcap,\n"
       "NAME.bag (ROS 1), or a folder for rosbag2. Messages are copied byte for byte; between ROS "
       "1\n"
@@ -91,33 +89,31 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
       "  adit convert kitti_0001 kitti.mcap --compression lz4\n"
       "  adit convert drive.bag right.mcap --repair --config drive.toml\n\n"
       "Exit codes: 0 done, 1 failed, or the recording is damaged, 2 usage.");
-  command->add_option("input", options->input, "The recording")->required()->type_name("IN");
-  command->add_option("output", options->output, "What to write")->required()->type_name("OUT");
-  command->add_option("--topic", options->topics, "Keep this topic; may be given again")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
-  command->add_option("--begin", options->begin_s, "From here on (s after the first message)")
-      ->type_name("S");
-  command->add_option("--end", options->end_s, "Up to here (s after the first message)")
-      ->type_name("S");
-  add_choice<std::optional<Encoding>, Encoding>(
-      *command, "--ros", "Serialisation of the messages in an MCAP file", options->encoding,
-      {{"1", Encoding::ros1}, {"2", Encoding::cdr}});
-  add_choice<std::optional<Compression>, Compression>(
-      *command, "--compression", "none, lz4 or zstd for MCAP; none, lz4 or bz2 for ROS 1 bags",
-      options->compression,
-      {{"none", Compression::none},
-       {"lz4", Compression::lz4},
-       {"zstd", Compression::zstd},
-       {"bz2", Compression::bz2}});
+  command.option("input", options->input, "The recording").required().value_name("IN");
+  command.option("output", options->output, "What to write").required().value_name("OUT");
+  command.option("--topic", options->topics, "Keep this topic; may be given again")
+      .one_value_each()
+      .value_name("NAME");
+  command.option("--begin", options->begin_s, "From here on (s after the first message)")
+      .value_name("S");
+  command.option("--end", options->end_s, "Up to here (s after the first message)").value_name("S");
+  command.choice<Encoding>("--ros", "Serialisation of the messages in an MCAP file",
+                           options->encoding, {{"1", Encoding::ros1}, {"2", Encoding::cdr}});
+  command.choice<Compression>("--compression",
+                              "none, lz4 or zstd for MCAP; none, lz4 or bz2 for ROS 1 bags",
+                              options->compression,
+                              {{"none", Compression::none},
+                               {"lz4", Compression::lz4},
+                               {"zstd", Compression::zstd},
+                               {"bz2", Compression::bz2}});
   auto repair = std::make_shared<bool>(false);
   auto config = std::make_shared<ConfigSource>();
-  command->add_flag("--repair", *repair,
-                    "Write sweeps and IMU samples as they are understood: times of points in "
-                    "seconds after the stamp, and what --config corrects");
-  add_config_options(*command, *config);
-  add_metadata_option(*command, *config);
-  command->callback([options, repair, config, done = std::move(done)] {
+  command.flag("--repair", *repair,
+               "Write sweeps and IMU samples as they are understood: times of points in "
+               "seconds after the stamp, and what --config corrects");
+  add_config_options(command, *config);
+  add_metadata_option(command, *config);
+  command.action([options, repair, config, done = std::move(done)] {
     done(guarded("adit convert", std::cout, std::cerr, [&] {
       if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
         throw UsageError("--config, --set and --preset are of use with --repair alone.");
@@ -129,7 +125,6 @@ CLI::App* add_convert_command(CLI::App& app, std::function<void(int)> done) {
       return convert(*options, std::cout, std::cerr);
     }));
   });
-  return command;
 }
 
 }  // namespace adit

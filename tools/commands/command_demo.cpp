@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/command_demo.hpp"
 
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -10,10 +9,11 @@
 #include <system_error>
 #include <utility>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
 #include "adit/tools/clouds/ply_reader.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/drawing/map_picture.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
@@ -23,7 +23,6 @@
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/simulator/simulation.hpp"
 #include "adit/tools/support/output_file.hpp"
-#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -94,18 +93,16 @@ std::string where_to_look(const SimulationFiles& files, const fs::path& folder) 
          "/map.ply (any point cloud viewer), " + files.picture.string() + " (the mine)\n" +
          "again    adit run " + files.recording.string() + " -o OUT\n         adit evaluate OUT " +
          files.trajectory.string() + "\n" +
-         printed("takes    %.0f MiB in %s, most of it the recording %s; it can be removed\n",
-                 size_of(folder), out.c_str(), files.recording.filename().c_str());
+         fmt::format("takes    {:.0f} MiB in {}, most of it the recording {}; it can be removed\n",
+                     size_of(folder), out, files.recording.filename().string());
 }
 
 std::string verdict(const Evaluation& evaluation, bool good) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "error    %.3f m (ATE, rmse over %zu poses, SE(3)-aligned; %.3f m at most), bound "
-                "%.2f m: %s\n",
-                evaluation.ate.rmse, evaluation.ate.count, evaluation.ate.max, kDemoErrorBound,
-                good ? "good" : "TOO LARGE");
-  return text;
+  return fmt::format(
+      "error    {:.3f} m (ATE, rmse over {} poses, SE(3)-aligned; {:.3f} m at most), bound {:.2f} "
+      "m: {}\n",
+      evaluation.ate.rmse, evaluation.ate.count, evaluation.ate.max, kDemoErrorBound,
+      good ? "good" : "TOO LARGE");
 }
 
 int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err) {
@@ -143,11 +140,11 @@ int demo_command(const DemoCommandOptions& options, std::ostream& out, std::ostr
   return guarded("adit demo", out, err, [&] { return demo(options, out, err); });
 }
 
-CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {
+void add_demo_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<DemoCommandOptions>();
-  CLI::App* command =
-      app.add_subcommand("demo", "Simulate a mine, map it, and compare the result with the truth");
-  command->footer(
+  const Command command =
+      app.add_command("demo", "Simulate a mine, map it, and compare the result with the truth");
+  command.footer(
       "A vehicle with a 64-beam lidar drives through a mine. Nothing is needed but a device; "
       "`adit simulate`\nmakes longer recordings, of other places. The folder takes some 10 MB a "
       "second of the drive.\n\n"
@@ -157,18 +154,16 @@ CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done) {
       "Exit codes: 0 done, 1 failed or not accurate, 2 usage, 129, 130 or 143 stopped by SIGHUP, "
       "SIGINT\n(Ctrl-C) or SIGTERM.");
   command
-      ->add_option("-o,--output", options->output,
-                   "Folder for recording and results; made if need be")
-      ->type_name("OUT")
-      ->capture_default_str();
-  command->add_option("--duration", options->duration, "Length of the drive (s)")
-      ->type_name("S")
-      ->capture_default_str();
-  add_device_options(*command, options->device);
-  command->add_flag("--quiet", options->quiet, "Print errors alone");
-  command->callback(
+      .option("-o,--output", options->output, "Folder for recording and results; made if need be")
+      .value_name("OUT")
+      .show_default();
+  command.option("--duration", options->duration, "Length of the drive (s)")
+      .value_name("S")
+      .show_default();
+  add_device_options(command, options->device);
+  command.flag("--quiet", options->quiet, "Print errors alone");
+  command.action(
       [options, done = std::move(done)] { done(demo_command(*options, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

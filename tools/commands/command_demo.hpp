@@ -10,11 +10,9 @@
 
 #include "adit/tools/run/device_session.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 /// The demo fails above this absolute trajectory error (m, rmse after alignment).
 inline constexpr double kDemoErrorBound = 0.03;
@@ -30,8 +28,8 @@ struct DemoCommandOptions {
 /// signal when stopped.
 int demo_command(const DemoCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_demo_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_demo_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "adit/engine/context.hpp"
 #include "adit/engine/self_test/self_test.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/run/device_session.hpp"
 
 namespace adit {
@@ -143,24 +143,23 @@ int devices_command(const DevicesCommandOptions& options, std::ostream& out, std
   return guarded("adit devices", out, err, [&] { return devices(options, out); });
 }
 
-CLI::App* add_devices_command(CLI::App& app, std::function<void(int)> done) {
+void add_devices_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<DevicesCommandOptions>();
-  CLI::App* command =
-      app.add_subcommand("devices", "List the devices, check their limits, test their kernels");
-  command->footer(
+  const Command command =
+      app.add_command("devices", "List the devices, check their limits, test their kernels");
+  command.footer(
       "Choose one with --device or the environment's ADIT_DEVICE: by index, UUID or part of the "
       "name.\n\n"
       "Examples:\n"
       "  adit devices\n"
       "  adit devices --json --no-self-test\n\n"
       "Exit codes: 0 a device can be used, 1 none can.");
-  command->add_flag("--json", options->json, "Print JSON instead of text");
-  command->add_flag_callback(
+  command.flag("--json", options->json, "Print JSON instead of text");
+  command.flag(
       "--no-self-test", [options] { options->self_test = false; },
       "Do not run the kernels on known cases");
-  command->callback(
+  command.action(
       [options, done = std::move(done)] { done(devices_command(*options, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

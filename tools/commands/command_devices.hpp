@@ -8,11 +8,9 @@
 #include <functional>
 #include <iosfwd>
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct DevicesCommandOptions {
   bool json = false;
@@ -22,8 +20,8 @@ struct DevicesCommandOptions {
 /// Returns the exit code: 0 when at least one device can be used, else 1.
 int devices_command(const DevicesCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_devices_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_devices_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

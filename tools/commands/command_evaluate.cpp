@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/evaluation/evaluation_report.hpp"
@@ -21,7 +21,6 @@
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
-#include "adit/tools/support/option_values.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -189,12 +188,12 @@ int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, s
   return guarded("adit evaluate", out, err, [&] { return run(options, out, err); });
 }
 
-CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
-  CLI::App* command = app.add_subcommand(
+void add_evaluate_command(Command app, std::function<void(int)> done) {
+  const Command command = app.add_command(
       "evaluate", "How far a trajectory is from the truth: ATE, RPE, KITTI segments");
   const auto options = std::make_shared<EvaluateCommandOptions>();
   RpeOptions& rpe = options->evaluation.rpe;
-  command->footer(
+  command.footer(
       "Trajectories are read from TUM or KITTI text, tables with named columns (EuRoC's data.csv,\n"
       "sweeps.csv, the simulator's truth.csv), folders of runs, and the poses in any recording "
       "that\n"
@@ -213,56 +212,54 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
       "Exit codes: 0 done, 1 failed on the data, 2 usage.");
   const auto paths = std::make_shared<std::vector<fs::path>>();
   command
-      ->add_option("trajectories", *paths,
-                   "What to judge, and last the truth; the folder of one run needs none")
-      ->required()
-      ->type_name("ESTIMATE... TRUTH");
-  add_choice<Alignment, Alignment>(*command, "--align", "How the estimate is moved onto the truth",
-                                   options->evaluation.alignment,
-                                   {{"se3", Alignment::se3},
-                                    {"sim3", Alignment::sim3},
-                                    {"origin", Alignment::origin},
-                                    {"none", Alignment::none}})
-      ->default_str("se3");
+      .option("trajectories", *paths,
+              "What to judge, and last the truth; the folder of one run needs none")
+      .required()
+      .value_name("ESTIMATE... TRUTH");
   command
-      ->add_option("--tolerance", options->evaluation.tolerance,
-                   "Largest time difference of a matched pair (s)")
-      ->check(number_from(0.0))
-      ->type_name("S")
-      ->capture_default_str();
+      .choice<Alignment>("--align", "How the estimate is moved onto the truth",
+                         options->evaluation.alignment,
+                         {{"se3", Alignment::se3},
+                          {"sim3", Alignment::sim3},
+                          {"origin", Alignment::origin},
+                          {"none", Alignment::none}})
+      .show_default("se3");
   command
-      ->add_option("--estimate-times", options->estimate_times,
-                   "Times of KITTI estimates, one a line")
-      ->type_name("FILE");
-  command->add_option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line")
-      ->type_name("FILE");
+      .option("--tolerance", options->evaluation.tolerance,
+              "Largest time difference of a matched pair (s)")
+      .from(0.0)
+      .value_name("S")
+      .show_default();
   command
-      ->add_option("--estimate-topic", options->estimate_topic,
-                   "Which poses of a recording to judge; NAME:FRAME of a topic with several frames")
-      ->type_name("NAME");
+      .option("--estimate-times", options->estimate_times, "Times of KITTI estimates, one a line")
+      .value_name("FILE");
+  command.option("--truth-times", options->truth_times, "Times of a KITTI truth, one a line")
+      .value_name("FILE");
   command
-      ->add_option("--truth-topic", options->truth_topic,
-                   "Which poses of a recording are the truth")
-      ->type_name("NAME");
-  const CLI::Option* delta =
-      command->add_option("--delta", rpe.delta, "RPE: distance between the poses of a pair")
-          ->check(number_above(0.0))
-          ->type_name("D")
-          ->capture_default_str();
-  add_choice<DeltaUnit, DeltaUnit>(*command, "--delta-unit", "RPE: metres of path or frames",
-                                   rpe.unit, {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}})
-      ->default_str("m");
-  add_choice<PairSource, PairSource>(
-      *command, "--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
-      {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}})
-      ->default_str("estimate");
-  command->add_flag(
-      "--from-first-pose", rpe.from_first_pose,
-      "RPE: begin the first pair at the first pose, as evo does from version 1.37 on");
-  command->add_flag("--json", options->json, "Report as JSON");
+      .option("--estimate-topic", options->estimate_topic,
+              "Which poses of a recording to judge; NAME:FRAME of a topic with several frames")
+      .value_name("NAME");
+  command.option("--truth-topic", options->truth_topic, "Which poses of a recording are the truth")
+      .value_name("NAME");
+  const CommandOption delta =
+      command.option("--delta", rpe.delta, "RPE: distance between the poses of a pair")
+          .above(0.0)
+          .value_name("D")
+          .show_default();
+  command
+      .choice<DeltaUnit>("--delta-unit", "RPE: metres of path or frames", rpe.unit,
+                         {{"m", DeltaUnit::metres}, {"f", DeltaUnit::frames}})
+      .show_default("m");
+  command
+      .choice<PairSource>("--pairs", "RPE: whose path measures the metres", rpe.pairs_from,
+                          {{"estimate", PairSource::estimate}, {"truth", PairSource::truth}})
+      .show_default("estimate");
+  command.flag("--from-first-pose", rpe.from_first_pose,
+               "RPE: begin the first pair at the first pose, as evo does from version 1.37 on");
+  command.flag("--json", options->json, "Report as JSON");
   const auto add_format = [&](const std::string& name, TableFormat format,
                               const std::string& description) {
-    command->add_flag_callback(
+    command.flag(
         name, [options, format] { options->table = format; }, description);
   };
   add_format("--table", TableFormat::text, "A line an estimate, also of a single one");
@@ -270,35 +267,33 @@ CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done) {
   add_format("--latex", TableFormat::latex, "The table for LaTeX");
   add_format("--csv", TableFormat::csv, "The table as CSV, with all digits");
   command
-      ->add_option("--plot", options->plot,
-                   "Draw the trajectories and their errors, into NAME.svg or NAME.html")
-      ->type_name("FILE");
+      .option("--plot", options->plot,
+              "Draw the trajectories and their errors, into NAME.svg or NAME.html")
+      .value_name("FILE");
   command
-      ->add_option("--html", options->html,
-                   "Where the page of a run goes; otherwise to its folder, as evaluation.html")
-      ->type_name("FILE");
-  command->callback([options, paths, delta, done = std::move(done)]() {
+      .option("--html", options->html,
+              "Where the page of a run goes; otherwise to its folder, as evaluation.html")
+      .value_name("FILE");
+  command.action([options, paths, delta, done = std::move(done)]() {
     RpeOptions& chosen = options->evaluation.rpe;
     if (chosen.unit == DeltaUnit::frames) {
-      chosen.delta = delta->count() == 0 ? 1.0 : chosen.delta;
+      chosen.delta = !delta.given() ? 1.0 : chosen.delta;
       if (chosen.delta != std::floor(chosen.delta) || chosen.delta > 1e9) {
-        throw CLI::ValidationError("--delta", "must be a whole number of frames");
+        refuse_option("--delta", "must be a whole number of frames");
       }
     }
     const bool alone = paths->size() == 1;
     const bool run = is_run(paths->front());
     if (alone && (!run || options->plot || options->table)) {
-      throw CLI::RequiredError("TRUTH");
+      miss_argument("TRUTH");
     }
     options->estimates.assign(paths->begin(), alone ? paths->end() : paths->end() - 1);
     options->truth = alone ? fs::path() : paths->back();
     if (options->html && (!run || options->estimates.size() > 1)) {
-      throw CLI::ValidationError(
-          "--html", "needs the folder of a run; `--plot NAME.html` draws trajectories");
+      refuse_option("--html", "needs the folder of a run; `--plot NAME.html` draws trajectories");
     }
     done(evaluate_command(*options, std::cout, std::cerr));
   });
-  return command;
 }
 
 }  // namespace adit

@@ -14,11 +14,9 @@
 #include "adit/tools/evaluation/comparison.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct EvaluateCommandOptions {
   std::vector<std::filesystem::path> estimates;  ///< trajectories, or folders of runs
@@ -40,7 +38,7 @@ struct EvaluateCommandOptions {
 int evaluate_command(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err);
 
 /// Adds the sub-command to the program. When the user calls it, it runs on std::cout and std::cerr
-/// at the end of CLI parsing, and `done` gets the exit code.
-CLI::App* add_evaluate_command(CLI::App& app, std::function<void(int)> done);
+/// once the command line is read, and `done` gets the exit code.
+void add_evaluate_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

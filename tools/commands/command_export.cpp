@@ -6,17 +6,17 @@
 #include <memory>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
 #include "adit/tools/clouds/pcd_writer.hpp"
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/results/map_thinning.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
-#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -123,17 +123,17 @@ int run(const ExportCommandOptions& options, std::ostream& out) {
     return 0;
   }
   if (options.dump) {
-    wrote = printed("%zu lines", write_dump(map, *options.output));
+    wrote = fmt::format("{} lines", write_dump(map, *options.output));
   } else if (!options.trajectory.empty()) {
-    wrote = printed("%zu poses", write_poses(map, options));
+    wrote = fmt::format("{} poses", write_poses(map, options));
   } else if (!options.graph.empty()) {
     const PoseGraph graph = map.graph();
     write_g2o(*options.output, graph);
-    wrote = printed("%zu nodes, %zu edges", graph.nodes().size(), graph.edges().size());
+    wrote = fmt::format("{} nodes, {} edges", graph.nodes().size(), graph.edges().size());
   } else {
     const uint64_t points = options.cloud == "ply" ? write_cloud<PlyWriter>(map, options)
                                                    : write_cloud<PcdWriter>(map, options);
-    wrote = printed("%llu points", static_cast<unsigned long long>(points));
+    wrote = fmt::format("{} points", points);
   }
   out << "wrote  " << options.output->string() << " (" << wrote << ")\n";
   return 0;
@@ -145,10 +145,10 @@ int export_command(const ExportCommandOptions& options, std::ostream& out, std::
   return guarded("adit export", out, err, [&] { return run(options, out); });
 }
 
-CLI::App* add_export_command(CLI::App& app, std::function<void(int)> done) {
-  CLI::App* command = app.add_subcommand("export", "Write what a map holds in another format");
+void add_export_command(Command app, std::function<void(int)> done) {
+  const Command command = app.add_command("export", "Write what a map holds in another format");
   const auto options = std::make_shared<ExportCommandOptions>();
-  command->footer(
+  command.footer(
       "MAP is what `adit run` leaves as OUT/map.adit. Points and poses are in the map's frame, m.\n"
       "\nExamples:\n"
       "  adit export out/map.adit --trajectory tum -o trajectory.tum\n"
@@ -156,27 +156,23 @@ CLI::App* add_export_command(CLI::App& app, std::function<void(int)> done) {
       "  adit export out/map.adit --cloud pcd --resolution 0.1 -o cloud.pcd\n"
       "  adit export out/map.adit --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
-  command->add_option("map", options->map, "The map")->required()->type_name("MAP");
-  command->add_option("-o,--output", options->output, "The file to write")->type_name("FILE");
-  command
-      ->add_option("--trajectory", options->trajectory, "The pose of every sweep: tum, kitti, csv")
-      ->check(CLI::IsMember({"tum", "kitti", "csv"}))
-      ->type_name("FORMAT");
-  command->add_option("--graph", options->graph, "Keyframes and edges: g2o")
-      ->check(CLI::IsMember({"g2o"}))
-      ->type_name("FORMAT");
-  command->add_option("--cloud", options->cloud, "The points of all submaps: ply, pcd")
-      ->check(CLI::IsMember({"ply", "pcd"}))
-      ->type_name("FORMAT");
-  command
-      ->add_option("--resolution", options->resolution,
-                   "One point of the cloud a voxel of this (m)")
-      ->type_name("M");
-  command->add_flag("--dump", options->dump,
-                    "All content as text, for comparing; to the standard output without -o");
-  command->callback(
+  command.option("map", options->map, "The map").required().value_name("MAP");
+  command.option("-o,--output", options->output, "The file to write").value_name("FILE");
+  command.option("--trajectory", options->trajectory, "The pose of every sweep: tum, kitti, csv")
+      .one_of({"tum", "kitti", "csv"})
+      .value_name("FORMAT");
+  command.option("--graph", options->graph, "Keyframes and edges: g2o")
+      .one_of({"g2o"})
+      .value_name("FORMAT");
+  command.option("--cloud", options->cloud, "The points of all submaps: ply, pcd")
+      .one_of({"ply", "pcd"})
+      .value_name("FORMAT");
+  command.option("--resolution", options->resolution, "One point of the cloud a voxel of this (m)")
+      .value_name("M");
+  command.flag("--dump", options->dump,
+               "All content as text, for comparing; to the standard output without -o");
+  command.action(
       [options, done = std::move(done)] { done(export_command(*options, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

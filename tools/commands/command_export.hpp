@@ -10,11 +10,9 @@
 #include <optional>
 #include <string>
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 /// One of trajectory, graph, cloud and dump is set.
 struct ExportCommandOptions {
@@ -30,8 +28,8 @@ struct ExportCommandOptions {
 /// Returns the exit code: 0 done, 1 the map cannot be read or the file not written, 2 usage.
 int export_command(const ExportCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_export_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_export_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

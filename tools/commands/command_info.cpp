@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -72,34 +72,32 @@ Figures figures_of(const std::filesystem::path& file) {
 }
 
 std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
-  std::string text = printed("map        %s, %.1f MiB\n", options.map.c_str(),
-                             static_cast<double>(figures.bytes) / (1024.0 * 1024.0));
+  std::string text = fmt::format("map        {}, {:.1f} MiB\n", options.map.string(),
+                                 static_cast<double>(figures.bytes) / (1024.0 * 1024.0));
   if (figures.keyframes == 0) {
     text += "keyframes  none: the run that made it ended before its first sweep was placed\n";
   } else {
     const Eigen::Vector3d size = figures.box.sizes();
-    text += printed("keyframes  %zu, of %zu sweeps in %.1f s\n", figures.keyframes, figures.sweeps,
-                    figures.seconds);
-    text += printed("way        %.1f m, within %.1f x %.1f x %.1f m\n", figures.length, size.x(),
-                    size.y(), size.z());
+    text += fmt::format("keyframes  {}, of {} sweeps in {:.1f} s\n", figures.keyframes,
+                        figures.sweeps, figures.seconds);
+    text += fmt::format("way        {:.1f} m, within {:.1f} x {:.1f} x {:.1f} m\n", figures.length,
+                        size.x(), size.y(), size.z());
     text += "upright    by";
     for (const auto& [name, count] : figures.verticals) {
-      text += printed(" %s: %zu", name.c_str(), count);
+      text += fmt::format(" {}: {}", name, count);
     }
-    text += printed("\nedges      %zu of the odometry, %zu loops, %zu revoked; %zu candidates\n",
-                    figures.edges, figures.loops, figures.revoked, figures.candidates);
+    text += fmt::format("\nedges      {} of the odometry, {} loops, {} revoked; {} candidates\n",
+                        figures.edges, figures.loops, figures.revoked, figures.candidates);
   }
   if (figures.components > 1) {
-    text += printed(
-        "parts      %zu, without an edge between them: how they lie to each other is a "
-        "guess\n",
+    text += fmt::format(
+        "parts      {}, without an edge between them: how they lie to each other is a guess\n",
         figures.components);
   }
   for (const MapSession& session : figures.sessions) {
-    text +=
-        printed("session    %lld: %s\n", static_cast<long long>(session.id), session.name.c_str());
+    text += fmt::format("session    {}: {}\n", session.id, session.name);
     for (const auto& [key, value] : session.provenance) {
-      text += printed("           %-18s %s\n", key.c_str(), value.c_str());
+      text += fmt::format("           {:<18} {}\n", key, value);
     }
   }
   return text;
@@ -175,22 +173,21 @@ int check(const InfoCommandOptions& options, std::ostream& out) {
   return problems.empty() ? 0 : 1;
 }
 
-CLI::App* add(CLI::App& app, const char* name, const char* what, const char* codes,
-              int (*command)(const InfoCommandOptions&, std::ostream&, std::ostream&),
-              std::function<void(int)> done) {
-  CLI::App* added = app.add_subcommand(name, what);
+void add(Command app, const char* name, const char* what, const char* codes,
+         int (*command)(const InfoCommandOptions&, std::ostream&, std::ostream&),
+         std::function<void(int)> done) {
+  const Command added = app.add_command(name, what);
   const auto options = std::make_shared<InfoCommandOptions>();
-  added->footer(
+  added.footer(
       "MAP is what `adit run` leaves as OUT/map.adit. A run that goes on is no hindrance.\n"
       "\nExamples:\n  adit " +
       std::string(name) + " out/map.adit\n  adit " + name +
       " out/map.adit --json\n\nExit codes: " + codes);
-  added->add_option("map", options->map, "The map")->required()->type_name("MAP");
-  added->add_flag("--json", options->json, "Print JSON instead of text");
-  added->callback([options, command, done = std::move(done)] {
+  added.option("map", options->map, "The map").required().value_name("MAP");
+  added.flag("--json", options->json, "Print JSON instead of text");
+  added.action([options, command, done = std::move(done)] {
     done(command(*options, std::cout, std::cerr));
   });
-  return added;
 }
 
 }  // namespace
@@ -207,14 +204,14 @@ int check_command(const InfoCommandOptions& options, std::ostream& out, std::ost
   return guarded("adit check", out, err, [&] { return check(options, out); });
 }
 
-CLI::App* add_info_command(CLI::App& app, std::function<void(int)> done) {
-  return add(app, "info", "Say what a map holds and where it comes from",
-             "0 done, 1 no map that can be read, 2 usage.", info_command, std::move(done));
+void add_info_command(Command app, std::function<void(int)> done) {
+  add(app, "info", "Say what a map holds and where it comes from",
+      "0 done, 1 no map that can be read, 2 usage.", info_command, std::move(done));
 }
 
-CLI::App* add_check_command(CLI::App& app, std::function<void(int)> done) {
-  return add(app, "check", "Read all of a map and say whether it is whole",
-             "0 whole, 1 damaged or no map, 2 usage.", check_command, std::move(done));
+void add_check_command(Command app, std::function<void(int)> done) {
+  add(app, "check", "Read all of a map and say whether it is whole",
+      "0 whole, 1 damaged or no map, 2 usage.", check_command, std::move(done));
 }
 
 }  // namespace adit

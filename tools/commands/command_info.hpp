@@ -8,11 +8,9 @@
 #include <functional>
 #include <iosfwd>
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct InfoCommandOptions {
   std::filesystem::path map{};
@@ -25,9 +23,9 @@ int info_command(const InfoCommandOptions& options, std::ostream& out, std::ostr
 /// Reads all of a map. Returns the exit code: 0 it is whole, 1 it is not, and `out` says where.
 int check_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Add the sub-commands. They run on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_info_command(CLI::App& app, std::function<void(int)> done);
-CLI::App* add_check_command(CLI::App& app, std::function<void(int)> done);
+/// Add the sub-commands. They run on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_info_command(Command app, std::function<void(int)> done);
+void add_check_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

@@ -3,18 +3,18 @@
 #include "adit/tools/commands/command_inspect.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/inspection/inspection.hpp"
@@ -32,32 +32,30 @@ namespace {
 using nlohmann::ordered_json;
 
 void print_table(const Inspection& inspection, std::ostream& out) {
-  int name = 5;
-  int type = 4;
+  std::size_t name = 5;
+  std::size_t type = 4;
   for (const Topic& topic : inspection.topics) {
-    name = std::max(name, static_cast<int>(topic.name.size()));
-    type = std::max(type, static_cast<int>(topic.type.size()));
+    name = std::max(name, topic.name.size());
+    type = std::max(type, topic.type.size());
   }
-  std::string line(static_cast<std::size_t>(name + type) + 160, '\0');
-  const auto print = [&](const char* format, auto... values) {
-    const int size = std::snprintf(line.data(), line.size(), format, values...);
-    out << line.substr(0, static_cast<std::size_t>(std::max(size, 0))) << "\n";
+  const auto words = [&](std::string_view topic, std::string_view types, std::string_view kind,
+                         std::string_view events) {
+    out << fmt::format("{:<{}}  {:<{}}  {:<10} {:>9}", topic, name, types, type, kind, events);
   };
-  print("%-*s  %-*s  %-10s %9s %9s %9s %9s %9s", name, "topic", type, "type", "kind", "events",
-        "rate Hz", "span s", "gap s", "MiB");
+  words("topic", "type", "kind", "events");
+  out << fmt::format(" {:>9} {:>9} {:>9} {:>9}\n", "rate Hz", "span s", "gap s", "MiB");
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     const Topic& topic = inspection.topics[i];
     const TopicStatistics& s = inspection.statistics[i];
-    const std::string kind(to_string(topic.kind));
     if (topic.kind == TopicKind::other) {
-      const std::string messages = topic.messages ? std::to_string(*topic.messages) : "?";
-      print("%-*s  %-*s  %-10s %9s", name, topic.name.c_str(), type, topic.type.c_str(),
-            kind.c_str(), messages.c_str());
+      words(topic.name, topic.type, to_string(topic.kind),
+            topic.messages ? std::to_string(*topic.messages) : "?");
+      out << "\n";
       continue;
     }
-    print("%-*s  %-*s  %-10s %9llu %9.2f %9.2f %9.3f %9.2f", name, topic.name.c_str(), type,
-          topic.type.c_str(), kind.c_str(), static_cast<unsigned long long>(s.events), s.rate(),
-          s.span(), s.largest_interval(), static_cast<double>(s.bytes) / 1048576.0);
+    words(topic.name, topic.type, to_string(topic.kind), std::to_string(s.events));
+    out << fmt::format(" {:>9.2f} {:>9.2f} {:>9.3f} {:>9.2f}\n", s.rate(), s.span(),
+                       s.largest_interval(), static_cast<double>(s.bytes) / 1048576.0);
   }
 }
 
@@ -219,11 +217,11 @@ int inspect_command(const InspectCommandOptions& options, std::ostream& out, std
   });
 }
 
-CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
+void add_inspect_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<InspectCommandOptions>();
-  CLI::App* command =
-      app.add_subcommand("inspect", "What is in a recording, and what is wrong with it");
-  command->footer(
+  const Command command =
+      app.add_command("inspect", "What is in a recording, and what is wrong with it");
+  command.footer(
       "Reads all of it. A problem says what it does to mapping, and what to do about it. What "
       "could\n"
       "not be checked is named.\n\n"
@@ -241,26 +239,24 @@ CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done) {
       "0 "
       "where it can be read.");
   command
-      ->add_option("recording", options->recording,
-                   "Any recording that `adit run` reads, or the folder of a run")
-      ->required()
-      ->type_name("RECORDING");
-  command->add_flag("--json", options->json, "Print JSON instead of text");
+      .option("recording", options->recording,
+              "Any recording that `adit run` reads, or the folder of a run")
+      .required()
+      .value_name("RECORDING");
+  command.flag("--json", options->json, "Print JSON instead of text");
   command
-      ->add_option(
-          "--html", options->html,
-          "Write a page with plots of rates, gaps, clocks, the IMU and the motion, or of a run")
-      ->type_name("FILE");
+      .option("--html", options->html,
+              "Write a page with plots of rates, gaps, clocks, the IMU and the motion, or of a run")
+      .value_name("FILE");
   command
-      ->add_option("--write-config", options->write_config,
-                   "Write a configuration that makes up for what is wrong, for --config")
-      ->type_name("FILE");
-  add_config_options(*command, options->config);
-  add_metadata_option(*command, options->config);
-  add_device_options(*command, options->device);
-  command->callback(
+      .option("--write-config", options->write_config,
+              "Write a configuration that makes up for what is wrong, for --config")
+      .value_name("FILE");
+  add_config_options(command, options->config);
+  add_metadata_option(command, options->config);
+  add_device_options(command, options->device);
+  command.action(
       [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

@@ -12,11 +12,9 @@
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct InspectCommandOptions {
   std::filesystem::path recording;                      ///< or the folder of a run
@@ -32,8 +30,8 @@ struct InspectCommandOptions {
 /// it tells how that went; 0 where that can be read.
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_inspect_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_inspect_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

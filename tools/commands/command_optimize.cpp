@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/initialization.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -61,8 +61,8 @@ class IterationProgress {
     const Clock::time_point now = Clock::now();
     if (now - told_ >= std::chrono::seconds(1)) {
       told_ = now;
-      err_ << printed("optimize iteration %d: cost %.9g, %.1f s", step.iteration, step.cost,
-                      std::chrono::duration<double>(now - start_).count())
+      err_ << fmt::format("optimize iteration {}: cost {:.9g}, {:.1f} s", step.iteration, step.cost,
+                          std::chrono::duration<double>(now - start_).count())
            << std::endl;
     }
     return StopSignal::received() == 0;
@@ -177,41 +177,37 @@ std::string describe(const OptimizeCommandOptions& options, const Outcome& outco
   const OptimizationReport& report = outcome.optimized.report;
   const std::size_t loops = loops_in(graph);
   std::string text =
-      printed("graph        %zu nodes, %zu edges (%zu loops), SE(%d)\n", graph.nodes().size(),
-              graph.edges().size(), loops, graph.planar() ? 2 : 3);
+      fmt::format("graph        {} nodes, {} edges ({} loops), SE({})\n", graph.nodes().size(),
+                  graph.edges().size(), loops, graph.planar() ? 2 : 3);
   text += describe_components(report);
   if (outcome.file.parameter_lines > 0) {
     text +=
-        printed("left out     %zu lines with parameters, which edges between poses do not use\n",
-                outcome.file.parameter_lines);
+        fmt::format("left out     {} lines with parameters, which edges between poses do not use\n",
+                    outcome.file.parameter_lines);
   }
   if (!outcome.file.indefinite_lines.empty()) {
-    text += printed(
-        "information  of %zu edges has negative eigenvalues, which count as zero (line %llu "
-        "first)\n",
-        outcome.file.indefinite_lines.size(),
-        static_cast<unsigned long long>(outcome.file.indefinite_lines.front()));
+    text += fmt::format(
+        "information  of {} edges has negative eigenvalues, which count as zero (line {} first)\n",
+        outcome.file.indefinite_lines.size(), outcome.file.indefinite_lines.front());
   }
   text += "residual     " + convention_text(convention_of(options, outcome), graph.planar()) + "\n";
-  text += printed("cost         %.10g in the file", outcome.file_cost);
+  text += fmt::format("cost         {:.10g} in the file", outcome.file_cost);
   if (options.initial != InitialPoses::file) {
-    text += printed(", %.10g at the start (%s)", report.cost_before,
-                    initial_text(options.initial).c_str());
+    text += fmt::format(", {:.10g} at the start ({})", report.cost_before,
+                        initial_text(options.initial));
   }
-  text += printed(", %.10g optimized\n", report.cost_after);
-  text += printed("iterations   %d, %.2f s%s: %s\n", report.iterations, report.seconds,
-                  report.restarted ? ", begun again with a small trust region" : "",
-                  std::string(to_string(report.termination)).c_str());
+  text += fmt::format(", {:.10g} optimized\n", report.cost_after);
+  text += fmt::format("iterations   {}, {:.2f} s{}: {}\n", report.iterations, report.seconds,
+                      report.restarted ? ", begun again with a small trust region" : "",
+                      std::string(to_string(report.termination)));
   for (const std::size_t i : outcome.worst) {
     const PoseEdge& edge = graph.edges()[i];
     const EdgeResult& result = *report.edges[i];
-    text +=
-        printed("%s  %lld to %lld: chi squared %.6g",
-                i == outcome.worst.front() ? "worst edges" : "           ",
-                static_cast<long long>(edge.from), static_cast<long long>(edge.to), result.chi2);
-    text += result.weight < 1.0 ? printed(", weight %.3g", result.weight) : "";
-    text += printed(outcome.is_map ? " (edge %llu)\n" : " (line %llu)\n",
-                    static_cast<unsigned long long>(outcome.file.edge_lines[i]));
+    text += fmt::format("{}  {} to {}: chi squared {:.6g}",
+                        i == outcome.worst.front() ? "worst edges" : "           ", edge.from,
+                        edge.to, result.chi2);
+    text += result.weight < 1.0 ? fmt::format(", weight {:.3g}", result.weight) : "";
+    text += fmt::format(" ({} {})\n", outcome.is_map ? "edge" : "line", outcome.file.edge_lines[i]);
   }
   return text;
 }
@@ -298,11 +294,11 @@ int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, s
   return guarded("adit optimize", out, err, [&] { return run(options, out, err); });
 }
 
-CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done) {
-  CLI::App* command =
-      app.add_subcommand("optimize", "Optimise the pose graph of a map, or one in g2o's format");
+void add_optimize_command(Command app, std::function<void(int)> done) {
+  const Command command =
+      app.add_command("optimize", "Optimise the pose graph of a map, or one in g2o's format");
   const auto options = std::make_shared<OptimizeCommandOptions>();
-  command->footer(
+  command.footer(
       "A map (OUT/map.adit) gets the optimised poses, unless -o names another file for the graph.\n"
       "GRAPH.g2o holds VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or VERTEX_SE2 and EDGE_SE2; FIX names\n"
       "nodes that stay. Where none is fixed the first node of each connected part is held.\n"
@@ -314,47 +310,42 @@ CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done) {
       "  adit optimize out/map.adit\n"
       "  adit optimize torus3D.g2o --initial chordal --convention angle --json\n\n"
       "Exit codes: 0 converged, 1 failed or not converged, 2 usage.");
-  command->add_option("graph", options->input, "The graph")->required()->type_name("GRAPH");
-  command->add_option("-o,--output", options->output, "Write the optimised graph here")
-      ->type_name("OUT.g2o");
+  command.option("graph", options->input, "The graph").required().value_name("GRAPH");
+  command.option("-o,--output", options->output, "Write the optimised graph here")
+      .value_name("OUT.g2o");
+  command.choice<ResidualConvention>(
+      "--convention",
+      "What residuals are: g2o (t, q_vec), the default; angle (t, Log R); se3 (Log)",
+      options->convention,
+      {{"g2o", ResidualConvention::quaternion},
+       {"angle", ResidualConvention::rotation},
+       {"se3", ResidualConvention::logarithm}});
+  command.choice<InitialPoses>(
+      "--initial",
+      "Start from the poses of the file (default), along a tree of the best edges, or "
+      "rotations first (chordal)",
+      options->initial,
+      {{"file", InitialPoses::file},
+       {"tree", InitialPoses::tree},
+       {"chordal", InitialPoses::chordal}});
+  command.choice<Kernel>(
+      "--loop-kernel", "Robust kernel of loops: none (default), pseudo-huber, dcs",
+      options->loop_kernel.kernel,
+      {{"none", Kernel::none}, {"pseudo-huber", Kernel::pseudo_huber}, {"dcs", Kernel::dcs}});
   command
-      ->add_option("--convention", options->convention,
-                   "What residuals are: g2o (t, q_vec), the default; angle (t, Log R); se3 (Log)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, ResidualConvention>{{"g2o", ResidualConvention::quaternion},
-                                                    {"angle", ResidualConvention::rotation},
-                                                    {"se3", ResidualConvention::logarithm}}))
-      ->type_name("NAME");
-  command
-      ->add_option("--initial", options->initial,
-                   "Start from the poses of the file (default), along a tree of the best edges, or "
-                   "rotations first (chordal)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, InitialPoses>{{"file", InitialPoses::file},
-                                              {"tree", InitialPoses::tree},
-                                              {"chordal", InitialPoses::chordal}}))
-      ->type_name("NAME");
-  command
-      ->add_option("--loop-kernel", options->loop_kernel.kernel,
-                   "Robust kernel of loops: none (default), pseudo-huber, dcs")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Kernel>{
-          {"none", Kernel::none}, {"pseudo-huber", Kernel::pseudo_huber}, {"dcs", Kernel::dcs}}))
-      ->type_name("NAME");
-  command
-      ->add_option("--kernel-width", options->loop_kernel.width,
-                   "Where the kernel begins, in standard deviations")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--max-iterations", options->max_iterations, "At most this many")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_flag("--direct", options->direct,
-                    "Large graphs too are optimised as they are, without condensing their chains");
-  command->add_flag("--json", options->json, "Report as JSON");
-  command->callback([options, done = std::move(done)] {
+      .option("--kernel-width", options->loop_kernel.width,
+              "Where the kernel begins, in standard deviations")
+      .above(0.0)
+      .show_default();
+  command.option("--max-iterations", options->max_iterations, "At most this many")
+      .from(1, 100'000)
+      .show_default();
+  command.flag("--direct", options->direct,
+               "Large graphs too are optimised as they are, without condensing their chains");
+  command.flag("--json", options->json, "Report as JSON");
+  command.action([options, done = std::move(done)] {
     done(optimize_command(*options, std::cout, std::cerr));
   });
-  return command;
 }
 
 }  // namespace adit

@@ -11,11 +11,9 @@
 
 #include "adit/slam/mapping/solver.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 /// Which poses the optimisation starts from.
 enum class InitialPoses { file, tree, chordal };
@@ -36,8 +34,8 @@ struct OptimizeCommandOptions {
 /// converged, 1 failed or not converged, 2 usage, 130 or 143 after a signal (nothing is written).
 int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_optimize_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_optimize_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

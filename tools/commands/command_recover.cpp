@@ -6,11 +6,11 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/map_recovery.hpp"
-#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -31,10 +31,10 @@ int run(const RecoverCommandOptions& options, std::ostream& out) {
   if (done.problems.size() > kProblemsTold) {
     out << "lost       and " << done.problems.size() - kProblemsTold << " more\n";
   }
-  out << printed("recovered  %zu keyframes, %zu edges, %zu candidates, %zu sessions\n",
-                 done.keyframes, done.edges, done.candidates, done.sessions);
+  out << fmt::format("recovered  {} keyframes, {} edges, {} candidates, {} sessions\n",
+                     done.keyframes, done.edges, done.candidates, done.sessions);
   if (done.lost_keyframes + done.lost_edges > 0) {
-    out << printed("lost       %zu keyframes, %zu edges\n", done.lost_keyframes, done.lost_edges);
+    out << fmt::format("lost       {} keyframes, {} edges\n", done.lost_keyframes, done.lost_edges);
   }
   out << "wrote      " << options.output.string() << "; " << options.map.string()
       << " stays as it is\n";
@@ -47,22 +47,21 @@ int recover_command(const RecoverCommandOptions& options, std::ostream& out, std
   return guarded("adit recover", out, err, [&] { return run(options, out); });
 }
 
-CLI::App* add_recover_command(CLI::App& app, std::function<void(int)> done) {
-  CLI::App* command =
-      app.add_subcommand("recover", "Write what is whole of a damaged map into a new one");
+void add_recover_command(Command app, std::function<void(int)> done) {
+  const Command command =
+      app.add_command("recover", "Write what is whole of a damaged map into a new one");
   const auto options = std::make_shared<RecoverCommandOptions>();
-  command->footer(
+  command.footer(
       "For a map of which `adit check` says that it is damaged.\n\n"
       "Example:\n"
       "  adit recover out/map.adit -o recovered.adit\n\n"
       "Exit codes: 0 nothing was lost, 1 something is lost or nothing can be read, 2 usage.");
-  command->add_option("map", options->map, "The map")->required()->type_name("MAP");
-  command->add_option("-o,--output", options->output, "The map to write; must not be there yet")
-      ->required()
-      ->type_name("NEW");
-  command->callback(
+  command.option("map", options->map, "The map").required().value_name("MAP");
+  command.option("-o,--output", options->output, "The map to write; must not be there yet")
+      .required()
+      .value_name("NEW");
+  command.action(
       [options, done = std::move(done)] { done(recover_command(*options, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

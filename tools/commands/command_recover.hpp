@@ -8,11 +8,9 @@
 #include <functional>
 #include <iosfwd>
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct RecoverCommandOptions {
   std::filesystem::path map{};
@@ -23,8 +21,8 @@ struct RecoverCommandOptions {
 /// 1 something is lost or nothing can be read, 2 usage.
 int recover_command(const RecoverCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_recover_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_recover_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

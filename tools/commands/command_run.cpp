@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
@@ -34,22 +34,6 @@ namespace {
 
 // A file name need not be UTF-8, JSON must be.
 constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
-
-/// "512MiB" to its bytes, in place; the result is a complaint or empty.
-std::string size_to_bytes(std::string& text) {
-  if (text.starts_with('-')) {
-    return "a size is not negative";
-  }
-  const std::string given = text;
-  try {
-    if (CLI::AsSizeValue(false)(text).empty()) {
-      return {};
-    }
-  } catch (const CLI::ValidationError&) {
-    // It lists every unit that it knows: the complaint below is for people.
-  }
-  return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
-}
 
 void check_options(const RunCommandOptions& options) {
   const MapOptions& map = options.map;
@@ -337,21 +321,20 @@ int run_command(const RunCommandOptions& options, std::ostream& out, std::ostrea
   return guarded("adit run", out, err, [&] { return run(options, out, err); });
 }
 
-void add_device_options(CLI::App& command, DeviceOptions& device) {
-  command
-      .add_option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
-      ->type_name("DEVICE");
-  command.add_option("--max-vram", device.max_vram_bytes, "Most device memory to use, e.g. 512MiB")
-      ->transform(CLI::Validator(size_to_bytes, ""))
-      ->type_name("SIZE");
-  command.add_flag("--validation", device.validation,
-                   "Check every Vulkan call and barrier (slow); a complaint is a failure");
+void add_device_options(Command command, DeviceOptions& device) {
+  command.option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
+      .value_name("DEVICE");
+  command.option("--max-vram", device.max_vram_bytes, "Most device memory to use, e.g. 512MiB")
+      .bytes()
+      .value_name("SIZE");
+  command.flag("--validation", device.validation,
+               "Check every Vulkan call and barrier (slow); a complaint is a failure");
 }
 
-CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
+void add_run_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<RunCommandOptions>();
-  CLI::App* command = app.add_subcommand("run", "Map a recording: trajectory, map and summary");
-  command->footer(
+  const Command command = app.add_command("run", "Map a recording: trajectory, map and summary");
+  command.footer(
       "RECORDING is an MCAP file, a ROS 1 bag, a rosbag2 folder or .db3 file, a capture of packets "
       "(pcap, pcapng);\nor a folder: "
       "sweeps as KITTI has them (velodyne/*.bin with times.txt), *.pcd, *.ply or *.las, TUM "
@@ -370,44 +353,42 @@ CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done) {
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
       "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
-  command->add_option("recording", options->recording, "File or folder to map")
-      ->required()
-      ->type_name("RECORDING");
-  command->add_option("-o,--output", options->output, "Folder for the results; made if need be")
-      ->required()
-      ->type_name("OUT");
-  add_config_options(*command, options->config);
-  add_metadata_option(*command, options->config);
-  add_device_options(*command, options->device);
-  command->add_flag("--profile", options->stage_table, "Print a table of the time of every stage");
+  command.option("recording", options->recording, "File or folder to map")
+      .required()
+      .value_name("RECORDING");
+  command.option("-o,--output", options->output, "Folder for the results; made if need be")
+      .required()
+      .value_name("OUT");
+  add_config_options(command, options->config);
+  add_metadata_option(command, options->config);
+  add_device_options(command, options->device);
+  command.flag("--profile", options->stage_table, "Print a table of the time of every stage");
   command
-      ->add_option("--map-resolution", options->map.resolution,
-                   "Keep one map point per voxel of this size (m)")
-      ->type_name("M");
-  command->add_flag_callback(
+      .option("--map-resolution", options->map.resolution,
+              "Keep one map point per voxel of this size (m)")
+      .value_name("M");
+  command.flag(
       "--no-map", [options] { options->map.enabled = false; }, "Write no map.ply");
-  command->add_flag("--high-rate", options->high_rate.enabled,
-                    "Write odometry_highrate.tum and .csv: the pose at every IMU reading");
+  command.flag("--high-rate", options->high_rate.enabled,
+               "Write odometry_highrate.tum and .csv: the pose at every IMU reading");
   command
-      ->add_option("--high-rate-smoothing", options->high_rate.smoothing,
-                   "Spread the corrections that sweeps bring over this time; 0: steps")
-      ->type_name("S");
+      .option("--high-rate-smoothing", options->high_rate.smoothing,
+              "Spread the corrections that sweeps bring over this time; 0: steps")
+      .value_name("S");
   command
-      ->add_option("--topic", options->topic,
-                   "The topic of the sweeps, where the recording has several")
-      ->type_name("NAME");
-  command->add_option("--start", options->start, "First sweep, counted from 0")->type_name("N");
-  command->add_option("--count", options->count, "Sweeps at most")->type_name("N");
-  command->add_flag("--strict", options->strict,
-                    "Exit 1 unless the run's verdict is reliable; the results are written all the "
-                    "same");
-  command->add_flag("--strict-input", options->strict_input,
-                    "End at the first damaged message; else such are left out and counted");
-  command->add_flag("--json", options->json, "Print summary.json instead of the table");
-  command->add_flag("--quiet", options->quiet, "Print errors alone");
-  command->callback(
+      .option("--topic", options->topic, "The topic of the sweeps, where the recording has several")
+      .value_name("NAME");
+  command.option("--start", options->start, "First sweep, counted from 0").value_name("N");
+  command.option("--count", options->count, "Sweeps at most").value_name("N");
+  command.flag("--strict", options->strict,
+               "Exit 1 unless the run's verdict is reliable; the results are written all the "
+               "same");
+  command.flag("--strict-input", options->strict_input,
+               "End at the first damaged message; else such are left out and counted");
+  command.flag("--json", options->json, "Print summary.json instead of the table");
+  command.flag("--quiet", options->quiet, "Print errors alone");
+  command.action(
       [options, done = std::move(done)] { done(run_command(*options, std::cout, std::cerr)); });
-  return command;
 }
 
 }  // namespace adit

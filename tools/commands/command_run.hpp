@@ -16,11 +16,9 @@
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct RunCommandOptions {
   std::filesystem::path recording;
@@ -44,10 +42,10 @@ struct RunCommandOptions {
 int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err);
 
 /// Adds --device, --max-vram and --validation.
-void add_device_options(CLI::App& command, DeviceOptions& device);
+void add_device_options(Command command, DeviceOptions& device);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_run_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_run_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/motion.hpp"
 #include "adit/tools/simulator/scene_file.hpp"
-#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -68,45 +67,33 @@ SimulationOptions simulation_of(const SimulateCommandOptions& command) {
   return options;
 }
 
-/// The first option on the command line that is none of those; empty where there is none.
-std::string given_besides(const CLI::App& command, const std::vector<std::string>& known) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() > 0 && std::ranges::count(known, option->get_name()) == 0) {
-      return option->get_name();
-    }
-  }
-  return {};
-}
-
 /// Empty where the way is free.
 std::string crossing_note(const SimulationSummary& summary) {
   if (summary.crossings.empty()) {
     return {};
   }
   const Crossing& first = summary.crossings.front();
-  return printed(
-      "note: the trajectory passes through walls or other solid things, %zu times, first after "
-      "%.1f s at (%.1f, %.1f, %.1f) m; sweeps from within them show what no sensor sees. Other "
-      "waypoints, corner_radius or --begin avoid it.\n",
+  return fmt::format(
+      "note: the trajectory passes through walls or other solid things, {} times, first after "
+      "{:.1f} s at ({:.1f}, {:.1f}, {:.1f}) m; sweeps from within them show what no sensor sees. "
+      "Other waypoints, corner_radius or --begin avoid it.\n",
       summary.crossings.size(), first.time, first.at.x(), first.at.y(), first.at.z());
 }
 
 std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,
                          double seconds) {
-  char text[512];
-  std::snprintf(text, sizeof text,
-                "simulated %zu sweeps of %s in %s (%zu triangles), %.1f m, up to %.2f rad/s\n"
-                "points    %.0f a sweep, %.1f %% of the pulses\n"
-                "imu       %zu samples (%s, %d Hz)\n"
-                "gnss      %zu fixes\n"
-                "time      %s, %.2f x real time\n",
-                summary.sweeps, sensors_of(options).c_str(), options.scene.c_str(),
-                summary.triangles, summary.path, summary.fastest_turn,
-                static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
-                100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
-                summary.imu_samples, options.imu.c_str(), options.imu_rate, summary.gnss_fixes,
-                format_duration(seconds).c_str(), options.duration / seconds);
-  return text;
+  return fmt::format(
+      "simulated {} sweeps of {} in {} ({} triangles), {:.1f} m, up to {:.2f} rad/s\n"
+      "points    {:.0f} a sweep, {:.1f} % of the pulses\n"
+      "imu       {} samples ({}, {} Hz)\n"
+      "gnss      {} fixes\n"
+      "time      {}, {:.2f} x real time\n",
+      summary.sweeps, sensors_of(options), options.scene, summary.triangles, summary.path,
+      summary.fastest_turn,
+      static_cast<double>(summary.points) / static_cast<double>(summary.sweeps),
+      100.0 * static_cast<double>(summary.points) / static_cast<double>(summary.pulses),
+      summary.imu_samples, options.imu, options.imu_rate, summary.gnss_fixes,
+      format_duration(seconds), options.duration / seconds);
 }
 
 int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std::ostream& err) {
@@ -148,12 +135,12 @@ int simulate_command(const SimulateCommandOptions& options, std::ostream& out, s
   return guarded("adit simulate", out, err, [&] { return run_simulation(options, out, err); });
 }
 
-CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
+void add_simulate_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<SimulateCommandOptions>();
   SimulationOptions& simulation = options->simulation;
-  CLI::App* command = app.add_subcommand(
+  const Command command = app.add_command(
       "simulate", "Write a recording of a simulated place, with the truth beside it");
-  command->footer(
+  command.footer(
       "Scenes:       " + listed(scene_names()) + "\nSensors:      " + listed(range_sensor_names()) +
       "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " + listed(imu_names()) +
       ", none\nReceivers:    " + listed(gnss_names()) +
@@ -165,65 +152,58 @@ CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done) {
       "  adit simulate room -o room.mcap --sensor Mid-360 --trajectory handheld --duration 30\n"
       "  adit simulate --example > my.toml; adit simulate my.toml -o my.mcap\n\n"
       "Exit codes: 0 done, 1 failed, 2 usage.");
-  command->add_option("scene", simulation.scene, "Where, or a TOML file that says everything")
-      ->required()
-      ->type_name("SCENE");
+  command.option("scene", simulation.scene, "Where, or a TOML file that says everything")
+      .required()
+      .value_name("SCENE");
   command
-      ->add_option("-o,--output", simulation.output,
-                   "The recording to write; the truth comes "
-                   "beside it")
-      ->required()
-      ->type_name("FILE.mcap");
-  command->add_option("--sensor", simulation.lidars.front().sensor, "Range sensor")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--trajectory", simulation.trajectory, "How the sensor is carried")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--duration", simulation.duration, "Length (s)")
-      ->type_name("S")
-      ->capture_default_str();
-  command->add_option("--speed", simulation.speed, "Speed (m/s), instead of the scene's")
-      ->type_name("V");
-  command->add_option("--begin", simulation.begin, "Where along the scene's route it begins (m)")
-      ->type_name("M")
-      ->capture_default_str();
-  command->add_option("--seed", simulation.seed, "Another seed, another world and other noise")
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--imu", simulation.imu, "Inertial sensor")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
-      ->type_name("HZ")
-      ->capture_default_str();
-  command->add_option("--gnss", simulation.gnss, "GNSS receiver")
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
-      ->type_name("HZ")
-      ->capture_default_str();
-  command->add_option("--fault", simulation.faults, "Something that is wrong; may be given again")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+      .option("-o,--output", simulation.output,
+              "The recording to write; the truth comes "
+              "beside it")
+      .required()
+      .value_name("FILE.mcap");
+  command.option("--sensor", simulation.lidars.front().sensor, "Range sensor")
+      .value_name("NAME")
+      .show_default();
+  command.option("--trajectory", simulation.trajectory, "How the sensor is carried")
+      .value_name("NAME")
+      .show_default();
+  command.option("--duration", simulation.duration, "Length (s)").value_name("S").show_default();
+  command.option("--speed", simulation.speed, "Speed (m/s), instead of the scene's")
+      .value_name("V");
+  command.option("--begin", simulation.begin, "Where along the scene's route it begins (m)")
+      .value_name("M")
+      .show_default();
+  command.option("--seed", simulation.seed, "Another seed, another world and other noise")
+      .value_name("N")
+      .show_default();
+  command.option("--imu", simulation.imu, "Inertial sensor").value_name("NAME").show_default();
+  command.option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
+      .value_name("HZ")
+      .show_default();
+  command.option("--gnss", simulation.gnss, "GNSS receiver").value_name("NAME").show_default();
+  command.option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
+      .value_name("HZ")
+      .show_default();
+  command.option("--fault", simulation.faults, "Something that is wrong; may be given again")
+      .one_value_each()
+      .value_name("NAME");
   command
-      ->add_option("--fields", options->layout,
-                   "Lay clouds out as another driver: velodyne, ouster, hesai, livox")
-      ->type_name("DRIVER");
-  command->add_flag("--perfect", options->perfect, "A range sensor without errors");
-  command->add_flag("--quiet", options->quiet, "Print errors alone");
-  command->add_flag_callback(
+      .option("--fields", options->layout,
+              "Lay clouds out as another driver: velodyne, ouster, hesai, livox")
+      .value_name("DRIVER");
+  command.flag("--perfect", options->perfect, "A range sensor without errors");
+  command.flag("--quiet", options->quiet, "Print errors alone");
+  command.flag(
       "--example",
       [] {
         std::cout << scene_file_example() << std::flush;
-        throw CLI::Success();
+        end_parsing();
       },
       "Print a scene file with every key and stop");
-  command->callback([command, options, done = std::move(done)] {
-    options->besides_scene_file = given_besides(*command, {"scene", "--output", "--quiet"});
+  command.action([command, options, done = std::move(done)] {
+    options->besides_scene_file = command.given_besides({"scene", "--output", "--quiet"});
     done(simulate_command(*options, std::cout, std::cerr));
   });
-  return command;
 }
 
 }  // namespace adit

@@ -10,11 +10,9 @@
 
 #include "adit/tools/simulator/simulation.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace adit {
+
+class Command;
 
 struct SimulateCommandOptions {
   SimulationOptions simulation;
@@ -27,8 +25,8 @@ struct SimulateCommandOptions {
 /// Simulates and tells what was written. Returns the exit code: 0 done, 1 failed, 2 usage.
 int simulate_command(const SimulateCommandOptions& options, std::ostream& out, std::ostream& err);
 
-/// Adds the sub-command. It runs on std::cout and std::cerr at the end of CLI parsing; `done` gets
-/// the exit code.
-CLI::App* add_simulate_command(CLI::App& app, std::function<void(int)> done);
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_simulate_command(Command app, std::function<void(int)> done);
 
 }  // namespace adit

@@ -5,14 +5,12 @@
 #include <functional>
 #include <span>
 
-namespace CLI {
-class App;
-}
+#include "adit/tools/commands/command_line.hpp"
 
 namespace adit {
 
 /// Adds a sub-command, which hands its exit code to the function given.
-using AddCommand = std::function<CLI::App*(CLI::App&, std::function<void(int)>)>;
+using AddCommand = std::function<void(Command, std::function<void(int)>)>;
 
 /// The whole program: parses the command line, runs the command on the standard streams, returns
 /// the exit code (0 done, 1 failed on the data or the device, 2 usage). Throws nothing. `more` are

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
+#include "adit/slam/core/text.hpp"
 #include "adit/tools/drawing/markup.hpp"
 
 namespace adit {
@@ -46,11 +46,7 @@ std::string dark_style() {
 
 /// A number as SVG wants it, whatever the locale; one hundredth of a pixel is enough.
 std::string number(double value) {
-  std::array<char, 64> text{};
-  const double bounded = std::clamp(value, -1e6, 1e6);
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), bounded, std::chars_format::fixed, 2);
-  return {text.data(), end.ptr};
+  return with_decimals(std::clamp(value, -1e6, 1e6), 2);
 }
 
 std::string attribute(std::string_view name, double value) {
@@ -205,10 +201,7 @@ std::vector<double> round_ticks(double low, double high, int count) {
 std::string tick_label(double value, double step) {
   const int decimals =
       step > 0.0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9) : 3;
-  std::array<char, 352> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value,
-                                 std::chars_format::fixed, decimals);
-  std::string label(text.data(), end.ptr);
+  std::string label = with_decimals(value, decimals);
   const bool zero = label.find_first_not_of("-0.") == std::string::npos;
   return zero && label.front() == '-' ? label.substr(1) : label;
 }

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <numbers>
 #include <set>
 #include <string_view>
 
+#include "adit/slam/core/text.hpp"
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/support/output_file.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -33,7 +33,6 @@ struct Column {
 };
 
 const std::vector<Column>& columns() {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   static const std::vector<Column> kColumns = {
       {"poses", "poses", 0, false,
        [](const Evaluation& e) { return Figure(static_cast<double>(e.association.pairs)); }},
@@ -57,17 +56,13 @@ const std::vector<Column>& columns() {
          return if_any(e.all_segments.count, 100.0 * e.all_segments.translation);
        }},
       {"KITTI (deg/100 m)", "kitti_rotation_deg_per_100m", 3, true, [](const Evaluation& e) {
-         return if_any(e.all_segments.count, 100.0 * kDegrees * e.all_segments.rotation);
+         return if_any(e.all_segments.count, 100.0 * kDegreesPerRadian * e.all_segments.rotation);
        }}};
   return kColumns;
 }
 
 Figure figure_of(const ComparedEstimate& estimate, const Column& column) {
   return estimate.evaluation ? column.figure(*estimate.evaluation) : std::nullopt;
-}
-
-std::string rounded(double value, int decimals) {
-  return printed("%.*f", decimals, value);
 }
 
 /// Whether this is the least of its column, as printed, among at least two.
@@ -81,7 +76,7 @@ bool is_best(const Comparison& comparison, const Column& column, const Figure& f
     }
   }
   return column.is_error && figures > 1 && figure &&
-         rounded(*figure, column.decimals) == rounded(least, column.decimals);
+         with_decimals(*figure, column.decimals) == with_decimals(least, column.decimals);
 }
 
 std::string escaped(const std::string& text, std::string_view special, const std::string& before) {
@@ -108,7 +103,7 @@ std::string cell(const Comparison& comparison, const ComparedEstimate& estimate,
   if (!figure) {
     return "-";
   }
-  const std::string text = rounded(*figure, column.decimals);
+  const std::string text = with_decimals(*figure, column.decimals);
   if (!is_best(comparison, column, figure)) {
     return text;
   }

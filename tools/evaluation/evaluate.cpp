@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 
+#include <fmt/core.h>
 #include <Eigen/Eigenvalues>
 
 namespace adit {
@@ -61,15 +61,11 @@ std::optional<std::string> find_free_rotation(const Evaluation& evaluation) {
       spread[1] > kStraight * spread[2] || turn < kHarmless) {
     return std::nullopt;
   }
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "the path is nearly straight (%.2f m rms off a line, %.1f m along it) and aligned by "
-      "positions alone, which tell how the estimate is turned about that line to some %.1f "
-      "degrees only: the rotation of the ATE says little; that of the RPE does, or --align "
-      "origin",
+  return fmt::format(
+      "the path is nearly straight ({:.2f} m rms off a line, {:.1f} m along it) and aligned by "
+      "positions alone, which tell how the estimate is turned about that line to some {:.1f} "
+      "degrees only: the rotation of the ATE says little; that of the RPE does, or --align origin",
       spread[1], spread[2], turn * 180.0 / std::numbers::pi);
-  return text;
 }
 
 }  // namespace

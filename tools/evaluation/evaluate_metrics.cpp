@@ -6,14 +6,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// The motion that is left between what the truth and what the estimate did from pose i to pose j.
 Eigen::Isometry3d relative_error(Poses estimate, Poses truth, std::size_t i, std::size_t j) {
@@ -74,7 +72,8 @@ std::vector<double> rotation_errors(Poses estimate, Poses truth) {
   assert(estimate.size() == truth.size());
   std::vector<double> errors(truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    errors[i] = kDegrees * rotation_angle(truth[i].linear().transpose() * estimate[i].linear());
+    errors[i] =
+        kDegreesPerRadian * rotation_angle(truth[i].linear().transpose() * estimate[i].linear());
   }
   return errors;
 }
@@ -123,7 +122,7 @@ RelativeErrors relative_errors(Poses estimate, Poses truth, const RpeOptions& op
   for (const auto& [i, j] : pairs) {
     const Eigen::Isometry3d error = relative_error(estimate, truth, i, j);
     translations.push_back(error.translation().norm());
-    rotations.push_back(kDegrees * rotation_angle(error.linear()));
+    rotations.push_back(kDegreesPerRadian * rotation_angle(error.linear()));
   }
   return {statistics(translations), statistics(rotations)};
 }

@@ -4,42 +4,26 @@
 
 #include <array>
 #include <cmath>
-#include <iomanip>
-#include <locale>
-#include <numbers>
-#include <sstream>
 #include <string_view>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
+
+#include "adit/slam/core/text.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-/// Writes numbers alike whatever the program's locale.
-std::ostringstream make_stream() {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out << std::fixed;
-  return out;
-}
-
-std::string fixed(double value, int decimals) {
-  std::ostringstream out = make_stream();
-  out << std::setprecision(decimals) << value;
-  return out.str();
-}
-
 std::string percent(double part, double whole) {
-  return fixed(whole > 0.0 ? 100.0 * part / whole : 0.0, 1) + " %";
+  return with_decimals(whole > 0.0 ? 100.0 * part / whole : 0.0, 1) + " %";
 }
 
 std::string association_text(const Evaluation& evaluation) {
   const AssociationSummary& a = evaluation.association;
   std::string text = std::to_string(a.pairs) + " pairs ";
-  text += a.by_time ? "by time (nearest within " + fixed(evaluation.options.tolerance, 3) +
-                          " s; largest difference " + fixed(a.largest_difference, 4) + " s)"
+  text += a.by_time ? "by time (nearest within " + with_decimals(evaluation.options.tolerance, 3) +
+                          " s; largest difference " + with_decimals(a.largest_difference, 4) + " s)"
                     : std::string("by index");
   return text;
 }
@@ -47,8 +31,8 @@ std::string association_text(const Evaluation& evaluation) {
 std::string coverage_text(const AssociationSummary& a) {
   return std::to_string(a.pairs) + " of " + std::to_string(a.estimate_poses) +
          " poses of the estimate, of " + std::to_string(a.truth_poses) + " of the truth; " +
-         fixed(a.covered_path, 1) + " of " + fixed(a.truth_path, 1) + " m of the truth's path (" +
-         percent(a.covered_path, a.truth_path) + ")";
+         with_decimals(a.covered_path, 1) + " of " + with_decimals(a.truth_path, 1) +
+         " m of the truth's path (" + percent(a.covered_path, a.truth_path) + ")";
 }
 
 std::string alignment_text(const Evaluation& evaluation) {
@@ -61,7 +45,7 @@ std::string alignment_text(const Evaluation& evaluation) {
       return "SE(3) Umeyama over all matched positions";
     case Alignment::sim3:
       return "Sim(3) Umeyama over all matched positions, scale " +
-             fixed(evaluation.alignment.scale, 6);
+             with_decimals(evaluation.alignment.scale, 6);
   }
   return {};
 }
@@ -69,54 +53,49 @@ std::string alignment_text(const Evaluation& evaluation) {
 std::string rpe_text(const Evaluation& evaluation) {
   const RpeOptions& rpe = evaluation.options.rpe;
   if (rpe.unit == DeltaUnit::frames) {
-    return fixed(rpe.delta, 0) + " frames apart";
+    return with_decimals(rpe.delta, 0) + " frames apart";
   }
-  std::ostringstream delta = make_stream();
-  delta << std::defaultfloat << rpe.delta;
-  return delta.str() + " m apart along the " +
-         (rpe.pairs_from == PairSource::estimate ? "estimate" : "truth") +
-         (rpe.from_first_pose ? ", from its first pose" : "");
+  return fmt::format("{:g} m apart along the {}{}", rpe.delta,
+                     rpe.pairs_from == PairSource::estimate ? "estimate" : "truth",
+                     rpe.from_first_pose ? ", from its first pose" : "");
 }
 
-void write_head(std::ostream& out) {
-  out << "  " << std::left << std::setw(26) << "" << std::right;
+void write_head(std::string& out) {
+  out += fmt::format("  {:26}", "");
   for (const std::string_view name : {"rmse", "mean", "median", "std", "min", "max"}) {
-    out << std::setw(12) << name;
+    out += fmt::format("{:>12}", name);
   }
-  out << "\n";
+  out += "\n";
 }
 
-void write_row(std::ostream& out, std::string_view name, const Statistics& s) {
-  out << "  " << std::left << std::setw(26) << name << std::right << std::setprecision(6);
+void write_row(std::string& out, std::string_view name, const Statistics& s) {
+  out += fmt::format("  {:26}", name);
   if (s.count == 0) {
-    out << std::setw(12) << "-"
-        << "   (the path is too short for one pair)\n";
+    out += fmt::format("{:>12}   (the path is too short for one pair)\n", "-");
     return;
   }
   for (const double value : {s.rmse, s.mean, s.median, s.std, s.min, s.max}) {
-    out << std::setw(12) << value;
+    out += fmt::format("{:>12.6f}", value);
   }
-  out << "\n";
+  out += "\n";
 }
 
-void write_segments(std::ostream& out, const Evaluation& evaluation) {
+void write_segments(std::string& out, const Evaluation& evaluation) {
   const SegmentErrors& all = evaluation.all_segments;
-  out << "KITTI segments";
+  out += "KITTI segments";
   if (all.count == 0) {
-    out << ": none, the truth's path is shorter than 100 m\n";
+    out += ": none, the truth's path is shorter than 100 m\n";
     return;
   }
-  out << " (every 10th pose; mean error over the length)\n";
-  out << "  " << std::setw(10) << "length (m)" << std::setw(10) << "segments" << std::setw(18)
-      << "translation (%)" << std::setw(22) << "rotation (deg/100 m)"
-      << "\n";
+  out += " (every 10th pose; mean error over the length)\n";
+  out += fmt::format("  {:>10}{:>10}{:>18}{:>22}\n", "length (m)", "segments", "translation (%)",
+                     "rotation (deg/100 m)");
   const auto row = [&](const std::string& name, const SegmentErrors& s) {
-    out << "  " << std::setw(10) << name << std::setw(10) << s.count << std::setprecision(4)
-        << std::setw(18) << 100.0 * s.translation << std::setw(22) << 100.0 * kDegrees * s.rotation
-        << "\n";
+    out += fmt::format("  {:>10}{:>10}{:>18.4f}{:>22.4f}\n", name, s.count, 100.0 * s.translation,
+                       100.0 * kDegreesPerRadian * s.rotation);
   };
   for (const SegmentErrors& segment : evaluation.segments) {
-    row(fixed(segment.length, 0), segment);
+    row(with_decimals(segment.length, 0), segment);
   }
   row("all", all);
 }
@@ -132,7 +111,7 @@ nlohmann::ordered_json to_json(const Statistics& s) {
 nlohmann::ordered_json to_json(const SegmentErrors& s) {
   return {{"count", s.count},
           {"translation_percent", 100.0 * s.translation},
-          {"rotation_deg_per_m", kDegrees * s.rotation}};
+          {"rotation_deg_per_m", kDegreesPerRadian * s.rotation}};
 }
 
 nlohmann::ordered_json to_json(const Similarity& s) {
@@ -147,16 +126,14 @@ nlohmann::ordered_json to_json(const Similarity& s) {
 
 std::string format_evaluation(const Evaluation& evaluation, const std::filesystem::path& estimate,
                               const std::filesystem::path& truth) {
-  std::ostringstream out = make_stream();
-  out << "estimate     " << estimate.string() << "\n";
-  out << "truth        " << truth.string() << "\n";
-  out << "association  " << association_text(evaluation) << "\n";
-  out << "coverage     " << coverage_text(evaluation.association) << "\n";
-  out << "alignment    " << alignment_text(evaluation) << "\n";
+  std::string out = fmt::format(
+      "estimate     {}\ntruth        {}\nassociation  {}\ncoverage     {}\nalignment    {}\n",
+      estimate.string(), truth.string(), association_text(evaluation),
+      coverage_text(evaluation.association), alignment_text(evaluation));
   for (const std::string& warning : evaluation.warnings) {
-    out << "warning      " << warning << "\n";
+    out += fmt::format("warning      {}\n", warning);
   }
-  out << "\nabsolute trajectory error (ATE)\n";
+  out += "\nabsolute trajectory error (ATE)\n";
   write_head(out);
   write_row(out, "position (m)", evaluation.ate);
   write_row(out, evaluation.rotation_determined ? "rotation (deg)" : "rotation (deg), free",
@@ -164,16 +141,15 @@ std::string format_evaluation(const Evaluation& evaluation, const std::filesyste
   if (evaluation.options.alignment != Alignment::none) {
     write_row(out, "position, unaligned (m)", evaluation.ate_unaligned);
   }
-  out << "  sum of squared position errors " << std::setprecision(6) << evaluation.ate.sse
-      << " m^2\n";
-  out << "\nrelative pose error (RPE), " << evaluation.rpe.translation.count
-      << " consecutive pairs " << rpe_text(evaluation) << "\n";
+  out += fmt::format("  sum of squared position errors {:.6f} m^2\n", evaluation.ate.sse);
+  out += fmt::format("\nrelative pose error (RPE), {} consecutive pairs {}\n",
+                     evaluation.rpe.translation.count, rpe_text(evaluation));
   write_head(out);
   write_row(out, "translation (m)", evaluation.rpe.translation);
   write_row(out, "rotation (deg)", evaluation.rpe.rotation);
-  out << "\n";
+  out += "\n";
   write_segments(out, evaluation);
-  return out.str();
+  return out;
 }
 
 std::string evaluation_json(const Evaluation& evaluation, const std::filesystem::path& estimate,

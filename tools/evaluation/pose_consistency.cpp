@@ -5,11 +5,11 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/core.h>
 #include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/evaluation/evaluate_association.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -116,14 +116,14 @@ std::optional<PoseConsistency> pose_consistency(const RunReview& review, const T
 
 std::string describe(const PoseConsistency& found) {
   const Nees& nees = found.since_first;
-  std::string text = printed(
-      "consistency  squared error of the pose since the first sweep %.2f per degree of freedom "
-      "(NEES; 1: as its covariance promises; translation %.2f, rotation %.2f)",
+  std::string text = fmt::format(
+      "consistency  squared error of the pose since the first sweep {:.2f} per degree of freedom "
+      "(NEES; 1: as its covariance promises; translation {:.2f}, rotation {:.2f})",
       nees.pose, nees.translation, nees.rotation);
   if (found.second.samples > 0) {
-    text += printed(", of the motion over a second %.2f", found.second.pose);
+    text += fmt::format(", of the motion over a second {:.2f}", found.second.pose);
   }
-  return text + printed("; %.1f %% beyond 3 sigma\n", 100.0 * found.beyond);
+  return text + fmt::format("; {:.1f} % beyond 3 sigma\n", 100.0 * found.beyond);
 }
 
 ordered_json to_json(const PoseConsistency& found) {

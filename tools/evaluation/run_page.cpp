@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/time_panels.hpp"
@@ -16,7 +16,6 @@
 namespace adit {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::array<std::string_view, 3> kAxisNames = {"x", "y", "z"};
 
 using Sweeps = std::vector<SweepRecord>;
@@ -150,14 +149,15 @@ TimePanel innovations(const Sweeps& sweeps) {
 
 TimePanel tilt(const Sweeps& sweeps) {
   const auto towards = [&](int axis, std::string_view color, const std::string& name) {
-    return Curve{
-        .name = name,
-        .color = color,
-        .values = values_of(sweeps,
-                            [axis](const SweepRecord& s) {
-                              return kDegrees * std::atan2(s.gravity[axis], -s.gravity.z());
-                            }),
-        .sigma = values_of(sweeps, [](const auto& s) { return kDegrees * s.gravity_sigma; })};
+    return Curve{.name = name,
+                 .color = color,
+                 .values = values_of(sweeps,
+                                     [axis](const SweepRecord& s) {
+                                       return kDegreesPerRadian *
+                                              std::atan2(s.gravity[axis], -s.gravity.z());
+                                     }),
+                 .sigma = values_of(
+                     sweeps, [](const auto& s) { return kDegreesPerRadian * s.gravity_sigma; })};
   };
   return {
       .title = "Gravity off the map's -z (degrees, band of one sigma)",

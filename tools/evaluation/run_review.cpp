@@ -6,24 +6,23 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <system_error>
 #include <type_traits>
 #include <utility>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/core/nav_state.hpp"
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/input_file.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kJoined = 0.5;     // s between weak sweeps of one stretch
 constexpr std::size_t kFewest = 3;  // sweeps of a stretch
 constexpr std::size_t kNamed = 5;   // stretches in the text; all are in the JSON
@@ -150,8 +149,8 @@ const SweepRecord* last_fused(const std::vector<SweepRecord>& sweeps) {
 
 /// Roots of the traces of a pose's covariance, "0.012 m and 1.3 mrad".
 std::string sigmas_text(const Matrix6d& covariance) {
-  return printed("%.3f m and %.1f mrad", std::sqrt(covariance.diagonal().head<3>().sum()),
-                 1e3 * std::sqrt(covariance.diagonal().tail<3>().sum()));
+  return fmt::format("{:.3f} m and {:.1f} mrad", std::sqrt(covariance.diagonal().head<3>().sum()),
+                     1e3 * std::sqrt(covariance.diagonal().tail<3>().sum()));
 }
 
 ordered_json json_of_sigmas(const Matrix6d& covariance) {
@@ -164,8 +163,9 @@ bool knows_uncertainty(const RunReview& review) {
 }
 
 std::string weak_text(const WeakStretch& weak) {
-  return printed(
-      "%.1f to %.1f s, %s (%.2f, %.2f, %.2f) of the map: %zu sweeps, %zu of them by no match",
+  return fmt::format(
+      "{:.1f} to {:.1f} s, {} ({:.2f}, {:.2f}, {:.2f}) of the map: {} sweeps, {} of them by no "
+      "match",
       weak.begin, weak.end, weak.rotation ? "turning about" : "moving along", weak.axis.x(),
       weak.axis.y(), weak.axis.z(), weak.sweeps, weak.unheld);
 }
@@ -214,8 +214,9 @@ RunReview review_run(const std::filesystem::path& folder) {
 }
 
 std::string describe(const RunEnding& ending, std::size_t sweeps) {
-  const std::string written = printed("%zu", sweeps) +
-                              (ending.wanted ? printed(" of %zu", *ending.wanted) : "") + " sweeps";
+  const std::string written = std::to_string(sweeps) +
+                              (ending.wanted ? fmt::format(" of {}", *ending.wanted) : "") +
+                              " sweeps";
   if (ending.status == "completed") {
     return "completed, " + written;
   }
@@ -249,24 +250,25 @@ std::string describe(const RunReview& review) {
   }
   text += review.weak.empty() ? "no direction for longer\n" : "";
   text += review.weak.size() > kNamed
-              ? printed("             and %zu more stretches\n", review.weak.size() - kNamed)
+              ? fmt::format("             and {} more stretches\n", review.weak.size() - kNamed)
               : "";
   if (const InnovationReview& found = review.innovations; found.count > 0) {
-    text += printed(
-        "innovations  %zu; squared %.2f per degree of freedom (1: as their covariances promise), "
-        "%.1f %% beyond the 95 %% bound, %zu not believed\n",
+    text += fmt::format(
+        "innovations  {}; squared {:.2f} per degree of freedom (1: as their covariances promise), "
+        "{:.1f} % beyond the 95 % bound, {} not believed\n",
         found.count, found.per_degree, 100.0 * found.beyond_95, found.beyond_gate);
   }
   if (const SweepRecord* last = last_fused(review.sweeps)) {
     const Eigen::Vector3d& g = last->gyro_bias;
     const Eigen::Vector3d& a = last->accel_bias;
-    text += printed(
-        "biases       gyroscope %.2f, %.2f, %.2f mrad/s (+- %.2f), accelerometer "
-        "%.3f, %.3f, %.3f m/s^2 (+- %.3f) at the end\n",
+    text += fmt::format(
+        "biases       gyroscope {:.2f}, {:.2f}, {:.2f} mrad/s (+- {:.2f}), accelerometer {:.3f}, "
+        "{:.3f}, {:.3f} m/s^2 (+- {:.3f}) at the end\n",
         1e3 * g.x(), 1e3 * g.y(), 1e3 * g.z(), 1e3 * last->gyro_bias_sigma.maxCoeff(), a.x(), a.y(),
         a.z(), last->accel_bias_sigma.maxCoeff());
-    text += printed("gravity      %.2f degrees (+- %.2f) off the map's -z at the end\n",
-                    kDegrees * tilt_of(*last), kDegrees * last->gravity_sigma);
+    text +=
+        fmt::format("gravity      {:.2f} degrees (+- {:.2f}) off the map's -z at the end\n",
+                    kDegreesPerRadian * tilt_of(*last), kDegreesPerRadian * last->gravity_sigma);
   }
   if (knows_uncertainty(review)) {
     const PoseUncertainty& last = review.sweeps.back().uncertainty;

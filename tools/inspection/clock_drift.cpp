@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
+
+#include <fmt/core.h>
 
 namespace adit {
 namespace {
@@ -102,12 +103,10 @@ std::vector<Finding> find_clock_drift(const std::vector<Topic>& topics,
     if (std::abs(rate) < kLeastRate + kSure * sigma || std::abs(gained) < kHarmless) {
       continue;
     }
-    char found[200];
-    std::snprintf(
-        found, sizeof found,
-        "its clock runs %.0f ppm %s than that of %s (+- %.0f): %.1f ms over the recording",
-        1e6 * std::abs(rate), rate > 0.0 ? "faster" : "slower", sweeps->name.c_str(),
-        1e6 * kSure * sigma, 1e3 * std::abs(gained));
+    const std::string found = fmt::format(
+        "its clock runs {:.0f} ppm {} than that of {} (+- {:.0f}): {:.1f} ms over the recording",
+        1e6 * std::abs(rate), rate > 0.0 ? "faster" : "slower", sweeps->name, 1e6 * kSure * sigma,
+        1e3 * std::abs(gained));
     findings.push_back({Severity::problem, "clock_drift", topics[i].name, found,
                         "what fits at the start does not at the end",
                         "Synchronise the clocks (PTP, GPS, NTP); until then map it in pieces"});

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/svg.hpp"
@@ -16,7 +18,6 @@
 #include "adit/tools/inspection/motion_plots.hpp"
 #include "adit/tools/inspection/recording_inference.hpp"
 #include "adit/tools/inspection/unchecked.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -190,10 +191,10 @@ std::string topics_part(const Inspection& inspection) {
               "</td><td></td><td></td><td></td><td></td></tr>\n";
       continue;
     }
-    html += "<td>" + std::to_string(s.events) + "</td><td>" + printed("%.2f", s.rate()) +
-            "</td><td>" + printed("%.2f", s.span()) + "</td><td>" +
-            printed("%.3f", s.largest_interval()) + "</td><td>" +
-            printed("%.2f", static_cast<double>(s.bytes) / 1048576.0) + "</td></tr>\n";
+    html += "<td>" + std::to_string(s.events) + "</td><td>" + fmt::format("{:.2f}", s.rate()) +
+            "</td><td>" + fmt::format("{:.2f}", s.span()) + "</td><td>" +
+            fmt::format("{:.3f}", s.largest_interval()) + "</td><td>" +
+            fmt::format("{:.2f}", static_cast<double>(s.bytes) / 1048576.0) + "</td></tr>\n";
   }
   return html + "</table></div>\n";
 }
@@ -220,11 +221,10 @@ std::string motion_part(const Inspection& inspection) {
                 inspection.statistics[check.pair.sweep_topic].stamps.value_or(TimeSpan{}).begin);
     html += "<h2>" + escape_markup(check.pair.sweeps.name + " and " + check.pair.imu.name) +
             "</h2>\n<p>" +
-            printed(
-                "%zu sweeps from %.1f s after the first one on, in which the IMU turns most, each "
+            fmt::format(
+                "{} sweeps from {:.1f} s after the first one on, in which the IMU turns most, each "
                 "aligned with those before, without the IMU and not de-skewed. <code>adit "
-                "run</code> shows "
-                "the same of all sweeps, and the IMU's innovations.",
+                "run</code> shows the same of all sweeps, and the IMU's innovations.",
                 check.mapped.size(), begin) +
             "</p>\n" + html_drawing([review = review_sweeps(check.mapped)](double width) {
               return draw_run(review, width);

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <numbers>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/units.hpp"
 #include "adit/slam/inertial/gyroscope_integral.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
 
@@ -18,7 +19,6 @@ namespace {
 constexpr double kMostOffset = 0.5;             // s
 constexpr double kHarmlessOffset = 0.02;        // s: what distorted sweeps can feign
 constexpr double kHarmlessMisalignment = 0.09;  // rad, 5 degrees
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Calls take(event) for each event that can be read.
 template <class Take>
@@ -181,38 +181,29 @@ std::string angles(const Eigen::Matrix3d& rotation) {
   const double pitch = std::asin(std::clamp(-rotation(2, 0), -1.0, 1.0));
   const double roll = std::atan2(rotation(2, 1), rotation(2, 2));
   const double yaw = std::atan2(rotation(1, 0), rotation(0, 0));
-  char text[100];
-  std::snprintf(text, sizeof text, "roll %.1f, pitch %.1f, yaw %.1f degrees", roll * kDegrees,
-                pitch * kDegrees, yaw * kDegrees);
-  return text;
+  return fmt::format("roll {:.1f}, pitch {:.1f}, yaw {:.1f} degrees", roll * kDegreesPerRadian,
+                     pitch * kDegreesPerRadian, yaw * kDegreesPerRadian);
 }
 
 std::string quaternion(const Eigen::Matrix3d& rotation) {
   const Eigen::Quaterniond q(rotation);
-  char text[100];
-  std::snprintf(text, sizeof text, "qx %.4f, qy %.4f, qz %.4f, qw %.4f", q.x(), q.y(), q.z(),
-                q.w());
-  return text;
+  return fmt::format("qx {:.4f}, qy {:.4f}, qz {:.4f}, qw {:.4f}", q.x(), q.y(), q.z(), q.w());
 }
 
 Finding offset_finding(const MotionCheck& check) {
   const RotationComparison& found = *check.comparison;
   const std::string other = check.pair.sweeps.name;
-  char text[300];
-  std::snprintf(text, sizeof text,
-                "the same rotation has a time %.4f s %s here than on %s (+- %.4f s; correlation "
-                "%.3f over %zu sweeps)",
-                std::abs(found.offset), found.offset > 0.0 ? "later" : "earlier", other.c_str(),
-                kSureSigmas * found.offset_sigma, found.correlation, check.sweeps);
-  char effect[200];
-  std::snprintf(effect, sizeof effect,
-                "while it turns at 1 rad/s, sweeps are corrected by %.1f degrees too much or too "
-                "little",
-                std::abs(found.offset) * kDegrees);
-  char remedy[200];
-  std::snprintf(remedy, sizeof remedy,
-                "Add %.4f s to the times of this topic, or synchronise the clocks of the sensors",
-                -found.offset);
+  const std::string text = fmt::format(
+      "the same rotation has a time {:.4f} s {} here than on {} (+- {:.4f} s; correlation {:.3f} "
+      "over {} sweeps)",
+      std::abs(found.offset), found.offset > 0.0 ? "later" : "earlier", other,
+      kSureSigmas * found.offset_sigma, found.correlation, check.sweeps);
+  const std::string effect = fmt::format(
+      "while it turns at 1 rad/s, sweeps are corrected by {:.1f} degrees too much or too little",
+      std::abs(found.offset) * kDegreesPerRadian);
+  const std::string remedy = fmt::format(
+      "Add {:.4f} s to the times of this topic, or synchronise the clocks of the sensors",
+      -found.offset);
   return {Severity::problem, "sensor_offset", check.pair.imu.name, text, effect, remedy};
 }
 
@@ -221,14 +212,13 @@ Finding mounting_finding(const MotionCheck& check) {
   const Eigen::Matrix3d& told = *check.pair.R_range_gyro;
   const bool inverted = rotation_angle(told * found.R_range_gyro) <
                         kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(found);
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%s mounts it to the sensor of %s with %s, the motion with %s: %.1f degrees apart "
-                "(+- %.1f)%s",
-                check.pair.told_by.c_str(), check.pair.sweeps.name.c_str(), angles(told).c_str(),
-                angles(found.R_range_gyro).c_str(), found.misalignment * kDegrees,
-                kSureSigmas * known_mounting_sigma(found) * kDegrees,
-                inverted ? "; the transform is the wrong way round" : "");
+  const std::string text = fmt::format(
+      "{} mounts it to the sensor of {} with {}, the motion with {}: {:.1f} degrees apart (+- "
+      "{:.1f}){}",
+      check.pair.told_by, check.pair.sweeps.name, angles(told), angles(found.R_range_gyro),
+      found.misalignment * kDegreesPerRadian,
+      kSureSigmas * known_mounting_sigma(found) * kDegreesPerRadian,
+      inverted ? "; the transform is the wrong way round" : "");
   const std::string hidden = unobserved_axes(found);
   return {
       Severity::problem,
@@ -246,13 +236,11 @@ Finding mounting_finding(const MotionCheck& check) {
 
 Finding scale_finding(const MotionCheck& check) {
   const RotationComparison& found = *check.comparison;
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "its gyroscope turns %.3f (+- %.3f) times as much as the sweeps of %s: its scale "
-                "is off",
-                found.scale, kSureScaleSigmas * found.scale_sigma, check.pair.sweeps.name.c_str());
-  char remedy[80];
-  std::snprintf(remedy, sizeof remedy, "Set recording.gyroscope_scale = %.4f", 1.0 / found.scale);
+  const std::string text = fmt::format(
+      "its gyroscope turns {:.3f} (+- {:.3f}) times as much as the sweeps of {}: its scale is off",
+      found.scale, kSureScaleSigmas * found.scale_sigma, check.pair.sweeps.name);
+  const std::string remedy =
+      fmt::format("Set recording.gyroscope_scale = {:.4f}", 1.0 / found.scale);
   return {Severity::problem,
           "gyroscope_scale",
           check.pair.imu.name,
@@ -299,27 +287,26 @@ std::vector<Finding> find_in_motion(const MotionCheck& check) {
 }
 
 std::string describe(const MotionCheck& check) {
-  char text[300];
   if (!check.comparison) {
-    std::snprintf(text, sizeof text,
-                  "offset and mounting to %s: cannot be told (%zu of %zu sweeps could be aligned; "
-                  "it must turn for some seconds)",
-                  check.pair.sweeps.name.c_str(), check.tracked, check.sweeps);
-    return text;
+    return fmt::format(
+        "offset and mounting to {}: cannot be told ({} of {} sweeps could be aligned; it must turn "
+        "for some seconds)",
+        check.pair.sweeps.name, check.tracked, check.sweeps);
   }
   const RotationComparison& found = *check.comparison;
-  std::snprintf(text, sizeof text, "offset to %s %+.4f s (+- %.4f); mounting by the motion: ",
-                check.pair.sweeps.name.c_str(), found.offset, kSureSigmas * found.offset_sigma);
-  std::string line = text + angles(found.R_range_gyro);
+  std::string text =
+      fmt::format("offset to {} {:+.4f} s (+- {:.4f}); mounting by the motion: ",
+                  check.pair.sweeps.name, found.offset, kSureSigmas * found.offset_sigma) +
+      angles(found.R_range_gyro);
   const auto known = std::ranges::count_if(found.mounting_sigma,
                                            [](double sigma) { return std::isfinite(sigma); });
   if (known < 3) {
-    line += known == 0 ? " (a guess)" : " (about some axes a guess)";
+    text += known == 0 ? " (a guess)" : " (about some axes a guess)";
   }
-  std::snprintf(text, sizeof text,
-                "; it turns %.3f (+- %.3f) times as much; correlation %.3f over %zu sweeps",
-                found.scale, kSureScaleSigmas * found.scale_sigma, found.correlation, check.sweeps);
-  return line + text;
+  return text +
+         fmt::format(
+             "; it turns {:.3f} (+- {:.3f}) times as much; correlation {:.3f} over {} sweeps",
+             found.scale, kSureScaleSigmas * found.scale_sigma, found.correlation, check.sweeps);
 }
 
 }  // namespace adit

@@ -5,16 +5,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <string_view>
 #include <vector>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/drawing/time_panels.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::array<std::string_view, 3> kNames = {"x", "y", "z"};
 
 /// One curve an axis; `vector(i)` at the i-th of `count` times.
@@ -62,8 +61,8 @@ TimePanel up_panel(const ImuTimeline& timeline, const std::optional<Eigen::Matri
   Curve y{.name = "towards y", .color = kAxisColors[1], .values = {}};
   for (const ImuBin& bin : timeline.bins()) {
     const Eigen::Vector3d up = R * bin.acceleration();
-    x.values.push_back(kDegrees * std::atan2(up.x(), up.z()));
-    y.values.push_back(kDegrees * std::atan2(up.y(), up.z()));
+    x.values.push_back(kDegreesPerRadian * std::atan2(up.x(), up.z()));
+    y.values.push_back(kDegreesPerRadian * std::atan2(up.y(), up.z()));
   }
   return {.title = std::string("Up by the accelerometer, off the z of the ") +
                    (R_range_imu ? "range sensor" : "IMU") + " (degrees)",

@@ -4,20 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include <fmt/core.h>
+
+#include "adit/slam/core/text.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s²
 constexpr double kScaleError = 0.04;  // of gravity: sensors that are right stay below
-
-/// A number with so many digits after the point.
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
 
 std::string of(uint64_t part, uint64_t whole) {
   return std::to_string(part) + " of " + std::to_string(whole);
@@ -80,8 +76,8 @@ void check_stamps(const TopicStatistics& topic, const StampStatistics& s,
     const std::chrono::duration<double> at = s.largest_interval_at - topic.stamps->begin;
     add("gaps",
         std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + ", the longest of " +
-            fixed(s.largest_interval, 3) + " s, where " + fixed(s.period(), 4) +
-            " s is usual; it starts " + fixed(at.count(), 3) + " s after the first",
+            with_decimals(s.largest_interval, 3) + " s, where " + with_decimals(s.period(), 4) +
+            " s is usual; it starts " + with_decimals(at.count(), 3) + " s after the first",
         "the motion within is guessed", "Check the connection and the recorder's load");
   }
 }
@@ -114,10 +110,10 @@ double leap_of(const TopicStatistics& s) {
 void check_clock(const TopicStatistics& s, Findings& findings) {
   const std::string remedy = "Set the sensor's clock to UTC, or shift its times";
   if (const double leap = leap_of(s); leap != 0.0) {
-    findings.problem(
-        "clock_leap",
-        "its clock leaps by " + fixed(leap, 3) + " s against the recorder's: " + known_offset(leap),
-        "before or after the leap it does not fit to the other topics", remedy);
+    findings.problem("clock_leap",
+                     "its clock leaps by " + with_decimals(leap, 3) +
+                         " s against the recorder's: " + known_offset(leap),
+                     "before or after the leap it does not fit to the other topics", remedy);
     return;
   }
   const double delay = s.delay.mean();
@@ -128,8 +124,8 @@ void check_clock(const TopicStatistics& s, Findings& findings) {
   const bool since_boot = delay > 1e8;
   findings.problem(
       "clock_offset",
-      "its clock is " + fixed(std::abs(delay), 3) + " s " + (delay > 0 ? "behind" : "ahead of") +
-          " the recorder's" +
+      "its clock is " + with_decimals(std::abs(delay), 3) + " s " +
+          (delay > 0 ? "behind" : "ahead of") + " the recorder's" +
           (!known.empty() ? ": " + known
            : since_boot   ? ": it counts from when the sensor was started"
                           : ""),
@@ -208,41 +204,41 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
                     "Record a whole inertial sensor");
   }
   const double norm = s.acceleration.mean();
-  const std::string mean = "the acceleration is " + fixed(norm, 3) + " on average";
+  const std::string mean = "the acceleration is " + with_decimals(norm, 3) + " on average";
   if (norm > 0.8 && norm < 1.3) {
     findings.problem("accelerometer_unit", mean + ": it is in g, not in m/s²",
                      "gravity would be a tenth of what it is",
                      "Multiply the accelerations by 9.80665");
-  } else if (norm < 0.8 * kGravity || norm > 1.3 * kGravity) {
+  } else if (norm < 0.8 * kStandardGravity || norm > 1.3 * kStandardGravity) {
     findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
                      "gravity cannot be told", "Check the accelerometer's unit and range");
   }
   if (const auto gravity = gravity_at_rest(s);
-      gravity && norm >= 0.8 * kGravity && std::abs(*gravity / kGravity - 1.0) > kScaleError) {
-    findings.problem("accelerometer_scale",
-                     "it reads " + fixed(*gravity, 3) + " m/s² at rest, " +
-                         fixed(100.0 * (*gravity / kGravity - 1.0), 1) +
-                         " % off gravity: its scale is off",
-                     "velocities and heights drift, or it is left out",
-                     "Set recording.accelerometer_scale = " + fixed(kGravity / *gravity, 4));
+      gravity && norm >= 0.8 * kStandardGravity &&
+      std::abs(*gravity / kStandardGravity - 1.0) > kScaleError) {
+    findings.problem(
+        "accelerometer_scale",
+        "it reads " + with_decimals(*gravity, 3) + " m/s² at rest, " +
+            with_decimals(100.0 * (*gravity / kStandardGravity - 1.0), 1) +
+            " % off gravity: its scale is off",
+        "velocities and heights drift, or it is left out",
+        "Set recording.accelerometer_scale = " + with_decimals(kStandardGravity / *gravity, 4));
   }
   // 35 rad/s are 2000 degrees/s, the range of most sensors; a tenth of that on average is no
   // motion.
   if (s.rotation.mean() > 3.5) {
-    findings.problem(
-        "gyroscope_unit", "it turns at " + fixed(s.rotation.mean(), 1) + " rad/s on average",
-        "rotations would be far too large", "Check whether the rates are in degrees per second");
+    findings.problem("gyroscope_unit",
+                     "it turns at " + with_decimals(s.rotation.mean(), 1) + " rad/s on average",
+                     "rotations would be far too large",
+                     "Check whether the rates are in degrees per second");
   }
 }
 
 /// For a remedy: the unit that would make the times fit, if one does.
 std::string better_unit(const TopicStatistics& topic) {
   const std::optional<double> unit = topic.better_time_unit();
-  char text[80] = "Set recording.point_time_unit to the seconds that a step of the times is";
-  if (unit) {
-    std::snprintf(text, sizeof text, "Set recording.point_time_unit = %g", *unit);
-  }
-  return text;
+  return unit ? fmt::format("Set recording.point_time_unit = {:g}", *unit)
+              : "Set recording.point_time_unit to the seconds that a step of the times is";
 }
 
 void check_sweeps(const TopicStatistics& topic, Findings& findings) {
@@ -260,23 +256,23 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
   }
   if (const std::optional<Sector> sector = s.blocked_sector()) {
     findings.notice("blocked_sector",
-                    "nothing is seen from azimuth " + fixed(sector->begin, 0) + " to " +
-                        fixed(sector->end, 0) + " degrees (from x towards y)",
+                    "nothing is seen from azimuth " + with_decimals(sector->begin, 0) + " to " +
+                        with_decimals(sector->end, 0) + " degrees (from x towards y)",
                     "none as long as the other directions tell the motion",
                     "Expected where the vehicle or its carrier hides them, or where the sensor is "
                     "set so; else clean the sensor");
   }
   if (s.not_finite > 0) {
     findings.notice("nan_points",
-                    fixed(100.0 * static_cast<double>(s.not_finite) / s.points.sum, 2) +
+                    with_decimals(100.0 * static_cast<double>(s.not_finite) / s.points.sum, 2) +
                         " % of the points are not finite (NaN): the driver's no-returns",
                     "none, they are left out", "Nothing need be done");
   }
   if (!topic.point_times_fit()) {
     findings.problem("point_time_unit",
-                     "by its points' times a sweep lasts " + fixed(s.duration.mean(), 6) +
-                         " s, but the sweeps follow each other every " + fixed(topic.period(), 4) +
-                         " s",
+                     "by its points' times a sweep lasts " + with_decimals(s.duration.mean(), 6) +
+                         " s, but the sweeps follow each other every " +
+                         with_decimals(topic.period(), 4) + " s",
                      "motion within a sweep would be corrected wrongly", better_unit(topic));
   }
 }

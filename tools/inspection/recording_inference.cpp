@@ -7,33 +7,34 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/core.h>
+
 #include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/run/config_file.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s²
-
 /// "field 't' in units of 1e-09 s, from 0.0 ms after the stamp".
 std::string times_text(const PointTimeNature& times, const SweepStatistics& s) {
   const std::string field = times.field.empty() ? "times" : "times in field '" + times.field + "'";
-  std::string text = field + printed(", unit %g s, ", times.unit);
+  std::string text = field + fmt::format(", unit {:g} s, ", times.unit);
   if (times.absolute) {
     text += "absolute";
   } else {
     text += times.first < -1e-3 ? "up to the stamp, which is the end of the sweep"
                                 : "after the stamp, which is the start of the sweep";
   }
-  return text + printed(" (a sweep lasts %.1f ms)", 1e3 * s.duration.mean());
+  return text + fmt::format(" (a sweep lasts {:.1f} ms)", 1e3 * s.duration.mean());
 }
 
 std::string sweeps_text(const TopicStatistics& topic) {
   const SweepStatistics& s = topic.sweeps;
   const double share = s.points.sum > 0 ? s.returns.sum / s.points.sum : 0;
-  std::string text = printed("%.0f points a sweep, %.1f %% of them returns; %s; ", s.points.mean(),
-                             100.0 * share, s.with_rings == topic.events ? "rings" : "no rings");
+  std::string text =
+      fmt::format("{:.0f} points a sweep, {:.1f} % of them returns; {}; ", s.points.mean(),
+                  100.0 * share, s.with_rings == topic.events ? "rings" : "no rings");
   return text + (topic.point_times ? times_text(*topic.point_times, s) : "no times");
 }
 
@@ -47,21 +48,23 @@ std::string rest_text(const ImuStatistics& s) {
       stretches, {}, [](const RestStretch& one) { return one.end - one.begin; });
   const Eigen::Vector3d bias = 1e3 * rest.gyro_bias;
   const Eigen::Vector3d& up = rest.acceleration;
-  return printed(
-      "; at rest, or moving evenly, from %.1f to %.1f s after its first reading: gyroscope %.2f, "
-      "%.2f, %.2f mrad/s, gravity %.3f, up %.1f degrees off its z",
+  return fmt::format(
+      "; at rest, or moving evenly, from {:.1f} to {:.1f} s after its first reading: gyroscope "
+      "{:.2f}, {:.2f}, {:.2f} mrad/s, gravity {:.3f}, up {:.1f} degrees off its z",
       rest.begin, rest.end, bias.x(), bias.y(), bias.z(), up.norm(),
       std::atan2(std::hypot(up.x(), up.y()), up.z()) * 180.0 / std::numbers::pi);
 }
 
 std::string imu_text(const ImuStatistics& s) {
   if (s.rotation.count == 0) {
-    return printed("acceleration %.3f on average (%.2f to %.2f), no angular velocities",
-                   s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest);
+    return fmt::format("acceleration {:.3f} on average ({:.2f} to {:.2f}), no angular velocities",
+                       s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest);
   }
-  return printed("acceleration %.3f on average (%.2f to %.2f), rotation %.3f rad/s (at most %.2f)",
-                 s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest,
-                 s.rotation.mean(), s.rotation.greatest) +
+  return fmt::format(
+             "acceleration {:.3f} on average ({:.2f} to {:.2f}), rotation {:.3f} rad/s (at most "
+             "{:.2f})",
+             s.acceleration.mean(), s.acceleration.least, s.acceleration.greatest,
+             s.rotation.mean(), s.rotation.greatest) +
          rest_text(s);
 }
 
@@ -136,8 +139,9 @@ void correct_imu(const Inspection& inspection, std::size_t topic, Config& config
       config.imu.T_imu_lidar = mounting;
     }
   }
-  if (found(inspection, "accelerometer_unit", name) && s.acceleration.mean() < 0.5 * kGravity) {
-    recording.accelerometer_scale *= kGravity;
+  if (found(inspection, "accelerometer_unit", name) &&
+      s.acceleration.mean() < 0.5 * kStandardGravity) {
+    recording.accelerometer_scale *= kStandardGravity;
   }
   const bool sure = std::ranges::any_of(inspection.findings, [&](const Finding& f) {
     return f.kind == "gravity_direction" && f.topic == name && f.severity == Severity::problem;

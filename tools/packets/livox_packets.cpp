@@ -8,10 +8,11 @@
 #include <limits>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
+
 namespace adit {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s²
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(100);
 
 // The head of a packet (bytes).
@@ -129,7 +130,7 @@ ImuSample livox_imu(const Datagram& datagram) {
   };
   return {.stamp = time_of(datagram.payload),
           .angular_velocity = vector(kHead),
-          .linear_acceleration = vector(kHead + 12) * kGravity};
+          .linear_acceleration = vector(kHead + 12) * kStandardGravity};
 }
 
 }  // namespace adit

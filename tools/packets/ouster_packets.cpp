@@ -9,11 +9,12 @@
 #include <numbers>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
+
 namespace adit {
 namespace {
 
 constexpr std::size_t kImuBytes = 48;
-constexpr double kGravity = 9.80665;                            // m/s²
 constexpr Nanoseconds kLongestSweep = std::chrono::seconds(1);  // it turns at 5 Hz at least
 
 template <class T>
@@ -154,7 +155,7 @@ ImuSample ouster_imu(const Datagram& datagram) {
   };
   return {.stamp = time_of(load<uint64_t>(datagram.payload, 16)),
           .angular_velocity = vector(36) * (std::numbers::pi / 180.0),
-          .linear_acceleration = vector(24) * kGravity};
+          .linear_acceleration = vector(24) * kStandardGravity};
 }
 
 }  // namespace adit

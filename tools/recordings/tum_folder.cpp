@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "adit/tools/clouds/depth_camera.hpp"
 #include "adit/tools/clouds/depth_png.hpp"
 #include "adit/tools/recordings/series_recording.hpp"
@@ -174,9 +176,9 @@ std::unique_ptr<Recording> open_tum_folder(const fs::path& folder) {
   };
   add("/accelerometer", "accelerometer.txt", TopicKind::imu, acceleration);
   add("/groundtruth", "groundtruth.txt", TopicKind::poses, pose);
-  char camera[100];
-  std::snprintf(camera, sizeof camera, "focal lengths %.1f, %.1f, centre %.1f, %.1f pixels",
-                model.fx, model.fy, model.cx, model.cy);
+  const std::string camera =
+      fmt::format("focal lengths {:.1f}, {:.1f}, centre {:.1f}, {:.1f} pixels", model.fx, model.fy,
+                  model.cx, model.cy);
   const std::string images = std::to_string(series.front().topic.messages.value_or(0));
   return make_series_recording(
       folder.string() + ": TUM RGB-D folder, " + images + " depth images, " + camera,

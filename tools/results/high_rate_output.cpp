@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/results/high_rate_output.hpp"
 
-#include <array>
-#include <charconv>
-#include <cstdio>
 #include <string_view>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/support/printed.hpp"
+#include "adit/slam/core/text.hpp"
 
 namespace adit {
 namespace {
@@ -30,9 +28,7 @@ std::string header() {
 
 /// A millionth of a part is enough for rates and covariances: half the length of a double's text.
 void append_single(std::string& line, double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), static_cast<float>(value));
-  line.append(text.data(), end.ptr);
+  line += shortest(static_cast<float>(value));
 }
 
 std::string csv_line(const LidarMotion& motion) {
@@ -49,7 +45,7 @@ std::string csv_line(const LidarMotion& motion) {
   }
   const Eigen::Vector3d p = motion.T_map_lidar.translation();
   for (const double value : {p.x(), p.y(), p.z()}) {
-    line += ',' + printed("%.6f", value);  // a micrometre, however far from the origin
+    line += fmt::format(",{:.6f}", value);  // a micrometre, however far from the origin
   }
   for (const double value : {q.x(), q.y(), q.z(), q.w()}) {
     put(value);
@@ -120,9 +116,7 @@ nlohmann::ordered_json to_json(const HighRateStatistics& statistics) {
 std::string describe(const HighRateStatistics& statistics) {
   std::string text = std::to_string(statistics.poses()) + " poses";
   if (const std::optional<double> rate = statistics.rate()) {
-    char more[64];
-    std::snprintf(more, sizeof more, " at %.1f Hz", *rate);
-    text += more;
+    text += fmt::format(" at {:.1f} Hz", *rate);
   }
   if (statistics.poses() == 0) {
     return text + ": the IMU was never fused";

@@ -3,9 +3,10 @@
 #include "adit/tools/run/configured_recording.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "adit/tools/topics/topic_statistics.hpp"
 
@@ -100,16 +101,13 @@ void require_clear_point_times(const Recording& recording, std::size_t topic,
     return;
   }
   const std::optional<double> unit = statistics.better_time_unit();
-  char found[300];
-  std::snprintf(found, sizeof found,
-                "by its points' times a sweep lasts %.6f s (understood in units of %g s), but the "
-                "sweeps follow each other every %.4f s",
-                statistics.sweeps.duration.mean(), statistics.point_times->unit,
-                statistics.period());
-  char remedy[200];
-  std::snprintf(remedy, sizeof remedy,
-                "Set the unit of the times: --set recording.point_time_unit=%g%s",
-                unit.value_or(1e-9), unit ? " would fit" : ", or what it is");
+  const std::string found = fmt::format(
+      "by its points' times a sweep lasts {:.6f} s (understood in units of {:g} s), but the sweeps "
+      "follow each other every {:.4f} s",
+      statistics.sweeps.duration.mean(), statistics.point_times->unit, statistics.period());
+  const std::string remedy =
+      fmt::format("Set the unit of the times: --set recording.point_time_unit={:g}{}",
+                  unit.value_or(1e-9), unit ? " would fit" : ", or what it is");
   throw InputError(path, Place::named(place), found, remedy);
 }
 

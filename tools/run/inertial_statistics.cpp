@@ -3,11 +3,12 @@
 #include "adit/tools/run/inertial_statistics.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <numbers>
 #include <numeric>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
+
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 namespace {
@@ -24,8 +25,6 @@ ordered_json json_of(const std::optional<double>& value) {
   return value ? ordered_json(*value) : ordered_json();
 }
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 /// In the lidar's axes; null where the motion does not tell it.
 ordered_json json_of(const RotationComparison& found) {
   const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
@@ -33,10 +32,10 @@ ordered_json json_of(const RotationComparison& found) {
                        {"clock_offset_sigma_s", found.offset_sigma},
                        {"correlation", found.correlation},
                        {"rotation_imu_lidar", {q.x(), q.y(), q.z(), q.w()}},
-                       {"misalignment_deg", kDegrees * found.misalignment}};
+                       {"misalignment_deg", kDegreesPerRadian * found.misalignment}};
   for (const double sigma : found.mounting_sigma) {
-    json["rotation_sigma_deg"].push_back(std::isfinite(sigma) ? ordered_json(kDegrees * sigma)
-                                                              : ordered_json());
+    json["rotation_sigma_deg"].push_back(
+        std::isfinite(sigma) ? ordered_json(kDegreesPerRadian * sigma) : ordered_json());
   }
   json["rotation_information_per_rad2"] = json_of(found.mounting_information);
   json["not_observed"] = unobserved_axes(found);
@@ -58,13 +57,12 @@ std::string dropped_text(std::size_t spikes, std::size_t impossible, std::size_t
 }
 
 std::string text_of(const RotationComparison& found) {
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "against the sweeps its clock is %+.1f ms off (+- %.1f), its mounting %.1f degrees "
-                "(+- %.1f",
-                1e3 * found.offset, 1e3 * kSureSigmas * found.offset_sigma,
-                kDegrees * found.misalignment,
-                kDegrees * kSureSigmas * known_mounting_sigma(found));
+  const std::string text = fmt::format(
+      "against the sweeps its clock is {:+.1f} ms off (+- {:.1f}), its mounting {:.1f} degrees (+- "
+      "{:.1f}",
+      1e3 * found.offset, 1e3 * kSureSigmas * found.offset_sigma,
+      kDegreesPerRadian * found.misalignment,
+      kDegreesPerRadian * kSureSigmas * known_mounting_sigma(found));
   const std::string hidden = unobserved_axes(found);
   return text + (hidden.empty() ? ")" : "; the motion does not tell " + hidden + ")");
 }
@@ -142,9 +140,8 @@ std::string InertialStatistics::text() const {
   std::string text = std::to_string(count(InertialState::fused)) + " of " + std::to_string(sweeps) +
                      " sweeps fused";
   if (const auto turns = better_turns()) {
-    char share[100];
-    std::snprintf(share, sizeof share, ", rotation better than constant velocity in %.0f %%",
-                  100.0 * *turns);
+    const std::string share =
+        fmt::format(", rotation better than constant velocity in {:.0f} %", 100.0 * *turns);
     text += share;
     text += *turns < 0.5 ? " only: check imu.T_imu_lidar and the clocks (adit inspect)" : "";
   }
@@ -156,9 +153,9 @@ std::string InertialStatistics::text() const {
     text += "; " + std::string(to_string(changes_.back().state)) + ": " + changes_.back().reason;
   }
   if (bridged_ > 0) {
-    char gaps[100];
-    std::snprintf(gaps, sizeof gaps, "; gaps of the readings of up to %.3f s bridged, in %zu %s",
-                  longest_gap_, bridged_, bridged_ == 1 ? "sweep" : "sweeps");
+    const std::string gaps =
+        fmt::format("; gaps of the readings of up to {:.3f} s bridged, in {} {}", longest_gap_,
+                    bridged_, bridged_ == 1 ? "sweep" : "sweeps");
     text += gaps;
   }
   text += dropped_text(count(ImuArrival::spike), count(ImuArrival::impossible), readings());

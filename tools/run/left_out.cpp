@@ -4,9 +4,8 @@
 
 #include <chrono>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
-
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -39,7 +38,8 @@ std::optional<std::string> LeftOut::add_damage(const InputError& error) {
 std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sweep,
                                               Nanoseconds last) {
   const double back = std::chrono::duration<double>(last - sweep.stamp).count();
-  const std::string how = back > 0.0 ? printed("%.6f s before that", back) : std::string("that");
+  const std::string how =
+      back > 0.0 ? fmt::format("{:.6f} s before that", back) : std::string("that");
   return add(stamps_, "sweep " + std::to_string(index) + " is left out: its time is " + how +
                           " of the sweep before it");
 }

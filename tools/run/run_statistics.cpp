@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
+
+#include <fmt/core.h>
 
 namespace adit {
 namespace {
 
 std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f %%", 100.0 * share);
-  return text;
+  return fmt::format("{:.0f} %", 100.0 * share);
 }
 
 std::string status_reason(const SweepResult& sweep, const Config& config) {

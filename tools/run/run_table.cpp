@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/device_session.hpp"
+
+#include <fmt/core.h>
 #include "adit/tools/run/run_summary.hpp"
 #include "adit/tools/run/verdict_text.hpp"
-#include "adit/tools/support/printed.hpp"
 #include "adit/tools/support/progress.hpp"
 
 namespace adit {
@@ -13,19 +14,19 @@ constexpr std::size_t kIndent = 9;  // of what follows a row's name
 
 std::string counts(const RunStatistics& statistics) {
   const std::size_t failed = statistics.failures().size();
-  std::string text = printed("%zu placed, %zu failed", statistics.sweeps() - failed, failed);
+  std::string text = fmt::format("{} placed, {} failed", statistics.sweeps() - failed, failed);
   const std::size_t coasting = statistics.count(OdometryState::coasting);
   const std::size_t restarted = statistics.count(OdometryState::restarted);
   if (failed > 0) {
-    text += printed(" (%zu bridged by the predicted motion, %zu new starts; see summary.json)",
-                    coasting, restarted);
+    text += fmt::format(" ({} bridged by the predicted motion, {} new starts; see summary.json)",
+                        coasting, restarted);
   }
   if (restarted > 0) {
     text += "; how the pieces before and after a new start lie to each other is a guess";
   }
-  text += printed(", %zu keyframes", statistics.keyframes());
+  text += fmt::format(", {} keyframes", statistics.keyframes());
   if (statistics.lost_points() > 0) {
-    text += printed("; %zu points found no place on the device", statistics.lost_points());
+    text += fmt::format("; {} points found no place on the device", statistics.lost_points());
   }
   return text;
 }
@@ -34,12 +35,12 @@ std::string host_times(const RunStatistics& statistics) {
   const auto mean = [&](std::size_t stage) {
     return distribution(statistics.host_stages().at(stage).ms).mean;
   };
-  std::string text =
-      printed("%.1f ms a sweep: read %.1f, host %.1f, device %.1f (waiting for it), write %.1f",
-              mean(4), mean(0), mean(1), mean(2), mean(3));
+  std::string text = fmt::format(
+      "{:.1f} ms a sweep: read {:.1f}, host {:.1f}, device {:.1f} (waiting for it), write {:.1f}",
+      mean(4), mean(0), mean(1), mean(2), mean(3));
   if (!statistics.device_stages().empty()) {
-    text += printed("; %.1f by the device's own clock",
-                    distribution(statistics.device_stages().back().ms).mean);
+    text += fmt::format("; {:.1f} by the device's own clock",
+                        distribution(statistics.device_stages().back().ms).mean);
   }
   return text;
 }
@@ -48,32 +49,31 @@ std::string inertial_text(const RunStatistics& statistics) {
   std::string text = statistics.inertial().text();
   const Distribution times = distribution(statistics.inertial_stage().ms);
   if (times.count > 0) {
-    text +=
-        printed("; preintegration and graph %.2f ms a sweep, %.2f at most", times.mean, times.max);
+    text += fmt::format("; preintegration and graph {:.2f} ms a sweep, {:.2f} at most", times.mean,
+                        times.max);
   }
   return text;
 }
 
 std::string map_text(const MapReport& map) {
   const Distribution times = distribution(map.keyframe_ms);
-  std::string text = printed("%zu keyframes, %zu edges, %zu of them with their submaps aligned",
-                             map.keyframes, map.edges, map.aligned_edges);
+  std::string text = fmt::format("{} keyframes, {} edges, {} of them with their submaps aligned",
+                                 map.keyframes, map.edges, map.aligned_edges);
   if (map.components > 1) {
-    text += printed("; %zu parts that nothing ties together", map.components);
+    text += fmt::format("; {} parts that nothing ties together", map.components);
   }
   if (map.lost_points > 0) {
-    text += printed("; %llu points too far from their keyframe",
-                    static_cast<unsigned long long>(map.lost_points));
+    text += fmt::format("; {} points too far from their keyframe", map.lost_points);
   }
-  return text + printed("; %.1f ms a keyframe, %.1f at most", times.mean, times.max);
+  return text + fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
 }
 
 std::string stage_table(const RunStatistics& statistics) {
   std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
   const auto row = [&](const char* where, const StageTimes& stage) {
     const Distribution d = distribution(stage.ms);
-    text += printed("  %-6s %-18s %7zu  %7.3f  %7.3f  %7.3f  %7.3f\n", where, stage.stage.c_str(),
-                    d.count, d.mean, d.p50, d.p95, d.max);
+    text += fmt::format("  {:<6} {:<18} {:7}  {:>7.3f}  {:>7.3f}  {:>7.3f}  {:>7.3f}\n", where,
+                        stage.stage, d.count, d.mean, d.p50, d.p95, d.max);
   };
   for (const StageTimes& stage : statistics.host_stages()) {
     row("host", stage);
@@ -94,9 +94,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   const RunFiles files(run.output);
   const double rate =
       outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
-  std::string text = printed("mapped   %zu of %zu sweeps, %.1f m, in %s (%.1f sweeps/s)\n",
-                             statistics.sweeps(), run.range.count, statistics.distance(),
-                             format_duration(outcome.wall_s).c_str(), rate);
+  std::string text = fmt::format("mapped   {} of {} sweeps, {:.1f} m, in {} ({:.1f} sweeps/s)\n",
+                                 statistics.sweeps(), run.range.count, statistics.distance(),
+                                 format_duration(outcome.wall_s), rate);
   text += "sweeps   " + counts(statistics) + "\n";
   if (const auto start = statistics.first_stamp()) {
     text += "verdict  " + describe(statistics.verdict(), *start, kIndent) + "\n";
@@ -110,21 +110,20 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.inertial().any()) {
     text += "imu      " + inertial_text(statistics) + "\n";
   }
-  text += printed("voxels   points one in %.3g m, submap %.3g m\n", run.config.preprocess.r_input,
-                  run.config.registration.r_align);
+  text += fmt::format("voxels   points one in {:.3g} m, submap {:.3g} m\n",
+                      run.config.preprocess.r_input, run.config.registration.r_align);
   if (outcome.result.map) {
     text += "map      " + map_text(*outcome.result.map) + "\n";
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
-          printed("; %.1f MiB at most\n",
-                  static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
+          fmt::format("; {:.1f} MiB at most\n",
+                      static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
   text += "wrote    " + (outcome.result.map ? files.database.string() + "\n         " : "") +
           files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
           files.sweeps.string() + "\n";
   if (run.map.enabled) {
-    text += "         " + files.map.string() +
-            printed(" (%llu points)\n", static_cast<unsigned long long>(outcome.map_points));
+    text += "         " + files.map.string() + fmt::format(" ({} points)\n", outcome.map_points);
   }
   if (outcome.high_rate) {
     text += "         " + HighRateFiles(run.output).tum.string() + " (" +

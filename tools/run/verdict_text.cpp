@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/core/nav_state.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -21,8 +21,8 @@ std::string cause_text(const DoubtfulStretch& stretch) {
   switch (stretch.cause) {
     case DoubtCause::unheld:
       return (d.isZero() ? "it turned about what no match held"
-                         : printed("no match held it along (%.2f, %.2f, %.2f) of the map", d.x(),
-                                   d.y(), d.z())) +
+                         : fmt::format("no match held it along ({:.2f}, {:.2f}, {:.2f}) of the map",
+                                       d.x(), d.y(), d.z())) +
              (stretch.inertial
                   ? ", the IMU alone did; loops or GNSS would tell"
                   : ", and no IMU did: where it is along that is a guess; fuse an IMU, or use a "
@@ -32,10 +32,10 @@ std::string cause_text(const DoubtfulStretch& stretch) {
              (stretch.inertial ? "the IMU alone carried it" : "its last velocity carried it on") +
              "; `adit inspect` tells whether the recording is damaged there";
     case DoubtCause::contradicted:
-      return printed(
-          "alignments and IMU contradict each other, innovations squared are %.0f times what they "
-          "should be; `adit inspect` holds the IMU's clock, mounting and units against the sweeps, "
-          "and imu.use=false maps without it",
+      return fmt::format(
+          "alignments and IMU contradict each other, innovations squared are {:.0f} times what "
+          "they should be; `adit inspect` holds the IMU's clock, mounting and units against the "
+          "sweeps, and imu.use=false maps without it",
           stretch.innovation);
     case DoubtCause::new_start:
       return "the map began anew after it: how its pieces lie to each other is a guess; map them "
@@ -47,8 +47,9 @@ std::string cause_text(const DoubtfulStretch& stretch) {
 }  // namespace
 
 std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
-  return printed("%.1f to %.1f s (sweeps %zu to %zu, %.1f m), ", seconds(stretch.begin - start),
-                 seconds(stretch.end - start), stretch.first, stretch.last, stretch.distance) +
+  return fmt::format("{:.1f} to {:.1f} s (sweeps {} to {}, {:.1f} m), ",
+                     seconds(stretch.begin - start), seconds(stretch.end - start), stretch.first,
+                     stretch.last, stretch.distance) +
          std::string(to_string(stretch.trust)) + ": " + cause_text(stretch);
 }
 
@@ -66,7 +67,7 @@ std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t inde
   return verdict.stretches.size() == named
              ? text
              : text + "\n" + std::string(indent, ' ') +
-                   printed("and %zu more, see summary.json", verdict.stretches.size() - named);
+                   fmt::format("and {} more, see summary.json", verdict.stretches.size() - named);
 }
 
 ordered_json to_json(const Verdict& verdict, Nanoseconds start) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kEquator = 6378137.0;               // m, WGS 84
 constexpr double kFlattening = 1.0 / 298.257223563;  // WGS 84
 constexpr double kSquaredEccentricity = kFlattening * (2.0 - kFlattening);

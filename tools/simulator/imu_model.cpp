@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -18,7 +19,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 constexpr double kDegreePerHour = kDegree / 3600.0;
 constexpr double kMilliG = 1e-3 * kStandardGravity;
 

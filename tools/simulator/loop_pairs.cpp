@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
+
+#include <fmt/core.h>
 
 #include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
@@ -133,9 +134,9 @@ void write_loops(const std::filesystem::path& file, std::span<const LoopPair> lo
   OutputFile out(file);
   out.write("time_a_s,time_b_s,distance_m,angle_rad,overlap\n");
   for (const LoopPair& loop : loops) {
-    char line[160];
-    std::snprintf(line, sizeof line, "%.3f,%.3f,%.4f,%.5f,%.4f\n", epoch + loop.time_a,
-                  epoch + loop.time_b, loop.distance, loop.angle, loop.overlap);
+    const std::string line =
+        fmt::format("{:.3f},{:.3f},{:.4f},{:.5f},{:.4f}\n", epoch + loop.time_a,
+                    epoch + loop.time_b, loop.distance, loop.angle, loop.overlap);
     out.write(std::string_view(line));
   }
   out.close();

@@ -26,7 +26,7 @@ struct Image {
   std::vector<std::array<uint8_t, 3>> pixels;  ///< red, green, blue
 };
 
-/// Writes the picture as PNG without compression, which needs no library. Throws OutputError.
+/// Writes the picture as PNG. Throws OutputError.
 void write_png(const std::filesystem::path& file, const Image& image);
 
 }  // namespace adit

@@ -9,14 +9,13 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/range_sensor.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Rings count from the lowest beam up.
 void number_rings(std::vector<LaserChannel>& channels) {

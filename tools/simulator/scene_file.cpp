@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <functional>
-#include <numbers>
 #include <sstream>
 #include <utility>
 #include <vector>
 
 #include <toml++/toml.h>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
@@ -22,8 +22,6 @@
 
 namespace adit {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// A file that is being read, for its complaints.
 class Reader {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/image_text.hpp"
 #include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/scene_view.hpp"
@@ -23,7 +24,6 @@ using Eigen::Vector3d;
 
 constexpr int kWidth = 1600;    // px
 constexpr int kMostRows = 900;  // px of each of the two views
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr Color kPaper{246, 246, 246};
 constexpr Color kSensorColor{213, 94, 0};
 

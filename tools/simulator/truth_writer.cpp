@@ -2,29 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/simulator/truth_writer.hpp"
 
-#include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
+
+#include <fmt/core.h>
 
 namespace adit {
 namespace {
 
 std::string stamp_text(Nanoseconds stamp) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%lld.%09lld",
-                static_cast<long long>(stamp.count() / 1000000000),
-                static_cast<long long>(stamp.count() % 1000000000));
-  return text;
+  return fmt::format("{}.{:09}", stamp.count() / 1000000000, stamp.count() % 1000000000);
 }
 
-/// The shortest text that reads back to the same number.
 void append(std::string& line, double value) {
-  char text[32];
-  const auto result = std::to_chars(text, text + sizeof text, value);
   line += ',';
-  line.append(text, result.ptr);
+  append_number(line, value);
 }
 
 void append(std::string& line, const Eigen::Vector3d& v) {

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/support/output_file.hpp"
 
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <string>
 #include <utility>
+
+#include <fmt/core.h>
+
+#include "adit/slam/core/text.hpp"
 
 namespace adit {
 
@@ -81,19 +83,15 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
 }
 
 void append_number(std::string& line, double value) {
-  std::array<char, 32> text{};
-  const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value);
-  line.append(text.data(), end.ptr);
+  line += shortest(value);
 }
 
 void append_stamp(std::string& line, Nanoseconds stamp) {
   const int64_t count = stamp.count();
   const uint64_t magnitude =
       count < 0 ? uint64_t{0} - static_cast<uint64_t>(count) : static_cast<uint64_t>(count);
-  const std::string fraction = std::to_string(magnitude % 1'000'000'000U);
-  line += count < 0 ? "-" : "";
-  line += std::to_string(magnitude / 1'000'000'000U) + "." + std::string(9 - fraction.size(), '0') +
-          fraction;
+  line += fmt::format("{}{}.{:09}", count < 0 ? "-" : "", magnitude / 1'000'000'000U,
+                      magnitude % 1'000'000'000U);
 }
 
 }  // namespace adit

@@ -7,10 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <ostream>
 #include <string_view>
+
+#include <fmt/core.h>
 
 namespace adit {
 namespace {
@@ -29,9 +30,7 @@ int percent(const ProgressState& state) {
 std::string rate_text(const ProgressState& state, const std::string& separator) {
   if (state.done == 0 || state.elapsed_s <= 0.0) return {};
   const double rate = static_cast<double>(state.done) / state.elapsed_s;
-  char text[64];
-  std::snprintf(text, sizeof text, rate < 10.0 ? "%.2f/s" : "%.1f/s", rate);
-  std::string result = separator + text;
+  std::string result = separator + fmt::format("{:.{}f}/s", rate, rate < 10.0 ? 2 : 1);
   if (state.done < state.total) {
     result +=
         separator + format_duration(static_cast<double>(state.total - state.done) / rate) + " left";
@@ -59,21 +58,14 @@ std::size_t terminal_columns() {
 
 std::string format_duration(double seconds) {
   const auto whole = std::llround(std::max(seconds, 0.0));
-  char text[48];
-  if (whole >= 3600) {
-    std::snprintf(text, sizeof text, "%lld:%02lld:%02lld", whole / 3600, whole / 60 % 60,
-                  whole % 60);
-  } else {
-    std::snprintf(text, sizeof text, "%lld:%02lld", whole / 60, whole % 60);
-  }
-  return text;
+  return whole >= 3600 ? fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+                       : fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
 std::string format_bar(const std::string& label, const ProgressState& state, std::size_t columns) {
   constexpr std::size_t kLongestBar = 40;
   constexpr std::size_t kShortestBar = 5;
-  char share[16];
-  std::snprintf(share, sizeof share, "%3d %%", percent(state));
+  const std::string share = fmt::format("{:3} %", percent(state));
   const std::string numbers = std::string(share) + "  " + count_text(state) +
                               failed_text(state, "  ") + rate_text(state, "  ");
   const std::size_t fixed = label.size() + numbers.size() + 4;  // " [", "] "

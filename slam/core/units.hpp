@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <numbers>
+
+namespace adit {
+
+inline constexpr double kStandardGravity = 9.80665;          // m/s²
+inline constexpr double kDegree = std::numbers::pi / 180.0;  // rad
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+}  // namespace adit

@@ -1,0 +1,311 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_line.hpp"
+
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <string_view>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kUsage = 2;
+
+/// Complains unless the text is a number that `fits`.
+CLI::Validator number(const std::string& wanted, const std::function<bool(double)>& fits) {
+  const auto check = [wanted, fits](std::string& text) {
+    double value = 0.0;
+    const std::from_chars_result end =
+        std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = end.ec == std::errc() && end.ptr == text.data() + text.size();
+    return whole && fits(value) ? std::string()
+                                : "'" + text + "' is not possible; it takes a number " + wanted;
+  };
+  return {check, ""};
+}
+
+/// Makes a number of bytes out of "512MiB"; else a complaint.
+std::string size_to_bytes(std::string& text) {
+  if (text.starts_with('-')) {
+    return "a size is not negative";
+  }
+  const std::string given = text;
+  try {
+    if (CLI::AsSizeValue(false)(text).empty()) {
+      return {};
+    }
+  } catch (const CLI::ValidationError&) {
+    // It lists every unit that it knows: the complaint below is for people.
+  }
+  return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
+}
+
+/// "a, b or c".
+std::string listed_words(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  }
+  return text;
+}
+
+/// What CLI11 says of a command line, in plain words.
+std::string plain_complaint(const CLI::ParseError& error) {
+  const std::string text = error.what();
+  constexpr std::string_view kConversion = "Could not convert: ";
+  const std::size_t equals = text.find(" = ");
+  if (text.starts_with(kConversion) && equals != text.npos) {
+    return text.substr(kConversion.size(), equals - kConversion.size()) + ": '" +
+           text.substr(equals + 3) + "' is not a number that it takes";
+  }
+  return text;
+}
+
+/// What to tell about the words that neither the program nor the command knows; empty where there
+/// are none. A missing argument is often a misspelt one, so this comes before what CLI11 complains
+/// about.
+std::string unknown_words(const CLI::App& app, const CLI::App& command) {
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_lnames().empty()) {
+      options.push_back("--" + option->get_lnames().front());
+    }
+  }
+  std::string text;
+  for (const std::string& word : app.remaining(true)) {
+    if (word.starts_with("--")) {
+      const std::string name = word.substr(0, word.find('='));
+      return "there is no option '" + name + "'. " + suggestion(name, options) + ".";
+    }
+    text += (text.empty() ? "not expected: " : " ") + word;
+  }
+  return text;
+}
+
+/// Help and version are answers, everything else that parsing throws is a mistake on the command
+/// line.
+int answer(const CLI::App& app, const CLI::ParseError& error) {
+  std::string name = app.get_name();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+    return reported(name, std::cout, std::cerr, app.exit(error, std::cout, std::cerr));
+  }
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  const std::string unknown = unknown_words(app, *command);
+  std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error) : unknown) << "\nRun `"
+            << name << " --help` for what it takes.\n";
+  return kUsage;
+}
+
+}  // namespace
+
+CommandOption CommandOption::required() const {
+  option_->required();
+  return *this;
+}
+
+CommandOption CommandOption::value_name(const std::string& name) const {
+  option_->type_name(name);
+  return *this;
+}
+
+CommandOption CommandOption::show_default() const {
+  option_->capture_default_str();
+  return *this;
+}
+
+CommandOption CommandOption::show_default(const std::string& value) const {
+  option_->default_str(value);
+  return *this;
+}
+
+CommandOption CommandOption::values(int least, int most) const {
+  option_->expected(least, most);
+  return *this;
+}
+
+CommandOption CommandOption::one_value_each() const {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+CommandOption CommandOption::with_commas() const {
+  option_->delimiter(',');
+  return *this;
+}
+
+CommandOption CommandOption::from(double low) const {
+  option_->check(
+      number(fmt::format("of {:g} or more", low), [low](double value) { return value >= low; }));
+  return *this;
+}
+
+CommandOption CommandOption::from(double low, double high) const {
+  option_->check(number(fmt::format("from {:.10g} to {:.10g}", low, high),
+                        [low, high](double value) { return value >= low && value <= high; }));
+  return *this;
+}
+
+CommandOption CommandOption::above(double low) const {
+  option_->check(
+      number(fmt::format("above {:g}", low), [low](double value) { return value > low; }));
+  return *this;
+}
+
+CommandOption CommandOption::one_of(const std::vector<std::string>& words) const {
+  option_->check(CLI::IsMember(words));
+  return *this;
+}
+
+CommandOption CommandOption::bytes() const {
+  option_->transform(CLI::Validator(size_to_bytes, ""));
+  return *this;
+}
+
+bool CommandOption::given() const {
+  return option_->count() > 0;
+}
+
+Command Command::add_command(const std::string& name, const std::string& description) const {
+  return Command(*command_->add_subcommand(name, description));
+}
+
+void Command::footer(const std::string& text) const {
+  command_->footer(text);
+}
+
+template <class Target>
+CommandOption Command::option(const std::string& name, Target& target,
+                              const std::string& description) const {
+  return CommandOption(*command_->add_option(name, target, description));
+}
+
+#define ADIT_TARGET(type) \
+  template CommandOption Command::option(const std::string&, type&, const std::string&) const
+ADIT_TARGET(double);
+ADIT_TARGET(int);
+ADIT_TARGET(int64_t);
+ADIT_TARGET(uint32_t);
+ADIT_TARGET(uint64_t);
+ADIT_TARGET(std::string);
+ADIT_TARGET(fs::path);
+ADIT_TARGET(std::optional<double>);
+ADIT_TARGET(std::optional<int>);
+ADIT_TARGET(std::optional<int64_t>);
+ADIT_TARGET(std::optional<uint64_t>);
+ADIT_TARGET(std::optional<std::string>);
+ADIT_TARGET(std::optional<fs::path>);
+ADIT_TARGET(std::vector<int>);
+ADIT_TARGET(std::vector<uint32_t>);
+ADIT_TARGET(std::vector<uint64_t>);
+ADIT_TARGET(std::vector<std::string>);
+ADIT_TARGET(std::vector<fs::path>);
+#undef ADIT_TARGET
+
+CommandOption Command::choice(const std::string& name, const std::string& description,
+                              const std::vector<std::string>& words,
+                              const std::function<void(std::size_t)>& set) const {
+  std::string type;
+  for (const std::string& word : words) {
+    type += (type.empty() ? "" : "|") + word;
+  }
+  const auto find = [name, words, set](const std::string& given) {
+    const auto found = std::ranges::find(words, given);
+    if (found == words.end()) {
+      refuse_option(name, "'" + given + "' is none of " + listed_words(words));
+    }
+    set(static_cast<std::size_t>(found - words.begin()));
+  };
+  return CommandOption(
+      *command_->add_option_function<std::string>(name, find, description)->type_name(type));
+}
+
+void Command::flag(const std::string& name, bool& target, const std::string& description) const {
+  command_->add_flag(name, target, description);
+}
+
+void Command::flag(const std::string& name, const std::function<void()>& set,
+                   const std::string& description) const {
+  command_->add_flag_callback(name, set, description);
+}
+
+void Command::action(const std::function<void()>& run) const {
+  command_->callback(run);
+}
+
+bool Command::has_chosen() const {
+  return !command_->get_subcommands().empty();
+}
+
+std::string Command::given_besides(const std::vector<std::string>& known) const {
+  for (const CLI::Option* option : command_->get_options()) {
+    if (option->count() > 0 && std::ranges::count(known, option->get_name()) == 0) {
+      return option->get_name();
+    }
+  }
+  return {};
+}
+
+void refuse_option(const std::string& name, const std::string& why) {
+  throw CLI::ValidationError(name, why);
+}
+
+void miss_argument(const std::string& name) {
+  throw CLI::RequiredError(name);
+}
+
+void end_parsing() {
+  throw CLI::Success();
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& description)
+    : app_(std::make_unique<CLI::App>(description, name)) {}
+
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::program() const {
+  return Command(*app_);
+}
+
+void CommandLine::version(const std::string& text) const {
+  app_->set_version_flag("--version", text);
+}
+
+std::string CommandLine::help() const {
+  return app_->help();
+}
+
+std::vector<std::string> CommandLine::commands() const {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app_->get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+std::optional<int> CommandLine::run(int argc, const char* const* argv) const {
+  if (!commands().empty()) {
+    app_->require_subcommand(1);
+  }
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return answer(*app_, error);
+  }
+  return std::nullopt;
+}
+
+}  // namespace adit
