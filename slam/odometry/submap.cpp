@@ -23,6 +23,8 @@ constexpr double kFullestLoad = 0.5;
 constexpr double kLongestReach = 100.0;  // m
 // Voxel keys hold 511 voxels in z, the shortest axis (shaders/include/hash.glsl).
 constexpr double kKeyRange = 511.0;
+// Of that range the sensor may move from the submap's frame, even if points at c_max are beyond it.
+constexpr double kLeastShare = 0.25;
 // More points than this may overflow a voxel's sums (shaders/shared/gaussian_cell.h).
 constexpr uint32_t kFullestVoxel = 65535;
 
@@ -42,8 +44,9 @@ Submap::Submap(engine::Context& context, const Config& config)
       r_input_(with_lengths(config).preprocess.r_input),
       largest_table_(static_cast<uint32_t>(
           std::bit_floor(context.device().max_storage_buffer_bytes / sizeof(gpu::GaussianCell)))),
-      reach_(
-          std::min(kLongestReach, kKeyRange * voxel_size_ - with_lengths(config).preprocess.c_max)),
+      reach_(std::min(kLongestReach,
+                      std::max(kKeyRange * voxel_size_ - with_lengths(config).preprocess.c_max,
+                               kLeastShare * kKeyRange * voxel_size_))),
       counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
                                     "submap counters")),
       coarse_counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,

@@ -42,7 +42,7 @@ constexpr std::string_view kBody = R"(<canvas id="view"></canvas>
 <p><label>colour <select id="colour"><option>height</option><option>intensity</option><option>time</option><option>uncertainty</option></select></label> <small id="scale"></small></p>
 <p><label><input type="checkbox" id="points" checked> points</label><label>size <input type="range" id="size" min="1" max="8" step="0.5" value="2"></label>
 <button id="above">from above</button> <button id="reset">reset</button></p><p id="problem"></p></header>
-<aside><dl id="told" hidden></dl><small>Drag turns, shift-drag shifts, the wheel zooms; click the trajectory for its sweep.</small></aside>
+<aside><dl id="told" hidden></dl><p>trajectory: <span id="states"></span></p><small>Drag turns, shift-drag shifts, the wheel zooms; click the trajectory for its sweep.</small></aside>
 )";
 
 template <class T>

@@ -18,8 +18,9 @@ const poses = data.poses;
 // From low to high: blue over green to yellow, told apart with any kind of colour vision.
 const ramp = ['3b3f8f', '3a5ba0', '3778a8', '3794a6', '45ae94', '6fc378', 'a5d05a', 'dcd64a']
     .map((hex) => [0, 2, 4].map((at) => parseInt(hex.substr(at, 2), 16)));
-const stateColours = { tracking: [0, 158, 115], initializing: [0, 114, 178],
-                       coasting: [213, 94, 0], restarted: [204, 51, 102] };
+// None of them is in the ramp.
+const stateColours = { tracking: [213, 94, 0], initializing: [120, 120, 120],
+                       coasting: [204, 51, 153], restarted: [120, 120, 120] };
 
 function rampColour(share) {
   const at = Math.min(Math.max(share, 0), 1) * (ramp.length - 1);
@@ -132,11 +133,12 @@ function colourBy(kind) {
   for (let i = 0; i < count; ++i) bytesOf.set(rampColour((values[i] - from) / Math.max(to - from, 1e-9)), 3 * i);
   gl.bindBuffer(gl.ARRAY_BUFFER, colours);
   gl.bufferData(gl.ARRAY_BUFFER, bytesOf, gl.STATIC_DRAW);
-  const scale = { height: [low[2] + step * from, low[2] + step * to, 'm'], intensity: [from, to, 'of 255'],
-                  time: [poses.length ? poses[Math.round(from)].time : 0, poses.length ? poses[Math.round(to)].time : 0, 's'],
-                  uncertainty: [from, to, 'm, 1 sigma'] }[kind];
+  const timeOf = (i) => (poses[Math.round(i)] || { time: 0 }).time;
+  const [least, most, unit] = kind === 'height' ? [low[2] + step * from, low[2] + step * to, 'm']
+      : kind === 'time' ? [timeOf(from), timeOf(to), 's']
+      : kind === 'uncertainty' ? [from, to, 'm (1 sigma)'] : [from, to, 'of 255'];
   document.getElementById('scale').textContent =
-      count ? `${scale[0].toPrecision(3)} to ${scale[1].toPrecision(3)} ${scale[2]}` : '';
+      count ? `${least.toPrecision(3)} to ${most.toPrecision(3)} ${unit}` : '';
   draw();
 }
 
@@ -237,6 +239,12 @@ document.getElementById('reset').addEventListener('click', () => { eye = initial
 addEventListener('resize', draw);
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
 
+for (const state of new Set(poses.map((pose) => pose.state))) {
+  const entry = document.createElement('span');
+  entry.textContent = `\u25a0 ${state} `;
+  entry.style.color = `rgb(${stateColours[state] || [128, 128, 128]})`;
+  document.getElementById('states').append(entry);
+}
 if (gl) {
   prepare();
   colourBy('height');

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "adit/tools/drawing/map_page.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/output_file.hpp"
-#include "adit/tools/support/printed.hpp"
 
 namespace adit {
 namespace {
@@ -59,8 +60,8 @@ void write_map_page(const RunFiles& files, const PageCloud& cloud, const std::st
     }
   }
   page.headline =
-      printed("%zu sweeps, %.1f m, %.1f s; %zu of the points", page.poses.size(), length,
-              page.poses.empty() ? 0.0 : page.poses.back().time, page.points.size());
+      fmt::format("{} sweeps, {:.1f} m, {:.1f} s; {} points", page.poses.size(), length,
+                  page.poses.empty() ? 0.0 : page.poses.back().time, page.points.size());
   write_text_file(files.page, map_page(page));
 }
 
