@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <numeric>
 
+#include "adit/tools/run/doubt_text.hpp"
+
 namespace adit {
 namespace {
 
@@ -33,7 +35,7 @@ std::string status_reason(const SweepResult& sweep, const Config& config) {
     case RegistrationStatus::diverged:
       return "the alignment diverged";
     case RegistrationStatus::doubtful:
-      return sweep.doubt;
+      return sweep.doubt ? describe(*sweep.doubt) : "";
     case RegistrationStatus::converged:
     case RegistrationStatus::degenerate:
       break;
