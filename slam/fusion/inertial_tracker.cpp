@@ -7,8 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "adit/slam/core/text.hpp"
-
 namespace adit {
 namespace {
 
@@ -50,6 +48,10 @@ bool holds_rotation(const RegistrationResult& alignment) {
   return std::ranges::none_of(alignment.rotation, [](const ObservedDirection& direction) {
     return direction.localizability == Localizability::none && !direction.axis.isZero();
   });
+}
+
+InertialCause cause_of(const CoverageFault& fault) {
+  return std::visit([](const auto& one) { return InertialCause(one); }, fault);
 }
 
 /// Of a lidar pose, from that of the body's.
@@ -136,8 +138,7 @@ std::optional<Eigen::Matrix3d> InertialTracker::level_lidar(Nanoseconds begin,
   for (const ImuSample& sample : interval.samples) {
     sum += sample.linear_acceleration;
   }
-  if (state_ == InertialState::absent || !complaint(interval, config_.max_gap).empty() ||
-      !(sum.norm() > 0.0)) {
+  if (state_ == InertialState::absent || complaint(interval) || !(sum.norm() > 0.0)) {
     return std::nullopt;
   }
   return level_attitude(T_body_lidar_.linear().transpose() * sum);
@@ -154,18 +155,19 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
     return std::nullopt;
   }
   const ImuInterval interval = buffer_.between(graph_->latest().stamp, stamp);
-  if (const std::string wrong = complaint(interval, config_.max_gap); !wrong.empty()) {
-    leave(InertialState::lost, wrong);
+  if (const auto wrong = complaint(interval)) {
+    leave(InertialState::lost, cause_of(*wrong));
     after_gap_ = true;
     return std::nullopt;
   }
   if (const auto stuck = stuck_.stuck()) {
-    leave(InertialState::lost, describe(*stuck) + ": is it broken? Check it with adit inspect");
+    leave(InertialState::lost, *stuck);
     return std::nullopt;
   }
   const Nanoseconds last = graph_->latest().stamp;
-  if (saturation_.evidence(last - kToldAgain, last).empty()) {
-    event_ = saturation_.evidence(last, stamp);
+  if (!saturation_.between(last - kToldAgain, last)) {
+    const std::optional<Saturation> found = saturation_.between(last, stamp);
+    event_ = found ? std::optional(InertialEvent{.cause = *found}) : std::nullopt;
   }
   const double silence = interval.longest_silence();
   pending_ = Pending{.readings = scaled(interval.samples),
@@ -173,8 +175,8 @@ std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, do
                      .gap = silence > kReadingGap ? silence : 0.0};
   pending_->prediction = graph_->predict(pending_->readings);
   const StateEstimate& predicted = pending_->prediction;
-  if (const std::string wrong = impossible_motion(predicted); !wrong.empty()) {
-    lose(wrong);
+  if (const auto wrong = impossible_motion(predicted)) {
+    lose(*wrong);
     return std::nullopt;
   }
 
@@ -222,7 +224,7 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
   buffer_.forget_before(oldest - milliseconds(100));
   saturation_.forget_before(oldest - 2 * kToldAgain);
   report.state = state_;
-  report.event = std::exchange(event_, {});
+  report.event = std::exchange(event_, std::nullopt);
   report.hindrance = hindrance_;
   report.accel_scale = accel_scale_;
   report.T_body_lidar = T_body_lidar_;
@@ -256,9 +258,9 @@ void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Iso
   bridged_at_ = pending_->gap > 0.0 ? std::optional(prediction.state.stamp) : bridged_at_;
   const StateEstimate estimate = graph_->add(std::move(pending_->readings), measurement);
   pending_.reset();
-  if (const std::string failed = failed_check(estimate); !failed.empty()) {
+  if (const auto failed = failed_check(estimate)) {
     after_gap_ = false;
-    lose(failed);
+    lose(*failed);
     if (alignment != nullptr) {
       unexplained_ = kUnexplained;
       monitor_.forget_turns();

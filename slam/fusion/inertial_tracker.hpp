@@ -4,19 +4,15 @@
 
 #include <deque>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/prediction.hpp"
+#include "adit/slam/fusion/inertial_event.hpp"
 #include "adit/slam/fusion/sliding_graph.hpp"
-#include "adit/slam/inertial/gyro_monitor.hpp"
 #include "adit/slam/inertial/imu_buffer.hpp"
-#include "adit/slam/inertial/imu_start.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
-#include "adit/slam/inertial/saturation.hpp"
-#include "adit/slam/inertial/stuck_axis.hpp"
 #include "adit/slam/inertial/sweep_motion.hpp"
 
 namespace adit {
@@ -34,10 +30,9 @@ std::string_view to_string(InertialState state);
 /// What a sweep told of the inertial sensor.
 struct InertialReport {
   InertialState state = InertialState::absent;
-  /// For people, where the state changed with this sweep: why, with the evidence.
-  std::string event;
-  std::string hindrance;        ///< for people: what keeps a sensor from being started
-  std::optional<NavState> nav;  ///< of the body, where this sweep was fused
+  std::optional<InertialEvent> event;          ///< that came with this sweep
+  std::optional<InertialHindrance> hindrance;  ///< what keeps the sensor from being started
+  std::optional<NavState> nav;                 ///< of the body, where this sweep was fused
   /// Of nav, in the order of its tangent vectors: what the sliding graph leaves on its newest
   /// state.
   StateMatrix nav_covariance = StateMatrix::Zero();
@@ -140,18 +135,17 @@ class InertialTracker {
 
   ImuArrival take(const ImuSample& sample);
   std::vector<ImuSample> scaled(std::vector<ImuSample> samples) const;
-  /// What is wrong with the coverage; empty if nothing is.
-  std::string complaint(const ImuInterval& interval, double most) const;
-  /// What is wrong with a prediction from the newest state of the graph; empty if nothing is.
-  std::string impossible_motion(const StateEstimate& prediction) const;
-  std::string failed_check(const StateEstimate& estimate) const;
-  void lose(const std::string& why);
-  /// Of the last ten seconds, for people; empty without.
-  std::string recent_saturation() const;
-  /// What else explains a check that failed, and passes: saturation, a gap that was bridged.
-  std::string passing_cause() const;
+  /// What is wrong with the coverage; none if nothing is.
+  std::optional<CoverageFault> complaint(const ImuInterval& interval) const;
+  /// What is wrong with a prediction from the newest state of the graph; none if nothing is.
+  std::optional<ImpossibleState> impossible_motion(const StateEstimate& prediction) const;
+  std::optional<FailedCheck> failed_check(const StateEstimate& estimate) const;
+  void lose(const FailedCheck& check);
+  /// What else explains a check that failed, and passes: saturation within the last ten seconds, a
+  /// gap that was bridged.
+  std::optional<PassingCause> passing_cause() const;
   /// Stops fusing, to start anew or not at all.
-  void leave(InertialState state, const std::string& why);
+  void leave(InertialState state, const InertialCause& why);
   /// Holds the gyroscope against the sweeps; corrects the sensor where they contradict it and say
   /// by how much, else refuses it.
   void watch(const StampedPose& alignment, const SweepMotion* deskewed);
@@ -159,8 +153,8 @@ class InertialTracker {
   /// Refuses a sensor that predicts badly though it was corrected.
   void try_out(const InertialReport& report);
   Eigen::Matrix3d R_lidar_body() const { return T_body_lidar_.linear().transpose(); }
-  /// Corrects what may be; what it did, for people, empty if nothing.
-  std::string correct(const RotationComparison& found, const Corrections& allowed);
+  /// Corrects what may be, and says what it did; none if nothing.
+  std::optional<SensorCorrected> correct(const GyroCheck& check, const Corrections& allowed);
   void fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
   void collect(const StampedPose& T_map_lidar, bool aligned);
@@ -185,8 +179,8 @@ class InertialTracker {
   double configured_offset_;   ///< s
   bool timed_ = false;         ///< points have times: a sweep's stamp is when it began
   InertialState state_ = InertialState::absent;
-  std::string event_;
-  std::string hindrance_;
+  std::optional<InertialEvent> event_;
+  std::optional<InertialHindrance> hindrance_;
   double accel_scale_ = 1.0;
   std::optional<SlidingGraph> graph_;
   std::optional<Pending> pending_;

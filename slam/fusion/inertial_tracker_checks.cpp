@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "adit/slam/core/text.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
 
 namespace adit {
@@ -25,47 +24,40 @@ constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 
 }  // namespace
 
-std::string InertialTracker::complaint(const ImuInterval& interval, double most) const {
+std::optional<CoverageFault> InertialTracker::complaint(const ImuInterval& interval) const {
   if (interval.samples.empty()) {
-    return "there are no IMU readings";
+    return NoReadings{};
   }
   // A gap is bridged between its ends; where one of them is missing, nothing tells what comes.
+  const double most = config_.max_gap;
   const double held = std::max(interval.held_before, interval.held_after);
-  const bool covered = interval.longest_gap <= most && held <= std::min(most, kReadingGap);
-  const double longest = interval.longest_silence();
-  return covered ? ""
-                 : "no IMU readings for " + in_digits(longest) + " s (imu.max_gap is " +
-                       in_digits(config_.max_gap) + ")";
+  if (interval.longest_gap <= most && held <= std::min(most, kReadingGap)) {
+    return std::nullopt;
+  }
+  return GapTooLong{.gap = interval.longest_silence(), .limit = most};
 }
 
-void InertialTracker::lose(const std::string& why) {
-  losses_ += passing_cause().empty() ? 1 : 0;  // else it is known why, and passes
+void InertialTracker::lose(const FailedCheck& check) {
+  losses_ += passing_cause() ? 0 : 1;  // else it is known why, and passes
   const bool again = losses_ >= kLosses;
   leave(again ? InertialState::refused : InertialState::lost,
-        why + (again ? "; lost " + std::to_string(losses_) +
-                           " times, so it is not used any more: check its mounting "
-                           "(imu.T_imu_lidar), its clock and its units with adit inspect"
-                     : ""));
+        CheckFailed{.check = check, .losses = losses_, .refused = again});
 }
 
-std::string InertialTracker::recent_saturation() const {
-  return buffer_.empty()
-             ? ""
-             : saturation_.evidence(buffer_.back().stamp - kToldAgain, buffer_.back().stamp);
-}
-
-std::string InertialTracker::passing_cause() const {
-  const std::string saturated = recent_saturation();
+std::optional<PassingCause> InertialTracker::passing_cause() const {
+  const Nanoseconds newest = buffer_.empty() ? Nanoseconds(0) : buffer_.back().stamp;
+  const auto saturated =
+      buffer_.empty() ? std::nullopt : saturation_.between(newest - kToldAgain, newest);
+  if (saturated) {
+    return *saturated;
+  }
   const bool bridged = graph_ && bridged_at_ && graph_->latest().stamp - *bridged_at_ < kGapTells;
-  return !saturated.empty() || !bridged
-             ? saturated
-             : "readings were missing shortly before, and what they would have said was guessed";
+  return bridged ? std::optional<PassingCause>(GapBridged{}) : std::nullopt;
 }
 
-void InertialTracker::leave(InertialState state, const std::string& why) {
-  const std::string cause = passing_cause();
+void InertialTracker::leave(InertialState state, const InertialCause& why) {
+  event_ = InertialEvent{.cause = why, .passing = passing_cause()};
   state_ = state;
-  event_ = why + (cause.empty() ? "" : "; " + cause);
   graph_.reset();
   pending_.reset();
   poses_.clear();
@@ -76,62 +68,58 @@ void InertialTracker::leave(InertialState state, const std::string& why) {
 }
 
 // Held against what the sweeps left of the state before.
-std::string InertialTracker::impossible_motion(const StateEstimate& prediction) const {
+std::optional<ImpossibleState> InertialTracker::impossible_motion(
+    const StateEstimate& prediction) const {
   const NavState& from = graph_->latest();
   const NavState& to = prediction.state;
   const double elapsed = seconds(to.stamp - from.stamp);
   if (!to.T_map_body.matrix().allFinite() || !to.v_map_body.allFinite() ||
       !prediction.covariance.allFinite()) {
-    return "what the readings say of the motion is not finite";
+    return ImpossibleState{.quantity = StateQuantity::prediction};
   }
   const double acceleration = (to.v_map_body - from.v_map_body).norm() / elapsed;
-  return acceleration <= kHardest
-             ? ""
-             : "the readings say that the sweep before was left with " + in_digits(acceleration) +
-                   " m/s^2 on average, which nothing that carries a sensor does";
+  if (acceleration <= kHardest) {
+    return std::nullopt;
+  }
+  return ImpossibleState{
+      .quantity = StateQuantity::acceleration, .value = acceleration, .limit = kHardest};
 }
 
-std::string InertialTracker::failed_check(const StateEstimate& estimate) const {
+std::optional<FailedCheck> InertialTracker::failed_check(const StateEstimate& estimate) const {
   const NavState& nav = estimate.state;
   if (!nav.T_map_body.matrix().allFinite() || !nav.v_map_body.allFinite() ||
       !estimate.covariance.allFinite()) {
-    return "the fused state is not finite";
+    return ImpossibleState{.quantity = StateQuantity::state};
   }
-  if (nav.v_map_body.norm() > kFastest) {
-    return "the fused velocity is " + in_digits(nav.v_map_body.norm()) + " m/s";
+  if (const double speed = nav.v_map_body.norm(); speed > kFastest) {
+    return ImpossibleState{.quantity = StateQuantity::speed, .value = speed, .limit = kFastest};
   }
   if (last_fused_ && graph_) {
     const double moved =
         (nav.T_map_body.translation() - last_fused_->T_map_body.translation()).norm();
     const double elapsed = std::abs(seconds(nav.stamp - last_fused_->stamp));
-    if (moved > kFastest * elapsed + kUntimed) {
-      return "the fused position moved " + in_digits(moved) + " m in " + in_digits(elapsed) + " s";
+    const double most = kFastest * elapsed + kUntimed;
+    if (moved > most) {
+      return ImpossibleState{
+          .quantity = StateQuantity::distance, .value = moved, .limit = most, .elapsed = elapsed};
     }
   }
-  if (nav.bias.gyro.norm() > kLargestGyroBias) {
-    return "the gyroscope's bias would be " + in_digits(nav.bias.gyro.norm()) +
-           " rad/s: is it saturated, in degrees, or mounted otherwise than imu.T_imu_lidar says?";
+  if (const double bias = nav.bias.gyro.norm(); bias > kLargestGyroBias) {
+    return ImpossibleState{
+        .quantity = StateQuantity::gyro_bias, .value = bias, .limit = kLargestGyroBias};
   }
-  if (nav.bias.accel.norm() > kLargestAccelBias) {
-    return "the accelerometer's bias would be " + in_digits(nav.bias.accel.norm()) +
-           " m/s^2: is its unit another, or imu.T_imu_lidar wrong?";
+  if (const double bias = nav.bias.accel.norm(); bias > kLargestAccelBias) {
+    return ImpossibleState{
+        .quantity = StateQuantity::accel_bias, .value = bias, .limit = kLargestAccelBias};
   }
   if (surprises_ >= kSurprises) {
-    return std::to_string(surprises_) +
-           " alignments in a row are where the IMU says that they cannot be" +
-           (passing_cause().empty()
-                ? (timed_ ? ": are clock and imu.T_imu_lidar right?"
-                          : ": the sweeps have no times per point, so motion distorts them; else, "
-                            "are clock and imu.T_imu_lidar right?")
-                : "") +
-           (rested_at_ && passing_cause().empty()
-                ? " And the accelerometer's sign, which a start at rest cannot tell from a "
-                  "sensor upside down?"
-                : "");
+    return AlignmentsContradict{
+        .alignments = surprises_, .timed = timed_, .sign_assumed = rested_at_.has_value()};
   }
-  return alone_since_ > kLongestAlone
-             ? "no sweep could be aligned for " + in_digits(alone_since_) + " s"
-             : "";
+  if (alone_since_ > kLongestAlone) {
+    return NotAligned{.duration = alone_since_, .limit = kLongestAlone};
+  }
+  return std::nullopt;
 }
 
 }  // namespace adit

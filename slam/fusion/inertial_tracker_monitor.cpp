@@ -6,11 +6,9 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "adit/slam/core/lie.hpp"
-#include "adit/slam/core/text.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
 
 namespace adit {
@@ -86,29 +84,27 @@ void InertialTracker::judge(const GyroCheck& check) {
   if (check.comparison && (of_frame || !fault)) {
     const bool proven = of_frame && is_known(*check.comparison, R_lidar_body());
     const bool may = (proven || accused || corrections_ > 0) && corrections_ < kMostCorrections;
-    const std::string done =
-        correct(*check.comparison, {.clock = may || config_.refine_time_offset,
-                                    .mounting = may || config_.refine_rotation,
-                                    .least_clock = may && !timed_ ? kSweepPeriod : kLeastClock,
-                                    .sigmas = may ? kSigmasOfAccused : kSigmas});
-    if (!done.empty()) {
+    const auto done = correct(check, {.clock = may || config_.refine_time_offset,
+                                      .mounting = may || config_.refine_rotation,
+                                      .least_clock = may && !timed_ ? kSweepPeriod : kLeastClock,
+                                      .sigmas = may ? kSigmasOfAccused : kSigmas});
+    if (done) {
       corrections_ += may ? 1 : 0;
       trial_ = Trial{};
       gyro_agrees_ = true;  // what was seen before was with the fault
       suspected_ = GyroFault::none;
       after_gap_ = false;
       monitor_.forget_turns();
-      leave(InertialState::starting, (fault ? check.evidence + "; " : "") + done +
-                                         ", as the sweeps' turns say; starting anew");
+      leave(InertialState::starting, *done);
       return;
     }
   }
   if (again) {
-    leave(InertialState::refused, check.evidence + "; it is not used any more");
+    leave(InertialState::refused, GyroscopeDisagrees{.check = check, .refused = true});
   } else if (fault) {
     // Sweeps that it de-skews and predicts take after it: the next are to tell without it.
     monitor_.forget_turns();
-    leave(InertialState::lost, check.evidence + "; the lidar goes alone until that is clear");
+    leave(InertialState::lost, GyroscopeDisagrees{.check = check});
   }
 }
 
@@ -123,23 +119,22 @@ void InertialTracker::try_out(const InertialReport& report) {
   }
   if (kWorse * trial_->better < trial_->sweeps) {
     leave(InertialState::refused,
-          "corrected as the sweeps' turns say, it still predicts their turns worse than constant "
-          "velocity (better in " +
-              std::to_string(trial_->better) + " of " + std::to_string(trial_->sweeps) +
-              "); it is not used any more");
+          PredictsWorse{.better = trial_->better, .sweeps = trial_->sweeps});
   }
   trial_.reset();
 }
 
-std::string InertialTracker::correct(const RotationComparison& found, const Corrections& allowed) {
+std::optional<SensorCorrected> InertialTracker::correct(const GyroCheck& check,
+                                                        const Corrections& allowed) {
+  const RotationComparison& found = *check.comparison;
+  SensorCorrected done{.check = check};
   const double late = found.offset - clock_offset_;
-  std::string what;
   if (allowed.clock && std::abs(late) > allowed.least_clock + allowed.sigmas * found.offset_sigma) {
     clock_offset_ = found.offset;
     const auto by = -std::chrono::round<Nanoseconds>(std::chrono::duration<double>(late));
     buffer_.shift(by);
     saturation_.shift(by);
-    what = "its clock is corrected by " + with_decimals(-1e3 * clock_offset_, 1) + " ms";
+    done.clock = clock_offset_;
   }
   const Eigen::Vector3d turn = significant_turn(found, R_lidar_body(), allowed.sigmas);
   if (allowed.mounting && turn.norm() > 0.0) {
@@ -147,12 +142,9 @@ std::string InertialTracker::correct(const RotationComparison& found, const Corr
     Eigen::Isometry3d T_lidar_body = T_body_lidar_.inverse();
     T_lidar_body.linear() = so3_exp(turn) * T_lidar_body.linear();
     T_body_lidar_ = T_lidar_body.inverse();
-    const std::string hidden = unobserved_axes(found);
-    what += (what.empty() ? "" : ", ") + std::string("its mounting is turned by ") +
-            with_decimals(turn.norm() * 180.0 / std::numbers::pi, 2) + " degrees" +
-            (hidden.empty() ? "" : " (the motion does not tell " + hidden + ")");
+    done.turned = turn.norm();
   }
-  return what;
+  return done.clock || done.turned ? std::optional(done) : std::nullopt;
 }
 
 }  // namespace adit

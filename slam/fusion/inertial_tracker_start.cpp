@@ -24,6 +24,12 @@ constexpr double kTurnDisagreement = 0.1;  // rad
 constexpr size_t kFewestQuiet = 5;         // readings between two sweeps
 constexpr double kFastestTurn = 12.0;      // rad/s; readings beyond are not believed either
 
+std::optional<InertialHindrance> hindrance_of(const std::optional<CoverageFault>& fault) {
+  return fault ? std::visit([](const auto& one) { return std::optional<InertialHindrance>(one); },
+                            *fault)
+               : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, double duration,
@@ -35,8 +41,7 @@ std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, do
     return sample.angular_velocity.norm() > kFastestTurn;
   };
   if (state_ != InertialState::starting || !gyro_agrees_ || duration <= 0.0 ||
-      !complaint(interval, config_.max_gap).empty() ||
-      std::ranges::any_of(interval.samples, too_fast)) {
+      complaint(interval) || std::ranges::any_of(interval.samples, too_fast)) {
     return std::nullopt;
   }
   for (ImuSample& sample : interval.samples) {
@@ -58,7 +63,7 @@ std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseco
 bool InertialTracker::is_quiet_between(Nanoseconds begin, Nanoseconds end) const {
   const ImuInterval interval = buffer_.between(begin, end);
   return state_ == InertialState::starting && interval.samples.size() >= kFewestQuiet &&
-         complaint(interval, config_.max_gap).empty() && is_quiet(statistics_of(interval.samples));
+         !complaint(interval) && is_quiet(statistics_of(interval.samples));
 }
 
 void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
@@ -72,9 +77,12 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
                                     R_body_lidar;
       gyro_agrees_ = rotation_angle(turned->transpose() * found) < kTurnDisagreement;
     }
-    const auto stuck = stuck_.stuck();
-    hindrance_ = stuck ? describe(*stuck) : complaint(interval, config_.max_gap);
-    if (hindrance_.empty()) {
+    if (const auto stuck = stuck_.stuck()) {
+      hindrance_ = *stuck;
+    } else {
+      hindrance_ = hindrance_of(complaint(interval));
+    }
+    if (!hindrance_) {
       readings_.push_back(std::move(interval.samples));
     } else {
       poses_.clear();
@@ -124,7 +132,7 @@ void InertialTracker::try_start() {
   const bool sign_assumed = rested_at_ && how.status == ImuStartStatus::in_motion;
   if (is_started(how.status) && last_fused_ && how.accel_scale != accel_scale_ &&
       !(sign_assumed && how.accel_scale == -accel_scale_)) {
-    hindrance_ = "the readings look as if their unit or sign had changed since the last start";
+    hindrance_ = UnitChanged{};
     return;
   }
   hindrance_ = how.reason;
@@ -136,14 +144,14 @@ void InertialTracker::try_start() {
                        .v_map_body = how.v_map_body,
                        .bias = how.bias,
                        .gravity_map = how.gravity_map};
-  hindrance_.clear();
+  hindrance_.reset();
   if (how.status == ImuStartStatus::in_motion) {
     rested_at_.reset();
   } else if (!last_fused_) {
     rested_at_ = last.pose.translation();
   }
-  if (const std::string failed = failed_check({.state = state}); !failed.empty()) {
-    lose(failed);
+  if (const auto failed = failed_check({.state = state})) {
+    lose(*failed);
     return;
   }
   start(state, how);
@@ -161,7 +169,7 @@ bool InertialTracker::start_again_after_gap() {
       0.5 * t * last_fused_->gravity_map;
   ImuStart how;
   how.status = ImuStartStatus::in_motion;
-  how.reason = "readings are back, with the gravity and the biases from before";
+  how.reason = StartedAfterGap{};
   how.accel_scale = accel_scale_;
   how.gravity_map = last_fused_->gravity_map;
   how.gravity_sigma = 0.005;
@@ -191,7 +199,7 @@ void InertialTracker::start(const NavState& state, const ImuStart& how) {
   graph_->start(independent_prior(state, sigma));
   last_fused_ = state;
   state_ = InertialState::fused;
-  event_ = "started: " + how.reason;
+  event_ = InertialEvent{.cause = SensorStarted{.how = how.reason}};
   after_gap_ = false;
   poses_.clear();
   readings_.clear();

@@ -10,6 +10,7 @@
 #include <functional>
 #include <random>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -50,10 +51,49 @@ struct Outcome {
   InertialState state_at(double time) const {
     return reports[static_cast<size_t>(time / kSweep)].state;
   }
+  /// What happened of that kind, in order of time.
+  template <class Cause>
+  std::vector<Cause> all() const {
+    std::vector<Cause> found;
+    for (const InertialReport& report : reports) {
+      const auto* cause = report.event ? std::get_if<Cause>(&report.event->cause) : nullptr;
+      if (cause != nullptr) {
+        found.push_back(*cause);
+      }
+    }
+    return found;
+  }
+  /// The starts of that kind.
+  template <class How>
+  std::vector<How> starts() const {
+    std::vector<How> found;
+    for (const SensorStarted& start : all<SensorStarted>()) {
+      if (const auto* how = std::get_if<How>(&start.how)) {
+        found.push_back(*how);
+      }
+    }
+    return found;
+  }
+  /// Those that were told, at their onset or with what else happened.
+  std::vector<Saturation> saturations() const {
+    std::vector<Saturation> found = all<Saturation>();
+    for (const InertialReport& report : reports) {
+      if (report.event && report.event->passing) {
+        if (const auto* one = std::get_if<Saturation>(&*report.event->passing)) {
+          found.push_back(*one);
+        }
+      }
+    }
+    return found;
+  }
+  /// Of all sweeps, for a test that fails.
   std::string events() const {
     std::string text;
     for (size_t i = 0; i < reports.size(); ++i) {
-      text += reports[i].event.empty() ? "" : std::to_string(i) + ": " + reports[i].event + "\n";
+      if (const auto& event = reports[i].event) {
+        text += std::to_string(i) + ": " + std::string(to_string(event->cause)) + ", " +
+                std::string(to_string(reports[i].state)) + "\n";
+      }
     }
     return text;
   }

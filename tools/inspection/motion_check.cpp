@@ -11,6 +11,7 @@
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/inertial/gyroscope_integral.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
+#include "adit/tools/run/inertial_text.hpp"
 
 namespace adit {
 namespace {
@@ -229,7 +230,7 @@ Finding mounting_finding(const MotionCheck& check) {
                 angles(found.R_range_gyro).c_str(), found.misalignment * kDegrees,
                 kSureSigmas * known_mounting_sigma(found) * kDegrees,
                 inverted ? "; the transform is the wrong way round" : "");
-  const std::string hidden = unobserved_axes(found);
+  const std::string hidden = names_of_unobserved_axes(found);
   return {
       Severity::problem,
       "mounting",

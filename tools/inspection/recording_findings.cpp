@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "adit/tools/run/inertial_text.hpp"
+
 namespace adit {
 namespace {
 

@@ -9,6 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/run/inertial_text.hpp"
+
 namespace adit {
 namespace {
 
@@ -39,7 +41,7 @@ ordered_json json_of(const RotationComparison& found) {
                                                               : ordered_json());
   }
   json["rotation_information_per_rad2"] = json_of(found.mounting_information);
-  json["not_observed"] = unobserved_axes(found);
+  json["not_observed"] = names_of_unobserved_axes(found);
   return json;
 }
 
@@ -65,7 +67,7 @@ std::string text_of(const RotationComparison& found) {
                 1e3 * found.offset, 1e3 * kSureSigmas * found.offset_sigma,
                 kDegrees * found.misalignment,
                 kDegrees * kSureSigmas * known_mounting_sigma(found));
-  const std::string hidden = unobserved_axes(found);
+  const std::string hidden = names_of_unobserved_axes(found);
   return text + (hidden.empty() ? ")" : "; the motion does not tell " + hidden + ")");
 }
 
@@ -73,10 +75,10 @@ std::string text_of(const RotationComparison& found) {
 
 void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
   ++states_[static_cast<std::size_t>(report.state)];
-  if (!report.event.empty()) {
-    changes_.push_back({.sweep = sweep, .state = report.state, .reason = report.event});
+  if (report.event) {
+    changes_.push_back({.sweep = sweep, .state = report.state, .reason = describe(*report.event)});
   }
-  hindrance_ = report.hindrance;
+  hindrance_ = report.hindrance ? describe(*report.hindrance) : "";
   compared_ += report.compared ? 1 : 0;
   better_turns_ += report.better_turn ? 1 : 0;
   better_travels_ += report.better_travel ? 1 : 0;
