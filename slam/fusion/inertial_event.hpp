@@ -62,6 +62,9 @@ struct AlignmentsContradict {
   bool sign_assumed = false;  ///< the accelerometer's sign is that of a start at rest
 };
 
+/// Readings and sweeps together do not determine the state: no covariance can be told.
+struct StateUndetermined {};
+
 /// No sweep could be aligned for so long.
 struct NotAligned {
   double duration = 0.0;  ///< s
@@ -69,7 +72,8 @@ struct NotAligned {
 };
 
 /// Which check of a sweep failed.
-using FailedCheck = std::variant<ImpossibleState, AlignmentsContradict, NotAligned>;
+using FailedCheck =
+    std::variant<ImpossibleState, StateUndetermined, AlignmentsContradict, NotAligned>;
 
 /// The sensor is fused from now on.
 struct SensorStarted {

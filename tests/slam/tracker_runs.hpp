@@ -102,10 +102,17 @@ struct Outcome {
 /// Changes the readings before they are handed on.
 using Fault = std::function<void(std::vector<ImuSample>&)>;
 
+/// What is wrong with sweep i.
+struct SweepFault {
+  std::function<double(int)> delay{};  ///< s, of its stamp
+  std::function<void(int, RegistrationResult&)> alignment{};
+};
+
 /// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
 inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
                            const ImuConfig& imu = tracker_config(),
-                           const WavyMotion& motion = hand_held_motion()) {
+                           const WavyMotion& motion = hand_held_motion(),
+                           const SweepFault& sweeps = {}) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   std::vector<ImuSample> samples = readings(motion, -0.1, duration + 0.2, kRate, kBias);
@@ -117,7 +124,7 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
   Outcome outcome;
   size_t fed = 0;
   for (int i = 0; i * kSweep < duration; ++i) {
-    const double time = kSweep * i;
+    const double time = kSweep * i + (sweeps.delay ? sweeps.delay(i) : 0.0);
     for (; fed < samples.size() && samples[fed].stamp <= at_seconds(time + kSweep); ++fed) {
       tracker.add(samples[fed]);
     }
@@ -134,6 +141,9 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
     alignment.information = 1e6 * Matrix6d::Identity();
     alignment.overlap = 1.0;
     alignment.inliers = alignment.matches = alignment.source_points = 1000;
+    if (sweeps.alignment) {
+      sweeps.alignment(i, alignment);
+    }
     const StampedPose pose{stamp, alignment.T_target_source};
     outcome.reports.push_back(tracker.update(pose, i == 0 ? nullptr : &alignment, guess));
     const InertialReport& report = outcome.reports.back();

@@ -139,6 +139,8 @@ TEST(InertialText, StatesThatCannotBe) {
   EXPECT_EQ(failed(ImpossibleState{.quantity = StateQuantity::accel_bias, .value = 3.5}),
             "the accelerometer's bias would be 3.5 m/s^2: is its unit another, or imu.T_imu_lidar "
             "wrong?");
+  EXPECT_EQ(failed(StateUndetermined{}),
+            "the readings and the sweeps do not determine the fused state");
   EXPECT_EQ(failed(NotAligned{.duration = 3.1}), "no sweep could be aligned for 3.1 s");
 }
 

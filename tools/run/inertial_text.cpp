@@ -175,6 +175,10 @@ struct CheckText {
 
   std::string operator()(const ImpossibleState& state) const { return impossible_text(state); }
 
+  std::string operator()(const StateUndetermined&) const {
+    return "the readings and the sweeps do not determine the fused state";
+  }
+
   std::string operator()(const AlignmentsContradict& found) const {
     return std::to_string(found.alignments) +
            " alignments in a row are where the IMU says that they cannot be" +
