@@ -3,41 +3,27 @@
 #include "adit/slam/fusion/inertial_tracker.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+#include <chrono>
 #include <utility>
-
-#include "adit/slam/core/text.hpp"
 
 namespace adit {
 namespace {
 
 using std::chrono::milliseconds;
 
-// Errors of alignments, as measured (docs/theory/inertial.md, section 9): all of them, and what is
-// new with each sweep. The rest stays for some sweeps, as surfaces are cut into the same cells.
+// Errors of alignments, as measured (docs/theory/inertial.md, section 9): all of them; what is new
+// with each sweep is less (fused_motion.cpp).
 constexpr CovarianceModel kAlignmentModel{.kappa = 0.3,
                                           .area = 0.016,
                                           .sigma_translation = 0.002,
                                           .sigma_rotation = 0.0003,
                                           .sigma_unknown_translation = 0.1,
                                           .sigma_unknown_rotation = 0.02};
-// Surfaces larger than usual do not count against them: in open fields, where they are, graphs that
-// believed alignments that much less went astray on readings alone.
-constexpr CovarianceModel kWhiteModel{.kappa = 0.3,
-                                      .area = 0.016,
-                                      .most_sparse = 1.0,
-                                      .sigma_translation = 0.002,
-                                      .sigma_rotation = 0.0003};
-
-// chi squared that 99.9 % stay below, by degrees of freedom.
-constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
-// Alignments err more than their covariances say: by three times in woods.
-constexpr double kBeyondBelief = 10.0;
+constexpr int kLosses = 5;             // without a long time of fusion in between
 constexpr int kLongFusion = 100;       // sweeps
 constexpr double kScaleError = 0.005;  // of readings: scale, axes that are not square
-// After a check that failed the sweeps are to tell what is wrong, without the sensor: for so many.
-constexpr int kUnexplained = 50;
+// A gap that was bridged explains for this long what goes wrong.
+constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 // Readings stand for this long after the last one; then velocities stay as they were.
 constexpr Nanoseconds kHeld = milliseconds(20);
 // What the sign of an accelerometer is believed after, which started at rest.
@@ -45,6 +31,10 @@ constexpr double kFarFromRest = 2.0;  // m
 // What a prediction must be better than to be aligned from without a search.
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
+
+Nanoseconds nanoseconds(double time) {
+  return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
+}
 
 bool holds_rotation(const RegistrationResult& alignment) {
   return std::ranges::none_of(alignment.rotation, [](const ObservedDirection& direction) {
@@ -66,23 +56,17 @@ Vector6d lidar_sigma(const StateMatrix& covariance, const Eigen::Isometry3d& T_b
   return (of_lidar.diagonal().cwiseMax(0.0) + floor.cwiseAbs2()).cwiseSqrt();
 }
 
-}  // namespace
-
-std::string_view to_string(InertialState state) {
-  switch (state) {
-    case InertialState::absent:
-      return "absent";
-    case InertialState::starting:
-      return "starting";
-    case InertialState::fused:
-      return "fused";
-    case InertialState::lost:
-      return "lost";
-    case InertialState::refused:
-      return "refused";
-  }
-  return "unknown";
+/// Says which of two predictions of an alignment was nearer.
+void compare(const Eigen::Isometry3d& found, const Eigen::Isometry3d& inertial,
+             const Eigen::Isometry3d& steady, InertialReport& report) {
+  const Eigen::Isometry3d inertial_off = found.inverse() * inertial;
+  const Eigen::Isometry3d steady_off = found.inverse() * steady;
+  report.compared = true;
+  report.better_turn = rotation_angle(inertial_off.linear()) < rotation_angle(steady_off.linear());
+  report.better_travel = inertial_off.translation().norm() < steady_off.translation().norm();
 }
+
+}  // namespace
 
 ImuNoise imu_noise(const ImuConfig& config) {
   ImuNoise noise = imu_preset(config.sensor, config.noise_scale)
@@ -99,93 +83,80 @@ InertialTracker::InertialTracker(const ImuConfig& config, double configured_offs
       noise_(imu_noise(config)),
       T_body_lidar_(config.T_imu_lidar ? pose_of(*config.T_imu_lidar)
                                        : Eigen::Isometry3d::Identity()),
-      gate_({.rate = config.max_rate, .acceleration = config.max_acceleration}),
-      configured_offset_(configured_offset) {}
+      readings_(config),
+      watch_(config, configured_offset) {}
 
 std::vector<TakenReading> InertialTracker::add(const ImuSample& sample) {
-  std::vector<TakenReading> taken;
-  for (const GatedReading& known : gate_.pass(sample)) {
-    taken.push_back({known.sample, known.dropped ? *known.dropped : take(known.sample)});
+  std::vector<TakenReading> taken = readings_.add(sample);
+  for (const TakenReading& one : taken) {
+    if (one.arrival == ImuArrival::appended || one.arrival == ImuArrival::restarted) {
+      watch_.add(one.sample);
+    }
+    if (one.arrival == ImuArrival::appended && is<Absent>() && config_.use) {
+      state_ = Starting{};
+    }
   }
   return taken;
 }
 
-ImuArrival InertialTracker::take(const ImuSample& sample) {
-  ImuSample corrected = sample;
-  corrected.stamp -= std::chrono::round<Nanoseconds>(std::chrono::duration<double>(clock_offset_));
-  const ImuArrival arrival = buffer_.push(corrected);
-  if (arrival == ImuArrival::restarted) {
-    saturation_ = {};
-    stuck_ = {};
+StartCollection* InertialTracker::collected() {
+  if (auto* starting = std::get_if<Starting>(&state_)) {
+    return &starting->collected;
   }
-  if (arrival == ImuArrival::appended || arrival == ImuArrival::restarted) {
-    monitor_.add(sample);
-    saturation_.add(corrected);
-    stuck_.add(corrected);
-  }
-  if (arrival == ImuArrival::appended && state_ == InertialState::absent && config_.use) {
-    state_ = InertialState::starting;
-  }
-  return arrival;
-}
-
-std::optional<Eigen::Matrix3d> InertialTracker::level_lidar(Nanoseconds begin,
-                                                            Nanoseconds end) const {
-  const ImuInterval interval = buffer_.between(begin, end);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const ImuSample& sample : interval.samples) {
-    sum += sample.linear_acceleration;
-  }
-  if (state_ == InertialState::absent || !complaint(interval, config_.max_gap).empty() ||
-      !(sum.norm() > 0.0)) {
-    return std::nullopt;
-  }
-  return level_attitude(T_body_lidar_.linear().transpose() * sum);
+  auto* lost = std::get_if<Lost>(&state_);
+  return lost != nullptr ? &lost->collected : nullptr;
 }
 
 std::vector<ImuSample> InertialTracker::scaled(std::vector<ImuSample> samples) const {
-  return accel_scale_ == 1.0 ? std::move(samples) : with_accel_scale(samples, accel_scale_);
+  return history_.accel_scale == 1.0 ? std::move(samples)
+                                     : with_accel_scale(samples, history_.accel_scale);
+}
+
+std::optional<CoverageFault> InertialTracker::fault_of(const ImuInterval& interval) const {
+  return coverage_fault(interval, config_.max_gap);
 }
 
 std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, double duration) {
-  pending_.reset();
   timed_ = duration > 0.0;
-  if (state_ != InertialState::fused || stamp <= graph_->latest().stamp) {
+  auto* fused = std::get_if<Fused>(&state_);
+  if (fused == nullptr) {
     return std::nullopt;
   }
-  const ImuInterval interval = buffer_.between(graph_->latest().stamp, stamp);
-  if (const std::string wrong = complaint(interval, config_.max_gap); !wrong.empty()) {
-    leave(InertialState::lost, wrong);
-    after_gap_ = true;
+  fused->motion.forget_prediction();
+  return stamp > fused->motion.latest().stamp ? predict(*fused, stamp, duration) : std::nullopt;
+}
+
+std::optional<InertialPrediction> InertialTracker::predict(Fused& fused, Nanoseconds stamp,
+                                                           double duration) {
+  const Nanoseconds last = fused.motion.latest().stamp;
+  const ImuInterval interval = readings_.between(last, stamp);
+  if (const auto fault = fault_of(interval)) {
+    std::visit([this](const auto& one) { leave(Lost{.after_gap = true}, one); }, *fault);
     return std::nullopt;
   }
-  if (const auto stuck = stuck_.stuck()) {
-    leave(InertialState::lost, describe(*stuck) + ": is it broken? Check it with adit inspect");
+  if (const auto stuck = readings_.stuck()) {
+    leave(Lost{}, *stuck);
     return std::nullopt;
   }
-  const Nanoseconds last = graph_->latest().stamp;
-  if (saturation_.evidence(last - kToldAgain, last).empty()) {
-    event_ = saturation_.evidence(last, stamp);
+  if (const auto saturation = readings_.saturation_begins(last, stamp)) {
+    event_ = InertialEvent{.cause = *saturation};
   }
   const double silence = interval.longest_silence();
-  pending_ = Pending{.readings = scaled(interval.samples),
-                     .prediction = {},
-                     .gap = silence > kReadingGap ? silence : 0.0};
-  pending_->prediction = graph_->predict(pending_->readings);
-  const StateEstimate& predicted = pending_->prediction;
-  if (const std::string wrong = impossible_motion(predicted); !wrong.empty()) {
-    lose(wrong);
+  fused.gap = silence > kReadingGap ? silence : 0.0;
+  const auto outcome = fused.motion.predict(scaled(interval.samples));
+  if (const auto* failed = std::get_if<FailedCheck>(&outcome)) {
+    lose(*failed);
     return std::nullopt;
   }
+  const auto& predicted = std::get<StateEstimate>(outcome);
 
   InertialPrediction result;
   result.lidar.T_map_lidar = T_map_lidar(predicted.state);
   result.lidar.sigma = lidar_sigma(predicted.covariance, T_body_lidar_);
   result.lidar.trusted = result.lidar.sigma.head<3>().maxCoeff() < kTrustedPosition &&
                          result.lidar.sigma.tail<3>().maxCoeff() < kTrustedRotation;
-  const Nanoseconds end =
-      stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration));
-  const ImuInterval within = buffer_.between(stamp, std::min(end, buffer_.back().stamp + kHeld));
+  const Nanoseconds end = stamp + nanoseconds(duration);
+  const ImuInterval within = readings_.between(stamp, std::min(end, *readings_.newest() + kHeld));
   if (!within.samples.empty() && within.longest_gap <= config_.max_gap) {
     result.motion =
         inertial_motion(predicted.state, scaled(within.samples), T_body_lidar_, 0.0, duration);
@@ -198,81 +169,126 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
                                        const Eigen::Isometry3d& steady,
                                        const SweepMotion* deskewed) {
   InertialReport report;
-  unexplained_ = std::max(0, unexplained_ - 1);
+  watch_.note_sweep();
   if (alignment != nullptr) {
     report.lidar_covariance = covariance(*alignment, kAlignmentModel);
   }
-  if (pending_) {
-    fuse(alignment, steady, report);
-  } else if (state_ == InertialState::starting || state_ == InertialState::lost) {
+  if (auto* fused = std::get_if<Fused>(&state_)) {
+    if (fused->motion.prediction() != nullptr) {
+      fuse(*fused, alignment, steady, report);
+    }
+  } else if (collected() != nullptr) {
     collect(T_map_lidar, alignment != nullptr);
-    try_start();
+    start_if_possible();
   }
-  try_out(report);
+  if (report.compared) {
+    if (const auto worse = watch_.note_prediction(report.better_turn)) {
+      leave(Refused{}, *worse);
+    }
+  }
   // Turns that no match holds are the prediction's own.
   if (alignment != nullptr && holds_rotation(*alignment)) {
     watch({T_map_lidar.stamp, alignment->T_target_source}, deskewed);
   } else {
-    monitor_.broken();
+    watch_.broken();
   }
-  if (state_ != InertialState::fused) {
+  if (!is<Fused>()) {
     report.nav.reset();
   }
-  const Nanoseconds oldest = poses_.empty() ? T_map_lidar.stamp : poses_.front().stamp;
-  buffer_.forget_before(oldest - milliseconds(100));
-  saturation_.forget_before(oldest - 2 * kToldAgain);
-  report.state = state_;
-  report.event = std::exchange(event_, {});
+  const StartCollection* waiting = collected();
+  readings_.forget_before(waiting == nullptr || waiting->poses().empty()
+                              ? T_map_lidar.stamp
+                              : waiting->poses().front().stamp);
+  report.state = state();
+  report.event = std::exchange(event_, std::nullopt);
   report.hindrance = hindrance_;
-  report.accel_scale = accel_scale_;
+  report.accel_scale = history_.accel_scale;
   report.T_body_lidar = T_body_lidar_;
-  report.clock_offset = clock_offset_;
-  report.comparison = comparison_;
-  report.gravity_map = last_fused_ ? last_fused_->gravity_map : Eigen::Vector3d::Zero();
+  report.clock_offset = readings_.clock_offset();
+  report.comparison = watch_.comparison();
+  report.gravity_map = history_.fused ? history_.fused->gravity_map : Eigen::Vector3d::Zero();
   return report;
 }
 
-void InertialTracker::fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
-                           InertialReport& report) {
-  const StateEstimate& prediction = pending_->prediction;
-  const double elapsed = seconds(prediction.state.stamp - graph_->latest().stamp);
-  alone_since_ = alignment != nullptr ? 0.0 : alone_since_ + elapsed;
-  std::optional<PoseMeasurement> measurement;
+void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
+                           const Eigen::Isometry3d& steady, InertialReport& report) {
+  const NavState predicted = fused.motion.prediction()->state;
   if (alignment != nullptr) {
-    measurement = measured_pose(*alignment, kWhiteModel, T_body_lidar_);
-    report.innovation = innovation(prediction, *measurement);
-    const auto degrees = static_cast<size_t>(measurement->known_directions);
-    report.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
-    surprises_ = report.innovation.nis > report.innovation_gate ? surprises_ + 1 : 0;
-    const Eigen::Isometry3d& found = alignment->T_target_source;
-    const Eigen::Isometry3d inertial_off = found.inverse() * T_map_lidar(prediction.state);
-    const Eigen::Isometry3d steady_off = found.inverse() * steady;
-    report.compared = true;
-    report.better_turn =
-        rotation_angle(inertial_off.linear()) < rotation_angle(steady_off.linear());
-    report.better_travel = inertial_off.translation().norm() < steady_off.translation().norm();
+    compare(alignment->T_target_source, T_map_lidar(predicted), steady, report);
   }
-  report.bridged_gap = pending_->gap;
-  bridged_at_ = pending_->gap > 0.0 ? std::optional(prediction.state.stamp) : bridged_at_;
-  const StateEstimate estimate = graph_->add(std::move(pending_->readings), measurement);
-  pending_.reset();
-  if (const std::string failed = failed_check(estimate); !failed.empty()) {
-    after_gap_ = false;
-    lose(failed);
+  report.bridged_gap = fused.gap;
+  if (fused.gap > 0.0) {
+    history_.bridged_at = predicted.stamp;
+  }
+  const FusedSweep sweep = fused.motion.fuse(
+      alignment, T_body_lidar_,
+      {.before = history_.fused, .timed = timed_, .sign_assumed = history_.rested_at.has_value()});
+  report.innovation = sweep.innovation;
+  report.innovation_gate = sweep.innovation_gate;
+  if (const auto* failed = std::get_if<FailedCheck>(&sweep.outcome)) {
+    lose(*failed);
     if (alignment != nullptr) {
-      unexplained_ = kUnexplained;
-      monitor_.forget_turns();
+      watch_.accuse();
     }
     return;
   }
-  losses_ = ++fused_sweeps_ > kLongFusion ? 0 : losses_;
-  last_fused_ = estimate.state;
-  if (rested_at_ && (estimate.state.T_map_body.translation() - *rested_at_).norm() > kFarFromRest) {
-    rested_at_.reset();
+  const auto& estimate = std::get<StateEstimate>(sweep.outcome);
+  history_.losses = fused.motion.sweeps() > kLongFusion ? 0 : history_.losses;
+  history_.fused = estimate.state;
+  const Eigen::Vector3d& position = estimate.state.T_map_body.translation();
+  if (history_.rested_at && (position - *history_.rested_at).norm() > kFarFromRest) {
+    history_.rested_at.reset();
   }
   report.nav = estimate.state;
   report.nav_covariance = estimate.covariance;
   report.lidar_covariance += lidar_covariance(estimate.covariance, T_body_lidar_);
+}
+
+void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* deskewed) {
+  if (is<Absent>() || is<Refused>()) {
+    return;
+  }
+  const auto verdict =
+      watch_.check(alignment, deskewed,
+                   {.T_body_lidar = T_body_lidar_, .clock_offset = readings_.clock_offset()},
+                   readings_.saturated_gyroscope(), timed_);
+  if (!verdict) {
+    return;
+  }
+  if (const auto* correction = std::get_if<FrameCorrection>(&*verdict)) {
+    if (correction->what.clock) {
+      readings_.correct_clock(correction->frame.clock_offset);
+    }
+    T_body_lidar_ = correction->frame.T_body_lidar;
+    leave(Starting{}, correction->what);
+    return;
+  }
+  const auto& found = std::get<GyroscopeDisagrees>(*verdict);
+  const auto* lost = std::get_if<Lost>(&state_);
+  const bool after_gap = lost != nullptr && lost->after_gap;
+  leave(found.refused ? State(Refused{}) : State(Lost{.after_gap = after_gap}), found);
+}
+
+std::optional<PassingCause> InertialTracker::passing_cause() const {
+  if (const auto saturation = readings_.recent_saturation()) {
+    return *saturation;
+  }
+  const auto* fused = std::get_if<Fused>(&state_);
+  const bool bridged = fused != nullptr && history_.bridged_at &&
+                       fused->motion.latest().stamp - *history_.bridged_at < kGapTells;
+  return bridged ? std::optional<PassingCause>(GapBridged{}) : std::nullopt;
+}
+
+void InertialTracker::lose(const FailedCheck& check) {
+  history_.losses += passing_cause() ? 0 : 1;  // else it is known why, and passes
+  const bool again = history_.losses >= kLosses;
+  leave(again ? State(Refused{}) : State(Lost{}),
+        CheckFailed{.check = check, .losses = history_.losses, .refused = again});
+}
+
+void InertialTracker::leave(State next, const InertialCause& why) {
+  event_ = InertialEvent{.cause = why, .passing = passing_cause()};
+  state_ = std::move(next);
 }
 
 }  // namespace adit

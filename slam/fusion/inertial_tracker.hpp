@@ -2,61 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <optional>
-#include <string>
-#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/prediction.hpp"
-#include "adit/slam/fusion/sliding_graph.hpp"
-#include "adit/slam/inertial/gyro_monitor.hpp"
-#include "adit/slam/inertial/imu_buffer.hpp"
-#include "adit/slam/inertial/imu_start.hpp"
-#include "adit/slam/inertial/reading_gate.hpp"
-#include "adit/slam/inertial/saturation.hpp"
-#include "adit/slam/inertial/stuck_axis.hpp"
+#include "adit/slam/fusion/fused_motion.hpp"
+#include "adit/slam/fusion/gyro_watch.hpp"
+#include "adit/slam/fusion/inertial_readings.hpp"
+#include "adit/slam/fusion/inertial_report.hpp"
+#include "adit/slam/fusion/sensor_start.hpp"
 #include "adit/slam/inertial/sweep_motion.hpp"
 
 namespace adit {
-
-/// What the inertial sensor does for the odometry.
-enum class InertialState {
-  absent,    ///< no readings came, or it is not to be used
-  starting,  ///< gravity, biases and velocity are not known yet: the lidar goes alone
-  fused,
-  lost,     ///< a check failed: the lidar goes alone until the sensor has been started again
-  refused,  ///< it was lost again and again: it stays out
-};
-std::string_view to_string(InertialState state);
-
-/// What a sweep told of the inertial sensor.
-struct InertialReport {
-  InertialState state = InertialState::absent;
-  /// For people, where the state changed with this sweep: why, with the evidence.
-  std::string event;
-  std::string hindrance;        ///< for people: what keeps a sensor from being started
-  std::optional<NavState> nav;  ///< of the body, where this sweep was fused
-  /// Of nav, in the order of its tangent vectors: what the sliding graph leaves on its newest
-  /// state.
-  StateMatrix nav_covariance = StateMatrix::Zero();
-  /// Of T_map_lidar relative to the submap, lidar axes, [rho, phi]: of nav and of the alignment,
-  /// whose errors are partly those of the sweeps before; zero where there is neither.
-  Matrix6d lidar_covariance = Matrix6d::Zero();
-  Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
-  Innovation innovation;         ///< of the alignment; 0 degrees where there was none
-  double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed
-  double bridged_gap = 0.0;      ///< s, the longest time without readings that was bridged
-  bool compared = false;         ///< prediction and constant velocity, against the alignment:
-  bool better_turn = false;      ///< the inertial prediction's rotation was nearer
-  bool better_travel = false;    ///< its translation was
-  double accel_scale = 1.0;      ///< from the accelerometer's own unit and sign to m/s²
-  Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();  ///< refined, if it is to be
-  double clock_offset = 0.0;  ///< s, taken off the stamps of readings; 0 unless it is refined
-  /// The gyroscope against the sweeps, as they come: the latest that the motion told.
-  std::optional<RotationComparison> comparison;
-};
 
 /// The noise that the settings assume: a sensor's by name, or their own.
 ImuNoise imu_noise(const ImuConfig& config);
@@ -111,7 +70,7 @@ class InertialTracker {
 
   /// The submap starts anew: where no inertial prediction led there, the attitude is not the one
   /// from before, nor is gravity's direction in the map.
-  void note_restart() { after_gap_ = false; }
+  void note_restart();
 
   /// What nav says of the lidar.
   Eigen::Isometry3d T_map_lidar(const NavState& nav) const {
@@ -119,90 +78,69 @@ class InertialTracker {
   }
 
  private:
-  /// Saturation is told when none was for so long, and with what else goes wrong in that time.
-  static constexpr Nanoseconds kToldAgain = std::chrono::seconds(10);
+  struct Absent {};
+  struct Starting {
+    StartCollection collected{};
+    bool gyro_agrees = true;  ///< with alignments, as far as was seen
+  };
+  struct Fused {
+    FusedMotion motion;
+    double gap = 0.0;  ///< s, that the prediction of the sweep under way bridges; 0: none
+  };
+  struct Lost {
+    StartCollection collected{};
+    bool after_gap = false;  ///< for want of readings alone: gravity and biases still hold
+  };
+  struct Refused {};
+  /// In the order of InertialState.
+  using State = std::variant<Absent, Starting, Fused, Lost, Refused>;
 
-  struct Pending {
-    std::vector<ImuSample> readings;
-    StateEstimate prediction;
-    double gap = 0.0;  ///< s, the longest among the readings; 0: none
-  };
-  struct Corrections {
-    bool clock = false;
-    bool mounting = false;
-    double least_clock = 0.0;  ///< s; less stays as it is
-    double sigmas = 0.0;       ///< what is within so many standard deviations stays as it is
-  };
-  struct Trial {
-    int sweeps = 0;
-    int better = 0;  ///< than constant velocity, their turns
+  /// What is kept whatever the state.
+  struct History {
+    std::optional<NavState> fused;          ///< the last state that was
+    double accel_scale = 1.0;               ///< by the last start
+    std::optional<Nanoseconds> bridged_at;  ///< the last gap among the readings that was bridged
+    /// Position in the map of a start at rest: the accelerometer's sign is an assumption until the
+    /// sensor has gone away from there.
+    std::optional<Eigen::Vector3d> rested_at;
+    int losses = 0;  ///< since the last long time of fusion
   };
 
-  ImuArrival take(const ImuSample& sample);
+  InertialState state() const { return static_cast<InertialState>(state_.index()); }
+  template <class Kind>
+  bool is() const {
+    return std::holds_alternative<Kind>(state_);
+  }
+  StartCollection* collected();
+
   std::vector<ImuSample> scaled(std::vector<ImuSample> samples) const;
-  /// What is wrong with the coverage; empty if nothing is.
-  std::string complaint(const ImuInterval& interval, double most) const;
-  /// What is wrong with a prediction from the newest state of the graph; empty if nothing is.
-  std::string impossible_motion(const StateEstimate& prediction) const;
-  std::string failed_check(const StateEstimate& estimate) const;
-  void lose(const std::string& why);
-  /// Of the last ten seconds, for people; empty without.
-  std::string recent_saturation() const;
-  /// What else explains a check that failed, and passes: saturation, a gap that was bridged.
-  std::string passing_cause() const;
-  /// Stops fusing, to start anew or not at all.
-  void leave(InertialState state, const std::string& why);
-  /// Holds the gyroscope against the sweeps; corrects the sensor where they contradict it and say
-  /// by how much, else refuses it.
-  void watch(const StampedPose& alignment, const SweepMotion* deskewed);
-  void judge(const GyroCheck& check);
-  /// Refuses a sensor that predicts badly though it was corrected.
-  void try_out(const InertialReport& report);
-  Eigen::Matrix3d R_lidar_body() const { return T_body_lidar_.linear().transpose(); }
-  /// Corrects what may be; what it did, for people, empty if nothing.
-  std::string correct(const RotationComparison& found, const Corrections& allowed);
-  void fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
+  std::optional<CoverageFault> fault_of(const ImuInterval& interval) const;
+  std::optional<InertialPrediction> predict(Fused& fused, Nanoseconds stamp, double duration);
+  void fuse(Fused& fused, const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
   void collect(const StampedPose& T_map_lidar, bool aligned);
-  void try_start();
-  bool start_again_after_gap();
-  void start(const NavState& state, const ImuStart& how);
+  void start_if_possible();
+  void start(const SensorStart& start);
+  void watch(const StampedPose& alignment, const SweepMotion* deskewed);
+
+  /// What else explains a check that failed, and passes: saturation within the last ten seconds, a
+  /// gap that was bridged.
+  std::optional<PassingCause> passing_cause() const;
+  /// After a check that failed.
+  void lose(const FailedCheck& check);
+  /// Goes on in another state, for that reason.
+  void leave(State next, const InertialCause& why);
 
   ImuConfig config_;
   ImuNoise noise_;
   Eigen::Isometry3d T_body_lidar_;
-  ReadingGate gate_;
-  ImuBuffer buffer_;
-  GyroMonitor monitor_;
-  SaturationWatch saturation_;
-  StuckAxisWatch stuck_;
-  GyroFault suspected_ = GyroFault::none;  ///< by the last check
-  int corrections_ = 0;                    ///< of faults
-  int unexplained_ = 0;                    ///< sweeps to wait for a comparison, as a check failed
-  std::optional<Trial> trial_;             ///< of what was corrected
-  std::optional<RotationComparison> comparison_;
-  double clock_offset_ = 0.0;  ///< s
-  double configured_offset_;   ///< s
-  bool timed_ = false;         ///< points have times: a sweep's stamp is when it began
-  InertialState state_ = InertialState::absent;
-  std::string event_;
-  std::string hindrance_;
-  double accel_scale_ = 1.0;
-  std::optional<SlidingGraph> graph_;
-  std::optional<Pending> pending_;
-  std::optional<NavState> last_fused_;
-  bool gyro_agrees_ = true;                ///< with alignments, as far as was seen before the start
-  std::optional<Nanoseconds> bridged_at_;  ///< the last gap among the readings that was bridged
-  bool after_gap_ = false;  ///< lost for want of readings alone: gravity and biases still hold
-  /// Position in the map of a start at rest: the accelerometer's sign is an assumption until the
-  /// sensor has gone away from there.
-  std::optional<Eigen::Vector3d> rested_at_;
-  int surprises_ = 0;                            ///< innovations beyond belief in a row
-  int losses_ = 0;                               ///< since the last long time of fusion
-  int fused_sweeps_ = 0;                         ///< in a row
-  double alone_since_ = 0.0;                     ///< s without an alignment
-  std::deque<StampedPose> poses_;                ///< of the body, aligned, in a row
-  std::deque<std::vector<ImuSample>> readings_;  ///< between them, as they came
+  InertialReadings readings_;
+  GyroWatch watch_;
+  bool timed_ = false;  ///< points have times: a sweep's stamp is when it began
+  State state_;
+  History history_;
+  std::optional<InertialEvent> event_;
+  std::optional<InertialHindrance> hindrance_;
 };
 
 }  // namespace adit

@@ -9,16 +9,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "adit/slam/fusion/convergence.hpp"
 #include "adit/slam/fusion/imu_factor.hpp"
 #include "adit/slam/fusion/walk_factor.hpp"
 
 namespace adit {
 namespace {
 
-// Converged when no state moves farther than this in its own standard deviations ...
-constexpr double kSmallStep = 1e-3;
-// ... or the cost falls by less than this share.
-constexpr double kSmallDecrease = 1e-9;
 constexpr double kFirstDamping = 1e-6;
 constexpr double kLargestDamping = 1e3;
 
@@ -29,18 +26,6 @@ std::vector<NavState> moved(const std::vector<NavState>& states,
     result.push_back(retract(states[i], steps[i]));
   }
   return result;
-}
-
-// Of the whole step in its own metric: what the quadratics expect the cost to fall by.
-double expected_decrease(const ChainQuadratic& chain, const std::vector<StateVector>& steps) {
-  double sum = 0.0;
-  for (size_t i = 0; i < steps.size(); ++i) {
-    sum -= 0.5 * chain.states[i].g.dot(steps[i]);
-  }
-  for (size_t i = 0; i < chain.links.size(); ++i) {
-    sum -= 0.5 * (chain.links[i].g_from.dot(steps[i]) + chain.links[i].g_to.dot(steps[i + 1]));
-  }
-  return sum;
 }
 
 // The symmetric root of the information times the error, with metres and radians in comparable
@@ -55,15 +40,44 @@ Vector6d whitened(const Vector6d& error, const Matrix6d& information) {
          unit.cwiseInverse().asDiagonal() * error;
 }
 
-StateMatrix inverse(const StateMatrix& h) {
+/// None where the information is not positive, within rounding.
+std::optional<StateMatrix> inverse(const StateMatrix& h) {
   const StateVector scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const StateMatrix unit = scale.asDiagonal() * h * scale.asDiagonal();
+  const Eigen::LDLT<StateMatrix> factors = unit.ldlt();
+  if (!(factors.vectorD().minCoeff() > 0.0)) {
+    return std::nullopt;
+  }
   const StateMatrix result =
-      scale.asDiagonal() * unit.ldlt().solve(StateMatrix::Identity()) * scale.asDiagonal();
+      scale.asDiagonal() * factors.solve(StateMatrix::Identity()) * scale.asDiagonal();
   return 0.5 * (result + result.transpose());
 }
 
+/// With the covariance that this information gives it.
+GraphEstimate estimated(StateEstimate estimate, const StateMatrix& information) {
+  if (!information.allFinite() || !estimate.state.T_map_body.matrix().allFinite() ||
+      !estimate.state.v_map_body.allFinite()) {
+    return GraphFailure::not_finite;
+  }
+  const std::optional<StateMatrix> covariance = inverse(information);
+  if (!covariance || !covariance->allFinite()) {
+    return GraphFailure::undetermined;
+  }
+  estimate.covariance = *covariance;
+  return estimate;
+}
+
 }  // namespace
+
+std::string_view to_string(GraphFailure failure) {
+  switch (failure) {
+    case GraphFailure::undetermined:
+      return "undetermined";
+    case GraphFailure::not_finite:
+      return "not finite";
+  }
+  return "unknown";
+}
 
 Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& measurement) {
   const StateFactor<6> factor = pose_factor(measurement, prediction.state);
@@ -96,11 +110,11 @@ void SlidingGraph::append(Node node) {
   }
 }
 
-StateEstimate SlidingGraph::latest_estimate() const {
-  return {.state = latest(), .covariance = inverse(marginal_.h)};
+GraphEstimate SlidingGraph::latest_estimate() const {
+  return estimated({.state = latest()}, marginal_.h);
 }
 
-StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) const {
+GraphEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) const {
   const Preintegration between = preintegrate(readings, latest().bias, settings_.noise);
   StateEstimate prediction{.state = adit::predict(latest(), between)};
   prediction.state.stamp = readings.empty() ? latest().stamp : readings.back().stamp;
@@ -112,13 +126,12 @@ StateEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) cons
                                 prediction.state));
   const std::optional<StateQuadratic> left = eliminated(marginal_, link);
   if (!left) {
-    throw std::logic_error("the sliding graph does not determine its states");
+    return GraphFailure::undetermined;
   }
-  prediction.covariance = inverse(left->h);
-  return prediction;
+  return estimated(prediction, left->h);
 }
 
-StateEstimate SlidingGraph::add(std::vector<ImuSample> readings,
+GraphEstimate SlidingGraph::add(std::vector<ImuSample> readings,
                                 const std::optional<PoseMeasurement>& measurement) {
   Node node;
   node.between = preintegrate(readings, latest().bias, settings_.noise);
@@ -131,11 +144,16 @@ StateEstimate SlidingGraph::add(std::vector<ImuSample> readings,
   node.measurement = measurement;
   append(std::move(node));
 
-  StateEstimate estimate = optimize();
+  const GraphEstimate estimate = optimize();
+  if (std::holds_alternative<GraphFailure>(estimate)) {
+    return estimate;
+  }
   const bool resets = settings_.reset > 0 && size() >= settings_.reset;
   const int keep = settings_.reset > 0 ? (resets ? 1 : settings_.reset) : settings_.lag;
   while (size() > keep) {
-    marginalize_first();
+    if (!marginalize_first()) {
+      return GraphFailure::undetermined;
+    }
   }
   return estimate;
 }
@@ -182,7 +200,7 @@ ChainQuadratic SlidingGraph::linearized(const std::vector<NavState>& states) con
 
 // Levenberg-Marquardt; undamped steps are Gauss-Newton's, and damping begins where one fails. A
 // step too short to matter is not made: so the chain stays linearised where its states are.
-StateEstimate SlidingGraph::optimize() {
+GraphEstimate SlidingGraph::optimize() {
   StateEstimate estimate;
   estimate.converged = false;
   integrate_stale_again();
@@ -195,7 +213,7 @@ StateEstimate SlidingGraph::optimize() {
     marginal.reset();
     if (const auto found = minimum(chain_, damping)) {
       marginal = damping > 0.0 ? std::nullopt : std::optional(found->last);
-      estimate.converged = expected_decrease(chain_, found->steps) < 0.5 * kSmallStep * kSmallStep;
+      estimate.converged = is_negligible(expected_decrease(chain_, found->steps));
       if (estimate.converged) {
         break;
       }
@@ -203,7 +221,7 @@ StateEstimate SlidingGraph::optimize() {
       ChainQuadratic there = linearized(candidate);
       const double cost = chain_.cost();
       if (there.cost() <= cost) {
-        estimate.converged = cost - there.cost() < kSmallDecrease * cost;
+        estimate.converged = has_settled(cost, there.cost());
         best = candidate;
         chain_ = std::move(there);
         marginal.reset();
@@ -217,12 +235,12 @@ StateEstimate SlidingGraph::optimize() {
     nodes_[i].state = best[i];
   }
   marginal = marginal ? marginal : marginal_of_last(chain_);
-  estimate.state = latest();
-  if (marginal) {
-    marginal_ = *marginal;
-    estimate.covariance = inverse(marginal_.h);
+  if (!marginal) {
+    return GraphFailure::undetermined;
   }
-  return estimate;
+  marginal_ = *marginal;
+  estimate.state = latest();
+  return estimated(estimate, marginal_.h);
 }
 
 void SlidingGraph::integrate_stale_again() {
@@ -235,10 +253,10 @@ void SlidingGraph::integrate_stale_again() {
   }
 }
 
-void SlidingGraph::marginalize_first() {
+bool SlidingGraph::marginalize_first() {
   const auto left = eliminated(chain_.states[0], chain_.links[0]);
   if (!left) {
-    throw std::logic_error("the sliding graph does not determine its first state");
+    return false;
   }
   prior_ = prior_from(nodes_[1].state, *left);
   nodes_.pop_front();
@@ -246,6 +264,7 @@ void SlidingGraph::marginalize_first() {
   chain_.states.erase(chain_.states.begin());
   chain_.links.erase(chain_.links.begin());
   chain_.states.front() = state_quadratic(0, nodes_.front().state);
+  return true;
 }
 
 }  // namespace adit

@@ -4,6 +4,8 @@
 
 #include <deque>
 #include <optional>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "adit/slam/core/imu_noise.hpp"
@@ -35,6 +37,16 @@ struct StateEstimate {
   bool converged = true;
 };
 
+/// Why the graph has no estimate.
+enum class GraphFailure {
+  undetermined,  ///< readings and measurements do not determine a state, or only within rounding
+  not_finite,
+};
+std::string_view to_string(GraphFailure failure);
+
+/// An estimate is finite, and its covariance positive.
+using GraphEstimate = std::variant<StateEstimate, GraphFailure>;
+
 /// How far a measured pose is from a prediction.
 struct Innovation {
   Vector6d error = Vector6d::Zero();  ///< prediction from measurement, [rho, phi], body axes
@@ -57,15 +69,16 @@ class SlidingGraph {
   bool started() const { return !nodes_.empty(); }
   /// The newest state; the graph is started.
   const NavState& latest() const { return nodes_.back().state; }
-  StateEstimate latest_estimate() const;
+  GraphEstimate latest_estimate() const;
   int size() const { return static_cast<int>(nodes_.size()); }
 
   /// Where the readings lead from the newest state, with covariance. They begin at its stamp.
-  StateEstimate predict(const std::vector<ImuSample>& readings) const;
+  GraphEstimate predict(const std::vector<ImuSample>& readings) const;
 
   /// A new state at the end of the readings, which begin at the newest one's stamp, and what was
   /// measured of its pose, if anything; optimises all states and marginalises what is past the lag.
-  StateEstimate add(std::vector<ImuSample> readings,
+  /// After a failure the graph must be started again.
+  GraphEstimate add(std::vector<ImuSample> readings,
                     const std::optional<PoseMeasurement>& measurement);
 
  private:
@@ -82,9 +95,10 @@ class SlidingGraph {
   ChainQuadratic linearized(const std::vector<NavState>& states) const;
   std::vector<NavState> states() const;
   void append(Node node);
-  StateEstimate optimize();
+  GraphEstimate optimize();
   void integrate_stale_again();
-  void marginalize_first();
+  /// False: the states do not determine what is left.
+  bool marginalize_first();
 
   GraphSettings settings_;
   StatePrior prior_;  ///< on the first node

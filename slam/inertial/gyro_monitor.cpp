@@ -6,14 +6,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/nav_state.hpp"
-#include "adit/slam/core/text.hpp"
 
 namespace adit {
 namespace {
@@ -31,7 +27,6 @@ constexpr double kStill = 0.02;                 // of the sweeps' turning: a con
 constexpr double kOtherUnit = 2.0;              // times as much, or as little
 constexpr double kHarmlessMisalignment = 0.09;  // rad
 constexpr double kClockSigmas = 4.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Root mean square of turns about their mean, rad.
 double spread(const std::vector<Eigen::Vector3d>& turns) {
@@ -79,44 +74,27 @@ std::vector<RotationInterval> told_turns(std::span<const RotationInterval> turns
   return told;
 }
 
-std::string clock_evidence(const RotationComparison& found, double configured, size_t turns) {
-  const bool late = found.offset > 0.0;
-  return "the gyroscope turns as the sweeps do, but " +
-         with_decimals(1e3 * std::abs(found.offset), 0) + " ms " + (late ? "later" : "earlier") +
-         " (+- " + with_decimals(1e3 * kSureSigmas * found.offset_sigma, 0) + " ms, over " +
-         std::to_string(turns) + " sweeps): its clock is " + (late ? "late" : "early") +
-         "; recording.imu_time_offset = " + with_decimals(configured - found.offset, 3) +
-         (configured == 0.0 ? "" : " (not " + with_decimals(configured, 3) + ")") +
-         " would mend that from the start";
-}
-
-std::string mounting_evidence(const RotationComparison& found, size_t turns) {
-  const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
-  return "the gyroscope turns as the sweeps do, but about axes that are " +
-         with_decimals(kDegrees * found.misalignment, 1) + " degrees off (over " +
-         std::to_string(turns) + " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
-         "whose rotation should be qx " + with_decimals(q.x(), 4) + ", qy " +
-         with_decimals(q.y(), 4) + ", qz " + with_decimals(q.z(), 4) + ", qw " +
-         with_decimals(q.w(), 4);
-}
-
-std::string unit_evidence(double factor) {
-  const bool degrees = std::abs(factor / kDegrees - 1.0) < 0.3;
-  return "the gyroscope turns " + with_decimals(factor, factor < 1.0 ? 3 : 1) +
-         " times as much as the sweeps: " +
-         (degrees ? "it is in degrees a second (recording.gyroscope_scale = 0.0174533)"
-                  : "is its unit another (recording.gyroscope_scale)?");
-}
-
-std::string scale_evidence(const RotationComparison& found, size_t turns) {
-  return "the gyroscope turns " + with_decimals(found.scale, 3) + " (+- " +
-         with_decimals(kSureScaleSigmas * found.scale_sigma, 3) +
-         ") times as much as the sweeps, over " + std::to_string(turns) +
-         " of them: its scale is off; recording.gyroscope_scale = " +
-         with_decimals(1.0 / found.scale, 3) + " would mend that";
-}
-
 }  // namespace
+
+std::string_view to_string(GyroFault fault) {
+  switch (fault) {
+    case GyroFault::none:
+      return "none";
+    case GyroFault::constant:
+      return "constant";
+    case GyroFault::unrelated:
+      return "unrelated";
+    case GyroFault::unit:
+      return "unit";
+    case GyroFault::scale:
+      return "scale";
+    case GyroFault::clock:
+      return "clock";
+    case GyroFault::mounting:
+      return "mounting";
+  }
+  return "unknown";
+}
 
 void GyroMonitor::add(const ImuSample& sample) {
   if (samples_.empty() || sample.stamp > samples_.back().stamp) {
@@ -166,39 +144,29 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
     rotations.push_back(turn.rotation);
   }
   const double lively = spread(rotations);
-  GyroCheck result;
+  GyroCheck result{.turns = turns.size(), .configured_offset = expected.configured};
   if (turns.size() < kLeastRotations || lively < kLively) {
     return result;
   }
-  const double factor = gyro_spread(turns, samples) / lively;
+  result.factor = gyro_spread(turns, samples) / lively;
+  if (result.factor < kStill) {
+    result.fault = GyroFault::constant;
+    return result;
+  }
   result.comparison = compare_rotations(turns, samples, expected.R_lidar_imu, kMostOffset);
-  const std::string over = " over " + std::to_string(turns.size()) + " sweeps";
-  if (factor < kStill) {
-    result = {GyroFault::constant,
-              "the gyroscope stays as it is while the sweeps turn" + over +
-                  ": is it broken, or a message filled in?",
-              std::nullopt};
-  } else if (!result.comparison && factor < 1.0 / kOtherUnit) {
-    return result;  // it is the sweeps' turns that are noise
-  } else if (!result.comparison) {
-    result.fault = GyroFault::unrelated;
-    result.evidence = "the gyroscope's turns have little to do with those of the sweeps" + over +
-                      ": is it of another recording, its clock off by more than 0.3 s, or "
-                      "saturated?";
-  } else if (factor > kOtherUnit || factor < 1.0 / kOtherUnit) {
+  if (!result.comparison) {
+    // With less turning than theirs it is the sweeps' turns that are noise.
+    result.fault = result.factor < 1.0 / kOtherUnit ? GyroFault::none : GyroFault::unrelated;
+  } else if (result.factor > kOtherUnit || result.factor < 1.0 / kOtherUnit) {
     result.fault = GyroFault::unit;
-    result.evidence = unit_evidence(factor);
   } else if (is_off_scale(*result.comparison)) {
     result.fault = GyroFault::scale;
-    result.evidence = scale_evidence(*result.comparison, turns.size());
   } else if (std::abs(result.comparison->offset - expected.offset) >
              expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
     result.fault = GyroFault::clock;
-    result.evidence = clock_evidence(*result.comparison, expected.configured, turns.size());
   } else if (result.comparison->misalignment >
              kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {
     result.fault = GyroFault::mounting;
-    result.evidence = mounting_evidence(*result.comparison, turns.size());
   }
   return result;
 }

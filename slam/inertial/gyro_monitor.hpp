@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <optional>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "adit/slam/inertial/rotation_comparison.hpp"
@@ -22,6 +23,7 @@ enum class GyroFault {
   clock,
   mounting,
 };
+std::string_view to_string(GyroFault fault);
 
 /// What the comparison is held to.
 struct GyroExpectation {
@@ -37,8 +39,10 @@ struct GyroExpectation {
 /// The sensor held against the sweeps over the last while.
 struct GyroCheck {
   GyroFault fault = GyroFault::none;
-  std::string evidence;                          ///< for people, with what to do; empty for none
-  std::optional<RotationComparison> comparison;  ///< none where the motion does not tell it
+  std::size_t turns = 0;  ///< of the sweeps, from each to the next, that were compared
+  double factor = 0.0;    ///< how much the gyroscope's turns vary, over how much the sweeps' do
+  double configured_offset = 0.0;                  ///< s, as GyroExpectation::configured
+  std::optional<RotationComparison> comparison{};  ///< none where the motion does not tell it
 };
 
 /// Compares the turns of aligned sweeps with the gyroscope's, over the last fifteen seconds or so

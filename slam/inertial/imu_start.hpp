@@ -5,9 +5,11 @@
 // biases, and its unit (docs/theory/inertial.md).
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "adit/slam/core/imu_noise.hpp"
@@ -30,10 +32,70 @@ inline bool is_started(ImuStartStatus status) {
   return status == ImuStartStatus::at_rest || status == ImuStartStatus::in_motion;
 }
 
+/// at_rest.
+struct StartedAtRest {
+  double duration = 0.0;  ///< s
+  bool in_g = false;      ///< the accelerometer reports in g
+};
+/// in_motion.
+struct StartedInMotion {
+  std::size_t poses = 0;
+  bool in_g = false;      ///< the accelerometer reports in g
+  bool negative = false;  ///< it reports gravity instead of its reaction
+  /// Where it is negative: the squared error that the usual sign leaves, over that of this one; 0
+  /// where the usual sign makes no gravity like the Earth's.
+  double usual_error = 0.0;
+};
+/// in_motion: readings are back after a gap; gravity and biases are those from before.
+struct StartedAfterGap {};
+/// too_short, at rest.
+struct TooFewReadings {
+  std::size_t readings = 0;
+  double duration = 0.0;         ///< s
+  std::size_t needed = 0;        ///< readings
+  double needed_duration = 0.0;  ///< s
+};
+/// too_short, in motion.
+struct TooFewPoses {
+  std::size_t poses = 0;
+  std::size_t needed = 0;  ///< over half a second
+};
+/// not_at_rest: standard deviations of the readings, and what they stay below at rest.
+struct NotAtRest {
+  double gyro = 0.0;         ///< rad/s
+  double accel = 0.0;        ///< m/s²
+  double gyro_limit = 0.0;   ///< rad/s
+  double accel_limit = 0.0;  ///< m/s²
+};
+/// not_at_rest: the gyroscope's mean is too much for a bias.
+struct SteadyTurn {
+  double rate = 0.0;  ///< rad/s
+};
+/// implausible, at rest.
+struct NoGravityAtRest {
+  double reading = 0.0;  ///< the accelerometer's mean, in its own unit
+  /// recording.accelerometer_scale that makes it gravity; none where it is too far off for an error
+  /// of scale.
+  std::optional<double> scale{};
+};
+/// implausible, in motion.
+struct NoGravityInMotion {
+  double gravity = 0.0;  ///< what poses and readings make of it, in the accelerometer's own unit
+};
+/// unobserved.
+struct GravityUnclear {
+  double sigma = 0.0;  ///< rad, of gravity's direction
+};
+
+/// Why a start ended as it did: what was seen, and what was expected.
+using ImuStartReason = std::variant<TooFewReadings, TooFewPoses, NotAtRest, SteadyTurn,
+                                    NoGravityAtRest, NoGravityInMotion, GravityUnclear,
+                                    StartedAtRest, StartedInMotion, StartedAfterGap>;
+
 /// How a start ended. Everything but `status` and `reason` holds only if is_started(status).
 struct ImuStart {
   ImuStartStatus status = ImuStartStatus::too_short;
-  std::string reason;        ///< for people: what was seen, and what was expected
+  ImuStartReason reason;
   double accel_scale = 1.0;  ///< readings times this are m/s²: 9.80665 for a sensor that reports in
                              ///< g, negative for one that reports gravity instead of its reaction
   /// Up in the body's axes at the end of the readings, unit.

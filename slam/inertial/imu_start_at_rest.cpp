@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "adit/slam/core/text.hpp"
 #include "adit/slam/inertial/imu_rest.hpp"
 #include "adit/slam/inertial/imu_start.hpp"
 
@@ -20,10 +19,10 @@ constexpr double kGravityTolerance = 0.5;
 constexpr double kLeastScale = 0.7;      // less of gravity is no error of scale but another unit
 constexpr double kAccelBiasSigma = 0.1;  // m/s², across gravity
 
-ImuStart refused(ImuStartStatus status, std::string reason) {
+ImuStart refused(ImuStartStatus status, const ImuStartReason& reason) {
   ImuStart start;
   start.status = status;
-  start.reason = std::move(reason);
+  start.reason = reason;
   return start;
 }
 
@@ -71,10 +70,10 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
   const double duration =
       samples.empty() ? 0.0 : seconds(samples.back().stamp - samples.front().stamp);
   if (samples.size() < kFewest || duration < kShortest) {
-    return refused(ImuStartStatus::too_short,
-                   std::to_string(samples.size()) + " readings over " + in_digits(duration) +
-                       " s; a start at rest needs " + std::to_string(kFewest) + " over " +
-                       in_digits(kShortest) + " s");
+    return refused(ImuStartStatus::too_short, TooFewReadings{.readings = samples.size(),
+                                                             .duration = duration,
+                                                             .needed = kFewest,
+                                                             .needed_duration = kShortest});
   }
   ReadingStatistics all = statistics_of(samples);
   const double raw_norm = all.accel.norm();
@@ -87,33 +86,26 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
   if (all.gyro_deviation > kRestGyro || all.accel_deviation > kRestAccel ||
       (older.gyro - newer.gyro).norm() > kDriftGyro ||
       scale * (older.accel - newer.accel).norm() > kDriftAccel) {
-    return refused(ImuStartStatus::not_at_rest,
-                   "the gyroscope varies by " + in_digits(all.gyro_deviation) +
-                       " rad/s and the accelerometer by " + in_digits(all.accel_deviation) +
-                       " m/s^2; at rest they stay below " + in_digits(kRestGyro) + " and " +
-                       in_digits(kRestAccel));
+    return refused(ImuStartStatus::not_at_rest, NotAtRest{.gyro = all.gyro_deviation,
+                                                          .accel = all.accel_deviation,
+                                                          .gyro_limit = kRestGyro,
+                                                          .accel_limit = kRestAccel});
   }
   if (all.gyro.norm() > kRestGyroBias) {
-    return refused(ImuStartStatus::not_at_rest,
-                   "the gyroscope reads a steady " + in_digits(all.gyro.norm()) +
-                       " rad/s, too much for a bias: a rotation, or degrees per second");
+    return refused(ImuStartStatus::not_at_rest, SteadyTurn{.rate = all.gyro.norm()});
   }
   const double norm = all.accel.norm();
   if (std::abs(norm - kStandardGravity) > kGravityTolerance) {
     const double off = norm / kStandardGravity;
     const bool scaled = off > kLeastScale && off < 1.0 / kLeastScale;
     return refused(ImuStartStatus::implausible,
-                   "the accelerometer reads " + in_digits(raw_norm) +
-                       " at rest; 9.8 (m/s^2) or 1 (g) was expected: " +
-                       (scaled ? "is its scale off? recording.accelerometer_scale = " +
-                                     in_digits(1.0 / off, 4) + " would mend that"
-                               : "is its unit another?"));
+                   NoGravityAtRest{.reading = raw_norm,
+                                   .scale = scaled ? std::optional(1.0 / off) : std::nullopt});
   }
 
   ImuStart start;
   start.status = ImuStartStatus::at_rest;
-  start.reason =
-      "at rest for " + in_digits(duration) + " s" + (scale != 1.0 ? ", accelerometer in g" : "");
+  start.reason = StartedAtRest{.duration = duration, .in_g = scale != 1.0};
   start.accel_scale = scale;
   start.up_body = all.accel.normalized();
   start.bias.gyro = all.gyro;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
-#include <string>
 
 #include <Eigen/Cholesky>
 
@@ -161,18 +160,10 @@ Solution solve_direction(const Links& links, const Eigen::Vector3d& first_guess)
   return solution;
 }
 
-/// What the poses say against the usual sign, and what to do.
-std::string against(double times) {
-  return (times > 0.0 ? " (the usual one leaves " + std::to_string(std::lround(times)) +
-                            " times the squared error)"
-                      : "") +
-         ": recording.accelerometer_scale of the opposite sign would mend that from the start";
-}
-
-ImuStart refused(ImuStartStatus status, std::string reason) {
+ImuStart refused(ImuStartStatus status, const ImuStartReason& reason) {
   ImuStart start;
   start.status = status;
-  start.reason = std::move(reason);
+  start.reason = reason;
   return start;
 }
 
@@ -183,8 +174,7 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   if (T_map_body.size() < kFewestPoses || readings.size() + 1 != T_map_body.size() ||
       seconds(T_map_body.back().stamp - T_map_body.front().stamp) < kShortest) {
     return refused(ImuStartStatus::too_short,
-                   std::to_string(T_map_body.size()) + " poses; a start in motion needs " +
-                       std::to_string(kFewestPoses) + " over half a second");
+                   TooFewPoses{.poses = T_map_body.size(), .needed = kFewestPoses});
   }
   const GyroBias gyro = gyro_bias_of(T_map_body, readings, noise);
   const Matrix free = Matrix::Identity(3, 3);
@@ -217,23 +207,18 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
     }
   }
   if (scale == 0.0) {
-    return refused(
-        ImuStartStatus::implausible,
-        "the motion and the accelerometer together make gravity " + std::to_string(free_norm) +
-            ", neither 9.8 (m/s^2) nor 1 (g): is the IMU mounted otherwise than stated?");
+    return refused(ImuStartStatus::implausible, NoGravityInMotion{.gravity = free_norm});
   }
   const double sigma = std::sqrt(best.covariance.diagonal().segment<2>(3).maxCoeff());
   if (sigma > kLargestGravitySigma) {
-    return refused(ImuStartStatus::unobserved, "gravity's direction is known to " +
-                                                   std::to_string(sigma) +
-                                                   " rad only; more or longer motion is needed");
+    return refused(ImuStartStatus::unobserved, GravityUnclear{.sigma = sigma});
   }
   ImuStart start;
   start.status = ImuStartStatus::in_motion;
-  start.reason =
-      "from " + std::to_string(T_map_body.size()) + " poses in motion" +
-      (std::abs(scale) != 1.0 ? ", accelerometer in g" : "") +
-      (scale < 0.0 ? ", accelerometer of the opposite sign" + against(usual_fit / best_fit) : "");
+  start.reason = StartedInMotion{.poses = T_map_body.size(),
+                                 .in_g = std::abs(scale) != 1.0,
+                                 .negative = scale < 0.0,
+                                 .usual_error = scale < 0.0 ? usual_fit / best_fit : 0.0};
   start.accel_scale = scale;
   start.gravity_map = best.gravity;
   start.up_body = T_map_body.back().pose.linear().transpose() * -best.gravity.normalized();

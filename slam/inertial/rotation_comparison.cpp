@@ -200,15 +200,9 @@ double known_mounting_sigma(const RotationComparison& found) {
   return sigma;
 }
 
-std::string unobserved_axes(const RotationComparison& comparison) {
-  constexpr std::array kNames = {"roll", "pitch", "yaw"};
-  std::string text;
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(comparison.mounting_sigma(i))) {
-      text += (text.empty() ? "" : ", ") + std::string(kNames[static_cast<size_t>(i)]);
-    }
-  }
-  return text;
+std::array<bool, 3> unobserved_axes(const RotationComparison& comparison) {
+  const Eigen::Vector3d& sigma = comparison.mounting_sigma;
+  return {!std::isfinite(sigma.x()), !std::isfinite(sigma.y()), !std::isfinite(sigma.z())};
 }
 
 }  // namespace adit

@@ -5,11 +5,11 @@
 // the offset of their clocks and how they are mounted to each other.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -86,8 +86,7 @@ inline bool is_off_scale(const RotationComparison& comparison) {
 /// The greatest standard deviation (rad) of the mounting about an axis that the motion tells.
 double known_mounting_sigma(const RotationComparison& comparison);
 
-/// For people: roll, pitch and yaw about the lidar's axes that the motion does not tell; empty if
-/// it tells all.
-std::string unobserved_axes(const RotationComparison& comparison);
+/// Roll, pitch and yaw about the lidar's axes: true where the motion does not tell the mounting.
+std::array<bool, 3> unobserved_axes(const RotationComparison& comparison);
 
 }  // namespace adit

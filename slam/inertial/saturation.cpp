@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "adit/slam/core/text.hpp"
-
 namespace adit {
 namespace {
 
@@ -50,20 +48,17 @@ void SaturationWatch::add(const ImuSample& sample) {
   accelerometer_.add(sample.linear_acceleration, stamps_, kLeastOfUsual * usual_, stuck);
 }
 
-std::string SaturationWatch::evidence(Nanoseconds begin, Nanoseconds end) const {
-  const auto within = [&](const Triad& triad) {
-    return std::ranges::count_if(triad.saturated,
-                                 [&](Nanoseconds stamp) { return stamp > begin && stamp <= end; });
-  };
-  const auto told = [&](const Triad& triad, const char* name, const char* unit) {
-    const auto count = within(triad);
-    return std::string("the ") + name + " is saturated: " + std::to_string(count) +
-           (count == 1 ? " reading stands at " : " readings stand at ") +
-           in_digits(triad.limit, 4) + unit + ", the end of its range";
-  };
-  return within(gyroscope_) > 0       ? told(gyroscope_, "gyroscope", " rad/s")
-         : within(accelerometer_) > 0 ? told(accelerometer_, "accelerometer", "")
-                                      : "";
+std::optional<Saturation> SaturationWatch::between(Nanoseconds begin, Nanoseconds end) const {
+  for (const Triad* triad : {&gyroscope_, &accelerometer_}) {
+    const auto count = std::ranges::count_if(
+        triad->saturated, [&](Nanoseconds stamp) { return stamp > begin && stamp <= end; });
+    if (count > 0) {
+      return Saturation{.gyroscope = triad == &gyroscope_,
+                        .readings = static_cast<std::size_t>(count),
+                        .limit = triad->limit};
+    }
+  }
+  return std::nullopt;
 }
 
 void SaturationWatch::forget_before(Nanoseconds stamp) {

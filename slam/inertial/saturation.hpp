@@ -3,12 +3,20 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <deque>
-#include <string>
+#include <optional>
 
 #include "adit/slam/core/types.hpp"
 
 namespace adit {
+
+/// Readings that stand at the end of a sensor's range.
+struct Saturation {
+  bool gyroscope = true;     ///< else the accelerometer
+  std::size_t readings = 0;  ///< that stand there
+  double limit = 0.0;        ///< the end of the range: rad/s, or the accelerometer's own unit
+};
 
 /// Finds readings that stand at the end of a sensor's range: an axis that repeats the greatest
 /// value so far, bit for bit, three times or more while others move. A motion does not do that, nor
@@ -18,8 +26,9 @@ class SaturationWatch {
   /// The next reading, in order of time.
   void add(const ImuSample& sample);
 
-  /// For people: which readings of this time stand there; empty if none do.
-  std::string evidence(Nanoseconds begin, Nanoseconds end) const;
+  /// Readings after `begin` and up to `end` that stand there, those of the gyroscope before those
+  /// of the accelerometer; none if none do.
+  std::optional<Saturation> between(Nanoseconds begin, Nanoseconds end) const;
 
   /// Stamps of the gyroscope's readings that stand there, in order of time.
   const std::deque<Nanoseconds>& of_gyroscope() const { return gyroscope_.saturated; }

@@ -3,7 +3,6 @@
 #include "adit/slam/inertial/stuck_axis.hpp"
 
 #include "adit/slam/core/nav_state.hpp"
-#include "adit/slam/core/text.hpp"
 
 namespace adit {
 namespace {
@@ -15,13 +14,6 @@ constexpr double kTurning = 0.1;   // rad/s
 constexpr double kMoving = 0.5;    // of the accelerometer's unit
 
 }  // namespace
-
-std::string describe(const StuckAxis& stuck) {
-  constexpr std::array kNames = {"x", "y", "z"};
-  return std::string("the ") + (stuck.gyroscope ? "gyroscope" : "accelerometer") + "'s " +
-         kNames.at(static_cast<size_t>(stuck.axis)) + " stays at " + in_digits(stuck.value) +
-         " for " + in_digits(stuck.duration) + " s while its other axes move";
-}
 
 void StuckAxisWatch::add(Triad& triad, const Eigen::Vector3d& value, Nanoseconds stamp) {
   for (int i = 0; i < 3; ++i) {

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <optional>
-#include <string>
 
 #include "adit/slam/core/types.hpp"
 
@@ -17,9 +16,6 @@ struct StuckAxis {
   double value = 0.0;     ///< rad/s, or the accelerometer's own unit
   double duration = 0.0;  ///< s, so far
 };
-
-/// "the gyroscope's z stays at 0 for 0.5 s while its other axes move".
-std::string describe(const StuckAxis& stuck);
 
 /// Finds axes that are stuck: the same value, bit for bit, for half a second and fifty readings,
 /// while the other axes go up and down by 0.1 rad/s or 0.5 of the accelerometer's unit. An axis

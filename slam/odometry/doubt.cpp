@@ -3,8 +3,6 @@
 #include "adit/slam/odometry/doubt.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 
 namespace adit {
@@ -20,17 +18,6 @@ constexpr double kLevel = 0.7;         // of a direction's z: less is along the 
 constexpr double kNearDistance = 1.0;  // m from the prediction
 constexpr double kNearTurn = 0.3;      // rad
 constexpr double kNearSigmas = 2.0;    // of a trusted prediction
-
-std::string percent(double share) {
-  return std::to_string(std::lround(100.0 * share)) + " %";
-}
-
-std::string centimetres(double length) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), 100.0 * length,
-                                 std::chars_format::fixed, 1);
-  return {text.data(), end.ptr};
-}
 
 /// How well the place along the ground is held. (Height is another matter: floors that a sensor
 /// does not see are common, and nobody jumps.)
@@ -67,11 +54,11 @@ bool UsualFit::falls_short(const RegistrationResult& alignment) const {
                                            alignment.residual_rms > kMostRms * rms_));
 }
 
-std::optional<std::string> UsualFit::doubt(const RegistrationResult& alignment,
-                                           const Prediction& prediction) const {
+std::optional<Doubt> UsualFit::doubt(const RegistrationResult& alignment,
+                                     const Prediction& prediction) const {
   const Localizability held = along_ground(alignment);
   if (prediction.lost && held == Localizability::none) {
-    return "a search found a place that could as well be farther along: no match holds it there";
+    return NotHeldAlong{};
   }
   // Where matches and velocity agree, one confirms the other.
   const bool agree =
@@ -82,19 +69,16 @@ std::optional<std::string> UsualFit::doubt(const RegistrationResult& alignment,
     return std::nullopt;
   }
   if (alignments_ >= kUsual && alignment.overlap < kLeastShare * overlap_) {
-    return "a search found a place where " + percent(alignment.overlap) +
-           " of its points match the submap, of sweeps before " + percent(overlap_) + " did";
+    return OverlapFallsShort{.overlap = alignment.overlap, .usual = overlap_};
   }
   if (!prediction.lost && !prediction.trusted) {
     return std::nullopt;
   }
   if (alignments_ >= kUsual && alignment.residual_rms > kMostRms * rms_) {
-    return "a search found a place where its points lie " + centimetres(alignment.residual_rms) +
-           " cm from the submap's surfaces, those of sweeps before " + centimetres(rms_);
+    return ResidualTooLarge{.rms = alignment.residual_rms, .usual = rms_};
   }
   if (alignment.rival > kMostRival) {
-    return "a search found two places, and where one matches 100 points the other matches " +
-           std::to_string(std::lround(100.0 * alignment.rival));
+    return TwoPlaces{.rival = alignment.rival};
   }
   return std::nullopt;
 }

@@ -3,12 +3,46 @@
 #pragma once
 
 #include <optional>
-#include <string>
+#include <variant>
 
 #include "adit/slam/odometry/motion_model.hpp"
 #include "adit/slam/registration/registration.hpp"
 
 namespace adit {
+
+/// The pose would not be finite.
+struct PoseNotFinite {};
+
+/// The sensor would have moved farther than it can in that time.
+struct MovedTooFar {
+  double distance = 0.0;   ///< m, since the last pose
+  double elapsed = 0.0;    ///< s, since then
+  double max_speed = 0.0;  ///< m/s, recovery.max_speed
+};
+
+/// A search found a place that could as well be farther along the ground: no match holds it there.
+struct NotHeldAlong {};
+
+/// A search found a place where fewer points match the submap than is usual.
+struct OverlapFallsShort {
+  double overlap = 0.0;  ///< share of the sweep's points, 0 to 1
+  double usual = 0.0;    ///< of the sweeps before
+};
+
+/// A search found a place where points lie farther from the submap's surfaces than is usual.
+struct ResidualTooLarge {
+  double rms = 0.0;    ///< m
+  double usual = 0.0;  ///< m, of the sweeps before
+};
+
+/// A search found two places.
+struct TwoPlaces {
+  double rival = 0.0;  ///< matched points of the other place over those of the one it chose
+};
+
+/// Why an alignment is not believed.
+using Doubt = std::variant<PoseNotFinite, MovedTooFar, NotHeldAlong, OverlapFallsShort,
+                           ResidualTooLarge, TwoPlaces>;
 
 /// The alignment is within so many standard deviations of the prediction.
 bool is_within(const RegistrationResult& alignment, const Prediction& prediction, double sigmas);
@@ -26,10 +60,10 @@ class UsualFit {
   /// to be searched for.
   bool falls_short(const RegistrationResult& alignment) const;
 
-  /// Why an alignment that a search found or confirmed is not to be believed, for people; none
-  /// where it is (docs/theory/odometry.md, section 3).
-  std::optional<std::string> doubt(const RegistrationResult& alignment,
-                                   const Prediction& prediction) const;
+  /// Why an alignment that a search found or confirmed is not to be believed; none where it is
+  /// (docs/theory/odometry.md, section 3).
+  std::optional<Doubt> doubt(const RegistrationResult& alignment,
+                             const Prediction& prediction) const;
 
  private:
   int alignments_ = 0;

@@ -137,8 +137,7 @@ void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
     return;
   }
   const StampedPose found{result.stamp, result.registration.T_target_source};
-  std::optional<std::string> doubt =
-      impossible_pose(found, motion.last(), config.recovery.max_speed);
+  std::optional<Doubt> doubt = impossible_pose(found, motion.last(), config.recovery.max_speed);
   const Prediction& prediction = expected.prediction;
   const bool weighed = prediction.trusted && (!result.searched || expected.inertial);
   if (!doubt && !weighed) {
@@ -146,7 +145,7 @@ void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
   }
   if (doubt) {
     result.registration.status = RegistrationStatus::doubtful;
-    result.doubt = *doubt;
+    result.doubt = doubt;
   } else if (prediction.trusted) {
     usual_fit.add(result.registration);
   }

@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "adit/slam/core/text.hpp"
-
 namespace adit {
 namespace {
 
@@ -14,11 +12,10 @@ constexpr double kUntimed = 1.0;  // m
 
 }  // namespace
 
-std::optional<std::string> impossible_pose(const StampedPose& pose,
-                                           const std::optional<StampedPose>& last,
-                                           double max_speed) {
+std::optional<Doubt> impossible_pose(const StampedPose& pose,
+                                     const std::optional<StampedPose>& last, double max_speed) {
   if (!pose.pose.matrix().allFinite()) {
-    return "the pose would not be finite";
+    return PoseNotFinite{};
   }
   if (!last) {
     return std::nullopt;
@@ -30,8 +27,7 @@ std::optional<std::string> impossible_pose(const StampedPose& pose,
   if (moved <= kUntimed + max_speed * elapsed) {
     return std::nullopt;
   }
-  return "it would have moved " + in_digits(moved) + " m in " + in_digits(elapsed) +
-         " s (recovery.max_speed is " + in_digits(max_speed) + " m/s)";
+  return MovedTooFar{.distance = moved, .elapsed = elapsed, .max_speed = max_speed};
 }
 
 }  // namespace adit

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/slam/odometry/doubt.hpp"
 
 namespace adit {
 
-/// Why nothing that was at `last` can be there, for people; none: it can. `max_speed` in m/s.
-std::optional<std::string> impossible_pose(const StampedPose& pose,
-                                           const std::optional<StampedPose>& last,
-                                           double max_speed);
+/// Why nothing that was at `last` can be there; none: it can. `max_speed` in m/s.
+std::optional<Doubt> impossible_pose(const StampedPose& pose,
+                                     const std::optional<StampedPose>& last, double max_speed);
 
 }  // namespace adit

@@ -148,7 +148,7 @@ TEST(ChainSolver, EndsWhereCeresEnds) {
     graph.start(w.start);
     StateEstimate estimate;
     for (std::size_t i = 1; i < w.readings.size(); ++i) {
-      estimate = graph.add(w.readings[i], w.measurements[i]);
+      estimate = std::get<StateEstimate>(graph.add(w.readings[i], w.measurements[i]));
     }
     const StateVector apart = difference(newest_by_ceres(w), estimate.state);
     const StateVector sigma = estimate.covariance.diagonal().cwiseSqrt();

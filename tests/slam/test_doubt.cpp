@@ -2,7 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/odometry/doubt.hpp"
 
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <variant>
+
 #include <gtest/gtest.h>
+
+#include "adit/slam/odometry/possible_pose.hpp"
 
 namespace adit {
 namespace {
@@ -43,21 +50,27 @@ Prediction untrusted_far_away() {
   return prediction;
 }
 
-bool says(const std::optional<std::string>& doubt, const char* text) {
-  return doubt && doubt->find(text) != std::string::npos;
+/// The doubt where it is of that kind, with its figures.
+template <class Kind>
+std::optional<Kind> as(const std::optional<Doubt>& doubt) {
+  return doubt && std::holds_alternative<Kind>(*doubt) ? std::optional(std::get<Kind>(*doubt))
+                                                       : std::nullopt;
 }
 
 TEST(UsualFit, WhatFitsAsSweepsDidBeforeIsBelieved) {
-  EXPECT_EQ(usual().doubt(fit(0.9), lost_far_away()), std::nullopt);
-  EXPECT_EQ(usual().doubt(fit(0.9), untrusted_far_away()), std::nullopt);
+  EXPECT_FALSE(usual().doubt(fit(0.9), lost_far_away()));
+  EXPECT_FALSE(usual().doubt(fit(0.9), untrusted_far_away()));
 }
 
 TEST(UsualFit, AWorseFitIsDoubtedWithItsFigures) {
-  const auto doubt = usual().doubt(fit(0.4), untrusted_far_away());
-  EXPECT_TRUE(says(doubt, "40 %")) << doubt.value_or("believed");
-  EXPECT_TRUE(says(doubt, "94 %")) << doubt.value_or("believed");
-  const auto coarse = usual().doubt(fit(0.9, 0.09), lost_far_away());
-  EXPECT_TRUE(says(coarse, "9.0 cm") && says(coarse, "4.5")) << coarse.value_or("believed");
+  const auto sparse = as<OverlapFallsShort>(usual().doubt(fit(0.4), untrusted_far_away()));
+  ASSERT_TRUE(sparse);
+  EXPECT_EQ(sparse->overlap, 0.4);
+  EXPECT_NEAR(sparse->usual, 0.94, 0.002);
+  const auto coarse = as<ResidualTooLarge>(usual().doubt(fit(0.9, 0.09), lost_far_away()));
+  ASSERT_TRUE(coarse);
+  EXPECT_EQ(coarse->rms, 0.09);
+  EXPECT_NEAR(coarse->usual, 0.045, 1e-9);
 }
 
 TEST(UsualFit, AWorseFitThanUsualIsReasonToSearchAgain) {
@@ -73,42 +86,60 @@ TEST(UsualFit, AWorseFitThanUsualIsReasonToSearchAgain) {
 TEST(UsualFit, ATrustedPredictionIsConfirmedNearItAndDoubtedAway) {
   Prediction trusted;
   trusted.trusted = true;
-  EXPECT_EQ(usual().doubt(fit(0.4, 0.045, 0.1), trusted), std::nullopt);
-  EXPECT_TRUE(says(usual().doubt(fit(0.4, 0.045, 0.4), trusted), "40 %"));
-  EXPECT_EQ(usual().doubt(fit(0.9, 0.045, 0.4), trusted), std::nullopt);
+  EXPECT_FALSE(usual().doubt(fit(0.4, 0.045, 0.1), trusted));
+  EXPECT_TRUE(as<OverlapFallsShort>(usual().doubt(fit(0.4, 0.045, 0.4), trusted)));
+  EXPECT_FALSE(usual().doubt(fit(0.9, 0.045, 0.4), trusted));
 }
 
 TEST(UsualFit, WhereTheVelocityLedLessIsEnough) {
-  EXPECT_EQ(usual().doubt(fit(0.4, 0.1, 99.5), untrusted_far_away()), std::nullopt);
-  EXPECT_EQ(usual().doubt(fit(0.4, 0.1, 99.5), lost_far_away()), std::nullopt);
+  EXPECT_FALSE(usual().doubt(fit(0.4, 0.1, 99.5), untrusted_far_away()));
+  EXPECT_FALSE(usual().doubt(fit(0.4, 0.1, 99.5), lost_far_away()));
 }
 
 TEST(UsualFit, WithoutHabitsASearchIsBelieved) {
   UsualFit fits = usual();
   fits.forget();
-  EXPECT_EQ(fits.doubt(fit(0.4), untrusted_far_away()), std::nullopt);
+  EXPECT_FALSE(fits.doubt(fit(0.4), untrusted_far_away()));
 }
 
 TEST(UsualFit, TwoPlacesThatFitAreNone) {
   RegistrationResult result = fit(0.94);
   result.rival = 0.95;
-  EXPECT_TRUE(says(usual().doubt(result, lost_far_away()), "two places"));
+  const auto two = as<TwoPlaces>(usual().doubt(result, lost_far_away()));
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->rival, 0.95);
   result.rival = 0.6;
-  EXPECT_EQ(usual().doubt(result, lost_far_away()), std::nullopt);
+  EXPECT_FALSE(usual().doubt(result, lost_far_away()));
 }
 
 TEST(UsualFit, ALostSensorMustBeHeldAlongTheGroundButNotInHeight) {
   RegistrationResult result = fit(0.94);
   result.status = RegistrationStatus::degenerate;
   result.translation[2].localizability = Localizability::none;
-  EXPECT_EQ(usual().doubt(result, lost_far_away()), std::nullopt);
+  EXPECT_FALSE(usual().doubt(result, lost_far_away()));
   result.translation[0].localizability = Localizability::none;
-  EXPECT_TRUE(says(usual().doubt(result, lost_far_away()), "farther along"));
+  EXPECT_TRUE(as<NotHeldAlong>(usual().doubt(result, lost_far_away())));
   // The lidar lies on its side: its x is the map's z.
   result.T_target_source.linear() =
       Eigen::AngleAxisd(1.5708, Eigen::Vector3d::UnitY()).toRotationMatrix();
   result.translation[2].localizability = Localizability::full;
-  EXPECT_EQ(usual().doubt(result, lost_far_away()), std::nullopt);
+  EXPECT_FALSE(usual().doubt(result, lost_far_away()));
+}
+
+TEST(PossiblePose, NothingMovesFartherThanItCan) {
+  StampedPose last{std::chrono::seconds(10), Eigen::Isometry3d::Identity()};
+  StampedPose pose{std::chrono::seconds(11), Eigen::Isometry3d::Identity()};
+  pose.pose.translation().x() = 20.9;
+  EXPECT_FALSE(impossible_pose(pose, last, 20.0)) << "a metre more than the speed allows is spared";
+  EXPECT_FALSE(impossible_pose(pose, std::nullopt, 1.0)) << "it is the first";
+  pose.pose.translation().x() = 21.1;
+  const auto far = as<MovedTooFar>(impossible_pose(pose, last, 20.0));
+  ASSERT_TRUE(far);
+  EXPECT_DOUBLE_EQ(far->distance, 21.1);
+  EXPECT_DOUBLE_EQ(far->elapsed, 1.0);
+  EXPECT_DOUBLE_EQ(far->max_speed, 20.0);
+  pose.pose.translation().x() = std::nan("");
+  EXPECT_TRUE(as<PoseNotFinite>(impossible_pose(pose, last, 20.0)));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <random>
+#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -40,43 +41,63 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 TEST(ImuStart, AtRestGravityAndGyroBiasAreTheMeans) {
   const ImuStart start = start_at_rest(at_rest(2.0), kNoise);
-  ASSERT_EQ(start.status, ImuStartStatus::at_rest) << start.reason;
+  ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
   EXPECT_LE(angle_between(start.up_body, tilted_up()), 1e-3);
   EXPECT_LE((start.bias.gyro - kBias.gyro).norm(), 1e-3);
   EXPECT_LE((start.bias.gyro - kBias.gyro).cwiseAbs().maxCoeff(),
             4.0 * start.bias_sigma.gyro.maxCoeff());
   EXPECT_EQ(start.accel_scale, 1.0);
-  EXPECT_NE(start.reason.find("at rest"), std::string::npos);
+  const auto& how = std::get<StartedAtRest>(start.reason);
+  EXPECT_NEAR(how.duration, 2.0, 0.01);
+  EXPECT_FALSE(how.in_g);
 }
 
 TEST(ImuStart, AnAccelerometerInGIsUnderstood) {
   const ImuStart start = start_at_rest(at_rest(2.0, 1.0 / kStandardGravity), kNoise);
-  ASSERT_EQ(start.status, ImuStartStatus::at_rest) << start.reason;
+  ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
   EXPECT_EQ(start.accel_scale, kStandardGravity);
   EXPECT_LE(angle_between(start.up_body, tilted_up()), 1e-3);
-  EXPECT_NE(start.reason.find("in g"), std::string::npos);
+  EXPECT_TRUE(std::get<StartedAtRest>(start.reason).in_g);
 }
 
 TEST(ImuStart, AnotherUnitIsRefusedWithWhatWasRead) {
   const ImuStart start = start_at_rest(at_rest(2.0, 0.4), kNoise);
   EXPECT_EQ(start.status, ImuStartStatus::implausible);
-  EXPECT_NE(start.reason.find("3.92"), std::string::npos) << start.reason;
+  const auto& found = std::get<NoGravityAtRest>(start.reason);
+  EXPECT_NEAR(found.reading, 0.4 * kStandardGravity, 0.01);
+  EXPECT_FALSE(found.scale) << "too far off for an error of scale";
+}
+
+TEST(ImuStart, AnErrorOfScaleIsToldWithWhatMendsIt) {
+  const ImuStart start = start_at_rest(at_rest(2.0, 1.25), kNoise);
+  EXPECT_EQ(start.status, ImuStartStatus::implausible);
+  const auto& found = std::get<NoGravityAtRest>(start.reason);
+  ASSERT_TRUE(found.scale);
+  EXPECT_NEAR(*found.scale, 0.8, 0.01);
 }
 
 TEST(ImuStart, AShortOrMovingStartIsRefusedWithTheReason) {
   EXPECT_EQ(start_at_rest({}, kNoise).status, ImuStartStatus::too_short);
-  EXPECT_EQ(start_at_rest(at_rest(0.3), kNoise).status, ImuStartStatus::too_short);
+  const ImuStart brief = start_at_rest(at_rest(0.3), kNoise);
+  EXPECT_EQ(brief.status, ImuStartStatus::too_short);
+  const auto& few = std::get<TooFewReadings>(brief.reason);
+  EXPECT_NEAR(few.duration, 0.3, 0.01);
+  EXPECT_GT(few.readings, few.needed);
+  EXPECT_EQ(few.needed_duration, 0.5);
   const ImuStart moving =
       start_at_rest(test::readings(test::hand_held_motion(), 0.0, 2.0, kRate), kNoise);
   EXPECT_EQ(moving.status, ImuStartStatus::not_at_rest);
-  EXPECT_NE(moving.reason.find("rad/s"), std::string::npos);
+  const auto& unsteady = std::get<NotAtRest>(moving.reason);
+  EXPECT_GT(unsteady.gyro, unsteady.gyro_limit);
+  EXPECT_EQ(unsteady.gyro_limit, 0.02);
+  EXPECT_EQ(unsteady.accel_limit, 0.3);
 }
 
 TEST(ImuStart, ASteadyTurnIsNoBias) {
   const WavyMotion turning{.position = {}, .angles = {{{}, {}, {0.0, 0.0, 0.0, 0.5}}}};
   const ImuStart start = start_at_rest(test::readings(turning, 0.0, 2.0, kRate), kNoise);
   EXPECT_EQ(start.status, ImuStartStatus::not_at_rest);
-  EXPECT_NE(start.reason.find("0.5 rad/s"), std::string::npos) << start.reason;
+  EXPECT_NEAR(std::get<SteadyTurn>(start.reason).rate, 0.5, 1e-3);
 }
 
 TEST(ImuStart, ASlowTiltIsNotAtRestThoughItsRatesAreSmall) {
@@ -137,7 +158,7 @@ TEST(ImuStart, InMotionGravityVelocityAndGyroBiasAreFound) {
     const double begin = 0.17 * static_cast<double>(seed);
     const Drive d = drive(motion, begin, 16, 1.0, seed);
     const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
-    ASSERT_EQ(start.status, ImuStartStatus::in_motion) << start.reason;
+    ASSERT_EQ(start.status, ImuStartStatus::in_motion) << to_string(start.status);
     const NavState truth = motion.state(begin + 1.5);
     const double off = angle_between(start.gravity_map, motion.gravity);
     EXPECT_LE(off, 4.0 * start.gravity_sigma) << "seed " << seed;
@@ -157,21 +178,30 @@ TEST(ImuStart, InMotionTheUnitAndTheSignAreFound) {
   for (const double expected : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
     const Drive d = drive(motion, 0.4, 16, 1.0 / expected, 7);
     const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
-    ASSERT_EQ(start.status, ImuStartStatus::in_motion) << start.reason;
-    EXPECT_EQ(start.accel_scale, expected) << start.reason;
-    EXPECT_LE(angle_between(start.gravity_map, motion.gravity), 0.03) << start.reason;
+    ASSERT_EQ(start.status, ImuStartStatus::in_motion) << to_string(start.status);
+    EXPECT_EQ(start.accel_scale, expected);
+    const auto& how = std::get<StartedInMotion>(start.reason);
+    EXPECT_EQ(how.poses, 16U);
+    EXPECT_EQ(how.in_g, std::abs(expected) != 1.0);
+    EXPECT_EQ(how.negative, expected < 0.0);
+    EXPECT_EQ(how.usual_error > 1.0, how.negative);
+    EXPECT_LE(angle_between(start.gravity_map, motion.gravity), 0.03) << to_string(start.status);
   }
 }
 
 TEST(ImuStart, InMotionAWrongUnitIsRefused) {
   const Drive d = drive(test::hand_held_motion(), 0.4, 16, 0.4, 7);
   const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
-  EXPECT_EQ(start.status, ImuStartStatus::implausible) << start.reason;
+  EXPECT_EQ(start.status, ImuStartStatus::implausible) << to_string(start.status);
+  EXPECT_NEAR(std::get<NoGravityInMotion>(start.reason).gravity, 0.4 * kStandardGravity, 0.5);
 }
 
 TEST(ImuStart, FewPosesAreTooShort) {
   const Drive d = drive(test::hand_held_motion(), 0.4, 4, 1.0, 7);
-  EXPECT_EQ(start_in_motion(d.poses, d.readings, kNoise).status, ImuStartStatus::too_short);
+  const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+  EXPECT_EQ(start.status, ImuStartStatus::too_short);
+  EXPECT_EQ(std::get<TooFewPoses>(start.reason).poses, 4U);
+  EXPECT_EQ(std::get<TooFewPoses>(start.reason).needed, 6U);
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ TEST(RecordedImu, FromRestTheGyroBiasIsTheTruths) {
     const Nanoseconds zero = flight.truth.front().stamp;
     const ImuStart start = start_at_rest(
         flight.imu.between(zero + milliseconds(begin), zero + milliseconds(end)).samples, kNoise);
-    ASSERT_EQ(start.status, ImuStartStatus::at_rest) << start.reason;
+    ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
     const auto same_time = [&](const NavState& state) {
       return state.stamp >= zero + milliseconds(end) || &state == &flight.truth.back();
     };

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
-#include <string>
 
 #include <gtest/gtest.h>
 
@@ -42,9 +41,12 @@ TEST(SaturationWatch, TellsReadingsAtTheEndOfTheRange) {
   }
   EXPECT_EQ(std::ssize(watch.of_gyroscope()), at_the_end);
   EXPECT_TRUE(std::ranges::is_sorted(watch.of_gyroscope()));
-  EXPECT_NE(watch.evidence(Nanoseconds(-1), 300 * kPeriod).find("readings stand at 2 rad/s"),
-            std::string::npos);
-  EXPECT_EQ(watch.evidence(Nanoseconds(-1), 10 * kPeriod), "") << "none in the first 50 ms";
+  const auto found = watch.between(Nanoseconds(-1), 300 * kPeriod);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->gyroscope);
+  EXPECT_EQ(found->readings, static_cast<std::size_t>(at_the_end));
+  EXPECT_EQ(found->limit, 2.0);
+  EXPECT_FALSE(watch.between(Nanoseconds(-1), 10 * kPeriod)) << "none in the first 50 ms";
 }
 
 TEST(SaturationWatch, SaysNothingOfASwingWithinTheRange) {

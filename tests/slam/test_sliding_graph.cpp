@@ -3,7 +3,9 @@
 #include "adit/slam/fusion/sliding_graph.hpp"
 
 #include <cmath>
+#include <limits>
 #include <random>
+#include <variant>
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -81,9 +83,9 @@ GraphSettings settings(int lag, int reset = 0) {
 std::vector<StateEstimate> run(const Drive& d, const GraphSettings& s) {
   SlidingGraph graph(s);
   graph.start(d.start);
-  std::vector<StateEstimate> estimates = {graph.latest_estimate()};
+  std::vector<StateEstimate> estimates = {std::get<StateEstimate>(graph.latest_estimate())};
   for (size_t i = 1; i < d.truth.size(); ++i) {
-    estimates.push_back(graph.add(d.readings[i], d.measurements[i]));
+    estimates.push_back(std::get<StateEstimate>(graph.add(d.readings[i], d.measurements[i])));
   }
   return estimates;
 }
@@ -124,9 +126,9 @@ TEST(SlidingGraph, CovariancesAreTrueAndInnovationsWhite) {
     graph.start(d.start);
     Vector6d last = Vector6d::Zero();
     for (size_t i = 1; i < d.truth.size(); ++i) {
-      const StateEstimate prediction = graph.predict(d.readings[i]);
+      const auto prediction = std::get<StateEstimate>(graph.predict(d.readings[i]));
       const Innovation found = innovation(prediction, d.measurements[i]);
-      const StateEstimate estimate = graph.add(d.readings[i], d.measurements[i]);
+      const auto estimate = std::get<StateEstimate>(graph.add(d.readings[i], d.measurements[i]));
       if (i >= 10) {
         const Vector6d unit = found.error.normalized();
         nis += found.nis;
@@ -177,7 +179,7 @@ TEST(SlidingGraph, TheSeamAtAResetIsInvisible) {
   graph.start(d.start);
   int seams = 0;
   for (size_t i = 1; i < d.truth.size(); ++i) {
-    const StateEstimate before = graph.add(d.readings[i], d.measurements[i]);
+    const auto before = std::get<StateEstimate>(graph.add(d.readings[i], d.measurements[i]));
     if (graph.size() > 1) {
       continue;
     }
@@ -185,7 +187,7 @@ TEST(SlidingGraph, TheSeamAtAResetIsInvisible) {
     // What is left after the reset is the state before it: the same pose, velocity and biases, with
     // the same covariance, correlations and all. (How little the next estimates differ from those
     // without a reset, the test above says.)
-    const StateEstimate after = graph.latest_estimate();
+    const auto after = std::get<StateEstimate>(graph.latest_estimate());
     EXPECT_LE(difference(before.state, after.state).norm(), 1e-15);
     EXPECT_TRUE(after.covariance.isApprox(before.covariance, 1e-6));
     EXPECT_GT(std::abs(after.covariance(kPositionAt, kVelocityAt)), 0.0);
@@ -234,8 +236,8 @@ TEST(SlidingGraph, WithoutAPoseItGoesOnByInertiaAndKnowsLess) {
   }
   double last = 0.0;
   for (size_t i = 30; i < 40; ++i) {
-    const StateEstimate prediction = graph.predict(d.readings[i]);
-    const StateEstimate estimate = graph.add(d.readings[i], std::nullopt);
+    const auto prediction = std::get<StateEstimate>(graph.predict(d.readings[i]));
+    const auto estimate = std::get<StateEstimate>(graph.add(d.readings[i], std::nullopt));
     EXPECT_LE(difference(prediction.state, estimate.state).norm(), 1e-7);
     EXPECT_TRUE(estimate.covariance.isApprox(prediction.covariance, 1e-6));
     EXPECT_GT(estimate.covariance(0, 0), last);
@@ -256,6 +258,66 @@ TEST(SlidingGraph, FarBiasesAreIntegratedAgain) {
   const auto estimates = run(d, settings(20));
   EXPECT_LE((estimates.back().state.bias.gyro - d.truth.back().bias.gyro).norm(), 2e-3);
   EXPECT_LE((estimates.back().state.bias.accel - d.truth.back().bias.accel).norm(), 0.08);
+}
+
+TEST(SlidingGraph, ItStopsOnceNothingMoves) {
+  const Drive d = drive(12, 19);
+  SlidingGraph graph(settings(20));
+  graph.start(d.start);
+  for (size_t i = 1; i < 11; ++i) {
+    graph.add(d.readings[i], d.measurements[i]);
+  }
+  // Where the pose is measured as predicted, the first step is none.
+  SlidingGraph still = graph;
+  PoseMeasurement expected = d.measurements[11];
+  expected.T_map_body = std::get<StateEstimate>(graph.predict(d.readings[11])).state.T_map_body;
+  const auto at_once = std::get<StateEstimate>(still.add(d.readings[11], expected));
+  EXPECT_TRUE(at_once.converged);
+  EXPECT_EQ(at_once.iterations, 1);
+  // Elsewhere one step leads to the minimum, and the next shows that it was there.
+  const auto moved = std::get<StateEstimate>(graph.add(d.readings[11], d.measurements[11]));
+  EXPECT_TRUE(moved.converged);
+  EXPECT_GE(moved.iterations, 2);
+  EXPECT_LE(moved.iterations, 3);
+}
+
+TEST(SlidingGraph, WithoutTimeForItsStepsItHasNotConverged) {
+  const Drive d = drive(2, 19);
+  GraphSettings hasty = settings(20);
+  hasty.max_iterations = 1;
+  SlidingGraph graph(hasty);
+  graph.start(d.start);
+  EXPECT_FALSE(std::get<StateEstimate>(graph.add(d.readings[1], d.measurements[1])).converged);
+}
+
+TEST(SlidingGraph, WhatNothingDeterminesIsNoEstimate) {
+  const Drive d = drive(2, 21);
+  SlidingGraph graph(settings(20));
+  graph.start(independent_prior(d.truth[0],
+                                StateVector::Constant(std::numeric_limits<double>::infinity())));
+  const GraphEstimate prediction = graph.predict(d.readings[1]);
+  ASSERT_TRUE(std::holds_alternative<GraphFailure>(prediction));
+  EXPECT_EQ(std::get<GraphFailure>(prediction), GraphFailure::undetermined);
+  const GraphEstimate estimate = graph.add(d.readings[1], d.measurements[1]);
+  ASSERT_TRUE(std::holds_alternative<GraphFailure>(estimate));
+  EXPECT_EQ(std::get<GraphFailure>(estimate), GraphFailure::undetermined);
+}
+
+TEST(SlidingGraph, WhatIsNotFiniteIsNoEstimate) {
+  Drive d = drive(4, 23);
+  SlidingGraph graph(settings(20));
+  graph.start(d.start);
+  graph.add(d.readings[1], d.measurements[1]);
+  d.measurements[2].root_information(1, 1) = std::nan("");
+  const GraphEstimate estimate = graph.add(d.readings[2], d.measurements[2]);
+  ASSERT_TRUE(std::holds_alternative<GraphFailure>(estimate));
+  EXPECT_EQ(std::get<GraphFailure>(estimate), GraphFailure::not_finite);
+  graph.start(d.start);
+  EXPECT_TRUE(std::holds_alternative<StateEstimate>(graph.add(d.readings[1], d.measurements[1])));
+  d.readings[2][3].linear_acceleration.x() = std::nan("");
+  const GraphEstimate prediction = graph.predict(d.readings[2]);
+  ASSERT_TRUE(std::holds_alternative<GraphFailure>(prediction));
+  EXPECT_EQ(std::get<GraphFailure>(prediction), GraphFailure::not_finite);
 }
 
 TEST(SlidingGraph, TheSameInputGivesTheSameBits) {

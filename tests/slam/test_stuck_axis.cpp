@@ -82,9 +82,22 @@ TEST(StuckAxis, AnAxisThatNeverReadAnythingElseIsOfAFlatWorld) {
   }
 }
 
-TEST(StuckAxis, IsDescribedWithItsAxisAndTime) {
-  EXPECT_EQ(describe({.gyroscope = true, .axis = 2, .value = 0.0, .duration = 0.5}),
-            "the gyroscope's z stays at 0 for 0.5 s while its other axes move");
+TEST(StuckAxis, IsToldWithItsAxisValueAndTime) {
+  Random random(7);
+  StuckAxisWatch watch;
+  for (int i = 0; i < 700; ++i) {
+    ImuSample sample = turning(random, i);
+    if (i >= 400) {
+      sample.linear_acceleration.y() = 0.25;
+    }
+    watch.add(sample);
+  }
+  const auto stuck = watch.stuck();
+  ASSERT_TRUE(stuck);
+  EXPECT_FALSE(stuck->gyroscope);
+  EXPECT_EQ(stuck->axis, 1);
+  EXPECT_EQ(stuck->value, 0.25);
+  EXPECT_NEAR(stuck->duration, 1.495, 1e-9);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <functional>
 #include <random>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -50,10 +51,49 @@ struct Outcome {
   InertialState state_at(double time) const {
     return reports[static_cast<size_t>(time / kSweep)].state;
   }
+  /// What happened of that kind, in order of time.
+  template <class Cause>
+  std::vector<Cause> all() const {
+    std::vector<Cause> found;
+    for (const InertialReport& report : reports) {
+      const auto* cause = report.event ? std::get_if<Cause>(&report.event->cause) : nullptr;
+      if (cause != nullptr) {
+        found.push_back(*cause);
+      }
+    }
+    return found;
+  }
+  /// The starts of that kind.
+  template <class How>
+  std::vector<How> starts() const {
+    std::vector<How> found;
+    for (const SensorStarted& start : all<SensorStarted>()) {
+      if (const auto* how = std::get_if<How>(&start.how)) {
+        found.push_back(*how);
+      }
+    }
+    return found;
+  }
+  /// Those that were told, at their onset or with what else happened.
+  std::vector<Saturation> saturations() const {
+    std::vector<Saturation> found = all<Saturation>();
+    for (const InertialReport& report : reports) {
+      if (report.event && report.event->passing) {
+        if (const auto* one = std::get_if<Saturation>(&*report.event->passing)) {
+          found.push_back(*one);
+        }
+      }
+    }
+    return found;
+  }
+  /// Of all sweeps, for a test that fails.
   std::string events() const {
     std::string text;
     for (size_t i = 0; i < reports.size(); ++i) {
-      text += reports[i].event.empty() ? "" : std::to_string(i) + ": " + reports[i].event + "\n";
+      if (const auto& event = reports[i].event) {
+        text += std::to_string(i) + ": " + std::string(to_string(event->cause)) + ", " +
+                std::string(to_string(reports[i].state)) + "\n";
+      }
     }
     return text;
   }
@@ -62,10 +102,17 @@ struct Outcome {
 /// Changes the readings before they are handed on.
 using Fault = std::function<void(std::vector<ImuSample>&)>;
 
+/// What is wrong with sweep i.
+struct SweepFault {
+  std::function<double(int)> delay{};  ///< s, of its stamp
+  std::function<void(int, RegistrationResult&)> alignment{};
+};
+
 /// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
 inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
                            const ImuConfig& imu = tracker_config(),
-                           const WavyMotion& motion = hand_held_motion()) {
+                           const WavyMotion& motion = hand_held_motion(),
+                           const SweepFault& sweeps = {}) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   std::vector<ImuSample> samples = readings(motion, -0.1, duration + 0.2, kRate, kBias);
@@ -77,7 +124,7 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
   Outcome outcome;
   size_t fed = 0;
   for (int i = 0; i * kSweep < duration; ++i) {
-    const double time = kSweep * i;
+    const double time = kSweep * i + (sweeps.delay ? sweeps.delay(i) : 0.0);
     for (; fed < samples.size() && samples[fed].stamp <= at_seconds(time + kSweep); ++fed) {
       tracker.add(samples[fed]);
     }
@@ -94,6 +141,9 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
     alignment.information = 1e6 * Matrix6d::Identity();
     alignment.overlap = 1.0;
     alignment.inliers = alignment.matches = alignment.source_points = 1000;
+    if (sweeps.alignment) {
+      sweeps.alignment(i, alignment);
+    }
     const StampedPose pose{stamp, alignment.T_target_source};
     outcome.reports.push_back(tracker.update(pose, i == 0 ? nullptr : &alignment, guess));
     const InertialReport& report = outcome.reports.back();

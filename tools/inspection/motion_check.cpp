@@ -12,6 +12,7 @@
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/inertial/gyroscope_integral.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
+#include "adit/tools/run/inertial_text.hpp"
 
 namespace adit {
 namespace {
@@ -219,7 +220,7 @@ Finding mounting_finding(const MotionCheck& check) {
       found.misalignment * kDegreesPerRadian,
       kSureSigmas * known_mounting_sigma(found) * kDegreesPerRadian,
       inverted ? "; the transform is the wrong way round" : "");
-  const std::string hidden = unobserved_axes(found);
+  const std::string hidden = names_of_unobserved_axes(found);
   return {
       Severity::problem,
       "mounting",

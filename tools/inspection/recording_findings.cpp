@@ -10,6 +10,8 @@
 #include "adit/slam/core/text.hpp"
 #include "adit/slam/core/units.hpp"
 
+#include "adit/tools/run/inertial_text.hpp"
+
 namespace adit {
 namespace {
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/run/inertial_text.hpp"
 
 namespace adit {
 namespace {
@@ -38,7 +39,7 @@ ordered_json json_of(const RotationComparison& found) {
         std::isfinite(sigma) ? ordered_json(kDegreesPerRadian * sigma) : ordered_json());
   }
   json["rotation_information_per_rad2"] = json_of(found.mounting_information);
-  json["not_observed"] = unobserved_axes(found);
+  json["not_observed"] = names_of_unobserved_axes(found);
   return json;
 }
 
@@ -63,7 +64,7 @@ std::string text_of(const RotationComparison& found) {
       1e3 * found.offset, 1e3 * kSureSigmas * found.offset_sigma,
       kDegreesPerRadian * found.misalignment,
       kDegreesPerRadian * kSureSigmas * known_mounting_sigma(found));
-  const std::string hidden = unobserved_axes(found);
+  const std::string hidden = names_of_unobserved_axes(found);
   return text + (hidden.empty() ? ")" : "; the motion does not tell " + hidden + ")");
 }
 
@@ -71,10 +72,10 @@ std::string text_of(const RotationComparison& found) {
 
 void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
   ++states_[static_cast<std::size_t>(report.state)];
-  if (!report.event.empty()) {
-    changes_.push_back({.sweep = sweep, .state = report.state, .reason = report.event});
+  if (report.event) {
+    changes_.push_back({.sweep = sweep, .state = report.state, .reason = describe(*report.event)});
   }
-  hindrance_ = report.hindrance;
+  hindrance_ = report.hindrance ? describe(*report.hindrance) : "";
   compared_ += report.compared ? 1 : 0;
   better_turns_ += report.better_turn ? 1 : 0;
   better_travels_ += report.better_travel ? 1 : 0;

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "adit/engine/error.hpp"
+#include "adit/tools/run/inertial_text.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -67,10 +68,10 @@ void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index,
   }
   times.write = ms_since(start);
   const auto failure = mapping.statistics.add(index, placed.sweep, result, times);
-  if (!result.inertial.event.empty() && !mapping.quiet) {
+  if (result.inertial.event && !mapping.quiet) {
     mapping.progress.note("sweep " + std::to_string(index) + ": IMU " +
                           std::string(to_string(result.inertial.state)) + ": " +
-                          result.inertial.event);
+                          describe(*result.inertial.event));
   }
   if (failure && !mapping.quiet) {
     note_failure(mapping.progress, *failure, mapping.statistics.failures().size());

@@ -9,6 +9,8 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/run/doubt_text.hpp"
+
 namespace adit {
 namespace {
 
@@ -32,7 +34,7 @@ std::string status_reason(const SweepResult& sweep, const Config& config) {
     case RegistrationStatus::diverged:
       return "the alignment diverged";
     case RegistrationStatus::doubtful:
-      return sweep.doubt;
+      return sweep.doubt ? describe(*sweep.doubt) : "";
     case RegistrationStatus::converged:
     case RegistrationStatus::degenerate:
       break;

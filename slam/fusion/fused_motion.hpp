@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "adit/slam/fusion/inertial_event.hpp"
+#include "adit/slam/fusion/sensor_start.hpp"
+#include "adit/slam/fusion/sliding_graph.hpp"
+
+namespace adit {
+
+/// What is known besides when a sweep is checked.
+struct CheckContext {
+  std::optional<NavState> before{};  ///< the last state that was fused
+  bool timed = true;                 ///< as AlignmentsContradict
+  bool sign_assumed = false;
+};
+
+/// What came of fusing a sweep.
+struct FusedSweep {
+  std::variant<StateEstimate, FailedCheck> outcome;
+  Innovation innovation{};       ///< of the alignment; 0 degrees where there was none
+  double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed
+};
+
+/// A sensor that is fused: the sliding graph, with the sweep that is under way.
+class FusedMotion {
+ public:
+  FusedMotion(const GraphSettings& settings, const SensorStart& start);
+
+  /// The state of the newest sweep.
+  const NavState& latest() const { return graph_.latest(); }
+
+  /// The state at the end of the readings, which begin at the newest sweep. The sweep there is
+  /// under way from now on, if the prediction can be.
+  std::variant<StateEstimate, FailedCheck> predict(std::vector<ImuSample> readings);
+  /// The prediction of the sweep under way; null if there is none.
+  const StateEstimate* prediction() const { return pending_ ? &pending_->prediction : nullptr; }
+  void forget_prediction() { pending_.reset(); }
+
+  /// Fuses the sweep under way: by its alignment, or by inertia alone where that is null.
+  FusedSweep fuse(const RegistrationResult* alignment, const Eigen::Isometry3d& T_body_lidar,
+                  const CheckContext& context);
+
+  /// Sweeps fused in a row.
+  int sweeps() const { return sweeps_; }
+
+ private:
+  struct Pending {
+    std::vector<ImuSample> readings;
+    StateEstimate prediction;
+  };
+
+  std::optional<FailedCheck> failed_check(const StateEstimate& estimate,
+                                          const CheckContext& context) const;
+
+  SlidingGraph graph_;
+  std::optional<Pending> pending_;
+  int surprises_ = 0;   ///< innovations beyond belief in a row
+  double alone_ = 0.0;  ///< s without an alignment
+  int sweeps_ = 0;
+};
+
+}  // namespace adit

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/fusion/inertial_report.hpp"
+
+namespace adit {
+
+std::string_view to_string(InertialState state) {
+  switch (state) {
+    case InertialState::absent:
+      return "absent";
+    case InertialState::starting:
+      return "starting";
+    case InertialState::fused:
+      return "fused";
+    case InertialState::lost:
+      return "lost";
+    case InertialState::refused:
+      return "refused";
+  }
+  return "unknown";
+}
+
+}  // namespace adit

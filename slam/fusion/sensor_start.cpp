@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/fusion/sensor_start.hpp"
+
+#include <utility>
+
+namespace adit {
+namespace {
+
+// A start: this much of aligned sweeps, which at rest moved less than ...
+constexpr double kStartDuration = 1.0;  // s
+constexpr size_t kStartPoses = 8;
+constexpr size_t kMostPoses = 24;
+constexpr double kRestDistance = 0.05;  // m
+constexpr double kRestTurn = 0.02;      // rad
+
+}  // namespace
+
+void StartCollection::add(const StampedPose& T_map_body,
+                          std::optional<std::vector<ImuSample>> since) {
+  if (since && !poses_.empty()) {
+    readings_.push_back(std::move(*since));
+  } else {
+    clear();
+  }
+  poses_.push_back(T_map_body);
+  if (poses_.size() > kMostPoses) {
+    poses_.pop_front();
+    readings_.pop_front();
+  }
+}
+
+void StartCollection::clear() {
+  poses_.clear();
+  readings_.clear();
+}
+
+StatePrior prior_of(const SensorStart& start) {
+  const ImuStart& how = start.how;
+  StateVector sigma;
+  sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.005),
+      Eigen::Vector3d::Constant(how.velocity_sigma), how.bias_sigma.gyro, how.bias_sigma.accel,
+      Eigen::Vector2d::Constant(how.gravity_sigma);
+  return independent_prior(start.state, sigma);
+}
+
+StartAttempt try_start(const StartCollection& collected, const InertialReadings& readings,
+                       const ImuNoise& noise, const std::optional<FusedBefore>& before) {
+  const std::deque<StampedPose>& poses = collected.poses();
+  if (poses.size() < kStartPoses ||
+      seconds(poses.back().stamp - poses.front().stamp) < kStartDuration) {
+    return std::monostate{};
+  }
+  const StampedPose& first = poses.front();
+  const StampedPose& last = poses.back();
+  const Eigen::Isometry3d moved = first.pose.inverse() * last.pose;
+  ImuStart how;
+  if (moved.translation().norm() < kRestDistance && rotation_angle(moved.linear()) < kRestTurn) {
+    how = start_at_rest(readings.between(first.stamp, last.stamp).samples, noise);
+    how.gravity_map = kStandardGravity * (last.pose.linear() * -how.up_body);
+  }
+  // At rest with an implausible gravity: that no motion explains.
+  if (!is_started(how.status) && how.status != ImuStartStatus::implausible) {
+    how = start_in_motion(std::vector(poses.begin(), poses.end()),
+                          std::vector(collected.readings().begin(), collected.readings().end()),
+                          noise);
+  }
+  const bool may_turn = before && before->sign_assumed && how.status == ImuStartStatus::in_motion;
+  if (is_started(how.status) && before && how.accel_scale != before->accel_scale &&
+      !(may_turn && how.accel_scale == -before->accel_scale)) {
+    return InertialHindrance(UnitChanged{});
+  }
+  if (!is_started(how.status)) {
+    return InertialHindrance(how.reason);
+  }
+  return SensorStart{.state = {.stamp = last.stamp,
+                               .T_map_body = last.pose,
+                               .v_map_body = how.v_map_body,
+                               .bias = how.bias,
+                               .gravity_map = how.gravity_map},
+                     .how = how};
+}
+
+SensorStart start_after_gap(const StartCollection& collected, const ImuNoise& noise,
+                            const FusedBefore& before) {
+  const StampedPose& first = collected.poses()[collected.poses().size() - 2];
+  const StampedPose& last = collected.poses().back();
+  const NavState& known = before.state;
+  const std::vector<ImuSample>& samples = collected.readings().back();
+  const Preintegration between = preintegrate(
+      before.accel_scale == 1.0 ? samples : with_accel_scale(samples, before.accel_scale),
+      known.bias, noise);
+  ImuStart how;
+  how.status = ImuStartStatus::in_motion;
+  how.reason = StartedAfterGap{};
+  how.accel_scale = before.accel_scale;
+  how.gravity_map = known.gravity_map;
+  how.gravity_sigma = 0.005;
+  how.v_map_body = velocity_after(first.pose, last.pose, between, known.gravity_map);
+  how.velocity_sigma = 0.03 / between.duration;
+  how.bias = known.bias;
+  how.bias_sigma.gyro.setConstant(0.005);
+  how.bias_sigma.accel.setConstant(0.05);
+  return {.state = {.stamp = last.stamp,
+                    .T_map_body = last.pose,
+                    .v_map_body = how.v_map_body,
+                    .bias = how.bias,
+                    .gravity_map = how.gravity_map},
+          .how = how};
+}
+
+Eigen::Vector3d velocity_after(const Eigen::Isometry3d& first, const Eigen::Isometry3d& second,
+                               const Preintegration& between, const Eigen::Vector3d& gravity_map) {
+  const double t = between.duration;
+  const Eigen::Matrix3d& R = first.linear();
+  const Eigen::Vector3d v_first =
+      (second.translation() - first.translation() - R * between.increment.position) / t -
+      0.5 * t * gravity_map;
+  return v_first + t * gravity_map + R * between.increment.velocity;
+}
+
+}  // namespace adit

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// From aligned sweeps and the readings between them to a sensor that can be fused.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "adit/slam/fusion/inertial_event.hpp"
+#include "adit/slam/fusion/inertial_readings.hpp"
+#include "adit/slam/fusion/state_prior.hpp"
+#include "adit/slam/inertial/preintegration.hpp"
+
+namespace adit {
+
+/// Aligned sweeps in a row, the newest few.
+class StartCollection {
+ public:
+  /// Poses of the body. `since`: what was read since the last of them; without, it begins anew.
+  void add(const StampedPose& T_map_body, std::optional<std::vector<ImuSample>> since);
+  void clear();
+
+  const std::deque<StampedPose>& poses() const { return poses_; }
+  /// Between each pose and the next, in the accelerometer's own unit.
+  const std::deque<std::vector<ImuSample>>& readings() const { return readings_; }
+
+ private:
+  std::deque<StampedPose> poses_;
+  std::deque<std::vector<ImuSample>> readings_;
+};
+
+/// A sensor as it was when it was fused last.
+struct FusedBefore {
+  NavState state;
+  double accel_scale = 1.0;
+  bool sign_assumed = false;  ///< of the accelerometer: since then nothing has told it
+};
+
+/// Where fusion begins.
+struct SensorStart {
+  NavState state;
+  ImuStart how;
+};
+
+/// The prior that the sliding graph begins with.
+StatePrior prior_of(const SensorStart& start);
+
+/// How a try ended: there are too few sweeps to try, something is in the way, or the sensor starts.
+using StartAttempt = std::variant<std::monostate, InertialHindrance, SensorStart>;
+
+/// Tries a start, at rest if the sweeps hardly moved and else in motion.
+StartAttempt try_start(const StartCollection& collected, const InertialReadings& readings,
+                       const ImuNoise& noise, const std::optional<FusedBefore>& before);
+
+/// A start after a time without readings, with gravity, unit and biases from before: the velocity
+/// follows from the last two poses, of which there must be that many.
+SensorStart start_after_gap(const StartCollection& collected, const ImuNoise& noise,
+                            const FusedBefore& before);
+
+/// The velocity of the body (m/s, map) at the second of two poses, which gives the way between
+/// them, with what was integrated in that time and with gravity (m/s², map).
+Eigen::Vector3d velocity_after(const Eigen::Isometry3d& first, const Eigen::Isometry3d& second,
+                               const Preintegration& between, const Eigen::Vector3d& gravity_map);
+
+}  // namespace adit

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/doubt_text.hpp"
+
+#include <cmath>
+
+#include "adit/slam/core/text.hpp"
+
+namespace adit {
+namespace {
+
+std::string percent(double share) {
+  return std::to_string(std::lround(100.0 * share)) + " %";
+}
+
+std::string centimetres(double length) {
+  return with_decimals(100.0 * length, 1);
+}
+
+struct DoubtText {
+  std::string operator()(const PoseNotFinite&) const { return "the pose would not be finite"; }
+
+  std::string operator()(const MovedTooFar& moved) const {
+    return "it would have moved " + in_digits(moved.distance) + " m in " +
+           in_digits(moved.elapsed) + " s (recovery.max_speed is " + in_digits(moved.max_speed) +
+           " m/s)";
+  }
+
+  std::string operator()(const NotHeldAlong&) const {
+    return "a search found a place that could as well be farther along: no match holds it there";
+  }
+
+  std::string operator()(const OverlapFallsShort& fit) const {
+    return "a search found a place where " + percent(fit.overlap) +
+           " of its points match the submap, of sweeps before " + percent(fit.usual) + " did";
+  }
+
+  std::string operator()(const ResidualTooLarge& fit) const {
+    return "a search found a place where its points lie " + centimetres(fit.rms) +
+           " cm from the submap's surfaces, those of sweeps before " + centimetres(fit.usual);
+  }
+
+  std::string operator()(const TwoPlaces& places) const {
+    return "a search found two places, and where one matches 100 points the other matches " +
+           std::to_string(std::lround(100.0 * places.rival));
+  }
+};
+
+}  // namespace
+
+std::string describe(const Doubt& doubt) {
+  return std::visit(DoubtText{}, doubt);
+}
+
+}  // namespace adit
