@@ -65,7 +65,8 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 /// The first number in it that is none; empty where all are. What is quoted is the input's.
 std::string no_number(const std::string& told) {
-  static const std::regex kQuoted("'[^'\n]*'");
+  // Nor is the name of a file that a damaged list of files asks for.
+  static const std::regex kQuoted("'[^'\n]*'|[^ \n]*: there is no such file");
   const std::string text = std::regex_replace(told, kQuoted, "''");
   static const std::regex kNone("(^|[^A-Za-z_/.])-?(nan|inf)([^A-Za-z_/.]|$)");
   std::smatch found;

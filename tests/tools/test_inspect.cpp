@@ -76,6 +76,21 @@ TEST(Inspect, AccelerometersWithoutGyroscope) {
             Kinds{"no_gyroscope /imu"});
 }
 
+TEST(Inspect, ImpossibleReadingsOfAnAccelerometerAlone) {
+  int readings = 0;
+  const Kinds kinds = kinds_after([&](Recorded& event) {
+    if (auto* imu = std::get_if<ImuSample>(&event.value)) {
+      imu->angular_velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
+      if (++readings == 7) {
+        imu->linear_acceleration.x() = 1e300;  // its square is not finite
+      }
+    }
+  });
+  EXPECT_EQ(std::ranges::count(kinds, "no_gyroscope /imu"), 1);
+  EXPECT_EQ(std::ranges::count(kinds, "impossible_readings /imu"), 1);
+  EXPECT_EQ(kinds.size(), 2U);
+}
+
 TEST(Inspect, AccelerometerInG) {
   EXPECT_EQ(kinds_after([](Recorded& event) {
               if (auto* imu = std::get_if<ImuSample>(&event.value)) {

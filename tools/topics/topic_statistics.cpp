@@ -70,7 +70,12 @@ void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received)
     return;
   }
   if (no_gyroscope) {
-    take_healthy(s, sample, received);
+    // The gate wants both; what no sensor reads is told without it.
+    if (sample.linear_acceleration.cwiseAbs().maxCoeff() > ReadingLimits{}.acceleration) {
+      ++s.impossible;
+    } else {
+      take_healthy(s, sample, received);
+    }
     return;
   }
   for (const GatedReading& known : s.gate.pass(sample)) {
