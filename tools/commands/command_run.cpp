@@ -163,8 +163,10 @@ RunOutcome map_and_close(const Mapping& mapping, const RunMap* map, const RunDes
     if (outcome.result.map) {
       map->write_trajectory();
     }
-    write_map_page(RunFiles(run.output), mapping.outputs.page_cloud(),
-                   run.recording.filename().string());
+    if (mapping.statistics.sweeps() > 0) {
+      write_map_page(RunFiles(run.output), mapping.outputs.page_cloud(),
+                     run.recording.filename().string());
+    }
   } catch (const OutputError& error) {
     if (outcome.result.end == RunEnd::completed) {
       outcome.result = {RunEnd::output_error, error.what()};

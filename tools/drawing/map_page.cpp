@@ -146,8 +146,8 @@ std::string map_page(const MapPage& page) {
     data["poses"].push_back(json_of(page.poses[i]));
   }
   std::string json = data.dump(-1, ' ', true, ordered_json::error_handler_t::replace);
-  for (std::size_t at = 0; (at = json.find("</", at)) != json.npos; at += 3) {
-    json.replace(at, 2, "<\\/");  // would end the element it stands in
+  for (std::size_t at = 0; (at = json.find('<', at)) != json.npos;) {
+    json.replace(at, 1, "\\u003c");  // could end the element it stands in
   }
   return "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"

@@ -198,7 +198,7 @@ function tell(x, y) {
     if (off < least) { least = off; best = pose; }
   }
   told.hidden = !best;
-  if (best) told.replaceChildren(...data.columns.flatMap(([key, name]) => {
+  if (best) told.replaceChildren(...Object.entries(data.columns).flatMap(([key, name]) => {
     const term = document.createElement('dt'), value = document.createElement('dd');
     term.textContent = name;
     value.textContent = key === 'p' ? best.p.map((v) => v.toFixed(2)).join(', ') : best[key] ?? '';

@@ -138,8 +138,8 @@ std::vector<std::string_view> cells_of(std::string_view line) {
 void describe_directions(const std::array<ObservedDirection, 3>& found,
                          const Eigen::Matrix3d& R_map_source, std::array<SweepDirection, 3>& into) {
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i].axis.isZero()) {
-      continue;
+    if (found[i].axis.isZero() || !found[i].axis.allFinite()) {
+      continue;  // so few points determine nothing
     }
     into[i].localizability = to_string(found[i].localizability);
     into[i].support = found[i].support;
@@ -193,7 +193,7 @@ bool is_one_of(const std::string& word, const std::array<Enum, kCount>& values) 
          std::ranges::any_of(values, [&](Enum value) { return word == to_string(value); });
 }
 
-bool is_unit(const Eigen::Vector3d& axis) {
+bool is_axis(const Eigen::Vector3d& axis) {
   constexpr double kRounded = 0.01;
   return std::abs(axis.norm() - 1.0) < kRounded;
 }
@@ -210,7 +210,7 @@ std::optional<std::string> impossible_value(const SweepRecord& record) {
   }
   for (const auto* directions : {&record.translation, &record.rotation}) {
     for (const SweepDirection& direction : *directions) {
-      if (!direction.localizability.empty() && !is_unit(direction.axis)) {
+      if (!direction.localizability.empty() && !is_axis(direction.axis)) {
         return std::string("the axis of a direction has not the length 1");
       }
     }

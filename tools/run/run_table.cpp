@@ -45,6 +45,19 @@ std::string host_times(const RunStatistics& statistics) {
   return text;
 }
 
+/// What semicolons part, a row each; not within brackets.
+std::string as_rows(const std::string& text) {
+  std::string rows;
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    depth += text[i] == '(' ? 1 : (text[i] == ')' ? -1 : 0);
+    const bool ends = depth == 0 && text.compare(i, 2, "; ") == 0;
+    rows += ends ? "\n" + std::string(kIndent, ' ') : std::string(1, text[i]);
+    i += ends ? 1 : 0;
+  }
+  return rows;
+}
+
 std::string inertial_text(const RunStatistics& statistics) {
   std::string text = statistics.inertial().text();
   const Distribution times = distribution(statistics.inertial_stage().ms);
@@ -108,9 +121,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
     text += "order    " + statistics.left_out().order_text() + "\n";
   }
   if (statistics.inertial().any()) {
-    text += "imu      " + inertial_text(statistics) + "\n";
+    text += "imu      " + as_rows(inertial_text(statistics)) + "\n";
   }
-  text += fmt::format("voxels   points one in {:.3g} m, submap {:.3g} m\n",
+  text += fmt::format("voxels   one point per {:.3g} m, submap {:.3g} m\n",
                       run.config.preprocess.r_input, run.config.registration.r_align);
   if (outcome.result.map) {
     text += "map      " + map_text(*outcome.result.map) + "\n";
@@ -130,6 +143,7 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
             describe(*outcome.high_rate) + ")\n         " + HighRateFiles(run.output).csv.string() +
             " (velocities, covariances)\n";
   }
+  text += "         " + files.page.string() + " (the map, in a browser)\n";
   text += "         " + files.summary.string() + "\n";
   return stages ? text + stage_table(statistics) : text;
 }
