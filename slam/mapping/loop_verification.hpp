@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whether two submaps are of the same place, by aligning them (docs/theory/loops.md).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "adit/slam/mapping/keyframe_submap.hpp"
+#include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/slam/registration/batch_aligner.hpp"
+
+namespace adit {
+
+struct LoopVerificationSettings {
+  double least_overlap = 0.4;
+  double most_rms = 2.0;       ///< times that of alignments of consecutive submaps
+  double gate = 16.81;         ///< chi squared of 6 directions: 99 % of true loops are within
+  double most_through = 0.05;  ///< share of points that the other submap sees through
+  double strong_overlap = 0.7;
+};
+
+/// A place to be verified.
+struct LoopQuestion {
+  const KeyframeSubmap* from = nullptr;  ///< the earlier submap, from the store
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();  ///< as the graph has it
+  Matrix6d covariance = Matrix6d::Identity();                   ///< of that, right perturbation
+};
+
+struct LoopVerification {
+  LoopReason reason = LoopReason::none;  ///< none: it is borne out
+  double figure = 0.0;                   ///< of the reason
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Identity();
+  double overlap = 0.0;
+  double rms = 0.0;         ///< m
+  double correction = 0.0;  ///< m, of the graph's pose
+  double turn = 0.0;        ///< rad
+  double chi2 = 0.0;        ///< of the correction against both covariances
+  double through = 0.0;     ///< share of points seen through, the larger of both
+  bool strong = false;      ///< much overlap, every direction fully held
+};
+
+/// Verifies the places of one keyframe in a batch.
+class LoopVerifier {
+ public:
+  LoopVerifier(engine::Context& context, const Config& config,
+               const LoopVerificationSettings& settings = {});
+
+  /// Of each question, in their order. `cloud` is `to` on the device; `expected_rms` (m) that of
+  /// alignments of consecutive submaps. Throws engine::OutOfMemory.
+  std::vector<LoopVerification> verify(const KeyframeSubmap& to, const SurfaceCloud& cloud,
+                                       std::span<const LoopQuestion> questions,
+                                       double expected_rms);
+
+ private:
+  engine::Context* context_;
+  LoopVerificationSettings settings_;
+  double r_align_;
+  AlignmentClouds clouds_;
+  BatchAligner aligner_;
+};
+
+}  // namespace adit
