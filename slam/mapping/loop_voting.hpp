@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which of the verified loops of the last keyframes agree with each other, with the odometry and
+// with the loops that were accepted before (docs/theory/loops.md).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "adit/slam/mapping/pose_graph.hpp"
+
+namespace adit {
+
+/// A loop that its submaps bear out: a measured pose of the later keyframe in the earlier one's
+/// frame.
+struct LoopHypothesis {
+  int64_t id = 0;
+  NodeId from = 0;  ///< the earlier keyframe
+  NodeId to = 0;    ///< the later one
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Identity();  ///< of it, right perturbation
+  bool strong = false;  ///< may be believed without others: all directions held, much in common
+};
+
+struct LoopVotingSettings {
+  double agreement = 12.59;  ///< chi squared of 6 directions that two loops agree within: 95 %
+  double contradiction =
+      16.81;           ///< and beyond which odometry or an accepted loop contradicts: 99 %
+  double lumps = 1.0;  ///< see relative_places(): of ways over odometry
+  std::size_t least_voters = 3;      ///< distinct later keyframes
+  double most_contradicting = 0.25;  ///< share of the accepted loops that may
+  std::size_t most_asked = 50;       ///< accepted loops that are asked, the latest
+};
+
+/// Why a loop has not been accepted.
+enum class LoopObjection {
+  none,
+  odometry,  ///< contradicts what the graph knows without it
+  loops,     ///< contradicts loops that were accepted before
+  voters,    ///< too few others agree by now
+};
+
+struct LoopVote {
+  LoopObjection objection = LoopObjection::voters;
+  double odometry_chi2 = 0.0;  ///< against the graph
+  double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
+  std::size_t voters = 1;      ///< later keyframes that agree, its own among them
+  bool accepted = false;
+};
+
+/// Of each hypothesis, in their order. Those of one bundle are accepted together: at least
+/// `least_voters`, one for each later keyframe, each agreeing with each. `graph` has not seen them;
+/// `accepted` are its loops. `last_chance`: the oldest later keyframe is about to leave the queue,
+/// and a strong loop of it may come alone, where nothing contradicts it.
+std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
+                           std::span<const LoopHypothesis> accepted, bool last_chance,
+                           const LoopVotingSettings& settings);
+
+/// Chi squared of the cycle of two loops over the graph: a's measurement, the way to b's later
+/// keyframe, b's measurement back, and the way between the earlier ones. Infinite where the graph
+/// does not tie them.
+double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b);
+
+/// Chi squared of a loop against the graph's own relative pose.
+double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop);
+
+}  // namespace adit
