@@ -12,6 +12,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "adit/slam/mapping/free_space.hpp"
+#include "adit/slam/mapping/submap_alignment.hpp"
 #include "adit/slam/registration/rivals.hpp"
 
 namespace adit {
@@ -25,19 +26,6 @@ constexpr CovarianceModel kLoopModel{
 // Along the direction that is held least, other poses are looked for so far, m.
 constexpr double kLeastReach = 2.0;
 constexpr double kMostReach = 6.0;
-
-AlignmentSettings alignment_settings(const Config& config) {
-  const RegistrationConfig& registration = config.registration;
-  return {.method = RegistrationMethod::vgicp,
-          .neighbours = 1,
-          .robust = RobustKernel::cauchy,
-          .d_max = registration.d_max,
-          .max_iterations = registration.max_iterations,
-          .translation_epsilon = registration.translation_epsilon,
-          .rotation_epsilon = registration.rotation_epsilon,
-          .min_inliers = registration.min_inliers,
-          .min_overlap = registration.min_overlap};
-}
 
 /// As far as the prior lets the pose be: three standard deviations in its least known direction.
 double rival_reach(const Matrix6d& prior) {
@@ -144,7 +132,7 @@ LoopVerifier::LoopVerifier(engine::Context& context, const Config& config,
       settings_(settings),
       r_align_(config.registration.r_align),
       clouds_(context, config.preprocess),
-      aligner_(context, alignment_settings(config)) {}
+      aligner_(context, submap_alignment_settings(config)) {}
 
 std::vector<LoopVerification> LoopVerifier::verify(const KeyframeSubmap& to,
                                                    const SurfaceCloud& cloud,

@@ -7,26 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "adit/slam/mapping/submap_alignment.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
 
 namespace adit {
-namespace {
-
-AlignmentSettings alignment_settings(const Config& config) {
-  const RegistrationConfig& registration = config.registration;
-  return {.method = RegistrationMethod::vgicp,
-          .neighbours = 1,
-          .robust = RobustKernel::cauchy,
-          .d_max = registration.d_max,
-          .max_iterations = registration.max_iterations,
-          .translation_epsilon = registration.translation_epsilon,
-          .rotation_epsilon = registration.rotation_epsilon,
-          .min_inliers = registration.min_inliers,
-          .min_overlap = registration.min_overlap};
-}
-
-}  // namespace
 
 Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session)
     : context_(&context),
@@ -36,7 +21,7 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       beam_spacing_(config.preprocess.beam_spacing),
       builder_(context, config.preprocess, config.mapping.r_submap),
       clouds_(context, config.preprocess),
-      aligner_(context, alignment_settings(config)) {}
+      aligner_(context, submap_alignment_settings(config)) {}
 
 MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                          std::span<const Point> cloud) {
