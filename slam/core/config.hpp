@@ -160,6 +160,7 @@ struct MappingConfig {
   bool enabled = false;
   double r_submap = 0.0;  ///< m; 0: derived
   int delay = 5;          ///< keyframes
+  bool loops = false;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -170,6 +171,8 @@ struct MappingConfig {
           "preprocess.r_input");
     field("delay", self.delay, "keyframes",
           "what is worked out for a keyframe moves the map once so many more have come");
+    field("loops", self.loops, "",
+          "true: places seen before are found again and the map is corrected; false: drift stays");
   }
 };
 

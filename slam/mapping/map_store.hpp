@@ -45,7 +45,12 @@ struct MapSubmap {
   std::vector<std::vector<std::byte>> chunks;  ///< their content is mapping's own affair
 };
 
-enum class CandidateVerdict { waiting, accepted, rejected };
+enum class CandidateVerdict {
+  waiting,
+  accepted,
+  rejected,
+  revoked,  ///< accepted once; its edge is revoked
+};
 
 /// A place that might have been seen before, and what became of that.
 struct LoopCandidate {
@@ -53,11 +58,16 @@ struct LoopCandidate {
   NodeId from = 0;
   NodeId to = 0;
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
-  double score = 0.0;
-  double overlap = 0.0;
-  double chi2 = 0.0;
+  double score = 0.0;    ///< squared Mahalanobis distance that it was found at
+  double overlap = 0.0;  ///< share of the later submap's points with a match
+  double chi2 = 0.0;     ///< of the correction; of one that was accepted, of its edge since then
   CandidateVerdict verdict = CandidateVerdict::waiting;
-  std::string reason;
+  std::string reason;       ///< the name of a LoopReason
+  double rms = 0.0;         ///< m, of the matches
+  double correction = 0.0;  ///< m, of the pose that the graph had
+  double turn = 0.0;        ///< rad
+  double through = 0.0;     ///< share of points that the other submap sees through
+  double figure = 0.0;      ///< what the reason turns on, see LoopReason; accepted: votes
 };
 
 /// Everything that comes with a new keyframe; it is stored as a whole or not at all.

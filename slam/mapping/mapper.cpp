@@ -21,7 +21,11 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       beam_spacing_(config.preprocess.beam_spacing),
       builder_(context, config.preprocess, config.mapping.r_submap),
       clouds_(context, config.preprocess),
-      aligner_(context, submap_alignment_settings(config)) {}
+      aligner_(context, submap_alignment_settings(config)) {
+  if (config.mapping.loops) {
+    loops_.emplace(context, config, store);
+  }
+}
 
 MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                          std::span<const Point> cloud) {
@@ -51,6 +55,10 @@ void Mapper::finish() {
     open_.reset();
   }
   take_effect(std::numeric_limits<NodeId>::max());
+  if (loops_) {
+    close_loops(loops_->finish(graph_), graph_.nodes().size());
+    report_.loops = loops_->report();
+  }
   store_->store_poses(graph_.nodes());
   report_.components = connected_components(graph_).components.size();
 }
@@ -75,6 +83,12 @@ void Mapper::freeze() {
   if (last_ && !open_->detached) {
     due_.push_back(
         {.at = open_->id + config_.mapping.delay, .edge = tie(*last_, *open_, frozen, cloud)});
+  }
+  if (loops_) {
+    std::vector<PendingLoop> found = loops_->find(known_graph(), submap, cloud);
+    if (!found.empty()) {
+      due_.back().loops = std::move(found);
+    }
   }
   const bool has_points = cloud.size > 0;
   last_.emplace(Frozen{.id = open_->id,
@@ -108,29 +122,68 @@ PoseEdge Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& sub
     const RegistrationResult aligned = aligner_.align(std::span(&pair, 1)).front();
     if (is_usable(aligned.status)) {
       ++report_.aligned_edges;
+      if (loops_) {
+        loops_->add_expected_rms(aligned.residual_rms);
+      }
       return edge_of(from.id, to.id, combined(odometry, motion_of(aligned)));
     }
   }
   return edge_of(from.id, to.id, odometry);
 }
 
-// The graph has no loop yet: each edge places its later node, and all that came after moves along.
+// The graph with the edges that are known but have had no effect yet.
+PoseGraph Mapper::known_graph() const {
+  PoseGraph graph = graph_;
+  for (const Due& due : due_) {
+    graph.add_edge(due.edge);
+  }
+  return graph;
+}
+
+// Each edge places its later node, and all that came after moves along; so it does where a loop
+// moves the graph.
 void Mapper::take_effect(NodeId until) {
   std::vector<PoseEdge> edges;
+  const auto store_edges = [&] {
+    if (!edges.empty()) {
+      store_->store(edges, {});
+      edges.clear();
+    }
+  };
   for (; !due_.empty() && due_.front().at <= until; due_.pop_front()) {
     const PoseEdge& edge = due_.front().edge;
     edges.push_back(edge);
     graph_.add_edge(edge);
-    const std::size_t to = graph_.index_of(edge.to);
     graph_.set_pose(edge.to,
                     graph_.nodes()[graph_.index_of(edge.from)].T_map_node * edge.T_from_to);
-    T_map_odom_ = orthonormalized(graph_.nodes()[to].T_map_node * T_odom_keyframes_[to].inverse());
-    for (std::size_t i = to + 1; i < graph_.nodes().size(); ++i) {
-      graph_.set_pose(graph_.nodes()[i].id, T_map_odom_ * T_odom_keyframes_[i]);
+    const std::size_t to = graph_.index_of(edge.to);
+    follow(to);
+    if (loops_) {
+      store_edges();
+      close_loops(loops_->take_effect(graph_, edge.to, std::move(due_.front().loops)), to);
     }
   }
-  if (!edges.empty()) {
-    store_->store(edges, {});
+  store_edges();
+}
+
+// What loops have changed, for the store and for what came after the last node with an edge.
+void Mapper::close_loops(const LoopCloser::Change& change, std::size_t last_tied) {
+  if (!change.edges.empty() || !change.records.empty()) {
+    store_->store(change.edges, change.records);
+  }
+  for (const std::size_t edge : change.revoked) {
+    store_->set_edge_status(edge, EdgeStatus::revoked);
+  }
+  if (change.moved && last_tied < graph_.nodes().size()) {
+    follow(last_tied);
+  }
+}
+
+void Mapper::follow(std::size_t last_tied) {
+  T_map_odom_ = orthonormalized(graph_.nodes()[last_tied].T_map_node *
+                                T_odom_keyframes_[last_tied].inverse());
+  for (std::size_t i = last_tied + 1; i < graph_.nodes().size(); ++i) {
+    graph_.set_pose(graph_.nodes()[i].id, T_map_odom_ * T_odom_keyframes_[i]);
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/mapping/keyframe_edge.hpp"
+#include "adit/slam/mapping/loop_closer.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/submap_builder.hpp"
 #include "adit/slam/odometry/odometry.hpp"
@@ -28,11 +29,12 @@ struct MapReport {
   std::size_t keyframes = 0;
   std::size_t sweeps = 0;
   std::size_t edges = 0;
-  std::size_t aligned_edges = 0;   ///< the submaps could be aligned; the others are odometry alone
-  std::size_t components = 0;      ///< parts of the map that nothing ties together
-  uint64_t points = 0;             ///< of all submaps
-  uint64_t lost_points = 0;        ///< lay too far from their keyframe for its cells
-  std::vector<float> keyframe_ms;  ///< of each keyframe: host time with its waits for the device
+  std::size_t aligned_edges = 0;    ///< the submaps could be aligned; the others are odometry alone
+  std::size_t components = 0;       ///< parts of the map that nothing ties together
+  uint64_t points = 0;              ///< of all submaps
+  uint64_t lost_points = 0;         ///< lay too far from their keyframe for its cells
+  std::vector<float> keyframe_ms;   ///< of each keyframe: host time with its waits for the device
+  std::optional<LoopReport> loops;  ///< none: not looked for
 };
 
 /// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges
@@ -73,12 +75,16 @@ class Mapper {
   struct Due {
     NodeId at = 0;  ///< the keyframe with which it takes effect
     PoseEdge edge;
+    std::vector<PendingLoop> loops{};  ///< of the keyframe that the edge leads to
   };
 
   void freeze();
   PoseEdge tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
                const SurfaceCloud& cloud);
+  PoseGraph known_graph() const;
   void take_effect(NodeId until);
+  void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
+  void follow(std::size_t last_tied);
 
   engine::Context* context_;
   Config config_;
@@ -94,6 +100,7 @@ class Mapper {
   std::optional<Open> open_;
   std::optional<Frozen> last_;
   std::deque<Due> due_;
+  std::optional<LoopCloser> loops_;
   NodeId next_ = 0;
   MapReport report_;
 };

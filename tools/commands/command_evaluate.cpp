@@ -16,6 +16,7 @@
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/evaluation/evaluation_report.hpp"
+#include "adit/tools/evaluation/loop_score.hpp"
 #include "adit/tools/evaluation/run_evaluation.hpp"
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
@@ -89,10 +90,22 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
     truth = read_truth(options);
   }
   const RunEvaluation found = evaluate_run(folder, truth ? &*truth : nullptr, options.evaluation);
+  std::optional<LoopScore> loops;
+  if (options.loops && truth) {
+    loops = score_loops(RunFiles(folder).database, *truth, read_true_loops(*options.loops));
+  }
   write_page(found, page);
-  out << (options.json ? to_json(found, truth ? truth->file : fs::path()).dump(2) + "\n"
-                       : found.report + "\nlook at      " + page.string() + "\n")
-      << std::flush;
+  if (options.json) {
+    nlohmann::ordered_json json = to_json(found, truth ? truth->file : fs::path());
+    if (loops) {
+      json["loops"] = to_json(*loops);
+    }
+    out << json.dump(2) << "\n" << std::flush;
+  } else {
+    out << found.report << "\n"
+        << (loops ? describe(*loops) : "") << "look at      " << page.string() << "\n"
+        << std::flush;
+  }
   if (found.truth) {
     const PlottedEstimate plotted{"estimate", &found.truth->evaluation};
     write_plot(options, std::span(&plotted, 1),
@@ -206,6 +219,7 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
       "  adit evaluate out/trajectory.tum truth.tum --plot error.svg\n"
       "  adit evaluate out\n"
       "  adit evaluate out truth.tum --html page.html\n"
+      "  adit evaluate out mine.truth.tum --loops mine.truth.loops.csv\n"
       "  adit evaluate out mav0/state_groundtruth_estimate0/data.csv\n"
       "  adit evaluate out drive.bag --truth-topic /odom\n"
       "  adit evaluate ours theirs.tum others.txt truth.tum --markdown --plot all.svg\n\n"
@@ -274,6 +288,11 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
       .option("--html", options->html,
               "Where the page of a run goes; otherwise to its folder, as evaluation.html")
       .value_name("FILE");
+  command
+      .option("--loops", options->loops,
+              "Which places of a simulated recording see the same (NAME.truth.loops.csv): the "
+              "loops of a run's map are scored")
+      .value_name("FILE");
   command.action([options, paths, delta, done = std::move(done)]() {
     RpeOptions& chosen = options->evaluation.rpe;
     if (chosen.unit == DeltaUnit::frames) {
@@ -291,6 +310,9 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
     options->truth = alone ? fs::path() : paths->back();
     if (options->html && (!run || options->estimates.size() > 1)) {
       refuse_option("--html", "needs the folder of a run; `--plot NAME.html` draws trajectories");
+    }
+    if (options->loops && (!run || alone || options->estimates.size() > 1)) {
+      refuse_option("--loops", "needs the folder of a run and the truth");
     }
     done(evaluate_command(*options, std::cout, std::cerr));
   });

@@ -31,6 +31,8 @@ struct EvaluateCommandOptions {
   std::optional<std::filesystem::path> plot{};  ///< picture to write, .svg or .html
   /// HTML to write, of a run; none: evaluation.html in its folder.
   std::optional<std::filesystem::path> html{};
+  /// Pairs of moments that see the same: scores the loops of a run's map.
+  std::optional<std::filesystem::path> loops{};
 };
 
 /// Evaluates, prints the report on `out` and what went wrong on `err`. Returns the exit code: 0

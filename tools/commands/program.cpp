@@ -19,6 +19,7 @@
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
@@ -70,6 +71,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_check_command(app, done);
   add_recover_command(app, done);
   add_export_command(app, done);
+  add_loops_command(app, done);
   add_optimize_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);

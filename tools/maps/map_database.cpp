@@ -37,8 +37,18 @@ constexpr const char* kTables =
     " status INTEGER NOT NULL, pose BLOB NOT NULL, information BLOB NOT NULL);"
     "CREATE TABLE candidates(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL,"
     " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
-    " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL);"
+    " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL, rms REAL NOT NULL DEFAULT 0,"
+    " correction REAL NOT NULL DEFAULT 0, turn REAL NOT NULL DEFAULT 0,"
+    " through REAL NOT NULL DEFAULT 0, figure REAL NOT NULL DEFAULT 0);"
     "CREATE VIRTUAL TABLE places USING rtree(keyframe, min_x, max_x, min_y, max_y, min_z, max_z);";
+
+// What schema 1 lacks.
+constexpr const char* kToSchema2 =
+    "ALTER TABLE candidates ADD COLUMN rms REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE candidates ADD COLUMN correction REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE candidates ADD COLUMN turn REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE candidates ADD COLUMN through REAL NOT NULL DEFAULT 0;"
+    "ALTER TABLE candidates ADD COLUMN figure REAL NOT NULL DEFAULT 0;";
 
 /// All that is done while it lives is kept once commit() has returned, or not at all.
 class Transaction {
@@ -134,6 +144,7 @@ MapDatabase::MapDatabase(const fs::path& file, MapAccess access, int64_t max_pag
     }
     require_map(database_, file);
     database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+    migrate();
   } else {
     require_map(database_, file);
   }
@@ -154,6 +165,17 @@ void MapDatabase::create_tables() {
   Transaction transaction(database_);
   database_.execute(kTables);
   database_.execute("PRAGMA application_id = " + std::to_string(kApplication));
+  database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
+  transaction.commit();
+}
+
+// A map of an older schema is brought to this one by its first writer.
+void MapDatabase::migrate() {
+  if (pragma(database_, "user_version") >= kMapSchema) {
+    return;
+  }
+  Transaction transaction(database_);
+  database_.execute(kToSchema2);
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }
@@ -239,14 +261,15 @@ void MapDatabase::insert(const PoseEdge& edge) {
 }
 
 void MapDatabase::insert(const LoopCandidate& candidate) {
+  const std::string columns =
+      "candidates(node_from, node_to, verdict, pose, score, overlap, chi2, reason, rms, correction,"
+      " turn, through, figure";
   SqliteStatement statement =
       candidate.id == 0
-          ? database_.prepare(
-                "INSERT INTO candidates(node_from, node_to, verdict, pose, score, overlap, chi2,"
-                " reason) VALUES(?, ?, ?, ?, ?, ?, ?, ?)")
-          : database_.prepare(
-                "INSERT OR REPLACE INTO candidates(node_from, node_to, verdict, pose, score,"
-                " overlap, chi2, reason, id) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)");
+          ? database_.prepare("INSERT INTO " + columns +
+                              ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+          : database_.prepare("INSERT OR REPLACE INTO " + columns +
+                              ", id) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   statement.bind(1, candidate.from)
       .bind(2, candidate.to)
       .bind(3, static_cast<int64_t>(candidate.verdict))
@@ -254,9 +277,14 @@ void MapDatabase::insert(const LoopCandidate& candidate) {
       .bind(5, candidate.score)
       .bind(6, candidate.overlap)
       .bind(7, candidate.chi2)
-      .bind(8, candidate.reason);
+      .bind(8, candidate.reason)
+      .bind(9, candidate.rms)
+      .bind(10, candidate.correction)
+      .bind(11, candidate.turn)
+      .bind(12, candidate.through)
+      .bind(13, candidate.figure);
   if (candidate.id != 0) {
-    statement.bind(9, candidate.id);
+    statement.bind(14, candidate.id);
   }
   statement.step();
 }

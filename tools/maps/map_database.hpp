@@ -20,7 +20,7 @@
 namespace adit {
 
 /// Of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 1;
+inline constexpr int64_t kMapSchema = 2;
 
 enum class MapAccess {
   read,   ///< any number, also beside a writer
@@ -68,6 +68,7 @@ class MapDatabase final : public MapStore {
 
  private:
   void create_tables();
+  void migrate();
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);

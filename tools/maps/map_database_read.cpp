@@ -66,7 +66,16 @@ constexpr const char* kKeyframes =
 constexpr const char* kEdges =
     "SELECT id, node_from, node_to, kind, status, pose, information FROM edges";
 constexpr const char* kCandidates =
-    "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason FROM candidates";
+    "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, rms, correction,"
+    " turn, through, figure FROM candidates";
+constexpr const char* kCandidatesOfSchema1 =
+    "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, 0.0, 0.0, 0.0,"
+    " 0.0, 0.0 FROM candidates";
+
+const char* candidates_of(const SqliteDatabase& database) {
+  SqliteStatement version = database.prepare("PRAGMA user_version");
+  return version.step() && version.integer(0) < 2 ? kCandidatesOfSchema1 : kCandidates;
+}
 
 /// What `take` makes of each row, in order of ids.
 template <class Take>
@@ -145,7 +154,7 @@ LoopCandidate MapDatabase::candidate_at(const SqliteStatement& row) const {
   candidate.id = row.integer(0);
   candidate.from = row.integer(1);
   candidate.to = row.integer(2);
-  candidate.verdict = enumerator(row.integer(3), CandidateVerdict::rejected, database_.path(),
+  candidate.verdict = enumerator(row.integer(3), CandidateVerdict::revoked, database_.path(),
                                  "the verdict about a candidate");
   candidate.T_from_to =
       pose_from(numbers<12>(row.blob(4), database_.path(), "the pose of candidate", candidate.id));
@@ -153,6 +162,11 @@ LoopCandidate MapDatabase::candidate_at(const SqliteStatement& row) const {
   candidate.overlap = row.real(6);
   candidate.chi2 = row.real(7);
   candidate.reason = row.text(8);
+  candidate.rms = row.real(9);
+  candidate.correction = row.real(10);
+  candidate.turn = row.real(11);
+  candidate.through = row.real(12);
+  candidate.figure = row.real(13);
   return candidate;
 }
 
@@ -178,10 +192,12 @@ std::optional<PoseEdge> MapDatabase::edge(int64_t id) const {
 }
 
 std::vector<LoopCandidate> MapDatabase::candidates() const {
-  return all_rows(database_, kCandidates, [&](const auto& row) { return candidate_at(row); });
+  return all_rows(database_, candidates_of(database_),
+                  [&](const auto& row) { return candidate_at(row); });
 }
 std::optional<LoopCandidate> MapDatabase::candidate(int64_t id) const {
-  return one_row(database_, kCandidates, id, [&](const auto& row) { return candidate_at(row); });
+  return one_row(database_, candidates_of(database_), id,
+                 [&](const auto& row) { return candidate_at(row); });
 }
 
 PoseGraph MapDatabase::graph() const {
@@ -331,6 +347,9 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
                        std::to_string(candidate.from) + " to " + std::to_string(candidate.to) +
                        " verdict " + std::to_string(static_cast<int>(candidate.verdict));
     append_all(text, "score", std::array{candidate.score, candidate.overlap, candidate.chi2});
+    append_all(text, "figures",
+               std::array{candidate.rms, candidate.correction, candidate.turn, candidate.through,
+                          candidate.figure});
     append_all(text, "pose", pose_numbers(candidate.T_from_to));
     line(text + " reason " + in_one_line(candidate.reason));
   }

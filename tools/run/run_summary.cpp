@@ -99,17 +99,39 @@ ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outco
   return json;
 }
 
-ordered_json describe_map(const MapReport& map) {
-  const Distribution times = distribution(map.keyframe_ms);
-  return {{"keyframes", map.keyframes},
-          {"sweeps", map.sweeps},
-          {"edges", map.edges},
-          {"aligned_edges", map.aligned_edges},
-          {"components", map.components},
-          {"points", map.points},
-          {"lost_points", map.lost_points},
+ordered_json describe_loops(const LoopReport& loops) {
+  const Distribution times = distribution(loops.search_ms);
+  ordered_json refused = ordered_json::object();
+  for (std::size_t i = 0; i < kLoopReasons; ++i) {
+    if (loops.refused[i] > 0) {
+      refused[std::string(to_string(static_cast<LoopReason>(i)))] = loops.refused[i];
+    }
+  }
+  return {{"candidates", loops.candidates},
+          {"accepted", loops.accepted},
+          {"refused", refused},
+          {"optimizations", loops.optimizations},
+          {"largest_correction_m", loops.largest_correction},
           {"keyframe_ms",
            {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
+}
+
+ordered_json describe_map(const MapReport& map) {
+  const Distribution times = distribution(map.keyframe_ms);
+  ordered_json json = {
+      {"keyframes", map.keyframes},
+      {"sweeps", map.sweeps},
+      {"edges", map.edges},
+      {"aligned_edges", map.aligned_edges},
+      {"components", map.components},
+      {"points", map.points},
+      {"lost_points", map.lost_points},
+      {"keyframe_ms",
+       {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
+  if (map.loops) {
+    json["loops"] = describe_loops(*map.loops);
+  }
+  return json;
 }
 
 double rate(const RunOutcome& outcome, const RunStatistics& statistics) {

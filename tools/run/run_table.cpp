@@ -81,6 +81,22 @@ std::string map_text(const MapReport& map) {
   return text + fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
 }
 
+std::string loops_text(const LoopReport& loops) {
+  std::string text = 
+      fmt::format("{} accepted of {} candidates", loops.accepted, loops.candidates);
+  std::string refused;
+  for (std::size_t i = 0; i < kLoopReasons; ++i) {
+    if (loops.refused[i] > 0) {
+      refused += fmt::format("{} {} {}", refused.empty() ? "; refused:" : ",", loops.refused[i],
+                             to_string(static_cast<LoopReason>(i)));
+    }
+  }
+  const Distribution times = distribution(loops.search_ms);
+  return text + refused +
+         fmt::format("; corrected by up to {:.2f} m; {:.1f} ms a keyframe, {:.1f} at most",
+                     loops.largest_correction, times.mean, times.max);
+}
+
 std::string stage_table(const RunStatistics& statistics) {
   std::string text = "\n  ms a sweep                  sweeps     mean      p50      p95      max\n";
   const auto row = [&](const char* where, const StageTimes& stage) {
@@ -127,6 +143,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
                       run.config.preprocess.r_input, run.config.registration.r_align);
   if (outcome.result.map) {
     text += "map      " + map_text(*outcome.result.map) + "\n";
+    if (outcome.result.map->loops) {
+      text += "loops    " + loops_text(*outcome.result.map->loops) + "\n";
+    }
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +

@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/loop_closer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "adit/slam/mapping/condensation.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
+
+namespace adit {
+namespace {
+
+// Of the simulated office's odometry, over 20 to 40 edges (docs/theory/loops.md).
+constexpr double kLumps = 4.0;
+constexpr NodeId kQueue = 5;        // keyframes
+constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
+constexpr double kFirstRms = 0.05;  // m, before there is any
+
+LoopSearchSettings search_settings(const Config& config) {
+  return {.lumps = kLumps,
+          .max_distance = 0.5 * config.preprocess.c_max,
+          .min_path = std::max(10.0, 5.0 * config.keyframe.delta_trans)};
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Half of the submap's points are nearer to its origin, m.
+double reach_of(const KeyframeSubmap& submap) {
+  std::vector<double> ranges;
+  ranges.reserve(submap.points.size());
+  for (const SubmapPoint& point : submap.points) {
+    ranges.push_back(point.position().norm());
+  }
+  return ranges.empty() ? 0.0 : median(std::move(ranges));
+}
+
+Matrix6d information_of(const Matrix6d& covariance) {
+  const Matrix6d inverse = covariance.inverse();
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+PoseEdge edge_of(const LoopHypothesis& loop) {
+  return {.from = loop.from,
+          .to = loop.to,
+          .T_from_to = loop.T_from_to,
+          .information = information_of(loop.covariance),
+          .kind = EdgeKind::loop};
+}
+
+LoopReason reason_of(LoopObjection objection) {
+  return objection == LoopObjection::odometry ? LoopReason::against_odometry
+         : objection == LoopObjection::loops  ? LoopReason::against_loops
+                                              : LoopReason::few_votes;
+}
+
+double figure_of(const LoopVote& vote) {
+  return vote.objection == LoopObjection::odometry ? vote.odometry_chi2
+         : vote.objection == LoopObjection::loops  ? vote.worst_chi2
+                                                   : static_cast<double>(vote.voters);
+}
+
+std::vector<LoopHypothesis> loops_of(const auto& pending) {
+  std::vector<LoopHypothesis> loops;
+  for (const PendingLoop& one : pending) {
+    loops.push_back(one.loop);
+  }
+  return loops;
+}
+
+}  // namespace
+
+OptimizedGraph optimize_with_loops(PoseGraph graph) {
+  OptimizationSettings settings{.convention = ResidualConvention::rotation};
+  const OptimizedGraph all_believed = optimize_condensed(graph, settings);
+  settings.loop_kernel.kernel = Kernel::dcs;
+  const double cost_before = graph_cost(graph, settings);
+  if (all_believed.report.termination != Termination::failed) {
+    graph.set_poses(all_believed.poses);
+  }
+  OptimizedGraph optimized = optimize_condensed(graph, settings);
+  optimized.report.cost_before = cost_before;
+  return optimized;
+}
+
+LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store)
+    : store_(&store),
+      search_(search_settings(config)),
+      voting_{.lumps = kLumps},
+      verifier_(context, config) {}
+
+std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
+                                          const SurfaceCloud& cloud) {
+  const auto start = std::chrono::steady_clock::now();
+  const NodeId newest = graph.nodes().back().id;
+  reaches_.push_back(reach_of(submap));
+  const std::vector<LoopPlace> places = find_loop_places(graph, newest, reaches_, search_);
+  std::vector<KeyframeSubmap> submaps;
+  submaps.reserve(places.size());
+  std::vector<LoopQuestion> questions;
+  for (const LoopPlace& place : places) {
+    submaps.push_back(decode(store_->submap(place.node)));
+    questions.push_back({.from = &submaps.back(),
+                         .T_from_to = place.T_node_newest,
+                         .covariance = place.covariance});
+  }
+  const double expected = rms_.empty() ? kFirstRms : std::max(median(rms_), kLeastRms);
+  const std::vector<LoopVerification> verdicts =
+      places.empty() ? std::vector<LoopVerification>()
+                     : verifier_.verify(submap, cloud, questions, expected);
+  std::vector<PendingLoop> found;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const LoopVerification& verdict = verdicts[i];
+    const int64_t id = next_id_++;
+    found.push_back(
+        {.loop = {.id = id,
+                  .from = places[i].node,
+                  .to = newest,
+                  .T_from_to = verdict.T_from_to,
+                  .covariance = verdict.covariance,
+                  .strong = verdict.strong},
+         .record = {.id = id,
+                    .from = places[i].node,
+                    .to = newest,
+                    .T_from_to = verdict.T_from_to,
+                    .score = places[i].mahalanobis,
+                    .overlap = verdict.overlap,
+                    .chi2 = verdict.chi2,
+                    .verdict = verdict.reason == LoopReason::none ? CandidateVerdict::waiting
+                                                                  : CandidateVerdict::rejected,
+                    .reason = std::string(to_string(verdict.reason)),
+                    .rms = verdict.rms,
+                    .correction = verdict.correction,
+                    .turn = verdict.turn,
+                    .through = verdict.through,
+                    .figure = verdict.figure}});
+    ++report_.candidates;
+    if (verdict.reason != LoopReason::none) {
+      ++report_.refused[static_cast<std::size_t>(verdict.reason)];
+    }
+  }
+  report_.search_ms.push_back(
+      std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
+  return found;
+}
+
+LoopCloser::Change LoopCloser::take_effect(PoseGraph& graph, NodeId keyframe,
+                                           std::vector<PendingLoop> found) {
+  Change change;
+  for (PendingLoop& pending : found) {
+    if (pending.record.verdict == CandidateVerdict::waiting) {
+      queue_.push_back(std::move(pending));
+    } else {
+      change.records.push_back(std::move(pending.record));
+    }
+  }
+  settle(graph, keyframe - kQueue + 1, change);
+  return change;
+}
+
+LoopCloser::Change LoopCloser::finish(PoseGraph& graph) {
+  Change change;
+  while (!queue_.empty()) {
+    settle(graph, queue_.front().loop.to, change);
+  }
+  for (const PendingLoop& one : accepted_) {
+    change.records.push_back(one.record);  // with the last residual
+  }
+  return change;
+}
+
+// The queue votes; then what is as old as `oldest` leaves it.
+void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
+  while (!queue_.empty()) {
+    const std::vector<int64_t> accepted = let_in(graph, queue_.front().loop.to <= oldest, change);
+    if (accepted.empty()) {
+      break;
+    }
+    optimize_and_review(graph, accepted, change);
+  }
+  while (!queue_.empty() && queue_.front().loop.to <= oldest) {
+    const std::vector<LoopHypothesis> waiting = loops_of(queue_);
+    const LoopVote vote_ = vote(graph, waiting, loops_of(accepted_), false, voting_).front();
+    refuse(queue_.front(), reason_of(vote_.objection), figure_of(vote_), change);
+    queue_.pop_front();
+  }
+}
+
+void LoopCloser::refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change) {
+  pending.record.verdict = CandidateVerdict::rejected;
+  pending.record.reason = to_string(reason);
+  pending.record.figure = figure;
+  ++report_.refused[static_cast<std::size_t>(reason)];
+  change.records.push_back(pending.record);
+}
+
+std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Change& change) {
+  const std::vector<LoopHypothesis> waiting = loops_of(queue_);
+  const std::vector<LoopVote> votes =
+      vote(graph, waiting, loops_of(accepted_), last_chance, voting_);
+  std::deque<PendingLoop> rest;
+  std::vector<int64_t> accepted;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    PendingLoop& pending = queue_[i];
+    if (!votes[i].accepted) {
+      rest.push_back(std::move(pending));
+      continue;
+    }
+    accepted.push_back(pending.loop.id);
+    pending.record.verdict = CandidateVerdict::accepted;
+    pending.record.figure = static_cast<double>(votes[i].voters);
+    change.edges.push_back(edge_of(pending.loop));
+    graph.add_edge(change.edges.back());
+    accepted_.push_back(std::move(pending));
+    ++report_.accepted;
+  }
+  queue_ = std::move(rest);
+  return accepted;
+}
+
+// Until what is left fits: each round takes back what does not.
+void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in,
+                                     Change& change) {
+  bool again = true;
+  while (again) {
+    again = false;
+    const OptimizedGraph optimized = optimize_with_loops(graph);
+    ++report_.optimizations;
+    const NodeId newest = accepted_.empty() ? graph.nodes().front().id : accepted_.back().loop.to;
+    const std::size_t at = graph.index_of(newest);
+    report_.largest_correction = std::max(
+        report_.largest_correction,
+        (optimized.poses[at].translation() - graph.nodes()[at].T_map_node.translation()).norm());
+    graph.set_poses(optimized.poses);
+    change.moved = true;
+    for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+      const PoseEdge& edge = graph.edges()[i];
+      const std::optional<EdgeResult>& result = optimized.report.edges[i];
+      if (edge.kind != EdgeKind::loop || !result) {
+        continue;
+      }
+      const auto owner = std::ranges::find_if(accepted_, [&](const PendingLoop& one) {
+        return one.loop.from == edge.from && one.loop.to == edge.to;
+      });
+      if (owner == accepted_.end()) {
+        continue;
+      }
+      owner->record.chi2 = result->chi2;
+      if (result->chi2 > kLoopReview) {
+        graph.set_status(i, EdgeStatus::revoked);
+        change.revoked.push_back(i);
+        refuse(*owner, LoopReason::review, result->chi2, change);
+        change.records.back().verdict = CandidateVerdict::revoked;
+        accepted_.erase(owner);
+        --report_.accepted;
+        again = true;
+      }
+    }
+  }
+  for (const PendingLoop& one : accepted_) {
+    if (std::ranges::find(let_in, one.loop.id) != let_in.end()) {
+      change.records.push_back(one.record);
+    }
+  }
+}
+
+}  // namespace adit

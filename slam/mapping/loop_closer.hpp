@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <deque>
+#include <vector>
+
+#include "adit/slam/mapping/loop_search.hpp"
+#include "adit/slam/mapping/loop_verification.hpp"
+#include "adit/slam/mapping/loop_voting.hpp"
+#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/solver.hpp"
+
+namespace adit {
+
+/// What has become of the loops of a run.
+struct LoopReport {
+  std::size_t candidates = 0;
+  std::size_t accepted = 0;                         ///< and not taken back
+  std::array<std::size_t, kLoopReasons> refused{};  ///< by LoopReason; those taken back, too
+  std::size_t optimizations = 0;
+  double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
+  std::vector<float> search_ms;     ///< of each keyframe: host time with its waits for the device
+};
+
+/// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong
+/// ones. It is looked for from where all loops are believed: from far off, where much drift is to
+/// be corrected, the kernel would take it from right ones, too.
+OptimizedGraph optimize_with_loops(PoseGraph graph);
+
+/// Loops whose residual is beyond this (chi squared of 6 directions: 99.9 %) after an optimisation
+/// are taken back.
+inline constexpr double kLoopReview = 22.5;
+
+/// A candidate on its way to a verdict.
+struct PendingLoop {
+  LoopHypothesis loop;
+  LoopCandidate record;
+};
+
+/// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
+class LoopCloser {
+ public:
+  /// What the constructor is given must outlive it.
+  LoopCloser(engine::Context& context, const Config& config, const MapStore& store);
+
+  /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are
+  /// held.
+  void add_expected_rms(double rms) { rms_.push_back(rms); }
+
+  /// Verified and refused candidates of the graph's newest node, whose submap is `submap` and, on
+  /// the device, `cloud`. Each node's submap must have come here once, in the order of the nodes.
+  std::vector<PendingLoop> find(const PoseGraph& graph, const KeyframeSubmap& submap,
+                                const SurfaceCloud& cloud);
+
+  /// What a step has changed.
+  struct Change {
+    std::vector<LoopCandidate> records;  ///< for the store
+    std::vector<PoseEdge> edges;         ///< that the graph has got
+    std::vector<std::size_t> revoked;    ///< edges of the graph that are revoked now
+    bool moved = false;                  ///< the graph has other poses
+  };
+  /// What was found for `keyframe` takes effect: it joins the queue, whose loops vote; the graph
+  /// gets those that are accepted, and is optimised.
+  Change take_effect(PoseGraph& graph, NodeId keyframe, std::vector<PendingLoop> found);
+  /// Verdicts about what is still waiting.
+  Change finish(PoseGraph& graph);
+
+  const LoopReport& report() const { return report_; }
+
+ private:
+  void settle(PoseGraph& graph, NodeId oldest, Change& change);
+  /// Ids of those that were accepted.
+  std::vector<int64_t> let_in(PoseGraph& graph, bool last_chance, Change& change);
+  void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
+  void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
+
+  const MapStore* store_;
+  LoopSearchSettings search_;
+  LoopVotingSettings voting_;
+  LoopVerifier verifier_;
+  std::vector<double> reaches_;    ///< m, in the order of the graph's nodes
+  std::vector<double> rms_;        ///< m, of alignments of consecutive submaps
+  std::deque<PendingLoop> queue_;  ///< in the order of their later keyframes
+  std::vector<PendingLoop> accepted_;
+  int64_t next_id_ = 1;
+  LoopReport report_;
+};
+
+}  // namespace adit

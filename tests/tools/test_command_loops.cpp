@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_loops.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "adit/tests/mapping/map_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ran {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+Ran ran(const LoopsCommandOptions& options) {
+  std::ostringstream out;
+  std::ostringstream err;
+  const int code = loops_command(options, out, err);
+  return {code, out.str(), err.str()};
+}
+
+/// Six keyframes 10 m apart by the odometry, the last of which a loop has 1 m nearer.
+class LoopsCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    MapDatabase map(map_, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 6; ++id) {
+      map.store(test::record(id, session));
+    }
+    const PoseEdge loop = test::edge(0, 5, test::step(49.0), 400.0);
+    map.store(std::vector{loop}, std::vector{LoopCandidate{.id = 1,
+                                                           .from = 0,
+                                                           .to = 5,
+                                                           .T_from_to = loop.T_from_to,
+                                                           .overlap = 0.82,
+                                                           .verdict = CandidateVerdict::accepted,
+                                                           .reason = "none",
+                                                           .correction = 1.0,
+                                                           .figure = 3.0},
+                                             LoopCandidate{.id = 2,
+                                                           .from = 1,
+                                                           .to = 5,
+                                                           .overlap = 0.12,
+                                                           .verdict = CandidateVerdict::rejected,
+                                                           .reason = "too_little_overlap",
+                                                           .figure = 0.12}});
+  }
+
+  double x_of_last() const {
+    return MapDatabase(map_, MapAccess::read).keyframes().back().T_map_keyframe.translation().x();
+  }
+
+  test::TemporaryFolder folder_;
+  fs::path map_ = folder_ / "map.adit";
+};
+
+TEST_F(LoopsCommand, ListsTheLedgerAsATableAndAsJson) {
+  const Ran text = ran({.map = map_});
+  EXPECT_EQ(text.code, 0) << text.err;
+  for (const char* part :
+       {"accepted", "rejected", "too_little_overlap 0.12", "0.82", "2 candidates, 1 accepted"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
+  }
+  const auto json = nlohmann::json::parse(ran({.map = map_, .json = true}).out);
+  ASSERT_EQ(json.at("loops").size(), 2U);
+  EXPECT_EQ(json.at("loops")[0].at("verdict"), "accepted");
+  EXPECT_EQ(json.at("loops")[1].at("reason"), "too_little_overlap");
+  EXPECT_EQ(json.at("loops")[1].at("figure"), 0.12);
+}
+
+TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {
+  const Ran revoked = ran({.map = map_, .revoke = 1});
+  EXPECT_EQ(revoked.code, 0) << revoked.err;
+  EXPECT_NE(revoked.out.find("revoked   loop 1; cost"), std::string::npos) << revoked.out;
+  EXPECT_NE(revoked.out.find("by_hand"), std::string::npos) << revoked.out;
+  EXPECT_NEAR(x_of_last(), 50.0, 1e-6) << "the odometry alone";
+  {
+    const MapDatabase map(map_, MapAccess::read);
+    EXPECT_EQ(map.graph().edges().back().status, EdgeStatus::revoked);
+    EXPECT_EQ(map.candidates().front().verdict, CandidateVerdict::revoked);
+    EXPECT_TRUE(map.check().empty());
+  }
+  const Ran restored = ran({.map = map_, .restore = 1, .json = true});
+  EXPECT_EQ(restored.code, 0) << restored.err;
+  const auto json = nlohmann::json::parse(restored.out);
+  EXPECT_EQ(json.at("changed").at("status"), "active");
+  EXPECT_EQ(json.at("loops")[0].at("verdict"), "accepted");
+  EXPECT_GT(json.at("loops")[0].at("chi2").get<double>(), 0.0);
+  const double with_loop = x_of_last();
+  EXPECT_LT(with_loop, 49.5);
+  EXPECT_GT(with_loop, 49.0);
+  EXPECT_EQ(ran({.map = map_, .revoke = 1}).code, 0) << "and again";
+  EXPECT_EQ(ran({.map = map_, .restore = 1}).code, 0);
+  EXPECT_NEAR(x_of_last(), with_loop, 1e-6);
+}
+
+TEST_F(LoopsCommand, SaysWhatCannotBeDone) {
+  const Ran none = ran({.map = map_, .revoke = 7});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.err.find("the map has no loop 7"), std::string::npos) << none.err;
+  const Ran rejected = ran({.map = map_, .revoke = 2});
+  EXPECT_EQ(rejected.code, 2);
+  EXPECT_NE(rejected.err.find("loop 2 is rejected; only what is accepted can be revoked"),
+            std::string::npos)
+      << rejected.err;
+  EXPECT_EQ(ran({.map = map_, .restore = 1}).code, 2) << "it is in";
+  EXPECT_EQ(ran({.map = map_, .revoke = 1, .restore = 1}).code, 2);
+  const Ran missing = ran({.map = folder_ / "none.adit", .revoke = 1});
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_FALSE(fs::exists(folder_ / "none.adit")) << "nothing is made";
+  const MapDatabase writer(map_, MapAccess::write);
+  EXPECT_EQ(ran({.map = map_, .revoke = 1}).code, 1) << "another one writes";
+  EXPECT_EQ(ran({.map = map_}).code, 0) << "a reader may";
+}
+
+TEST(LoopsCommandWithoutLoops, SaysThatThereAreNone) {
+  const test::TemporaryFolder folder;
+  { MapDatabase map(folder / "map.adit", MapAccess::write); }
+  const Ran text = ran({.map = folder / "map.adit"});
+  EXPECT_EQ(text.code, 0);
+  EXPECT_NE(text.out.find("has no loops"), std::string::npos) << text.out;
+}
+
+}  // namespace
+}  // namespace adit

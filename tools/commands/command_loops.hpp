@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit loops MAP`: the places that were seen again, and what became of them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+
+namespace adit {
+
+class Command;
+
+struct LoopsCommandOptions {
+  std::filesystem::path map{};
+  std::optional<int64_t> revoke{};   ///< an accepted loop that is to be taken back
+  std::optional<int64_t> restore{};  ///< one that was
+  bool json = false;
+};
+
+/// Lists the candidates of a map; revokes or restores one of them first, and optimises the map
+/// anew. Returns the exit code: 0 done, 1 the file is no map that can be read or written, 2 no such
+/// loop.
+int loops_command(const LoopsCommandOptions& options, std::ostream& out, std::ostream& err);
+
+/// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
+/// gets the exit code.
+void add_loops_command(Command app, std::function<void(int)> done);
+
+}  // namespace adit
