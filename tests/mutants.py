@@ -93,7 +93,7 @@ def host_suites(program):
     """The suites of a program that want no device, as a filter, and the rest as another."""
     listed = subprocess.run([COPY / "build" / "tests" / program, "--gtest_list_tests"], capture_output=True, text=True).stdout
     suites = re.findall(r"^(\w[\w/]*)\.", listed, re.M)
-    device = [s for s in suites if re.search(r"Test$|Rivals|Batch|HighRateOfADrive|Software|Recorded|SlamFacade|DamagedReadings", s)]
+    device = [s for s in suites if re.search(r"Test$|CompetingPoses|Batch|HighRateOfADrive|Software|Recorded|SlamFacade|DamagedReadings", s)]
     return ":".join(f"{s}.*" for s in suites if s not in device), ":".join(f"{s}.*" for s in device)
 
 

@@ -13,7 +13,7 @@
 
 #include "adit/slam/mapping/free_space.hpp"
 #include "adit/slam/mapping/submap_alignment.hpp"
-#include "adit/slam/registration/rivals.hpp"
+#include "adit/slam/registration/competing_poses.hpp"
 
 namespace adit {
 namespace {
@@ -28,7 +28,7 @@ constexpr double kLeastReach = 2.0;
 constexpr double kMostReach = 6.0;
 
 /// As far as the prior lets the pose be: three standard deviations in its least known direction.
-double rival_reach(const Matrix6d& prior) {
+double competing_reach(const Matrix6d& prior) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(prior.topLeftCorner<3, 3>(),
                                                              Eigen::EigenvaluesOnly);
   return std::clamp(3.0 * std::sqrt(std::max(eigen.eigenvalues()(2), 0.0)), kLeastReach,
@@ -183,14 +183,14 @@ std::vector<LoopVerification> LoopVerifier::verify(const KeyframeSubmap& to,
     const AlignmentTarget fine = clouds_.make_target(
         make_surface_cloud(*context_, from), aligner_.settings().method, std::array{r_align_});
     open_pairs[k].target = &fine;
-    const std::optional<Rival> rival =
-        find_rivals(aligner_, std::span(&open_pairs[k], 1), std::span(&open_results[k], 1),
-                    {.reach = rival_reach(questions[open[k]].covariance),
-                     .spacing = 0.5 * r_align_,
-                     .least_apart = 0.5 * r_align_})
+    const std::optional<CompetingPose> competing =
+        find_competing_poses(aligner_, std::span(&open_pairs[k], 1), std::span(&open_results[k], 1),
+                             {.reach = competing_reach(questions[open[k]].covariance),
+                              .spacing = 0.5 * r_align_,
+                              .least_apart = 0.5 * r_align_})
             .front();
-    if (rival) {
-      refuse(verdict, LoopReason::ambiguous, std::abs(rival->apart));
+    if (competing) {
+      refuse(verdict, LoopReason::ambiguous, std::abs(competing->apart));
       continue;
     }
     verdict.through = std::max(seen_through(image, from, verdict.T_from_to.inverse()),

@@ -76,7 +76,7 @@ bool are_apart(const RegistrationResult& a, const RegistrationResult& b) {
   return off.translation().norm() > kOtherPlace || rotation_angle(off.linear()) > kOtherTurn;
 }
 
-/// The one that most points match, with the best rival of those that ended elsewhere.
+/// The one that most points match, with its best competing pose, elsewhere.
 RegistrationResult best_of(const std::vector<RegistrationResult>& found) {
   const auto rank = [](const RegistrationResult& result) {
     return is_usable(result.status) ? result.inliers : -1;
@@ -84,7 +84,8 @@ RegistrationResult best_of(const std::vector<RegistrationResult>& found) {
   RegistrationResult best = *std::ranges::max_element(found, {}, rank);
   for (const RegistrationResult& other : found) {
     if (is_usable(best.status) && is_usable(other.status) && are_apart(best, other)) {
-      best.rival = std::max(best.rival, static_cast<double>(other.inliers) / best.inliers);
+      best.competing_share =
+          std::max(best.competing_share, static_cast<double>(other.inliers) / best.inliers);
     }
   }
   return best;

@@ -11,8 +11,8 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
-#include "adit/slam/odometry/doubt.hpp"
 #include "adit/slam/odometry/pose_uncertainty.hpp"
+#include "adit/slam/odometry/rejection.hpp"
 #include "adit/slam/registration/registration.hpp"
 
 namespace adit::engine {
@@ -43,13 +43,13 @@ struct SweepResult {
   PoseUncertainty uncertainty;  ///< of that pose
   OdometryState state = OdometryState::initializing;
   RegistrationResult
-      registration;            ///< T_target_source is T_map_lidar; all default at the first sweep
-  std::optional<Doubt> doubt;  ///< why an alignment is not believed, where it is doubtful
-  bool searched = false;       ///< aligned a second time, from several places: the first fell short
-  bool keyframe = false;       ///< far enough from the last keyframe; never while coasting
-  int raw_points = 0;          ///< points of the sweep as it came
-  int valid_points = 0;        ///< left after NaN, no-return and range clipping
-  int cloud_points = 0;        ///< left after down-sampling
+      registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
+  std::optional<Rejection> rejection;  ///< why an alignment is rejected
+  bool searched = false;  ///< aligned a second time, from several places: the first fell short
+  bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
+  int raw_points = 0;     ///< points of the sweep as it came
+  int valid_points = 0;   ///< left after NaN, no-return and range clipping
+  int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
   InertialReport inertial;        ///< of the inertial sensor, where there is one

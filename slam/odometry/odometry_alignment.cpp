@@ -14,7 +14,7 @@
 namespace adit {
 namespace {
 
-// What a search finds must match so many times as many points as what it doubts.
+// What a search finds must match so many times as many points as what it replaces.
 constexpr double kClearlyMore = 1.1;
 // Farther than this from an inertial prediction, in its standard deviations, contradicts it.
 constexpr double kInertialSigmas = 5.0;
@@ -110,13 +110,13 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   if (expected.inertial && !failed) {
     return;
   }
-  Prediction doubted = expected.prediction;
-  doubted.trusted = false;
-  const auto places = places_after_doubt({.predicted = expected.prediction.T_map_lidar,
-                                          .steady = expected.steady,
-                                          .at_rest = motion.last()->pose});
+  Prediction untrusted = expected.prediction;
+  untrusted.trusted = false;
+  const auto places = places_after_rejection({.predicted = expected.prediction.T_map_lidar,
+                                              .steady = expected.steady,
+                                              .at_rest = motion.last()->pose});
   engine::Submission submission = submitted([&](engine::Recorder& recorder) {
-    aligner.record(recorder, doubted, places, surface_cloud, front_end.counters(),
+    aligner.record(recorder, untrusted, places, surface_cloud, front_end.counters(),
                    front_end.points(), submap);
   });
   wait(submission, result);
@@ -137,15 +137,16 @@ void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
     return;
   }
   const StampedPose found{result.stamp, result.registration.T_target_source};
-  std::optional<Doubt> doubt = impossible_pose(found, motion.last(), config.recovery.max_speed);
+  std::optional<Rejection> rejection =
+      impossible_pose(found, motion.last(), config.recovery.max_speed);
   const Prediction& prediction = expected.prediction;
   const bool weighed = prediction.trusted && (!result.searched || expected.inertial);
-  if (!doubt && !weighed) {
-    doubt = usual_fit.doubt(result.registration, prediction);
+  if (!rejection && !weighed) {
+    rejection = usual_fit.rejection(result.registration, prediction);
   }
-  if (doubt) {
+  if (rejection) {
     result.registration.status = RegistrationStatus::doubtful;
-    result.doubt = doubt;
+    result.rejection = rejection;
   } else if (prediction.trusted) {
     usual_fit.add(result.registration);
   }

@@ -9,9 +9,9 @@
 #include "adit/engine/context.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
 #include "adit/slam/odometry/aligner.hpp"
-#include "adit/slam/odometry/doubt.hpp"
 #include "adit/slam/odometry/motion_model.hpp"
 #include "adit/slam/odometry/odometry.hpp"
+#include "adit/slam/odometry/rejection.hpp"
 #include "adit/slam/odometry/submap.hpp"
 #include "adit/slam/registration/front_end.hpp"
 

@@ -12,8 +12,8 @@ constexpr double kUntimed = 1.0;  // m
 
 }  // namespace
 
-std::optional<Doubt> impossible_pose(const StampedPose& pose,
-                                     const std::optional<StampedPose>& last, double max_speed) {
+std::optional<Rejection> impossible_pose(const StampedPose& pose,
+                                         const std::optional<StampedPose>& last, double max_speed) {
   if (!pose.pose.matrix().allFinite()) {
     return PoseNotFinite{};
   }

@@ -46,7 +46,7 @@ std::vector<Eigen::Isometry3d> places_to_search(const Prediction& prediction) {
   return places;
 }
 
-std::vector<Eigen::Isometry3d> places_after_doubt(const PossibleMotions& motions) {
+std::vector<Eigen::Isometry3d> places_after_rejection(const PossibleMotions& motions) {
   std::vector<Eigen::Isometry3d> places = {motions.predicted, motions.steady, motions.at_rest,
                                            middle(motions.at_rest, motions.steady)};
   for (const double turn : kTurns) {

@@ -27,6 +27,6 @@ struct PossibleMotions {
 
 /// The same where a trusted prediction led to an alignment that falls short: from each of the
 /// motions, from the middle, and with other headings than at rest and at constant velocity.
-std::vector<Eigen::Isometry3d> places_after_doubt(const PossibleMotions& motions);
+std::vector<Eigen::Isometry3d> places_after_rejection(const PossibleMotions& motions);
 
 }  // namespace adit

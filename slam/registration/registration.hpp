@@ -27,7 +27,7 @@ enum class RegistrationStatus {
   too_little_overlap,  ///< matched fraction below min_overlap
   too_few_points,      ///< matched points below min_inliers, or an empty source or target
   diverged,            ///< the step or the pose is not finite, or left the target's extent
-  doubtful,  ///< found by a search, with too little to tell the place (slam/odometry/doubt)
+  doubtful,            ///< found by a search, and rejected by its gating (slam/odometry/rejection)
 };
 std::string_view to_string(RegistrationStatus status);
 
@@ -78,7 +78,7 @@ struct RegistrationResult {
   int iterations = 0;
   /// Matched points at the best other place that a search found, as a share of these; 0 where it
   /// found none.
-  double rival = 0.0;
+  double competing_share = 0.0;
 };
 
 /// From information to a covariance that holds what the matches do not know of their own errors

@@ -99,8 +99,8 @@ TEST_F(OdometryGapTest, InASmoothTunnelNobodyKnowsHowFarItWent) {
   drive.sweeps = test::scan_all(tunnel, drive.truth, test::Lidar{});
   const auto results = run_odometry(context(), drive.sweeps);
   EXPECT_EQ(results[kGap].registration.status, RegistrationStatus::doubtful);
-  ASSERT_TRUE(results[kGap].doubt);
-  EXPECT_TRUE(std::holds_alternative<NotHeldAlong>(*results[kGap].doubt));
+  ASSERT_TRUE(results[kGap].rejection);
+  EXPECT_TRUE(std::holds_alternative<NotHeldAlong>(*results[kGap].rejection));
   EXPECT_EQ(count(results, OdometryState::restarted), 1U);
 }
 

@@ -56,10 +56,10 @@ TEST(SearchPlaces, ALostSensorIsSearchedForInEveryHeadingAndAround) {
 }
 
 // What a hand does to a sensor between two sweeps of 2 Hz: it stops, goes on, or turns.
-TEST(SearchPlaces, AfterADoubtEveryMotionBetweenRestAndGoingOnIsCovered) {
+TEST(SearchPlaces, AfterARejectionEveryMotionBetweenRestAndGoingOnIsCovered) {
   const PossibleMotions motions{
       .predicted = pose(2.2, 0.4), .steady = pose(2.0), .at_rest = pose(0.0)};
-  const auto places = places_after_doubt(motions);
+  const auto places = places_after_rejection(motions);
   EXPECT_LE(places.size(), kMostPlaces);
   EXPECT_TRUE(covers(places, motions.predicted, 1e-6, 1e-6));
   for (const double x : {0.0, 1.0, 2.0}) {

@@ -57,7 +57,7 @@ TEST(RunStatistics, FailuresAreExplainedWithTheNumbersAndTheSettingsThatDecided)
   expect(failed(RegistrationStatus::not_converged), {"20 iterations"});
   expect(failed(RegistrationStatus::diverged), {"diverged"});
   SweepResult doubtful = failed(RegistrationStatus::doubtful);
-  doubtful.doubt = TwoPlaces{.rival = 0.95};
+  doubtful.rejection = TwoPlaces{.competing_share = 0.95};
   expect(doubtful, {"a search found two places"});
   SweepResult thin = failed(RegistrationStatus::too_few_points);
   thin.cloud_points = 7;

@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/run/doubt_text.hpp"
+#include "adit/tools/run/rejection_text.hpp"
 
 namespace adit {
 namespace {
@@ -34,7 +34,7 @@ std::string status_reason(const SweepResult& sweep, const Config& config) {
     case RegistrationStatus::diverged:
       return "the alignment diverged";
     case RegistrationStatus::doubtful:
-      return sweep.doubt ? describe(*sweep.doubt) : "";
+      return sweep.rejection ? describe(*sweep.rejection) : "";
     case RegistrationStatus::converged:
     case RegistrationStatus::degenerate:
       break;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/odometry/doubt.hpp"
+#include "adit/slam/odometry/rejection.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,16 +8,16 @@
 namespace adit {
 namespace {
 
-constexpr int kUsual = 10;             // alignments make a habit, and as many are remembered
-constexpr double kLeastShare = 0.7;    // of the usual overlap
-constexpr double kSearchBelow = 0.8;   // of the usual overlap
-constexpr int kFewForSearch = 3;       // alignments are enough to compare with before a search
-constexpr double kMostRms = 1.4;       // times the usual residual
-constexpr double kMostRival = 0.9;     // of the matched points
-constexpr double kLevel = 0.7;         // of a direction's z: less is along the ground
-constexpr double kNearDistance = 1.0;  // m from the prediction
-constexpr double kNearTurn = 0.3;      // rad
-constexpr double kNearSigmas = 2.0;    // of a trusted prediction
+constexpr int kUsual = 10;              // alignments make a habit, and as many are remembered
+constexpr double kLeastShare = 0.7;     // of the usual overlap
+constexpr double kSearchBelow = 0.8;    // of the usual overlap
+constexpr int kFewForSearch = 3;        // alignments are enough to compare with before a search
+constexpr double kMostRms = 1.4;        // times the usual residual
+constexpr double kMostCompeting = 0.9;  // of the matched points
+constexpr double kLevel = 0.7;          // of a direction's z: less is along the ground
+constexpr double kNearDistance = 1.0;   // m from the prediction
+constexpr double kNearTurn = 0.3;       // rad
+constexpr double kNearSigmas = 2.0;     // of a trusted prediction
 
 /// How well the place along the ground is held. (Height is another matter: floors that a sensor
 /// does not see are common, and nobody jumps.)
@@ -54,8 +54,8 @@ bool UsualFit::falls_short(const RegistrationResult& alignment) const {
                                            alignment.residual_rms > kMostRms * rms_));
 }
 
-std::optional<Doubt> UsualFit::doubt(const RegistrationResult& alignment,
-                                     const Prediction& prediction) const {
+std::optional<Rejection> UsualFit::rejection(const RegistrationResult& alignment,
+                                             const Prediction& prediction) const {
   const Localizability held = along_ground(alignment);
   if (prediction.lost && held == Localizability::none) {
     return NotHeldAlong{};
@@ -77,8 +77,8 @@ std::optional<Doubt> UsualFit::doubt(const RegistrationResult& alignment,
   if (alignments_ >= kUsual && alignment.residual_rms > kMostRms * rms_) {
     return ResidualTooLarge{.rms = alignment.residual_rms, .usual = rms_};
   }
-  if (alignment.rival > kMostRival) {
-    return TwoPlaces{.rival = alignment.rival};
+  if (alignment.competing_share > kMostCompeting) {
+    return TwoPlaces{.competing_share = alignment.competing_share};
   }
   return std::nullopt;
 }

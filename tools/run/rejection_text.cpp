@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/doubt_text.hpp"
+#include "adit/tools/run/rejection_text.hpp"
 
 #include <cmath>
 
@@ -17,7 +17,7 @@ std::string centimetres(double length) {
   return with_decimals(100.0 * length, 1);
 }
 
-struct DoubtText {
+struct RejectionText {
   std::string operator()(const PoseNotFinite&) const { return "the pose would not be finite"; }
 
   std::string operator()(const MovedTooFar& moved) const {
@@ -42,14 +42,14 @@ struct DoubtText {
 
   std::string operator()(const TwoPlaces& places) const {
     return "a search found two places, and where one matches 100 points the other matches " +
-           std::to_string(std::lround(100.0 * places.rival));
+           std::to_string(std::lround(100.0 * places.competing_share));
   }
 };
 
 }  // namespace
 
-std::string describe(const Doubt& doubt) {
-  return std::visit(DoubtText{}, doubt);
+std::string describe(const Rejection& rejection) {
+  return std::visit(RejectionText{}, rejection);
 }
 
 }  // namespace adit

@@ -37,12 +37,12 @@ struct ResidualTooLarge {
 
 /// A search found two places.
 struct TwoPlaces {
-  double rival = 0.0;  ///< matched points of the other place over those of the one it chose
+  double competing_share = 0.0;  ///< matched points at the other place over those at the chosen
 };
 
-/// Why an alignment is not believed.
-using Doubt = std::variant<PoseNotFinite, MovedTooFar, NotHeldAlong, OverlapFallsShort,
-                           ResidualTooLarge, TwoPlaces>;
+/// Why an alignment is rejected.
+using Rejection = std::variant<PoseNotFinite, MovedTooFar, NotHeldAlong, OverlapFallsShort,
+                               ResidualTooLarge, TwoPlaces>;
 
 /// The alignment is within so many standard deviations of the prediction.
 bool is_within(const RegistrationResult& alignment, const Prediction& prediction, double sigmas);
@@ -60,10 +60,10 @@ class UsualFit {
   /// to be searched for.
   bool falls_short(const RegistrationResult& alignment) const;
 
-  /// Why an alignment that a search found or confirmed is not to be believed; none where it is
+  /// Why an alignment that a search found or confirmed is rejected; none where it is accepted
   /// (docs/theory/odometry.md, section 3).
-  std::optional<Doubt> doubt(const RegistrationResult& alignment,
-                             const Prediction& prediction) const;
+  std::optional<Rejection> rejection(const RegistrationResult& alignment,
+                                     const Prediction& prediction) const;
 
  private:
   int alignments_ = 0;

@@ -4,11 +4,11 @@
 
 #include <string>
 
-#include "adit/slam/odometry/doubt.hpp"
+#include "adit/slam/odometry/rejection.hpp"
 
 namespace adit {
 
-/// Why an alignment is not believed, for people.
-std::string describe(const Doubt& doubt);
+/// Why an alignment is rejected, for people.
+std::string describe(const Rejection& rejection);
 
 }  // namespace adit

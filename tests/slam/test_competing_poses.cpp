@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/benchmarks/verify/synthetic_world.hpp"
-#include "adit/slam/registration/rivals.hpp"
+#include "adit/slam/registration/competing_poses.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
@@ -41,11 +41,11 @@ World room() {
           .poles = {}};
 }
 
-class RivalsTest : public test::DeviceTest {
+class CompetingPosesTest : public test::DeviceTest {
  protected:
   struct Outcome {
     RegistrationResult result;
-    std::optional<Rival> rival;
+    std::optional<CompetingPose> competing;
   };
   static Outcome run(const World& world) {
     test::Lidar lidar{.beams = 64, .columns = 700, .lowest = -0.5, .highest = 0.5};
@@ -71,35 +71,35 @@ class RivalsTest : public test::DeviceTest {
     const AlignmentPair pair{.source = &source, .target = &target};
     const std::vector<AlignmentPair> pairs = {pair};
     const std::vector<RegistrationResult> results = aligner.align(pairs);
-    return {results.front(), find_rivals(aligner, pairs, results).front()};
+    return {results.front(), find_competing_poses(aligner, pairs, results).front()};
   }
 };
 
-TEST_F(RivalsTest, ARoomHasOnePose) {
+TEST_F(CompetingPosesTest, ARoomHasOnePose) {
   const Outcome found = run(room());
   ASSERT_EQ(found.result.status, RegistrationStatus::converged);
-  EXPECT_FALSE(found.rival.has_value()) << "at " << found.rival->apart << " m";
+  EXPECT_FALSE(found.competing.has_value()) << "at " << found.competing->apart << " m";
 }
 
-TEST_F(RivalsTest, PillarsThatRepeatHaveOneAPeriodAway) {
+TEST_F(CompetingPosesTest, PillarsThatRepeatHaveOneAPeriodAway) {
   const Outcome found = run(corridor(true));
   ASSERT_TRUE(is_usable(found.result.status)) << to_string(found.result.status);
   EXPECT_NEAR(found.result.T_target_source.translation().x(), 0.2, 0.03);
-  ASSERT_TRUE(found.rival.has_value());
-  EXPECT_NEAR(std::abs(found.rival->apart), kPeriod, 0.05);
+  ASSERT_TRUE(found.competing.has_value());
+  EXPECT_NEAR(std::abs(found.competing->apart), kPeriod, 0.05);
 }
 
-TEST_F(RivalsTest, ASmoothCorridorHasThemAnywhere) {
+TEST_F(CompetingPosesTest, ASmoothCorridorHasThemAnywhere) {
   const Outcome found = run(corridor(false));
   ASSERT_EQ(found.result.status, RegistrationStatus::degenerate);
-  EXPECT_TRUE(found.rival.has_value());
+  EXPECT_TRUE(found.competing.has_value());
 }
 
-TEST_F(RivalsTest, NeedsAResultAPair) {
+TEST_F(CompetingPosesTest, NeedsAResultAPair) {
   BatchAligner aligner(context(), {});
   const std::vector<AlignmentPair> pairs(1);
-  EXPECT_THROW(find_rivals(aligner, pairs, {}), std::logic_error);
-  EXPECT_TRUE(find_rivals(aligner, {}, {}).empty());
+  EXPECT_THROW(find_competing_poses(aligner, pairs, {}), std::logic_error);
+  EXPECT_TRUE(find_competing_poses(aligner, {}, {}).empty());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/odometry/doubt.hpp"
+#include "adit/slam/odometry/rejection.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -50,24 +50,25 @@ Prediction untrusted_far_away() {
   return prediction;
 }
 
-/// The doubt where it is of that kind, with its figures.
+/// The rejection where it is of that kind, with its figures.
 template <class Kind>
-std::optional<Kind> as(const std::optional<Doubt>& doubt) {
-  return doubt && std::holds_alternative<Kind>(*doubt) ? std::optional(std::get<Kind>(*doubt))
-                                                       : std::nullopt;
+std::optional<Kind> as(const std::optional<Rejection>& rejection) {
+  return rejection && std::holds_alternative<Kind>(*rejection)
+             ? std::optional(std::get<Kind>(*rejection))
+             : std::nullopt;
 }
 
 TEST(UsualFit, WhatFitsAsSweepsDidBeforeIsBelieved) {
-  EXPECT_FALSE(usual().doubt(fit(0.9), lost_far_away()));
-  EXPECT_FALSE(usual().doubt(fit(0.9), untrusted_far_away()));
+  EXPECT_FALSE(usual().rejection(fit(0.9), lost_far_away()));
+  EXPECT_FALSE(usual().rejection(fit(0.9), untrusted_far_away()));
 }
 
-TEST(UsualFit, AWorseFitIsDoubtedWithItsFigures) {
-  const auto sparse = as<OverlapFallsShort>(usual().doubt(fit(0.4), untrusted_far_away()));
+TEST(UsualFit, AWorseFitIsRejectedWithItsFigures) {
+  const auto sparse = as<OverlapFallsShort>(usual().rejection(fit(0.4), untrusted_far_away()));
   ASSERT_TRUE(sparse);
   EXPECT_EQ(sparse->overlap, 0.4);
   EXPECT_NEAR(sparse->usual, 0.94, 0.002);
-  const auto coarse = as<ResidualTooLarge>(usual().doubt(fit(0.9, 0.09), lost_far_away()));
+  const auto coarse = as<ResidualTooLarge>(usual().rejection(fit(0.9, 0.09), lost_far_away()));
   ASSERT_TRUE(coarse);
   EXPECT_EQ(coarse->rms, 0.09);
   EXPECT_NEAR(coarse->usual, 0.045, 1e-9);
@@ -83,47 +84,47 @@ TEST(UsualFit, AWorseFitThanUsualIsReasonToSearchAgain) {
   EXPECT_FALSE(UsualFit().falls_short(fit(0.4))) << "nothing is usual yet";
 }
 
-TEST(UsualFit, ATrustedPredictionIsConfirmedNearItAndDoubtedAway) {
+TEST(UsualFit, ATrustedPredictionIsConfirmedNearItAndRejectedAway) {
   Prediction trusted;
   trusted.trusted = true;
-  EXPECT_FALSE(usual().doubt(fit(0.4, 0.045, 0.1), trusted));
-  EXPECT_TRUE(as<OverlapFallsShort>(usual().doubt(fit(0.4, 0.045, 0.4), trusted)));
-  EXPECT_FALSE(usual().doubt(fit(0.9, 0.045, 0.4), trusted));
+  EXPECT_FALSE(usual().rejection(fit(0.4, 0.045, 0.1), trusted));
+  EXPECT_TRUE(as<OverlapFallsShort>(usual().rejection(fit(0.4, 0.045, 0.4), trusted)));
+  EXPECT_FALSE(usual().rejection(fit(0.9, 0.045, 0.4), trusted));
 }
 
 TEST(UsualFit, WhereTheVelocityLedLessIsEnough) {
-  EXPECT_FALSE(usual().doubt(fit(0.4, 0.1, 99.5), untrusted_far_away()));
-  EXPECT_FALSE(usual().doubt(fit(0.4, 0.1, 99.5), lost_far_away()));
+  EXPECT_FALSE(usual().rejection(fit(0.4, 0.1, 99.5), untrusted_far_away()));
+  EXPECT_FALSE(usual().rejection(fit(0.4, 0.1, 99.5), lost_far_away()));
 }
 
 TEST(UsualFit, WithoutHabitsASearchIsBelieved) {
   UsualFit fits = usual();
   fits.forget();
-  EXPECT_FALSE(fits.doubt(fit(0.4), untrusted_far_away()));
+  EXPECT_FALSE(fits.rejection(fit(0.4), untrusted_far_away()));
 }
 
 TEST(UsualFit, TwoPlacesThatFitAreNone) {
   RegistrationResult result = fit(0.94);
-  result.rival = 0.95;
-  const auto two = as<TwoPlaces>(usual().doubt(result, lost_far_away()));
+  result.competing_share = 0.95;
+  const auto two = as<TwoPlaces>(usual().rejection(result, lost_far_away()));
   ASSERT_TRUE(two);
-  EXPECT_EQ(two->rival, 0.95);
-  result.rival = 0.6;
-  EXPECT_FALSE(usual().doubt(result, lost_far_away()));
+  EXPECT_EQ(two->competing_share, 0.95);
+  result.competing_share = 0.6;
+  EXPECT_FALSE(usual().rejection(result, lost_far_away()));
 }
 
 TEST(UsualFit, ALostSensorMustBeHeldAlongTheGroundButNotInHeight) {
   RegistrationResult result = fit(0.94);
   result.status = RegistrationStatus::degenerate;
   result.translation[2].localizability = Localizability::none;
-  EXPECT_FALSE(usual().doubt(result, lost_far_away()));
+  EXPECT_FALSE(usual().rejection(result, lost_far_away()));
   result.translation[0].localizability = Localizability::none;
-  EXPECT_TRUE(as<NotHeldAlong>(usual().doubt(result, lost_far_away())));
+  EXPECT_TRUE(as<NotHeldAlong>(usual().rejection(result, lost_far_away())));
   // The lidar lies on its side: its x is the map's z.
   result.T_target_source.linear() =
       Eigen::AngleAxisd(1.5708, Eigen::Vector3d::UnitY()).toRotationMatrix();
   result.translation[2].localizability = Localizability::full;
-  EXPECT_FALSE(usual().doubt(result, lost_far_away()));
+  EXPECT_FALSE(usual().rejection(result, lost_far_away()));
 }
 
 TEST(PossiblePose, NothingMovesFartherThanItCan) {

@@ -11,7 +11,7 @@
 namespace adit {
 
 /// Where to look for a second pose that fits, and what counts as fitting as well; lengths in m.
-struct RivalSettings {
+struct CompetingPoseSettings {
   double reach = 2.0;     ///< on both sides, along the translation that is held least
   double spacing = 0.25;  ///< of the offsets that are scored; less than the basin of an alignment
   double least_apart = 0.25;    ///< nearer poses are the same
@@ -21,19 +21,17 @@ struct RivalSettings {
 
 /// A pose that fits as well as the result: places that repeat (pillars, doors, a smooth tunnel)
 /// have more than one, and which one the guess leads to says nothing.
-struct Rival {
+struct CompetingPose {
   RegistrationResult result;
   double apart = 0.0;  ///< m, along the direction; negative: behind
 };
 
-/// For each pair and its result the rival that fits best, if there is one: offsets along the least
-/// held direction are scored (one submission), and from the best peak on either side, else from the
-/// farthest, alignment goes on
-/// (another). Results that are not usable or not assessed have none. Errors as
-/// BatchAligner::align().
-std::vector<std::optional<Rival>> find_rivals(BatchAligner& aligner,
-                                              std::span<const AlignmentPair> pairs,
-                                              std::span<const RegistrationResult> results,
-                                              const RivalSettings& settings = {});
+/// For each pair and its result the competing pose that fits best, if there is one: offsets along
+/// the least held direction are scored (one submission), and from the best peak on either side,
+/// else from the farthest, alignment goes on (another). Results that are not usable or not assessed
+/// have none. Errors as BatchAligner::align().
+std::vector<std::optional<CompetingPose>> find_competing_poses(
+    BatchAligner& aligner, std::span<const AlignmentPair> pairs,
+    std::span<const RegistrationResult> results, const CompetingPoseSettings& settings = {});
 
 }  // namespace adit

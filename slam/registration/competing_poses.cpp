@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/registration/rivals.hpp"
+#include "adit/slam/registration/competing_poses.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -12,7 +12,7 @@ Eigen::Vector3d least_held(const RegistrationResult& result) {
   return result.translation.front().axis;
 }
 
-bool can_have_rivals(const RegistrationResult& result) {
+bool can_have_competing_poses(const RegistrationResult& result) {
   return is_usable(result.status) && least_held(result).norm() > 0.5;
 }
 
@@ -45,30 +45,29 @@ size_t most_promising(std::span<const RegistrationResult> along) {
   return best;
 }
 
-double apart(const RegistrationResult& rival, const RegistrationResult& result) {
-  return (result.T_target_source.inverse() * rival.T_target_source)
+double apart(const RegistrationResult& competing, const RegistrationResult& result) {
+  return (result.T_target_source.inverse() * competing.T_target_source)
       .translation()
       .dot(least_held(result));
 }
 
 }  // namespace
 
-std::vector<std::optional<Rival>> find_rivals(BatchAligner& aligner,
-                                              std::span<const AlignmentPair> pairs,
-                                              std::span<const RegistrationResult> results,
-                                              const RivalSettings& settings) {
+std::vector<std::optional<CompetingPose>> find_competing_poses(
+    BatchAligner& aligner, std::span<const AlignmentPair> pairs,
+    std::span<const RegistrationResult> results, const CompetingPoseSettings& settings) {
   if (pairs.size() != results.size()) {
-    throw std::logic_error("rivals are looked for with one result a pair");
+    throw std::logic_error("competing poses are looked for with one result a pair");
   }
   if (!(settings.spacing > 0.0) || settings.reach < settings.spacing) {
-    throw std::logic_error("rivals are looked for at offsets of `spacing` up to `reach`");
+    throw std::logic_error("competing poses are looked for at offsets of `spacing` up to `reach`");
   }
   // Of each result its offsets ahead, nearest first, then those behind.
   const auto count = static_cast<size_t>(settings.reach / settings.spacing);
   std::vector<AlignmentPair> offsets;
   std::vector<size_t> of;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    if (!can_have_rivals(results[i])) {
+    if (!can_have_competing_poses(results[i])) {
       continue;
     }
     for (const double sign : {1.0, -1.0}) {
@@ -88,19 +87,20 @@ std::vector<std::optional<Rival>> find_rivals(BatchAligner& aligner,
   }
   const std::vector<RegistrationResult> found = aligner.align(starts);
 
-  std::vector<std::optional<Rival>> rivals(pairs.size());
+  std::vector<std::optional<CompetingPose>> competing(pairs.size());
   for (size_t k = 0; k < found.size(); ++k) {
     const RegistrationResult& result = results[of[k]];
     const double distance = apart(found[k], result);
-    const bool rival = is_usable(found[k].status) && std::abs(distance) >= settings.least_apart &&
-                       found[k].overlap >= settings.least_overlap * result.overlap &&
-                       found[k].residual_rms <= settings.most_rms * result.residual_rms;
-    std::optional<Rival>& best = rivals[of[k]];
-    if (rival && (!best || fits_better(found[k], best->result))) {
-      best = Rival{found[k], distance};
+    const bool competes = is_usable(found[k].status) &&
+                          std::abs(distance) >= settings.least_apart &&
+                          found[k].overlap >= settings.least_overlap * result.overlap &&
+                          found[k].residual_rms <= settings.most_rms * result.residual_rms;
+    std::optional<CompetingPose>& best = competing[of[k]];
+    if (competes && (!best || fits_better(found[k], best->result))) {
+      best = CompetingPose{found[k], distance};
     }
   }
-  return rivals;
+  return competing;
 }
 
 }  // namespace adit
