@@ -24,11 +24,11 @@ struct BenchSlamOptions {
   bool quick = false;               ///< the catalogue's quick ones alone
   bool list = false;
   uint64_t seeds = 0;       ///< each sequence of the catalogue so many times; 0: as it stands there
-  uint64_t first_seed = 1;  ///< of these
+  uint64_t first_seed = 1;  ///< the first of these
   std::filesystem::path recordings{};    ///< these instead of the catalogue
-  std::filesystem::path trajectories{};  ///< of other systems: SYSTEM/SEQUENCE.tum
+  std::filesystem::path trajectories{};  ///< other systems': SYSTEM/SEQUENCE.tum
   std::vector<std::string> variants{};   ///< "NAME:section.key=value", on top of `config`
-  ConfigSource config{};                 ///< of ours
+  ConfigSource config{};                 ///< our configuration
   std::filesystem::path output = "adit-bench-slam";  ///< simulated recordings and our trajectories
   std::filesystem::path json{};                      ///< empty: not written
   std::filesystem::path html{};                      ///< empty: not written

@@ -12,14 +12,14 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "adit/shaders/include/registration_match.glsl"
 
-const uint kSupports = 7;  // of the six directions, and the matches
+const uint kSupports = 7;  // for the six directions, and the matches
 const uint kMaxSubgroups = kLocalSize / 4;
 shared float subgroup_sums[kMaxSubgroups * kSupports];
 shared bool is_last;
 
 const float kAgree = 0.94;   // cos 20 degrees, between the two normals
 const float kShare = 0.174;  // cos 80 degrees: a normal has a share in a direction
-const float kPlanar = 0.9;   // of the voxel's mean normal outer product, its largest eigenvalue
+const float kPlanar = 0.9;   // largest eigenvalue of the voxel's mean normal outer product
 // A direction is not held at all by less than this, or this part of the matches: what wrong normals
 // can make up in a smooth tunnel.
 const float kNone = 8.0;

@@ -21,7 +21,7 @@ layout(set = 0, binding = 1, scalar) writeonly buffer Voxels { uvec4 voxels[]; }
 layout(set = 0, binding = 2) uniform utextureBuffer sums_texels;
 layout(push_constant, scalar) uniform Push { VoxelMapFinishPush push; };
 
-const float kPlanar = 0.9;  // of the mean normal outer product's trace, the largest eigenvalue
+const float kPlanar = 0.9;  // times the mean normal outer product's trace: the largest eigenvalue
 
 Sym3 widened(Sym3 covariance) {
   vec4 pairs[3];

@@ -25,14 +25,14 @@ struct Consistency {
   std::size_t runs = 0;
   std::size_t sweeps = 0;   ///< with the inertial sensor
   std::size_t bridged = 0;  ///< coasting or restarted
-  Nees last;                ///< of the last pose in the map, one a run
-  Nees all;                 ///< of every pose in the map, of sweeps with the inertial sensor
-  Nees motion;              ///< of the motion over a second
+  Nees last;                ///< last pose in the map, one a run
+  Nees all;                 ///< every pose in the map, of sweeps with the inertial sensor
+  Nees motion;              ///< motion over a second
   double error = 0.0;       ///< m, of the last position, rms
   double turn = 0.0;        ///< rad, of the last attitude, rms
   double path = 0.0;        ///< m, mean
-  double nis = 0.0;         ///< of innovations, a degree of freedom
-  std::array<double, 5> correlation{};  ///< of whitened innovations 1 to 5 sweeps apart
+  double nis = 0.0;         ///< mean over innovations, a degree of freedom
+  std::array<double, 5> correlation{};  ///< whitened innovations 1 to 5 sweeps apart
   std::size_t innovations = 0;
 };
 
@@ -57,7 +57,7 @@ struct ConsistencyRow {
 struct ConsistencyReport {
   Setting setting{};
   std::vector<ConsistencyRow> rows{};
-  Consistency all{};  ///< of the runs of all cases
+  Consistency all{};  ///< the runs of all cases together
 };
 
 nlohmann::ordered_json to_json(const ConsistencyReport& report);

@@ -33,7 +33,7 @@ std::vector<std::vector<Point>> read_sweeps(const std::filesystem::path& path, s
   return sweeps;
 }
 
-// Of one sweep alone: the same points from elsewhere.
+// A second sweep made from one alone: the same points from elsewhere.
 std::vector<Point> moved(const std::vector<Point>& points, const Eigen::Isometry3d& pose) {
   std::vector<Point> result;
   for (const Point& p : points) {

@@ -20,7 +20,7 @@ class Bench {
  public:
   /// Without files the simulated street of the tests. Else a recording's first two sweeps, or the
   /// sweep of each of two files, down-sampled to `r_input` (m); their relative pose is not known.
-  /// Of one sweep alone the second is the same, moved by a known pose. Throws InputError.
+  /// With one sweep alone the second is the same, moved by a known pose. Throws InputError.
   Bench(engine::Context& context, const std::vector<std::filesystem::path>& files, double r_input);
 
   engine::Context& context() { return *context_; }

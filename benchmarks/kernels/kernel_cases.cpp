@@ -271,7 +271,7 @@ std::vector<gpu::uvec4> thinned(const std::vector<gpu::uvec4>& cloud) {
   return result;
 }
 
-// Of one linearisation. A point: two rotations, its direction, its place 50, and its part of the
+// Cost of one linearisation. A point: two rotations, its direction, its place 50, its part of the
 // sums 85. A match: mean, covariance and inverse 110, weight and sums 60. The assessment also adds
 // up the geometry, 40, and finds each match's normal, 200, and what it holds, 80.
 Cost linearization_cost(double points, double matches, double voxels, double neighbours,

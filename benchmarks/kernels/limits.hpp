@@ -14,7 +14,7 @@ namespace adit::bench {
 struct DeviceLimits {
   double copy_bytes = 0.0;    ///< read and written, each counted, bytes/s, from and to memory
   double flop = 0.0;          ///< multiply-adds of float32, 2 each, 1/s
-  double reads = 0.0;         ///< of 64 bytes at random places of 64 MiB, 1/s
+  double reads = 0.0;         ///< reads of 64 bytes at random places of 64 MiB, 1/s
   double near_reads = 0.0;    ///< the same of 1 MiB: what caches give
   double atomics = 0.0;       ///< integer additions at random places of 1 MiB, 1/s
   double dispatch_s = 0.0;    ///< a further dispatch after a barrier, with nothing to do

@@ -70,7 +70,7 @@ struct Prepared {
   AlignmentClouds clouds;
   SurfaceCloud source;
   AlignmentTarget target;
-  std::unique_ptr<AlignmentTarget> source_map;  ///< of NDT to NDT alone
+  std::unique_ptr<AlignmentTarget> source_map;  ///< for NDT to NDT alone
 
   Prepared(engine::Context& context, const PreprocessConfig& config,
            const test::AlignmentCase& scene, const Method& method)

@@ -10,7 +10,7 @@
 
 namespace adit::bench {
 
-/// Of several runs, ms: the 10th, 50th and 90th percentile.
+/// Spread of several runs, ms: the 10th, 50th and 90th percentile.
 struct Spread {
   double low = 0.0;
   double median = 0.0;

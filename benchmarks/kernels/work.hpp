@@ -18,7 +18,7 @@ namespace adit::bench {
 struct Cost {
   double bytes = 0.0;
   double flop = 0.0;     ///< additions, multiplications, divisions and roots of floats, 1 each
-  double reads = 0.0;    ///< of records of up to 64 bytes at random places
+  double reads = 0.0;    ///< records of up to 64 bytes at random places
   double atomics = 0.0;  ///< integer additions at random places
   double dispatches = 0.0;
 };
@@ -38,7 +38,7 @@ struct Work {
   std::function<void()> undo{};  ///< after each run, not timed; may be empty
   uint64_t items = 0;            ///< per run: points, pairs
   Cost cost{};
-  std::map<std::string, double> figures{};  ///< of the result: "error mm", "iterations"
+  std::map<std::string, double> figures{};  ///< the result's: "error mm", "iterations"
 };
 
 enum class CaseKind {
@@ -58,7 +58,7 @@ struct Case {
   std::string peer{};                       ///< the case that does the same work; empty: none
   int least = 0;                            ///< points; smaller sizes are left out
   int most = 1'000'000;                     ///< and larger ones
-  std::function<Work(Bench&, int)> make{};  ///< of a size
+  std::function<Work(Bench&, int)> make{};  ///< makes a size
 };
 
 }  // namespace adit::bench

@@ -45,7 +45,7 @@ struct DownsampledPoint {
   Cell cell{};
   Eigen::Vector3d centroid =
       Eigen::Vector3d::Zero();  ///< m; exact mean, not rounded to 1/65536 of a cell
-  float intensity = 0.0F;       ///< of the first raw point in the cell
+  float intensity = 0.0F;       ///< that of the first raw point in the cell
   uint32_t count = 0;
 };
 

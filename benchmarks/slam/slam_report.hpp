@@ -21,7 +21,7 @@ struct SlamLimits {
   double error_share = 0.01;    ///< ATE over the length of the truth's path
   double error_least = 0.1;     ///< m, an ATE up to this is never a failure
   double lost_share = 0.1;      ///< sweeps that were not placed
-  double covered_share = 0.95;  ///< of the truth's path, at least
+  double covered_share = 0.95;  ///< share of the truth's path, at least
 };
 
 enum class SlamVerdict { good, failed, missing };

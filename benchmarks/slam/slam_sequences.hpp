@@ -23,7 +23,7 @@ struct SlamEntry {
   double duration = 0.0;  ///< s
   double begin = 0.0;     ///< m along the scene's route
   uint64_t seed = 1;
-  bool quick = false;  ///< of the few that --quick maps
+  bool quick = false;  ///< one among the few that --quick maps
   std::vector<std::string> faults{};
 };
 
@@ -40,7 +40,7 @@ struct SlamSequence {
   std::string description{};  ///< for people: the sensor and how it was carried, or "recorded"
   std::filesystem::path recording{};
   std::filesystem::path truth{};                       ///< TUM or KITTI format
-  std::optional<std::filesystem::path> truth_times{};  ///< of a truth in KITTI format
+  std::optional<std::filesystem::path> truth_times{};  ///< stamps for a truth in KITTI format
 };
 
 /// The sequence of an entry, in `folder`. Simulates it unless what lies there is of the same entry

@@ -183,9 +183,9 @@ struct DeviceOutcome : gpu::RegistrationState, gpu::RegistrationProgress {
 struct AlignmentOptions {
   double robust_width = 1.0;
   uint32_t max_constrained = 0;
-  Matrix6d prior_information = Matrix6d::Zero();        ///< of the start pose; right perturbation
-  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< of the target's sensor, target frame
-  double score_weight = 1.0;                            ///< of NDT: -d1 d2
+  Matrix6d prior_information = Matrix6d::Zero();        ///< for the start pose; right perturbation
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< target's sensor, target frame
+  double score_weight = 1.0;                            ///< factor of NDT: -d1 d2
   double score_exponent = 0.0;                          ///< d2 / 2
 };
 

@@ -16,8 +16,8 @@ namespace adit::engine {
 struct DeskewSettings {
   double c_min = 0.0;
   double c_max = 0.0;
-  double first_time = 0.0;  ///< of the first knot
-  double last_time = 0.0;   ///< of the last knot, later than the first
+  double first_time = 0.0;  ///< time of the first knot
+  double last_time = 0.0;   ///< time of the last knot, later than the first
 };
 
 /// Slices of one sweep. `raw` and `times` may be mapped memory: they are read once.

@@ -29,7 +29,7 @@ class LimitProbes {
   void record_multiply_add(Recorder& recorder, const gpu::LimitMultiplyAddPush& push,
                            Slice results) const;
   uint32_t local_size() const { return shape_.local_size; }
-  /// Of one record_multiply_add().
+  /// Operations of one record_multiply_add().
   double flop(uint32_t rounds) const {
     return 2.0 * rounds * gpu::kChainSteps * gpu::kChains * threads();
   }

@@ -56,7 +56,7 @@ RegistrationKernels::RegistrationKernels(Context& context, const RegistrationOpt
 uint32_t RegistrationKernels::groups(uint32_t points) const {
   const uint32_t wanted = points / kPointsOfAGroup;
   const uint32_t usual = std::clamp(std::bit_ceil(std::max(wanted, 1U)), 2U, shape_.groups);
-  // Of a point, and of each voxel it looks at: the look-up's loops, the sums' and the directions'.
+  // A point, and each voxel it looks at: the look-up's loops, the sums' and the directions'.
   const uint32_t rounds = 10 + 4 * options_.neighbours;
   return std::max(usual, std::bit_ceil(least_groups(points, rounds, shape_.local_size)));
 }

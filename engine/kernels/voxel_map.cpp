@@ -51,7 +51,7 @@ void VoxelMapKernels::record(Recorder& recorder, const VoxelMapView& map, Slice 
 
 void VoxelMapKernels::record_finish(Recorder& recorder, const VoxelMapView& map,
                                     const FinishSettings& settings, Slice finished) const {
-  constexpr uint32_t kRounds = 128;  // of a slot: Jacobi rotations and the loops within
+  constexpr uint32_t kRounds = 128;  // per slot: Jacobi rotations and the loops within
   recorder.dispatch(
       finish_, std::max(shape_.groups, least_groups(map.slots(), kRounds, shape_.local_size)),
       gpu::VoxelMapFinishPush{

@@ -32,7 +32,7 @@ enum class VoxelContent {
 /// What record_finish() makes of a map.
 struct FinishSettings {
   uint32_t min_points = 1;   ///< voxels with fewer points are left out
-  double least_ratio = 0.0;  ///< of moments: eigenvalues are raised to this part of the largest
+  double least_ratio = 0.0;  ///< for moments: eigenvalues are raised to this part of the largest
   double least_sigma = 0.0;  ///< and to the square of this, m
 };
 

@@ -22,7 +22,7 @@
 namespace adit::engine {
 namespace {
 
-constexpr uint32_t kSlots = 4096;     // of the voxel map; about 150 voxels
+constexpr uint32_t kSlots = 4096;     // slots of the voxel map; about 150 voxels
 constexpr double kVoxelSize = 0.5;    // m
 constexpr float kMaxSquared = 0.25F;  // d_max^2, m^2
 constexpr RegistrationSettings kAlignment = {
@@ -51,7 +51,7 @@ class Layout {
   uint64_t bytes() const { return end_; }
 
  private:
-  Slice whole_;  // of no buffer while only the size is asked for
+  Slice whole_;  // without a buffer while only the size is asked for
   uint64_t end_ = 0;
 };
 

@@ -15,7 +15,7 @@ using Vector = std::array<double, 3>;
 
 constexpr double kCentroidTolerance = 2e-5;  // m; float32 at 5 m and 1/65536 of a cell: 4e-6
 constexpr double kNormalTolerance =
-    1.7e-3;                               // of a unit vector: 0.1 degrees; the packing takes 0.005
+    1.7e-3;                               // for unit vectors: 0.1 degrees; the packing takes 0.005
 constexpr double kMassTolerance = 1e-4;   // m; 1/65536 of a voxel and float32: 1e-5
 constexpr double kTraceTolerance = 1e-4;  // per point; entries are rounded down to 1/32768
 constexpr double kPositionTolerance = 5e-4;  // m; see check_alignment

@@ -16,7 +16,7 @@ namespace adit::engine {
 /// One point of the down-sampled cloud as it must come out.
 struct KnownPoint {
   std::array<double, 3> centroid{};  ///< m
-  double intensity = 0.0;            ///< of the first raw point in the cell
+  double intensity = 0.0;            ///< that of the first raw point in the cell
   std::array<double, 3> normal{};    ///< towards the sensor
   bool plane = false;                ///< enough neighbours for a normal; otherwise isotropic
 };

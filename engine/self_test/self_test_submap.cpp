@@ -183,7 +183,7 @@ std::vector<gpu::uvec4> floor_points() {
   return points;
 }
 
-/// Of an octahedral direction its z, and how far the other two are from 0.
+/// The z of an octahedral direction, and how far the other two are from 0.
 std::pair<double, double> direction_of(uint32_t packed) {
   const double x = (static_cast<double>((packed >> 15U) & 0x7fffU) - 16383.0) / 16383.0;
   const double y = (static_cast<double>(packed & 0x7fffU) - 16383.0) / 16383.0;

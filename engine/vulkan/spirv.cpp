@@ -32,11 +32,11 @@ struct Id {
   bool non_writable = false;
   bool texel_buffer = false;  // read through a uniform texel buffer of uint
   std::map<uint32_t, Member> members;
-  uint32_t bytes = 0;           // of a type; 0: not known before run time
-  uint32_t columns = 0;         // of a matrix
+  uint32_t bytes = 0;           // size of a type; 0: not known before run time
+  uint32_t columns = 0;         // number in a matrix
   uint32_t element = 0;         // id an array or a pointer refers to
-  uint32_t value = 0;           // of a constant; of an integer type 1: signed
-  std::vector<uint32_t> types;  // of a struct's members
+  uint32_t value = 0;           // a constant's; for an integer type 1: signed
+  std::vector<uint32_t> types;  // a struct's members
 };
 
 class Parser {

@@ -20,7 +20,7 @@ struct Submission::State {
 
   Device* device;
   std::unique_ptr<CommandSlot> slot;  // null once the work is done and its times are read
-  uint64_t value;                     // of the timeline, when the work is done
+  uint64_t value;                     // the timeline's value when the work is done
   std::vector<ScopeTime> times;
 };
 

@@ -39,7 +39,7 @@ layout(push_constant, scalar) uniform Push { RegistrationPush push; };
 struct SourcePoint {
   bool valid;
   vec3 ra;          // R a
-  vec3 direction;   // of its surface
+  vec3 direction;   // its surface's
   vec2 weights;     // P = x I + y v v^T
   Sym3 covariance;  // kNdtToNdt: R C R^T, m^2
   bool plane;

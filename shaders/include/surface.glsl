@@ -50,7 +50,7 @@ uint surface_level(vec3 p, float level_factor) {
 
 struct SurfaceCellId {
   uint key;
-  uvec3 offset;  // of the point, 1/65536 of the cell's edge
+  uvec3 offset;  // the point's, 1/65536 of the cell's edge
 };
 
 // 4 bits of level and 9 bits an axis: a cell is at least 2.5 beam spacings wide, so the point's

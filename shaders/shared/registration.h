@@ -62,7 +62,7 @@ struct RegistrationJob {
   uint wide_iterations;
   float score_weight;    // d1 d2 of the NDT score; 1 for other methods
   float score_exponent;  // d2 / 2 of the NDT score, else 0
-  vec3 viewpoint;        // of the target's sensor, target frame, m
+  vec3 viewpoint;        // position of the target's sensor, target frame, m
   uint unused0;
 };
 
@@ -73,8 +73,8 @@ struct RegistrationProgress {
   uint converged;      // 1: the last step was short enough
   uint failed;         // 1: no finite step, or fewer than 6 matches
   uint ticket;         // groups that have finished the current pass
-  float factor;        // of the last step taken
-  float most_factor;   // of the next; less than 1 where steps went to and fro
+  float factor;        // length factor of the last step taken
+  float most_factor;   // bound for the next; less than 1 where steps went to and fro
   float last_step[6];  // Gauss-Newton's, in units of 1 / sqrt(H_ii); zero: none yet
 };
 
@@ -99,8 +99,8 @@ struct RegistrationState {
   float system[48];    // sums at the pose
   vec4 directions[6];  // eigenvectors of the information on translation, then on rotation,
                        // ascending, with their eigenvalues (1/m^2, 1/rad^2)
-  vec2 support[6];   // of a direction: by matches with agreeing normals; information a match, 1/m^2
-  float share[6];    // of its information that a direction keeps: 0 none, 1 full
+  vec2 support[6];   // per direction: by matches with agreeing normals; information a match, 1/m^2
+  float share[6];    // share of its information that a direction keeps: 0 none, 1 full
   uint constrained;  // 1: the result was found with weak directions taken out
   uint unused0;
 };
@@ -108,7 +108,7 @@ struct RegistrationState {
 struct RegistrationPush {
   float epsilon;              // the plane regularisation's small eigenvalue
   float fictitious;           // information that a match claims in every direction: 1/2 for kVgicp
-  float robust_width;         // of the robust kernel
+  float robust_width;         // width of the robust kernel
   float translation_epsilon;  // m
   float rotation_epsilon;     // rad
   uint max_iterations;

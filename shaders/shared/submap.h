@@ -35,7 +35,7 @@ struct MergePush {
   mat3x4 pose;         // T_submap_lidar, rows
   float inverse_cell;  // 1 / r_submap, 1/m
   uint table_mask;     // slots - 1
-  uint begin;          // of the cloud's points in the slice
+  uint begin;          // first of the cloud's points in the slice
   uint point_count;
   uint sweep;  // its number in the submap
 };

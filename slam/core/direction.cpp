@@ -15,7 +15,7 @@ constexpr double kSmallAngle = 1e-3;  // rad
 // the vertical above all.
 constexpr double kSteep = 0.8;
 
-// Of m = n0 x n, with |m| = sin and n0 n = cos: the rotation vector is ratio(...) m.
+// With m = n0 x n, |m| = sin and n0 n = cos, the rotation vector is ratio(...) m.
 double ratio(double sine, double cosine) {
   const double angle = std::atan2(sine, cosine);
   return angle < kSmallAngle ? 1.0 + angle * angle / 6.0 : angle / sine;

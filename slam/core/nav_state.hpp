@@ -26,7 +26,7 @@ struct ImuBias {
 struct NavState {
   Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_body = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();  ///< of the body in the map, m/s
+  Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();  ///< velocity of the body in the map, m/s
   ImuBias bias;
   Eigen::Vector3d gravity_map = Eigen::Vector3d(0.0, 0.0, -kStandardGravity);  ///< m/s²
 };

@@ -145,7 +145,7 @@ class OfflineSlam final : public Slam {
   MapStore* map_;
   SessionId session_;
   std::optional<Mapper> mapper_;
-  std::vector<SweepResult> before_map_;  ///< of sweeps that came before the odometry began
+  std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::optional<HighRateStream> high_rate_;
   std::deque<ReadingTaken> taken_;  ///< not asked for yet
   FrameTree transforms_;

@@ -22,8 +22,8 @@ struct CheckContext {
 /// What came of fusing a sweep.
 struct FusedSweep {
   std::variant<StateEstimate, FailedCheck> outcome;
-  Innovation innovation{};       ///< of the alignment; 0 degrees where there was none
-  double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed
+  Innovation innovation{};       ///< the alignment's innovation; 0 degrees where there was none
+  double innovation_gate = 0.0;  ///< bound of its nis: beyond it the alignment is an outlier
 };
 
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.

@@ -80,9 +80,9 @@ class GyroWatch {
   double configured_offset_;  ///< s
   GyroMonitor monitor_;
   GyroFault suspected_ = GyroFault::none;  ///< by the last check
-  int corrections_ = 0;                    ///< of faults
+  int corrections_ = 0;                    ///< number of corrected faults
   int unexplained_ = 0;                    ///< sweeps to wait for a comparison, as a check failed
-  std::optional<PredictsWorse> trial_;     ///< of what was corrected, so far
+  std::optional<PredictsWorse> trial_;     ///< test of the last correction, so far
   std::optional<RotationComparison> comparison_;
 };
 

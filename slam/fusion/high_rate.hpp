@@ -43,7 +43,7 @@ class HighRateOdometry {
   std::optional<StateEstimate> base_;
   Preintegration since_;
   std::deque<ImuSample> readings_;          ///< from the base's stamp on, interpolated at it
-  Vector6d correction_ = Vector6d::Zero();  ///< of the pose, that has still to be spread
+  Vector6d correction_ = Vector6d::Zero();  ///< pose correction that has still to be spread
   Nanoseconds corrected_at_{0};
 };
 

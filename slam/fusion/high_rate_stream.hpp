@@ -16,7 +16,7 @@ struct LidarMotion {
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   Eigen::Vector3d v_map_lidar = Eigen::Vector3d::Zero();       ///< m/s, map axes
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s, lidar axes
-  /// Of [rho, phi, v]: the pose's part in the lidar's axes, the velocity's in the map's. The
+  /// Covariance of [rho, phi, v]: the pose's part in lidar axes, the velocity's in the map's. The
   /// reading's own white noise is not in the velocity's.
   Matrix9d covariance = Matrix9d::Zero();
 };

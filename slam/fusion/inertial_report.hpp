@@ -27,16 +27,16 @@ struct InertialReport {
   InertialState state = InertialState::absent;
   std::optional<InertialEvent> event;          ///< that came with this sweep
   std::optional<InertialHindrance> hindrance;  ///< what keeps the sensor from being started
-  std::optional<NavState> nav;                 ///< of the body, where this sweep was fused
-  /// Of nav, in the order of its tangent vectors: what the sliding graph leaves on its newest
+  std::optional<NavState> nav;                 ///< the body's state, where this sweep was fused
+  /// Covariance of nav, ordered as its tangent vectors: what the sliding graph leaves on its newest
   /// state. Finite and positive.
   StateMatrix nav_covariance = StateMatrix::Zero();
-  /// Of T_map_lidar relative to the submap, lidar axes, [rho, phi]: of nav and of the alignment,
+  /// Covariance of T_map_lidar in the submap, lidar axes, [rho, phi]: from nav and the alignment,
   /// whose errors are partly those of the sweeps before; zero where there is neither.
   Matrix6d lidar_covariance = Matrix6d::Zero();
   Eigen::Vector3d gravity_map = Eigen::Vector3d::Zero();  ///< m/s²; zero before a start
-  Innovation innovation;         ///< of the alignment; 0 degrees where there was none
-  double innovation_gate = 0.0;  ///< of its nis: what lies beyond is not believed
+  Innovation innovation;         ///< the alignment's innovation; 0 degrees where there was none
+  double innovation_gate = 0.0;  ///< bound of its nis: beyond it the alignment is an outlier
   double bridged_gap = 0.0;      ///< s, the longest time without readings that was bridged
   bool compared = false;         ///< prediction and constant velocity, against the alignment:
   bool better_turn = false;      ///< the inertial prediction's rotation was nearer

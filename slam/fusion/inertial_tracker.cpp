@@ -21,7 +21,7 @@ constexpr CovarianceModel kAlignmentModel{.kappa = 0.3,
                                           .sigma_unknown_rotation = 0.02};
 constexpr int kLosses = 5;             // without a long time of fusion in between
 constexpr int kLongFusion = 100;       // sweeps
-constexpr double kScaleError = 0.005;  // of readings: scale, axes that are not square
+constexpr double kScaleError = 0.005;  // share of readings: scale, axes that are not square
 // A gap that was bridged explains for this long what goes wrong.
 constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 // Readings stand for this long after the last one; then velocities stay as they were.
@@ -42,7 +42,7 @@ bool holds_rotation(const RegistrationResult& alignment) {
   });
 }
 
-/// Of a lidar pose, from that of the body's.
+/// Covariance of a lidar pose from that of the body's.
 Matrix6d lidar_covariance(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
   const Matrix6d to_lidar = adjoint(T_body_lidar.inverse());
   return to_lidar * covariance.topLeftCorner<6, 6>() * to_lidar.transpose();

@@ -36,7 +36,7 @@ class StartCollection {
 struct FusedBefore {
   NavState state;
   double accel_scale = 1.0;
-  bool sign_assumed = false;  ///< of the accelerometer: since then nothing has told it
+  bool sign_assumed = false;  ///< the accelerometer's sign, not confirmed by the motion since
 };
 
 /// Where fusion begins.

@@ -18,7 +18,7 @@ namespace adit {
 
 struct GraphSettings {
   ImuNoise noise;
-  /// Of gravity's direction in the map, as the map drifts: rad/√s.
+  /// Random walk of gravity's direction in the map, as the map drifts: rad/√s.
   double gravity_walk = 1e-4;
   /// Fixed lag: the oldest state is marginalised once there are more than this.
   int lag = 20;
@@ -33,7 +33,7 @@ struct GraphSettings {
 struct StateEstimate {
   NavState state;
   StateMatrix covariance = StateMatrix::Zero();
-  int iterations = 0;  ///< of the optimisation; 0 for predictions
+  int iterations = 0;  ///< optimisation's iterations; 0 for predictions
   bool converged = true;
 };
 
@@ -86,7 +86,7 @@ class SlidingGraph {
     NavState state;
     std::optional<PoseMeasurement> measurement;
     std::vector<ImuSample> readings;  ///< from the node before; empty for the first
-    Preintegration between;           ///< of them
+    Preintegration between;           ///< their preintegration
   };
 
   StateQuadratic state_quadratic(size_t i, const NavState& state) const;
@@ -103,8 +103,8 @@ class SlidingGraph {
   GraphSettings settings_;
   StatePrior prior_;  ///< on the first node
   std::deque<Node> nodes_;
-  ChainQuadratic chain_;     ///< of the nodes, where they are
-  StateQuadratic marginal_;  ///< of it, on the newest node
+  ChainQuadratic chain_;     ///< linearised at the nodes' estimates
+  StateQuadratic marginal_;  ///< its marginal on the newest node
 };
 
 }  // namespace adit

@@ -79,7 +79,7 @@ std::optional<ChainMinimum> minimum(const ChainQuadratic& chain, double damping)
     state.h.diagonal() += damping * diagonal;
     return state;
   };
-  std::vector<ScaledCholesky> factors;  // of each state, with what those before it left
+  std::vector<ScaledCholesky> factors;  // one per state, with what those before it left
   std::vector<StateVector> gradients;
   StateQuadratic state = damped(0);
   for (size_t i = 0; i < n; ++i) {

@@ -28,7 +28,7 @@ std::optional<StateQuadratic> eliminated(const StateQuadratic& state, const Link
 std::optional<StateQuadratic> marginal_of_last(const ChainQuadratic& chain);
 
 struct ChainMinimum {
-  std::vector<StateVector> steps;  ///< of every state, from where it is
+  std::vector<StateVector> steps;  ///< step of every state, from where it is
   StateQuadratic last;             ///< the marginal on the last state
 };
 

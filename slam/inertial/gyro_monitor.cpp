@@ -20,10 +20,10 @@ constexpr int kBetweenChecks = 20;
 constexpr double kLongestTurn = 0.35;  // s; over longer ones the rotation vector is no integral
 constexpr double kMostOffset = 0.3;    // s
 constexpr double kSameSpan = 0.01;     // s: sweeps whose durations differ by more tell no turn
-constexpr Nanoseconds kKept = std::chrono::seconds(1);  // of samples before the first turn
+constexpr Nanoseconds kKept = std::chrono::seconds(1);  // samples before the first turn
 // Less turning than this, root mean square, tells nothing. rad a turn
 constexpr double kLively = 0.008;
-constexpr double kStill = 0.02;                 // of the sweeps' turning: a constant gyroscope
+constexpr double kStill = 0.02;                 // share of the sweeps' turns: a constant gyroscope
 constexpr double kOtherUnit = 2.0;              // times as much, or as little
 constexpr double kHarmlessMisalignment = 0.09;  // rad
 constexpr double kClockSigmas = 4.0;

@@ -39,7 +39,7 @@ struct GyroExpectation {
 /// The sensor held against the sweeps over the last while.
 struct GyroCheck {
   GyroFault fault = GyroFault::none;
-  std::size_t turns = 0;  ///< of the sweeps, from each to the next, that were compared
+  std::size_t turns = 0;  ///< number of compared turns of the sweeps, from each to the next
   double factor = 0.0;    ///< how much the gyroscope's turns vary, over how much the sweeps' do
   double configured_offset = 0.0;                  ///< s, as GyroExpectation::configured
   std::optional<RotationComparison> comparison{};  ///< none where the motion does not tell it

@@ -20,7 +20,7 @@ constexpr double kPositionSigma = 0.02;        // m, of each pose
 constexpr double kRotationSigma = 0.005;       // rad, of each pose
 constexpr double kAccelBiasSigma = 0.1;        // m/s², before anything is seen of it
 constexpr double kGravityTolerance = 1.0;      // m/s², of its free length
-constexpr double kLeastScale = 0.7;            // of gravity: less is no error of scale
+constexpr double kLeastScale = 0.7;            // share of gravity: less is no error of scale
 constexpr double kLargestGravitySigma = 0.05;  // rad
 
 /// Poses with what was integrated between them.
@@ -82,7 +82,7 @@ class LeastSquares {
   }
   Vector solution() const { return h_.ldlt().solve(g_); }
   Matrix covariance() const { return h_.ldlt().solve(Matrix::Identity(h_.rows(), h_.cols())); }
-  /// Of the weighted residuals at `x`, a row.
+  /// Mean square of the weighted residuals at `x`, a row.
   double mean_square(const Vector& x) const {
     return (constant_ - 2.0 * g_.dot(x) + x.dot(h_ * x)) / rows_;
   }
@@ -98,7 +98,7 @@ struct Solution {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< at the last pose
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
-  Matrix covariance;  ///< of [gravity parameters, velocity, accelerometer bias]
+  Matrix covariance;  ///< ordered [gravity parameters, velocity, accelerometer bias]
   double mean_square = 0.0;
 };
 
@@ -184,7 +184,7 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   Solution best;
   double free_norm = 0.0;
   double usual_fit = 0.0;
-  double refused_norm = 0.0;  // of the usual sign, in m/s²
+  double refused_norm = 0.0;  // with the usual sign, in m/s²
   for (const double hypothesis : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
     const Links links{T_map_body, integrated(readings, hypothesis, gyro.value, noise)};
     const Solution unknown_length = solve(links, Eigen::Vector3d::Zero(), free);

@@ -20,7 +20,7 @@ constexpr int kPosition = 0;
 constexpr int kRotation = 3;
 constexpr int kVelocity = 6;
 
-/// Of the means of rate and acceleration between two readings that are far apart.
+/// Variance of the mean rate and acceleration between two readings that are far apart.
 Vector6d gap_variance(const ImuSample& from, const ImuSample& to) {
   const double rate = 0.5 * (to.angular_velocity - from.angular_velocity).norm();
   const double force = 0.5 * (to.linear_acceleration - from.linear_acceleration).norm();

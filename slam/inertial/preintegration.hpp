@@ -25,7 +25,7 @@ struct Preintegration {
   double duration = 0.0;  ///< s
   MotionIncrement increment;
   ImuBias bias;  ///< subtracted from each reading
-  /// Of [position, rotation, velocity]: m², rad², (m/s)²; right perturbation of the rotation.
+  /// Ordered [position, rotation, velocity]: m², rad², (m/s)²; right perturbation of the rotation.
   Matrix9d covariance = Matrix9d::Zero();
   double scale = 0.0;  ///< ImuNoise::scale, which the covariance leaves out: whole_covariance()
   Eigen::Matrix3d rotation_by_gyro = Eigen::Matrix3d::Zero();   ///< d rotation / d b_g, s

@@ -17,7 +17,7 @@ constexpr double kLeast = 1e-9;
 // harms nobody: a rate, and a share of gravity.
 constexpr double kBeyondUsual = 6.0;
 constexpr double kHarmlessTurn = 0.3;   // rad/s
-constexpr double kHarmlessForce = 0.3;  // of the usual force
+constexpr double kHarmlessForce = 0.3;  // share of the usual force
 
 constexpr std::size_t kMostWaiting = 4;  // none came back: it is the motion that has changed
 constexpr int kFirst = 20;               // readings until it is known what is usual

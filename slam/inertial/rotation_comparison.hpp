@@ -32,7 +32,7 @@ struct RotationComparison {
   /// s. The same motion has later times at the gyroscope by this much (earlier if negative).
   double offset = 0.0;
   double offset_sigma = 0.0;  ///< s, standard deviation from the residuals
-  double correlation = 0.0;   ///< of the two at this offset, 0 to 1
+  double correlation = 0.0;   ///< correlation of the two at this offset, 0 to 1
   /// The gyroscope's turns over the range sensor's: 1 is right; standard deviation from the
   /// residuals.
   double scale = 1.0;

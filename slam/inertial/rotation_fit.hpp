@@ -28,8 +28,8 @@ struct GyroscopeFrame {
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< rad/s, in the range sensor's axes
 };
 
-/// Of [offset, mounting, bias]; the mounting is perturbed on the left, R <- Exp(phi) R, in the
-/// range sensor's axes.
+/// Derivative by [offset, mounting, bias]; the mounting is perturbed on the left, R <- Exp(phi) R,
+/// in the range sensor's axes.
 using TurnJacobian = Eigen::Matrix<double, 3, 7>;
 
 struct TurnLinearization {

@@ -11,7 +11,7 @@ namespace {
 constexpr int kRepeats = 3;
 constexpr double kLeastRate = 1.0;      // rad/s: no range ends below
 constexpr double kLeastOfUsual = 1.15;  // times gravity: nor below that, nor rests there
-constexpr double kForgetting = 0.002;   // of the usual acceleration, a reading
+constexpr double kForgetting = 0.002;   // share of the usual acceleration, a reading
 
 }  // namespace
 

@@ -54,7 +54,7 @@ class SaturationWatch {
 
   Triad gyroscope_;
   Triad accelerometer_;
-  std::array<Nanoseconds, 3> stamps_ = {};  ///< of the last three readings
+  std::array<Nanoseconds, 3> stamps_ = {};  ///< times of the last three readings
   double usual_ = 0.0;  ///< length of accelerations, in the sensor's unit: about gravity
 };
 

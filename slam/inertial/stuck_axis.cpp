@@ -11,7 +11,7 @@ constexpr double kShortest = 0.5;  // s
 constexpr int kFewest = 50;        // readings
 constexpr int kAlive = 10;         // changes of an axis that works
 constexpr double kTurning = 0.1;   // rad/s
-constexpr double kMoving = 0.5;    // of the accelerometer's unit
+constexpr double kMoving = 0.5;    // in the accelerometer's unit
 
 }  // namespace
 

@@ -35,7 +35,7 @@ class StuckAxisWatch {
     Nanoseconds since{0};
     int readings = 0;
     int changes = 0;
-    Eigen::Vector3d least = Eigen::Vector3d::Zero();  ///< of the sensor's axes since then
+    Eigen::Vector3d least = Eigen::Vector3d::Zero();  ///< minimum of the sensor's axes since then
     Eigen::Vector3d greatest = Eigen::Vector3d::Zero();
   };
   using Triad = std::array<Axis, 3>;

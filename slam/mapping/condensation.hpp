@@ -20,7 +20,7 @@ struct Chain {
 
 struct CondensedGraph {
   PoseGraph graph;            ///< the nodes that are not inside a chain; chains as edges
-  std::vector<Chain> chains;  ///< of at least three nodes
+  std::vector<Chain> chains;  ///< each with at least three nodes
 };
 
 /// Inside a chain are nodes that may move, have two active edges, both of odometry, and whose edges

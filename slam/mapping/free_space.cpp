@@ -20,7 +20,7 @@ constexpr double kNearest = 1.0;                     // m: what carries the sens
 constexpr double kMargin = 0.5;
 constexpr double kMarginShare = 0.05;
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr int kLeastPixels = 5;  // of nine with something in them
+constexpr int kLeastPixels = 5;  // out of nine, with something in them
 
 struct Pixel {
   int row = 0;

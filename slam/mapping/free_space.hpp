@@ -22,7 +22,7 @@ class RangeImage {
     as_seen,      ///< about as far as the submap's own points, or behind them
     seen_through  ///< the submap sees farther, past the point
   };
-  /// Of a point in the submap's frame.
+  /// What the submap sees at a point in its frame.
   Sight at(const Eigen::Vector3d& point) const;
 
  private:

@@ -110,7 +110,7 @@ class EdgeResidual {
   ResidualConvention convention_;
 };
 
-/// Of the active edges, with the nodes at these poses.
+/// Residuals of the active edges, with the nodes at these poses.
 std::vector<std::optional<EdgeResult>> edge_results(const PoseGraph& graph,
                                                     std::span<const Eigen::Isometry3d> poses,
                                                     const OptimizationSettings& settings);

@@ -17,7 +17,7 @@ constexpr double kThickness = 0.15;       // m, of the plane, to either side
 constexpr double kReach = 30.0;           // m; farther ground may lie at another slope
 constexpr std::size_t kCandidates = 100;  // planes that are tried
 constexpr std::size_t kLeastPoints = 100;
-constexpr double kLeastShare = 0.05;  // of the points within reach
+constexpr double kLeastShare = 0.05;  // share of the points within reach
 constexpr double kLeastWidth = 1.0;   // m, root mean square along the narrower direction
 constexpr int kRefinements = 3;
 

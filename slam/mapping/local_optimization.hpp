@@ -18,8 +18,8 @@ PoseGraph neighbourhood(const PoseGraph& graph, std::span<const NodeId> nodes);
 
 struct LocalOptimization {
   std::vector<NodeId> nodes;             ///< those that were free
-  std::vector<Eigen::Isometry3d> poses;  ///< of them
-  OptimizationReport report;             ///< of the neighbourhood
+  std::vector<Eigen::Isometry3d> poses;  ///< their poses
+  OptimizationReport report;             ///< the neighbourhood's optimisation
 };
 
 /// Optimises the newest `window` + 1 nodes with their neighbours fixed. Nothing to do where no edge
@@ -29,7 +29,7 @@ LocalOptimization optimize_newest(const PoseGraph& graph, std::size_t window,
 
 /// What an optimisation of a snapshot changes in the graph that has grown since.
 struct GraphCorrection {
-  std::vector<NodeId> nodes;             ///< of the snapshot, in order
+  std::vector<NodeId> nodes;             ///< the snapshot's nodes, in order
   std::vector<Eigen::Isometry3d> poses;  ///< theirs now
   /// Moves what came after the snapshot's last node, in the map frame, so that it keeps its place
   /// relative to that node. What else is in the odometry's frame moves with it.

@@ -13,7 +13,7 @@
 namespace adit {
 namespace {
 
-// Of the simulated office's odometry, over 20 to 40 edges (docs/theory/loops.md).
+// Measured on the simulated office's odometry, over 20 to 40 edges (docs/theory/loops.md).
 constexpr double kLumps = 4.0;
 constexpr NodeId kQueue = 5;        // keyframes
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least

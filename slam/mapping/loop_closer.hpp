@@ -21,7 +21,7 @@ struct LoopReport {
   std::array<std::size_t, kLoopReasons> refused{};  ///< by LoopReason; those taken back, too
   std::size_t optimizations = 0;
   double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
-  std::vector<float> search_ms;     ///< of each keyframe: host time with its waits for the device
+  std::vector<float> search_ms;     ///< host time per keyframe, with its waits for the device
 };
 
 /// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong

@@ -12,14 +12,14 @@ namespace adit {
 enum class LoopReason {
   none,
   not_aligned,         ///< the alignment of the submaps failed
-  too_little_overlap,  ///< of the submaps; figure: share of the points with a match
+  too_little_overlap,  ///< figure: share of the points with a match
   poor_fit,            ///< figure: rms distance of the matches, m
   degenerate,          ///< no match holds some direction; figure: information in it, 1/m^2
   beyond_gate,         ///< far from where the graph has it; figure: chi squared
   ambiguous,           ///< another pose fits as well; figure: m between the two
   seen_through,        ///< one sees through what the other sees; figure: share of the points
   against_odometry,    ///< figure: chi squared
-  against_loops,       ///< of those accepted before; figure: the worst chi squared
+  against_loops,       ///< contradicts accepted loops; figure: the worst chi squared
   few_votes,           ///< figure: later keyframes that agree
   review,              ///< did not fit any more after an optimisation; figure: chi squared
   by_hand,             ///< somebody has revoked it

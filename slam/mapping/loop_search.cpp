@@ -43,7 +43,7 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
     }
     const double dead_zone = std::max(
         settings.least_dead_zone, settings.dead_zone_share * std::min(reaches[i], reaches[self]));
-    // Of the position in the newest one's axes.
+    // Covariance of the position in the newest one's axes.
     const Eigen::Matrix3d& R = T_newest_node.linear();
     const Eigen::Matrix3d spread =
         R * known[i]->covariance.topLeftCorner<3, 3>() * R.transpose() +

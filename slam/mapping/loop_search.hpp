@@ -16,7 +16,7 @@ struct LoopSearchSettings {
   double gate = 7.815;           ///< chi squared of 3 directions: 95 % of true revisits are within
   double sigma_floor = 0.5;      ///< m, added to what the graph says of positions
   double least_dead_zone = 2.0;  ///< m: places so near each other see the same
-  double dead_zone_share = 0.3;  ///< of the lesser reach of both submaps, where that is more
+  double dead_zone_share = 0.3;  ///< share of the lesser reach of both submaps, where that is more
   double lumps = 1.0;            ///< see relative_places()
   double max_distance = 50.0;    ///< m
   double min_path = 10.0;        ///< m, along the edges between the two
@@ -27,7 +27,7 @@ struct LoopSearchSettings {
 struct LoopPlace {
   NodeId node = 0;
   Eigen::Isometry3d T_node_newest = Eigen::Isometry3d::Identity();  ///< as the graph has it
-  Matrix6d covariance = Matrix6d::Zero();  ///< of it, right perturbation, the newest one's axes
+  Matrix6d covariance = Matrix6d::Zero();  ///< its own, right perturbation, the newest one's axes
   double distance = 0.0;                   ///< m
   double mahalanobis = 0.0;                ///< squared, of the distance beyond the dead zone
   double path = 0.0;                       ///< m, along edges

@@ -25,19 +25,19 @@ struct LoopVerificationSettings {
 struct LoopQuestion {
   const KeyframeSubmap* from = nullptr;  ///< the earlier submap, from the store
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();  ///< as the graph has it
-  Matrix6d covariance = Matrix6d::Identity();                   ///< of that, right perturbation
+  Matrix6d covariance = Matrix6d::Identity();                   ///< its own, right perturbation
 };
 
 struct LoopVerification {
-  LoopReason reason = LoopReason::none;  ///< none: it is borne out
-  double figure = 0.0;                   ///< of the reason
+  LoopReason reason = LoopReason::none;  ///< none: it is validated
+  double figure = 0.0;                   ///< the reason's figure
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Identity();
   double overlap = 0.0;
   double rms = 0.0;         ///< m
   double correction = 0.0;  ///< m, of the graph's pose
   double turn = 0.0;        ///< rad
-  double chi2 = 0.0;        ///< of the correction against both covariances
+  double chi2 = 0.0;        ///< chi squared of the correction, both covariances
   double through = 0.0;     ///< share of points seen through, the larger of both
   bool strong = false;      ///< much overlap, every direction fully held
 };
@@ -48,7 +48,7 @@ class LoopVerifier {
   LoopVerifier(engine::Context& context, const Config& config,
                const LoopVerificationSettings& settings = {});
 
-  /// Of each question, in their order. `cloud` is `to` on the device; `expected_rms` (m) that of
+  /// A result per question, in order. `cloud` is `to` on the device; `expected_rms` (m) that of
   /// alignments of consecutive submaps. Throws engine::OutOfMemory.
   std::vector<LoopVerification> verify(const KeyframeSubmap& to, const SurfaceCloud& cloud,
                                        std::span<const LoopQuestion> questions,

@@ -87,7 +87,7 @@ bool better(const Bundle& a, const Bundle& b) {
   return std::tuple(b.members.size(), a.cost) < std::tuple(a.members.size(), b.cost);
 }
 
-/// Of all loops against all.
+/// Disagreement of all loops with all.
 using Table = std::vector<std::vector<double>>;
 
 // The seed's best partner of each other keyframe, best first, as far as they agree with all before.
@@ -154,7 +154,7 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
                            std::span<const LoopHypothesis> accepted, bool last_chance,
                            const LoopVotingSettings& settings) {
   Ways ways(graph);                      // short ones, between neighbours
-  Ways far_ways(graph, settings.lumps);  // of whole rounds
+  Ways far_ways(graph, settings.lumps);  // long ones, whole rounds
   std::vector<LoopVote> votes(hypotheses.size());
   std::vector<bool> open(hypotheses.size(), true);
   for (std::size_t k = 0; k < hypotheses.size(); ++k) {

@@ -21,7 +21,7 @@ struct LoopHypothesis {
   NodeId from = 0;  ///< the earlier keyframe
   NodeId to = 0;    ///< the later one
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Identity();  ///< of it, right perturbation
+  Matrix6d covariance = Matrix6d::Identity();  ///< its covariance, right perturbation
   bool strong = false;  ///< may be believed without others: all directions held, much in common
 };
 
@@ -51,7 +51,7 @@ struct LoopVote {
   bool accepted = false;
 };
 
-/// Of each hypothesis, in their order. Those of one bundle are accepted together: at least
+/// A vote per hypothesis, in order. Those of one bundle are accepted together: at least
 /// `least_voters`, one for each later keyframe, each agreeing with each. `graph` has not seen them;
 /// `accepted` are its loops. `last_chance`: the oldest later keyframe is about to leave the queue,
 /// and a strong loop of it may come alone, where nothing contradicts it.

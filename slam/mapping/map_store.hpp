@@ -35,7 +35,7 @@ struct MapKeyframe {
   Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_keyframe = Eigen::Isometry3d::Identity();
   bool fixed = false;
-  Matrix6d covariance = Matrix6d::Zero();  ///< of the pose, [rho, phi]: m^2, rad^2
+  Matrix6d covariance = Matrix6d::Zero();  ///< the pose's, [rho, phi]: m^2, rad^2
 };
 
 /// What a keyframe has seen, in its own frame.
@@ -60,7 +60,7 @@ struct LoopCandidate {
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
   double score = 0.0;    ///< squared Mahalanobis distance that it was found at
   double overlap = 0.0;  ///< share of the later submap's points with a match
-  double chi2 = 0.0;     ///< of the correction; of one that was accepted, of its edge since then
+  double chi2 = 0.0;     ///< correction's; after acceptance that of its edge
   CandidateVerdict verdict = CandidateVerdict::waiting;
   std::string reason;       ///< the name of a LoopReason
   double rms = 0.0;         ///< m, of the matches

@@ -31,9 +31,9 @@ struct MapReport {
   std::size_t edges = 0;
   std::size_t aligned_edges = 0;    ///< the submaps could be aligned; the others are odometry alone
   std::size_t components = 0;       ///< parts of the map that nothing ties together
-  uint64_t points = 0;              ///< of all submaps
+  uint64_t points = 0;              ///< total over all submaps
   uint64_t lost_points = 0;         ///< lay too far from their keyframe for its cells
-  std::vector<float> keyframe_ms;   ///< of each keyframe: host time with its waits for the device
+  std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
   std::optional<LoopReport> loops;  ///< none: not looked for
 };
 
@@ -61,7 +61,7 @@ class Mapper {
   /// The keyframe whose submap grows.
   struct Open {
     NodeId id = 0;
-    UncertainPose lidar;    ///< of its first sweep, in the odometry's frame
+    UncertainPose lidar;    ///< pose of its first sweep, in the odometry's frame
     bool detached = false;  ///< the odometry started anew with it
   };
   /// One that is stored.
@@ -75,7 +75,7 @@ class Mapper {
   struct Due {
     NodeId at = 0;  ///< the keyframe with which it takes effect
     PoseEdge edge;
-    std::vector<PendingLoop> loops{};  ///< of the keyframe that the edge leads to
+    std::vector<PendingLoop> loops{};  ///< loops of the keyframe that the edge leads to
   };
 
   void freeze();

@@ -34,7 +34,7 @@ struct PoseEdge {
   NodeId from = 0;
   NodeId to = 0;
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
-  /// Of the residual, ordered [translation, rotation] (1/m^2, 1/rad^2): symmetric, without negative
+  /// The residual's, ordered [translation, rotation] (1/m^2, 1/rad^2): symmetric, without negative
   /// eigenvalues. Directions that the edge says nothing about have none.
   Matrix6d information = Matrix6d::Identity();
   EdgeKind kind = EdgeKind::odometry;
@@ -83,7 +83,7 @@ class PoseGraph {
   bool planar_;
   std::vector<PoseNode> nodes_;
   std::vector<PoseEdge> edges_;
-  std::vector<std::vector<std::size_t>> edges_of_;  ///< of each node
+  std::vector<std::vector<std::size_t>> edges_of_;  ///< indices of each node's edges
 };
 
 /// Nodes that active edges tie to each other.

@@ -14,7 +14,7 @@ namespace adit {
 
 /// A node as it is seen from the one that was asked for.
 struct RelativePlace {
-  /// Of the pose of the node in that one's frame: right perturbation [rho, phi], the node's axes.
+  /// Covariance of its pose in that one's frame: right perturbation [rho, phi], its own axes.
   Matrix6d covariance = Matrix6d::Zero();
   double path = 0.0;  ///< m, along the edges of the path
 };

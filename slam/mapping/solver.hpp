@@ -40,7 +40,7 @@ struct OptimizationSettings {
 enum class Termination {
   converged,
   nothing_to_do,    ///< no active edge touches a node that may move
-  iteration_limit,  ///< of max_iterations
+  iteration_limit,  ///< max_iterations are reached
   stopped,          ///< by on_step
   failed,           ///< numerically; OptimizationReport::message says how
 };
@@ -60,7 +60,7 @@ struct OptimizationReport {
   int iterations = 0;
   bool restarted = false;  ///< with the cautious radius
   double seconds = 0.0;
-  /// Of each edge in the graph's order; nothing for those that are not active.
+  /// One per edge, in the graph's order; nothing for those that are not active.
   std::vector<std::optional<EdgeResult>> edges;
   GraphComponents components;
   std::vector<NodeId>

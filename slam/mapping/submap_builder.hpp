@@ -20,7 +20,7 @@ struct PlacedCloud {
   Eigen::Isometry3d T_odom_lidar = Eigen::Isometry3d::Identity();
   /// Down-sampled, lidar axes, m. A sweep without one belongs to the submap all the same.
   std::span<const Point> cloud;
-  /// Of gravity, in the odometry's frame (m/s^2); zero: not known.
+  /// Gravity in the odometry's frame (m/s^2); zero: not known.
   Eigen::Vector3d gravity_odom = Eigen::Vector3d::Zero();
 };
 
@@ -80,9 +80,9 @@ class SubmapBuilder {
   gpu::MergeCounters counted_{};
   bool cleared_ = false;  ///< the table, for the current submap
 
-  Eigen::Isometry3d T_odom_first_ = Eigen::Isometry3d::Identity();  ///< of the first sweep's lidar
+  Eigen::Isometry3d T_odom_first_ = Eigen::Isometry3d::Identity();  ///< the first sweep's lidar
   std::vector<SubmapSweep> sweeps_;  ///< with their poses in that lidar's axes
-  std::vector<Point> points_;        ///< of clouds that are not on the device yet
+  std::vector<Point> points_;        ///< points of clouds that are not on the device yet
   std::vector<Pending> pending_;
   Eigen::Vector3d gravity_odom_ = Eigen::Vector3d::Zero();  ///< the latest that is known
 };

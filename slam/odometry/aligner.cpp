@@ -36,7 +36,7 @@ constexpr uint64_t progress_bytes(uint32_t count) {
 constexpr uint64_t state_bytes(uint32_t count) {
   return count * sizeof(gpu::RegistrationState);
 }
-// Of the alignment from the prediction; that of the search follows.
+// Progress of the alignment from the prediction; that of the search follows.
 constexpr uint64_t kProgressStride = engine::align_slice(progress_bytes(1));
 constexpr uint64_t kProgressBytes = kProgressStride + progress_bytes(kMostStarts);
 constexpr uint64_t kStateStride = engine::align_slice(state_bytes(1));

@@ -47,12 +47,12 @@ class Aligner {
   RegistrationConfig config_;
   engine::RegistrationKernels kernels_;
   engine::Buffer upload_;    ///< jobs of all levels, starts, initial states
-  engine::Buffer jobs_;      ///< of all levels, with the number of points that the device knows
-  engine::Buffer progress_;  ///< of the alignment from the prediction, then of the search's
+  engine::Buffer jobs_;      ///< all levels, with the number of points that the device knows
+  engine::Buffer progress_;  ///< alignment from the prediction, then the search
   engine::Buffer states_;    ///< the same
   engine::Buffer scratch_;
   engine::Buffer readback_;  ///< states, progress, then the voxel map's counters
-  uint32_t groups_ = 0;      ///< of the last alignment recorded
+  uint32_t groups_ = 0;      ///< number in the last alignment recorded
   uint32_t starts_ = 0;      ///< that its search had; 0: there was none
 };
 

@@ -40,7 +40,7 @@ struct StageTime {
 struct SweepResult {
   Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
-  PoseUncertainty uncertainty;  ///< of that pose
+  PoseUncertainty uncertainty;  ///< covariances of that pose
   OdometryState state = OdometryState::initializing;
   RegistrationResult
       registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
@@ -52,7 +52,7 @@ struct SweepResult {
   int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
-  InertialReport inertial;        ///< of the inertial sensor, where there is one
+  InertialReport inertial;        ///< state of the inertial sensor, where there is one
   bool deskewed = false;          ///< points were moved to the sweep's start
   std::vector<Point> cloud;       ///< keyframes only: the down-sampled sweep, lidar frame
   std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)

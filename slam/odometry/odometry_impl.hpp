@@ -74,7 +74,7 @@ struct Odometry::Impl {
   Config config;
   FrontEnd front_end;
   Submap submap;
-  engine::Slice surface_cloud;  ///< of this sweep, in the submap's memory
+  engine::Slice surface_cloud;  ///< this sweep's, in the submap's memory
   Aligner aligner;
   MotionModel motion;
   InertialTracker inertial;

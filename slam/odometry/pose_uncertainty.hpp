@@ -12,7 +12,7 @@ namespace adit {
 /// T_map_lidar, lidar axes, m and rad (docs/theory/inertial.md, section 9).
 struct PoseUncertainty {
   Matrix6d local = Matrix6d::Zero();  ///< relative to the submap
-  Matrix6d drift = Matrix6d::Zero();  ///< of the submap since the first sweep, at this lidar
+  Matrix6d drift = Matrix6d::Zero();  ///< the submap's since the first sweep, at this lidar
 
   Matrix6d in_map() const { return local + drift; }
 };
@@ -23,7 +23,7 @@ struct UncertainPose {
   PoseUncertainty uncertainty;
 };
 
-/// Of the motion T_from_to between two poses of one odometry, `to` the later one: right
+/// Covariance of the motion T_from_to between two poses of one odometry, `to` the later one: right
 /// perturbation, in the axes of the later lidar. What had drifted before is common to both.
 Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to);
 
@@ -32,7 +32,7 @@ Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to);
 /// makes a random walk.
 class DriftModel {
  public:
-  /// Of a submap of that many clouds.
+  /// A model for a submap of that many clouds.
   explicit DriftModel(int clouds) : clouds_(clouds) {}
 
   /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap.

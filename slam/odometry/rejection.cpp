@@ -9,15 +9,15 @@ namespace adit {
 namespace {
 
 constexpr int kUsual = 10;              // alignments make a habit, and as many are remembered
-constexpr double kLeastShare = 0.7;     // of the usual overlap
-constexpr double kSearchBelow = 0.8;    // of the usual overlap
+constexpr double kLeastShare = 0.7;     // times the usual overlap
+constexpr double kSearchBelow = 0.8;    // times the usual overlap
 constexpr int kFewForSearch = 3;        // alignments are enough to compare with before a search
 constexpr double kMostRms = 1.4;        // times the usual residual
-constexpr double kMostCompeting = 0.9;  // of the matched points
-constexpr double kLevel = 0.7;          // of a direction's z: less is along the ground
+constexpr double kMostCompeting = 0.9;  // share of the matched points
+constexpr double kLevel = 0.7;          // z of a direction: less is along the ground
 constexpr double kNearDistance = 1.0;   // m from the prediction
 constexpr double kNearTurn = 0.3;       // rad
-constexpr double kNearSigmas = 2.0;     // of a trusted prediction
+constexpr double kNearSigmas = 2.0;     // standard deviations of a trusted prediction
 
 /// How well the place along the ground is held. (Height is another matter: floors that a sensor
 /// does not see are common, and nobody jumps.)

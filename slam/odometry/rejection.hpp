@@ -26,7 +26,7 @@ struct NotHeldAlong {};
 /// A search found a place where fewer points match the submap than is usual.
 struct OverlapFallsShort {
   double overlap = 0.0;  ///< share of the sweep's points, 0 to 1
-  double usual = 0.0;    ///< of the sweeps before
+  double usual = 0.0;    ///< mean over the sweeps before
 };
 
 /// A search found a place where points lie farther from the submap's surfaces than is usual.

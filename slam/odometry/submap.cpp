@@ -23,7 +23,7 @@ constexpr double kFullestLoad = 0.5;
 constexpr double kLongestReach = 100.0;  // m
 // Voxel keys hold 511 voxels in z, the shortest axis (shaders/include/hash.glsl).
 constexpr double kKeyRange = 511.0;
-// Of that range the sensor may move from the submap's frame, even if points at c_max are beyond it.
+// Share of it that the sensor may move from the submap's frame, even if points at c_max exceed it.
 constexpr double kLeastShare = 0.25;
 // More points than this may overflow a voxel's sums (shaders/shared/gaussian_cell.h).
 constexpr uint32_t kFullestVoxel = 65535;

@@ -80,12 +80,12 @@ class Submap {
   double reach_;  ///< m; a sensor farther than this from the submap's frame is reason to rebuild
 
   std::deque<Cloud> clouds_;            ///< oldest first
-  std::vector<engine::Buffer> spare_;   ///< of clouds that left
+  std::vector<engine::Buffer> spare_;   ///< memory of clouds that left
   std::optional<engine::Buffer> next_;  ///< handed out by next_cloud()
   bool pending_ = false;                ///< the last of clouds_ is not in the voxel map yet
   bool rebuild_ = true;
 
-  std::optional<engine::Buffer> table_;  ///< of view_; made at the first rebuild
+  std::optional<engine::Buffer> table_;  ///< memory of view_; made at the first rebuild
   std::optional<engine::Buffer> coarse_table_;
   engine::Buffer counters_;
   engine::Buffer coarse_counters_;

@@ -57,7 +57,7 @@ struct Verdict {
 class RunAssessor {
  public:
   void add(const SweepResult& result);
-  /// Of all sweeps so far.
+  /// The verdict on all sweeps so far.
   Verdict verdict() const;
 
  private:

@@ -31,7 +31,7 @@ struct SurfaceCloud {
   engine::Buffer points;  ///< uvec4 each: bits of x, y, z, packed surface
   uint32_t size = 0;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();     ///< m, in the cloud's own frame
-  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< of the sensor, m, in the cloud's frame
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< sensor's position, m, cloud's frame
 };
 
 /// What clouds are aligned with: one voxel map a level, coarse to fine, of a cloud.
@@ -43,7 +43,7 @@ struct AlignmentTarget {
   };
   RegistrationMethod method = RegistrationMethod::vgicp;
   std::vector<Level> levels;
-  uint32_t voxels = 0;  ///< of the finest level
+  uint32_t voxels = 0;  ///< occupied ones of the finest level
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();
 };

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of a device that nothing is known of yet, a pass over one point of a source: slower than any.
+// A pass over one source point on a device that is not yet measured: slower than any.
 constexpr double kSlowest = 5e-4;  // ms
 // A chunk is small enough for so many passes in one piece, where it can be.
 constexpr double kPassesOfAPiece = 4.0;
@@ -116,11 +116,11 @@ struct BatchAlignment::State {
   std::vector<AlignmentPair> pairs;
   std::vector<RegistrationResult> results;
   std::vector<size_t> waiting;  // pairs that can be aligned
-  size_t next = 0;              // of them
+  size_t next = 0;              // index of the next of them
   std::vector<size_t> taken;    // by the chunk
   std::unique_ptr<BatchChunk> chunk{};
   uint32_t alive = 0;              // pairs of the chunk that want the next pass
-  double ms_per_point = kSlowest;  // of a pass
+  double ms_per_point = kSlowest;  // time of a pass
   double points = 0.0;             // times passes, of the piece under way
   Clock::time_point submitted{};
   std::optional<engine::Submission> under_way{};  // destroyed first

@@ -28,7 +28,7 @@ struct AlignmentSettings {
   double d_max = 0.5;            ///< at the finest level; voxel size where that is larger
   double d_max_wide = 0.0;       ///< instead, in the first wide_iterations; less than d_max: unused
   int wide_iterations = 0;
-  int max_iterations = 30;            ///< of each level
+  int max_iterations = 30;            ///< limit for each level
   double translation_epsilon = 1e-4;  ///< converged when a step is shorter, and turns less than
   double rotation_epsilon = 1e-5;
   bool resolve_weak = true;  ///< where directions are weak, solve again with the prior
@@ -42,7 +42,7 @@ struct AlignmentPair {
   const AlignmentTarget* source_map = nullptr;  ///< its Gaussians, for ndt_to_ndt alone
   const AlignmentTarget* target = nullptr;
   Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();  ///< initial guess
-  /// Of a prior whose mean is the guess, right perturbation. Decides in weak directions.
+  /// Prior whose mean is the guess, right perturbation. Decides in weak directions.
   Matrix6d prior_information = Matrix6d::Zero();
 };
 

@@ -47,7 +47,7 @@ class BatchChunk {
   BatchChunk& operator=(const BatchChunk&) = delete;
 
   uint32_t size() const { return static_cast<uint32_t>(pairs_.size()); }
-  uint64_t points() const { return points_; }  ///< of the sources
+  uint64_t points() const { return points_; }  ///< total of the sources
   bool recorded() const { return level_ == levels_; }
 
   /// The next passes, `most` at most and one at least; returns how many. The last of all are
@@ -74,7 +74,7 @@ class BatchChunk {
   uint64_t points_ = 0;
   uint32_t group_stride_ = 0;
   size_t levels_;
-  uint64_t jobs_stride_ = 0;  ///< of a level's jobs in the upload, bytes
+  uint64_t jobs_stride_ = 0;  ///< bytes between levels' jobs in the upload
   uint64_t start_at_ = 0;
   uint64_t states_at_ = 0;
   engine::Buffer upload_;
@@ -86,7 +86,7 @@ class BatchChunk {
   engine::RegistrationArguments arguments_;
   size_t level_;
   Stage stage_ = Stage::iterate;
-  uint32_t pass_ = 0;   ///< of the stage
+  uint32_t pass_ = 0;   ///< number within the stage
   bool begun_ = false;  ///< the level
 };
 

@@ -23,15 +23,15 @@ AlignmentPair moved(const AlignmentPair& pair, const RegistrationResult& result,
   return copy;
 }
 
-// Of two evaluations the one that more points agree with, or, within a hundredth, better.
+// The better of two evaluations has more agreeing points, or within 1 % a smaller residual.
 bool fits_better(const RegistrationResult& a, const RegistrationResult& b) {
   const double margin = 0.01 * std::max(a.overlap, b.overlap);
   return a.overlap > b.overlap + margin ||
          (a.overlap > b.overlap - margin && a.residual_rms < b.residual_rms);
 }
 
-// Of the scores along one side, nearest first, the best that is better than those beside it; where
-// the fit only falls or stays as it is, the farthest.
+// The best local peak of the scores along one side (nearest first). The farthest offset where
+// the fit only falls or stays as it is.
 size_t most_promising(std::span<const RegistrationResult> along) {
   size_t best = along.size() - 1;
   bool found = false;
@@ -62,7 +62,7 @@ std::vector<std::optional<CompetingPose>> find_competing_poses(
   if (!(settings.spacing > 0.0) || settings.reach < settings.spacing) {
     throw std::logic_error("competing poses are looked for at offsets of `spacing` up to `reach`");
   }
-  // Of each result its offsets ahead, nearest first, then those behind.
+  // For each result its offsets ahead, nearest first, then those behind.
   const auto count = static_cast<size_t>(settings.reach / settings.spacing);
   std::vector<AlignmentPair> offsets;
   std::vector<size_t> of;

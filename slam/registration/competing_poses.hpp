@@ -13,9 +13,9 @@ namespace adit {
 /// Where to look for a second pose that fits, and what counts as fitting as well; lengths in m.
 struct CompetingPoseSettings {
   double reach = 2.0;     ///< on both sides, along the translation that is held least
-  double spacing = 0.25;  ///< of the offsets that are scored; less than the basin of an alignment
+  double spacing = 0.25;  ///< spacing of the scored offsets; less than the basin of an alignment
   double least_apart = 0.25;    ///< nearer poses are the same
-  double least_overlap = 0.85;  ///< of the result's
+  double least_overlap = 0.85;  ///< share of the result's overlap
   double most_rms = 1.15;       ///< times the result's residual_rms
 };
 

@@ -50,7 +50,7 @@ struct ObservedDirection {
   Localizability localizability = Localizability::none;
   double information = 0.0;       ///< 1/m^2 or 1/rad^2, the other directions free
   double support = 0.0;           ///< sum of the shares that agreeing matches have in it
-  double information_each = 0.0;  ///< of a match, on average; 1/m^2
+  double information_each = 0.0;  ///< mean per match; 1/m^2
 };
 
 /// Result of aligning a source cloud with a target, at the final pose. Tangent vectors are [rho,
@@ -73,7 +73,7 @@ struct RegistrationResult {
       0.0;  ///< m, root mean square distance along the target's normals over the matches
   double overlap = 0.0;  ///< inliers / source points
   int inliers = 0;       ///< source points with a match
-  int matches = 0;       ///< of all points; more than inliers where neighbours are looked at
+  int matches = 0;       ///< sum over all points; more than inliers where neighbours are looked at
   int source_points = 0;
   int iterations = 0;
   /// Matched points at the best other place that a search found, as a share of these; 0 where it

@@ -33,7 +33,7 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-constexpr const char* kTables = "tables";  // of poses, which only `evaluate` reads
+constexpr const char* kTables = "tables";  // tables of poses, which only `evaluate` reads
 
 /// What a person wrote or a program prints, so that numbers in it can be damaged.
 bool is_text(const fs::path& file) {

@@ -17,7 +17,7 @@ namespace {
 
 using test::FuzzedCommand;
 
-constexpr uint64_t kCases = 3;  // of each command and format
+constexpr uint64_t kCases = 3;  // per command and format
 
 class DamagedInput : public test::DeviceTest {};
 

@@ -59,8 +59,8 @@ TEST(Spirv, TexelBuffersAreToldFromStorageBuffers) {
 struct Image {
   spv::Dim dim = spv::Dim::Buffer;
   uint32_t sampled = 1;     // 2: a storage image
-  uint32_t signedness = 0;  // of its int
-  uint32_t width = 32;      // of its int, bits
+  uint32_t signedness = 0;  // signedness of its int
+  uint32_t width = 32;      // width of its int, bits
   bool combined = false;    // OpTypeSampledImage
   uint32_t count = 1;
 };

@@ -259,7 +259,7 @@ TEST_F(VgicpLoop, PoseIsNeverNanWhereRotationsCannotBeSeen) {
     gpu::uvec4 point = cloud[i];
     for (const bool on_an_axis : {false, true}) {
       if (on_an_axis) {
-        point.y = point.z = 0;  // of the sensor
+        point.y = point.z = 0;  // the sensor's axis
       }
       const test::DeviceOutcome state = align(scene, std::vector<gpu::uvec4>(100, point),
                                               scene.T_target_source(), scene.settings());

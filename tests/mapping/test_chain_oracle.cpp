@@ -28,7 +28,7 @@ constexpr double kRate = 200.0;
 struct Window {
   StatePrior start;
   std::vector<std::vector<ImuSample>> readings;  ///< up to sweep i; none for the first
-  std::vector<PoseMeasurement> measurements;     ///< of all sweeps but the first
+  std::vector<PoseMeasurement> measurements;     ///< one per sweep but the first
 };
 
 Window window(uint64_t seed) {

@@ -119,7 +119,7 @@ TEST(LoopVoting, WrongOnesThatAgreeButContradictTheOdometryGiveNothing) {
   std::vector<LoopHypothesis> all;
   for (NodeId i = 0; i < 5; ++i) {
     LoopHypothesis wrong = loop(round, 2 + i, kRound + 2 + i);
-    Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();  // of the world, alike for all
+    Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();  // shift of the world, alike for all
     shift.translation().z() = 6.0;
     wrong.T_from_to = round.truth[static_cast<std::size_t>(2 + i)].inverse() * shift *
                       round.truth[static_cast<std::size_t>(kRound + 2 + i)];

@@ -22,7 +22,7 @@ struct PublicGraph {
   std::array<double, 3> minima;  ///< (t, q_vec), (t, Log R), Log
   bool certain = true;           ///< the minima; else no more than these
   bool chordal = false;          ///< where to start from
-  double rounding = 0.0;         ///< of the published value's last digit
+  double rounding = 0.0;         ///< rounding of the published value's last digit
 };
 
 class PublicGraphs : public testing::TestWithParam<PublicGraph> {};

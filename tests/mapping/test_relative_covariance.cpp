@@ -94,7 +94,7 @@ TEST(RelativeCovariance, IsWhatManyDrawnChainsScatterBy) {
     graph.add_node({.id = id + 1, .T_map_node = pose});
     graph.add_edge(known_edge(id, id + 1, ways[static_cast<std::size_t>(id)], known));
   }
-  const Matrix6d expected = relative_places(graph, 3)[0]->covariance;  // of T_3_0
+  const Matrix6d expected = relative_places(graph, 3)[0]->covariance;  // T_3_0's
   constexpr int kDraws = 20000;
   Matrix6d scatter = Matrix6d::Zero();
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -102,7 +102,7 @@ TEST(RelativeCovariance, IsWhatManyDrawnChainsScatterBy) {
     for (const Eigen::Isometry3d& way : ways) {
       T_0_3 = T_0_3 * retract(way, drawn(known));
     }
-    const Vector6d off = se3_log(pose * T_0_3.inverse());  // of T_3_0, right perturbation
+    const Vector6d off = se3_log(pose * T_0_3.inverse());  // error of T_3_0, right perturbation
     scatter += off * off.transpose() / kDraws;
   }
   for (int i = 0; i < 6; ++i) {

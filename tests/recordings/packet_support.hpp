@@ -275,7 +275,7 @@ struct HesaiLayout {
   uint8_t minor = 1;
   uint8_t lasers = 32;
   uint8_t mode = 0x37;
-  uint8_t flags = 0;     ///< of protocol 1.4
+  uint8_t flags = 0;     ///< protocol 1.4
   std::size_t more = 0;  ///< bytes of a channel behind its reflectivity
 };
 template <class Range>

@@ -17,7 +17,7 @@
 namespace adit::ros {
 namespace {
 
-constexpr Nanoseconds kStart{1700000000'400000000};  // of the sweep
+constexpr Nanoseconds kStart{1700000000'400000000};  // start of the sweep
 constexpr Nanoseconds kEnd = kStart + std::chrono::milliseconds(100);
 
 template <class T>

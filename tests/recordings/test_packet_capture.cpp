@@ -24,7 +24,7 @@ using test::Bytes;
 using test::CapturedFrame;
 
 constexpr Nanoseconds kHour{1'699'999'200'000'000'000};  // a whole one
-constexpr uint32_t kMicrosecond = 1'000'000;             // of it, of the first packet
+constexpr uint32_t kMicrosecond = 1'000'000;             // when the first packet came, after that
 static_assert(kHour % std::chrono::hours(1) == Nanoseconds(0));
 
 void write(const fs::path& file, const Bytes& bytes) {

@@ -38,7 +38,7 @@ Vector3d world_of(const GnssFix& fix) {
 
 struct Statistics {
   Vector3d rms = Vector3d::Zero();
-  double correlation = 0.0;  ///< of errors 60 s apart
+  double correlation = 0.0;  ///< correlation of errors 60 s apart
 };
 
 Statistics statistics_of(const char* model, int count) {

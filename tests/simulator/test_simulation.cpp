@@ -37,7 +37,7 @@ uint64_t sum_of(const std::string& bytes) {
   return sum_of(bytes.data(), bytes.size());
 }
 
-/// Of the messages: the file also names the program's version.
+/// Sum over the messages: the file also names the program's version.
 uint64_t sum_of_messages(const std::filesystem::path& recording) {
   uint64_t sum = kNothing;
   for (const auto& file : open_message_files(recording)) {

@@ -55,7 +55,7 @@ class LocalizabilityTest : public test::DeviceTest {
     RegistrationResult result;
     Vector6d error;            ///< truth (-) result, right perturbation
     double along = 0.0;        ///< error along the world's x axis, m
-    double guess_along = 0.0;  ///< of the initial guess
+    double guess_along = 0.0;  ///< the same for the initial guess
   };
 
   /// Pairs of sweeps of the world with 2 cm of range noise, aligned from guesses with known errors,

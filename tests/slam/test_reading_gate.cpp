@@ -18,7 +18,7 @@ namespace {
 constexpr double kRate = 200.0;  // Hz
 using Samples = std::vector<ImuSample>;
 
-/// Of a sensor that is waved about, `pace` times as fast as by hand, with noise.
+/// Readings of a sensor that is waved about, `pace` times as fast as by hand, with noise.
 Samples waved(uint64_t seed, double pace = 1.0, double rest = -1.0) {
   test::WavyMotion motion = test::hand_held_motion();
   for (auto* waves : {&motion.position, &motion.angles}) {
@@ -151,7 +151,7 @@ TEST(ReadingGate, SpikesAreDroppedAndNothingElseIs) {
       Samples spikes;
       const Samples samples = spiked(waved(seed), share, 0.2, 2.0, seed, &spikes);
       const Passed passed = pass(samples);
-      // Of two that follow each other on one side the smaller cannot be told from a shock.
+      // The smaller of two that follow each other on one side cannot be told from a shock.
       EXPECT_GE(passed.spikes.size(), spikes.size() - 1 - spikes.size() / 40)
           << "seed " << seed << " share " << share;
       EXPECT_LE(passed.spikes.size(), spikes.size()) << "seed " << seed << " share " << share;

@@ -81,7 +81,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Of predictions from each true state over `steps` of the truth's 50 ms.
+/// Errors of predictions from each true state over `steps` of the truth's 50 ms.
 Medians prediction_errors(const Flight& flight, size_t steps) {
   std::vector<double> rotation;
   std::vector<double> velocity;

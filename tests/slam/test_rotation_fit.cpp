@@ -91,7 +91,7 @@ TEST(RotationFit, ClockAndMountingAreToldApart) {
     EXPECT_EQ(fit.told, (std::array{true, true, true}));
   }
   EXPECT_NEAR(clock / kRuns, 1.0, 0.8);             // chi squared of 1, 30 runs: 0.56 to 1.6
-  EXPECT_NEAR(mounting / (3.0 * kRuns), 1.0, 0.6);  // of 3
+  EXPECT_NEAR(mounting / (3.0 * kRuns), 1.0, 0.6);  // chi squared of 3
 }
 
 TEST(RotationFit, AVehicleInThePlaneDoesNotTellTheHeadingOfTheMounting) {

@@ -86,7 +86,7 @@ struct Outcome {
     }
     return found;
   }
-  /// Of all sweeps, for a test that fails.
+  /// Events of all sweeps, for a test that fails.
   std::string events() const {
     std::string text;
     for (size_t i = 0; i < reports.size(); ++i) {

@@ -39,7 +39,7 @@ void tell_case(int signal) {
   std::_Exit(1);
 }
 
-/// Of the processor: what hangs is ended by SIGPROF, however busy the machine.
+/// Limits processor time: what hangs is ended by SIGPROF, however busy the machine.
 void allow_seconds(long seconds) {
   const itimerval timer{.it_interval = {}, .it_value = {.tv_sec = seconds, .tv_usec = 0}};
   ::setitimer(ITIMER_PROF, &timer, nullptr);

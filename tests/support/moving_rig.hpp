@@ -32,11 +32,11 @@ struct Recorded {
 };
 
 struct MovingRig {
-  uint64_t seed = 0;  ///< of the street, the motion and the noise
+  uint64_t seed = 0;  ///< seed of the street, the motion and the noise
   int tenths = 60;    ///< s/10, one sweep each
   Eigen::Isometry3d T_lidar_imu = Eigen::Isometry3d::Identity();
   Lidar lidar{.beams = 24, .columns = 300};
-  double sway = 1.0;  ///< of its turning
+  double sway = 1.0;  ///< factor on its turning
 
   static constexpr Nanoseconds kBegin{1623370000000000000};
 

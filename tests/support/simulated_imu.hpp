@@ -65,7 +65,7 @@ struct WavyMotion {
     const auto [t, pace, quickening] = warped(time);
     const double roll = angles[0].value(t);
     const double pitch = angles[1].value(t);
-    Eigen::Matrix3d body_rates;                                 // of the angles' rates
+    Eigen::Matrix3d body_rates;                                 // from the angles' rates
     body_rates << 1.0, 0.0, -std::sin(pitch),                   //
         0.0, std::cos(roll), std::sin(roll) * std::cos(pitch),  //
         0.0, -std::sin(roll), std::cos(roll) * std::cos(pitch);

@@ -40,7 +40,7 @@ Corrected correct(const fs::path& file, const fs::path& toml) {
           load_config({.file = toml, .overrides = {}}), test::content(toml)};
 }
 
-/// Of the clean recording, spoilt.
+/// Corrects the clean recording, spoilt.
 Corrected correct(const std::function<void(Recorded&)>& spoil) {
   const test::TemporaryFolder folder;
   std::vector<Recorded> events = clean_recording();

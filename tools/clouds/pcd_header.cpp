@@ -12,7 +12,7 @@ namespace adit {
 namespace {
 
 constexpr std::size_t kLongestHeader = 64 * 1024;
-constexpr uint64_t kMostFieldEntries = 4096;          // of one field
+constexpr uint64_t kMostFieldEntries = 4096;          // per field
 constexpr uint64_t kMostPoints = uint64_t{1} << 31U;  // files end at 2 GiB
 
 constexpr std::string_view kRemedy =

@@ -30,10 +30,10 @@ struct PcdField {
 struct PcdHeader {
   std::vector<PcdField> fields;
   uint64_t points = 0;
-  std::size_t point_bytes = 0;  ///< of all fields
+  std::size_t point_bytes = 0;  ///< sum over all fields
   std::size_t numbers = 0;      ///< a point holds, over all fields
   PcdData data = PcdData::ascii;
-  std::size_t bytes = 0;  ///< of the header itself
+  std::size_t bytes = 0;  ///< size of the header itself
   uint64_t lines = 0;
   CloudReading reading{};  ///< what the file does not say
 };

@@ -67,7 +67,7 @@ CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header
                      "The file is cut off or its header is wrong: write it again");
   }
   const FieldRoles roles = roles_of(file, header);
-  std::vector<std::size_t> first_word;  // of each field
+  std::vector<std::size_t> first_word;  // one per field
   first_word.reserve(header.fields.size());
   std::size_t words_per_point = 0;
   for (const PcdField& field : header.fields) {

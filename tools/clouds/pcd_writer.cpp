@@ -7,7 +7,7 @@
 namespace adit {
 namespace {
 
-// Of a fixed width, so that it can be written over: numbers may begin with zeros.
+// Padded to a fixed width, so that it can be written over: numbers may begin with zeros.
 std::string count_text(uint64_t count) {
   const std::string digits = std::to_string(count);
   return std::string(20 - digits.size(), '0') + digits;

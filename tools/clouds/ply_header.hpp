@@ -36,7 +36,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::size_t bytes = 0;  ///< of the header itself
+  std::size_t bytes = 0;  ///< size of the header itself
   uint64_t lines = 0;
   CloudReading reading{};  ///< what the file does not say
 };

@@ -23,7 +23,7 @@ struct EvaluateCommandOptions {
   std::filesystem::path truth;  ///< empty: none, which only the folder of one run can do without
   std::optional<std::filesystem::path> estimate_times{};  ///< for KITTI estimates
   std::optional<std::filesystem::path> truth_times{};     ///< for a KITTI truth
-  std::string estimate_topic{};  ///< of the poses in a recording; empty: the only ones
+  std::string estimate_topic{};  ///< topic of the poses in a recording; empty: the only ones
   std::string truth_topic{};
   EvaluationOptions evaluation{};
   bool json = false;                            ///< JSON on `out` instead of the report

@@ -34,7 +34,7 @@ struct Figures {
   std::map<std::string, std::size_t> verticals;  ///< keyframes by what told them which way is up
   double length = 0.0;                           ///< m, along the sweeps
   double seconds = 0.0;                          ///< from the first sweep to the last
-  Eigen::AlignedBox3d box;                       ///< of the sensor's places, m
+  Eigen::AlignedBox3d box;                       ///< box around the sensor's positions, m
   uintmax_t bytes = 0;
 };
 

@@ -107,7 +107,7 @@ G2oFile graph_of_map(const std::filesystem::path& file) {
   return read;
 }
 
-/// Of a map it is the one that its information belongs to.
+/// For a map it is the convention that its information belongs to.
 ResidualConvention convention_of(const OptimizeCommandOptions& options, const Outcome& outcome) {
   return outcome.is_map ? ResidualConvention::rotation : options.convention;
 }

@@ -27,7 +27,7 @@ struct RunCommandOptions {
   DeviceOptions device{};
   MapOptions map{};
   HighRateOptions high_rate{};
-  std::string topic{};             ///< of the sweeps; empty: the only one
+  std::string topic{};             ///< the sweeps' topic; empty: the only one
   int64_t start = 0;               ///< the first sweep, counted from 0
   std::optional<int64_t> count{};  ///< none: to the end
   bool strict = false;             ///< anything but a reliable run is a failure

@@ -25,16 +25,16 @@ struct ConvertedTopic {
   std::string topic;
   std::string type;
   uint64_t messages = 0;     ///< written
-  uint64_t from_before = 0;  ///< of these, from before the cut: what still holds where it begins
+  uint64_t from_before = 0;  ///< number from before the cut: what still holds where it begins
   std::string left_out{};    ///< why, where it was
 };
 
 struct ConvertReport {
   std::vector<ConvertedTopic> topics;
-  std::vector<std::string> errors;  ///< of the input, the first ones
+  std::vector<std::string> errors;  ///< the input's first errors
   uint64_t error_count = 0;
 
-  uint64_t messages() const;  ///< of all topics
+  uint64_t messages() const;  ///< sum over all topics
 };
 
 /// What a converter makes of messages.
@@ -70,7 +70,7 @@ class RecordingConverter {
     std::size_t topic = 0;  ///< index into the report
     Encoding from = Encoding::other;
     Encoding to = Encoding::other;
-    std::optional<std::size_t> channel{};  ///< of the writer; none: left out
+    std::optional<std::size_t> channel{};  ///< the writer's; none: left out
     bool repaired = false;
   };
 

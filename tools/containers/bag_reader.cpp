@@ -237,7 +237,7 @@ class BagFile final : public MessageFile {
  private:
   SeekableFile file_;
   Contents contents_;
-  std::vector<uint32_t> ids_;  // of channels_, in their order
+  std::vector<uint32_t> ids_;  // ids of channels_, in their order
   std::vector<Channel> channels_;
   std::string format_;
 };

@@ -224,7 +224,7 @@ class McapStream final : public MessageStream {
   mcap::Cursor cursor_;
   MessageUnpacker unpacker_;
   const fs::path* path_;
-  const std::vector<adit::Channel>* all_;     // of the file
+  const std::vector<adit::Channel>* all_;     // the file's channels
   std::map<uint16_t, std::size_t> channels_;  // those wanted
   std::set<uint16_t> all_channels_;
   Nanoseconds begin_;
@@ -280,7 +280,7 @@ class McapFile final : public MessageFile {
 
  private:
   SeekableFile file_;
-  std::vector<uint16_t> ids_;  // of channels_, in their order
+  std::vector<uint16_t> ids_;  // ids of channels_, in their order
   std::vector<Channel> channels_;
   std::optional<TimeSpan> span_;
   std::string format_;

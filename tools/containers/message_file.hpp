@@ -55,8 +55,8 @@ struct RawMessage {
 
 struct MessageSelection {
   std::vector<std::size_t> channels{};     ///< indices; empty: all
-  Nanoseconds begin = Nanoseconds::min();  ///< of `received`, inclusive
-  Nanoseconds end = Nanoseconds::max();    ///< of `received`, inclusive
+  Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
+  Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
 };
 
 class MessageStream {
@@ -80,7 +80,7 @@ class MessageFile {
 
   virtual const std::filesystem::path& path() const = 0;
   virtual const std::vector<Channel>& channels() const = 0;
-  /// Of `received` over all messages; nothing where there are none.
+  /// Span of `received` over all messages; nothing where there are none.
   virtual std::optional<TimeSpan> span() const = 0;
   /// For people: "MCAP (zstd)".
   virtual std::string format() const = 0;

@@ -16,7 +16,7 @@ struct Definition {
   std::string md5;   ///< ROS 1 only
 };
 
-/// Of a type that is understood ("sensor_msgs/Imu"), for ROS 1 or ROS 2; nothing for others.
+/// Definition of a known type ("sensor_msgs/Imu"), for ROS 1 or ROS 2; nothing for others.
 std::optional<Definition> definition_of(std::string_view type, Encoding encoding);
 
 }  // namespace adit::ros

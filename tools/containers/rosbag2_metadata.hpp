@@ -16,7 +16,7 @@ namespace adit {
 /// What metadata.yaml tells.
 struct Rosbag2Metadata {
   std::vector<Channel> channels{};  ///< with the number of their messages
-  std::optional<TimeSpan> span{};   ///< of the messages
+  std::optional<TimeSpan> span{};   ///< time span of the messages
   bool packed_messages = false;     ///< each one with Zstandard
   std::string file{};               ///< name of the one storage file
   std::string ros_distro{};

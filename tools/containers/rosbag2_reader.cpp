@@ -184,7 +184,7 @@ class DatabaseFile final : public MessageFile {
 
   fs::path path_;
   SqliteDatabase database_;
-  std::vector<int64_t> ids_;  // of channels_, in their order
+  std::vector<int64_t> ids_;  // ids of channels_, in their order
   std::vector<Channel> channels_;
   std::optional<TimeSpan> span_;
   std::string format_;

@@ -174,7 +174,7 @@ std::string SvgDocument::str() const {
 }
 
 double text_width(std::string_view text, double font_size) {
-  constexpr double kMeanLetter = 0.57;  // of the size, of the fonts named in the head
+  constexpr double kMeanLetter = 0.57;  // times the font size, for the fonts named in the head
   return kMeanLetter * font_size * static_cast<double>(text.size());
 }
 

@@ -47,7 +47,7 @@ struct TimePanel {
   std::vector<Curve> curves{};
   std::vector<Gate> gates{};
   std::vector<Band> bands{};
-  std::vector<BandClass> classes{};  ///< of the bands
+  std::vector<BandClass> classes{};  ///< the bands' classes
   bool logarithmic = false;          ///< values of 0 and less are left out
   std::optional<double> low{};       ///< the scale's ends, where the data must not decide
   std::optional<double> high{};

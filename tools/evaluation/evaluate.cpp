@@ -52,7 +52,7 @@ Eigen::Vector3d spread_of(const std::vector<Eigen::Isometry3d>& poses) {
 
 /// On a nearly straight path, aligned by positions, errors of these turn the estimate about it.
 std::optional<std::string> find_free_rotation(const Evaluation& evaluation) {
-  constexpr double kStraight = 0.1;     // of the length, across it
+  constexpr double kStraight = 0.1;     // share of the length, across it
   constexpr double kHarmless = 0.0087;  // rad, half a degree
   const Alignment alignment = evaluation.options.alignment;
   const Eigen::Vector3d spread = spread_of(evaluation.truth);

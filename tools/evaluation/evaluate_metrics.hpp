@@ -15,13 +15,13 @@
 
 namespace adit {
 
-/// Of a list of errors, in its unit (sse: squared). All zero where count is 0.
+/// Statistics of a list of errors, in its unit (sse: squared). All zero where count is 0.
 struct Statistics {
   std::size_t count = 0;
   double rmse = 0.0;
   double mean = 0.0;
   double median = 0.0;
-  double std = 0.0;  ///< of the population
+  double std = 0.0;  ///< the population's
   double min = 0.0;
   double max = 0.0;
   double sse = 0.0;  ///< sum of squares

@@ -26,7 +26,7 @@ using std::chrono::milliseconds;
 
 constexpr Nanoseconds kNearestTruth = milliseconds(20);
 constexpr Nanoseconds kGap = milliseconds(3000);     // that a revisit may have
-constexpr Nanoseconds kMargin = milliseconds(2000);  // of a keyframe's stamp
+constexpr Nanoseconds kMargin = milliseconds(2000);  // around a keyframe's stamp
 constexpr double kRevisitLength = 5.0;               // m
 constexpr double kRevisitDistance = 5.0;             // m
 constexpr double kRevisitOverlap = 0.5;

@@ -53,8 +53,8 @@ struct LoopScore {
   std::vector<ScoredLoop> loops;  ///< candidates both of whose keyframes the truth covers
   std::vector<Revisit> revisits;
   std::size_t accepted = 0;
-  std::size_t false_ones = 0;  ///< of the accepted
-  // Of the refused, those whose submaps could be aligned:
+  std::size_t false_ones = 0;  ///< number among the accepted
+  // Among the refused, those whose submaps could be aligned:
   std::size_t right_refused = 0;  ///< measured rightly, and not accepted
   std::size_t wrong_refused = 0;  ///< measured wrongly, and not accepted
 };

@@ -24,7 +24,7 @@ struct JudgedPose {
 /// How an estimated motion differs from the true one.
 struct MotionError {
   Vector6d error = Vector6d::Zero();       ///< [rho, phi] at its end, lidar axes, m and rad
-  Matrix6d covariance = Matrix6d::Zero();  ///< of that, as the estimate has it
+  Matrix6d covariance = Matrix6d::Zero();  ///< the error's, as the estimate has it
 };
 MotionError motion_error(const JudgedPose& from, const JudgedPose& to);
 
@@ -46,7 +46,7 @@ struct PoseConsistency {
   std::vector<Vector6d> errors;
   std::vector<Vector6d> sigmas;  ///< standard deviations of these
   Nees since_first;
-  Nees second;  ///< of the motion over a second
+  Nees second;  ///< motion over a second
   /// Share of the six errors of all sweeps beyond three sigma; 0.003 is right.
   double beyond = 0.0;
 };

@@ -31,7 +31,7 @@ bool is_weak(const SweepDirection& direction) {
   return direction.localizability == "partial" || direction.localizability == "none";
 }
 
-/// Of all directions the weakest is the first.
+/// The weakest of all directions is the first.
 std::vector<WeakStretch> weak_stretches(const RunReview& review, bool rotation) {
   std::vector<WeakStretch> found;
   for (std::size_t i = 0; i < review.sweeps.size(); ++i) {

@@ -22,7 +22,7 @@ struct WeakStretch {
   double begin = 0.0;  ///< s after the first sweep
   double end = 0.0;    ///< s
   std::size_t sweeps = 0;
-  std::size_t unheld = 0;                          ///< of these, held by no match that agrees
+  std::size_t unheld = 0;                          ///< number of them held by no match that agrees
   bool rotation = false;                           ///< else translation
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< mean of the weakest, unit, map
 };
@@ -58,10 +58,10 @@ struct RunReview {
   std::optional<RunEnding> ending;    ///< none: these are not the sweeps of a run
 };
 
-/// Of sweeps in the order of time; without min_overlap.
+/// Reviews sweeps in the order of time; without min_overlap.
 RunReview review_sweeps(std::vector<SweepRecord> sweeps);
 
-/// Of the folder of a run, also of one that was killed. Throws InputError where there is no
+/// Reviews the folder of a run, also of one that was killed. Throws InputError where there is no
 /// sweeps.csv.
 RunReview review_run(const std::filesystem::path& folder);
 

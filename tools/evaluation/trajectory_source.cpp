@@ -41,7 +41,7 @@ std::map<std::string, std::vector<StampedPose>> poses_of(const Recording& record
     return {};
   }
   std::map<std::pair<std::size_t, std::string>, std::vector<StampedPose>> found;
-  std::map<std::size_t, std::size_t> frames;  // of each topic
+  std::map<std::size_t, std::size_t> frames;  // number of frames per topic
   const auto events = recording.events(selection);
   while (const std::optional<Event> event = events->next()) {
     if (const auto* pose = std::get_if<ReferencePose>(&event->value)) {

@@ -22,7 +22,7 @@ struct Inspection {
   std::vector<Topic> topics;
   std::vector<TopicStatistics> statistics;  ///< one a topic
   FrameTree frames;
-  std::vector<MotionCheck> motion;  ///< of the first sweeps with every IMU
+  std::vector<MotionCheck> motion;  ///< from the first sweeps, with every IMU
   std::vector<Finding> findings;
 };
 

@@ -136,7 +136,7 @@ std::vector<ImuSample> gyroscope_of(const Recording& recording, const MotionPair
   ReadingGate gate({});
   for_each_event(recording, selection, [&](const Event& event) {
     ImuSample sample = std::get<ImuSample>(event.value);
-    sample.linear_acceleration.setZero();  // of no use here, and none has to be there
+    sample.linear_acceleration.setZero();  // not used here, and none has to be there
     shift.add(event);
     for (const GatedReading& known : gate.pass(sample)) {
       if (!known.dropped) {

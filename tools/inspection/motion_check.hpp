@@ -26,7 +26,7 @@ struct MotionPair {
   std::size_t sweep_topic = 0;
   Topic imu;
   std::size_t imu_topic = 0;
-  TimeSpan stretch{};             ///< of the recorder's clock
+  TimeSpan stretch{};             ///< by the recorder's clock
   bool trust_point_times = true;  ///< to tell when, on average, a sweep was taken
   /// R_range_gyro by the configuration or the recording's static transforms, where they tell it.
   std::optional<Eigen::Matrix3d> R_range_gyro;
@@ -43,8 +43,8 @@ struct ComparedTurn {
 
 struct MotionCheck {
   MotionPair pair;
-  std::size_t sweeps = 0;   ///< of the stretch
-  std::size_t tracked = 0;  ///< of these, aligned with those before
+  std::size_t sweeps = 0;   ///< number in the stretch
+  std::size_t tracked = 0;  ///< number aligned with those before
   double period = 0.0;      ///< s from sweep to sweep, the median
   bool point_times = false;
   /// Nothing where the motion does not tell. Whole seconds between the clocks are left out of the

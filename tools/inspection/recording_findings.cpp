@@ -15,7 +15,7 @@
 namespace adit {
 namespace {
 
-constexpr double kScaleError = 0.04;  // of gravity: sensors that are right stay below
+constexpr double kScaleError = 0.04;  // share of gravity: sensors that are right stay below
 
 std::string of(uint64_t part, uint64_t whole) {
   return std::to_string(part) + " of " + std::to_string(whole);
@@ -49,8 +49,8 @@ class Findings {
 /// late by seconds, but not by just those that clocks are known to leap by.
 double leap_of(const TopicStatistics& s);
 
-/// Of one series of a topic, `of_what` for people. Poses are only looked at, not mapped with: what
-/// is odd about their stamps is no problem.
+/// Checks one series of a topic, `of_what` for people. Poses are only looked at, not mapped with:
+/// what is odd about their stamps is no problem.
 void check_stamps(const TopicStatistics& topic, const StampStatistics& s,
                   const std::string& of_what, bool poses, Findings& findings) {
   const auto add = [&](const char* kind, const std::string& found, const char* effect,

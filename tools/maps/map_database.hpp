@@ -19,7 +19,7 @@
 
 namespace adit {
 
-/// Of the tables; a file with a higher one is refused.
+/// Version of the tables; a file with a higher one is refused.
 inline constexpr int64_t kMapSchema = 2;
 
 enum class MapAccess {

@@ -33,7 +33,7 @@ Nanoseconds time_of(uint64_t nanoseconds) {
 /// The head of a column.
 struct Column {
   Nanoseconds time{0};
-  std::size_t index = 0;  ///< of the turn
+  std::size_t index = 0;  ///< within the turn
   unsigned frame = 0;
   bool valid = false;
   std::span<const std::byte> pixels;

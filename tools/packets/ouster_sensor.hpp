@@ -45,7 +45,7 @@ struct OusterSensor {
   bool fusa_header = false;  ///< packets begin as functional safety wants it
   std::size_t beams = 0;
   std::size_t columns_per_packet = 16;
-  std::size_t columns = 0;               ///< of a turn
+  std::size_t columns = 0;               ///< per turn
   double beam_origin = 0.0;              ///< m, from the axis to where the beams begin
   std::vector<double> beam_altitudes{};  ///< rad, from the uppermost beam down
   std::vector<double> beam_azimuths{};   ///< rad

@@ -22,9 +22,9 @@
 namespace adit {
 
 struct Datagram {
-  Nanoseconds received{0};             ///< of the capture's clock
+  Nanoseconds received{0};             ///< by the capture's clock
   uint32_t source = 0;                 ///< IPv4 address; 0 for IPv6
-  uint16_t port = 0;                   ///< of the receiver
+  uint16_t port = 0;                   ///< the receiver's
   std::span<const std::byte> payload;  ///< valid until the next call of next()
   uint64_t offset = 0;                 ///< byte of the file where its (last) packet begins
 };

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kNumbers = 7;  // of a line, behind the time, that are read at most
+constexpr std::size_t kNumbers = 7;  // numbers in a line behind the time that are read at most
 
 /// The time and the first `needed` numbers behind it.
 struct Line {

@@ -27,7 +27,7 @@ class LatchedMessages {
  public:
   struct Held {
     std::size_t file = 0;
-    std::size_t channel = 0;  ///< of the file
+    std::size_t channel = 0;  ///< index within the file
     uint64_t offset = 0;      ///< byte of the file
     std::vector<std::byte> bytes;
   };

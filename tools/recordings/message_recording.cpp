@@ -33,7 +33,7 @@ struct PacketTopics {
   std::size_t sweeps = 0;
   std::size_t imu = 0;
   std::size_t transforms = 0;
-  Nanoseconds begin{0};  ///< of the recording
+  Nanoseconds begin{0};  ///< the recording's
 };
 
 /// What the first sweeps of a topic tell of the unit of their points' times (s); 0 for nothing.
@@ -229,7 +229,7 @@ class MessageEventStream final : public EventStream {
   const std::vector<Part>* parts_;
   EventSelection selection_;
   const PacketTopics* packets_;                    // null where there are none
-  std::optional<PacketDecoder> decoder_;           // of them
+  std::optional<PacketDecoder> decoder_;           // their decoder
   std::vector<bool> wanted_;                       // by topic
   std::vector<uint64_t> taken_;                    // messages so far, by topic
   std::vector<std::optional<double>> time_units_;  // s, by topic, as far as asked for

@@ -27,7 +27,7 @@ enum class TopicKind {
   sweeps,
   imu,
   gnss,
-  poses,       ///< of somebody else's estimate or of the truth
+  poses,       ///< somebody else's estimate or the truth
   transforms,  ///< static
   other,       ///< nothing that is understood; never part of the stream
 };
@@ -53,10 +53,10 @@ struct Event {
   std::size_t topic = 0;    ///< index into Recording::topics()
   Nanoseconds received{0};  ///< the recorder's clock; for files of sweeps, the sweep's stamp
   EventValue value;
-  uint64_t bytes = 0;   ///< of the message or file; further events of the same message have 0
-  std::string frame{};  ///< of the sensor, where the recording names it
-  std::optional<PointTimeNature> point_times{};  ///< of sweeps with times
-  std::optional<std::size_t> number{};  ///< of the topic's messages, from 0, where it is known
+  uint64_t bytes = 0;   ///< size of the message or file; further events of the same message have 0
+  std::string frame{};  ///< the sensor's, where the recording names it
+  std::optional<PointTimeNature> point_times{};  ///< for sweeps with times
+  std::optional<std::size_t> number{};  ///< place among the topic's messages, from 0, if known
   bool has_intensity = true;            ///< false: those of a sweep's points are made up zeros
 };
 
@@ -66,8 +66,8 @@ Nanoseconds stamp_of(const Event& event);
 /// Which events to read, and how.
 struct EventSelection {
   std::vector<std::size_t> topics{};       ///< indices; empty: all but TopicKind::other
-  Nanoseconds begin = Nanoseconds::min();  ///< of `received`, inclusive
-  Nanoseconds end = Nanoseconds::max();    ///< of `received`, inclusive
+  Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
+  Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
   double point_time_unit = 0.0;   ///< s, of the times of points; 0: told from the first sweeps
   double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres

@@ -147,7 +147,7 @@ CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
 }
 
 CloudFile to_sweep(const VelodyneScan& scan, Nanoseconds stamp) {
-  constexpr double kMostSeconds = 2.0;  // of a message, from the first point on
+  constexpr double kMostSeconds = 2.0;  // time in a message, from the first point on
   VelodyneSweeps sweeps;
   std::vector<Sweep> parts;  // a message need not begin where a turn does
   for (const VelodynePacket& packet : scan.packets) {

@@ -25,8 +25,8 @@ TopicKind kind_of(const Channel& channel);
 /// What a message tells.
 struct MessageEvents {
   std::vector<EventValue> values;
-  std::string frame;                           ///< of the header; empty where there are several
-  std::optional<PointTimeNature> point_times;  ///< of a sweep with times
+  std::string frame;                           ///< the header's; empty where there are several
+  std::optional<PointTimeNature> point_times;  ///< for a sweep with times
   bool has_intensity = true;                   ///< false: those of a sweep's points are made up
 };
 

@@ -174,12 +174,12 @@ struct CameraInfo {
   uint32_t width = 0;            ///< pixels, of the whole sensor
   std::string distortion_model;  ///< "plumb_bob", "rational_polynomial" ...
   std::vector<double> d;         ///< distortion
-  std::array<double, 9> k{};     ///< of the raw image, row by row
+  std::array<double, 9> k{};     ///< raw image's camera matrix, row by row
   std::array<double, 9> r{};     ///< rectification
-  std::array<double, 12> p{};    ///< of the rectified image, row by row
+  std::array<double, 12> p{};    ///< rectified image's projection, row by row
   uint32_t binning_x = 0;        ///< 0 and 1: none
   uint32_t binning_y = 0;
-  uint32_t x_offset = 0;  ///< of the region of interest, whole pixels
+  uint32_t x_offset = 0;  ///< region of interest, whole pixels
   uint32_t y_offset = 0;
   uint32_t roi_height = 0;  ///< 0: all
   uint32_t roi_width = 0;

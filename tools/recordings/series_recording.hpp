@@ -20,7 +20,7 @@ namespace adit {
 /// A series: what it is, and how it is read from the beginning.
 struct EventSeries {
   Topic topic;
-  /// Of the selection begin, end, point_time_unit and coordinate_scale hold; the indices of the
+  /// The selection's begin, end, point_time_unit and coordinate_scale hold; the indices of the
   /// events' topics do not matter.
   std::function<std::unique_ptr<EventStream>(const EventSelection&)> open;
 };

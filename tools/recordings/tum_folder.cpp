@@ -147,7 +147,7 @@ class DepthStream final : public EventStream {
   CameraModel model_;
   Nanoseconds begin_;
   Nanoseconds end_;
-  std::string name_;  // of the last line
+  std::string name_;  // name in the last line
   std::unique_ptr<EventStream> lines_;
   std::optional<DepthCamera> camera_;
 };

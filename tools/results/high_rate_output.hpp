@@ -37,8 +37,8 @@ class HighRateStatistics {
   void add(Nanoseconds stamp);
 
   std::size_t poses() const { return poses_; }
-  std::size_t interruptions() const { return interruptions_; }  ///< of more than 0.1 s
-  /// Of the pose that was added last.
+  std::size_t interruptions() const { return interruptions_; }  ///< gaps over 0.1 s
+  /// Time of the pose that was added last.
   std::optional<Nanoseconds> last() const {
     return poses_ > 0 ? std::optional(last_) : std::nullopt;
   }

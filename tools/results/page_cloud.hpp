@@ -41,7 +41,7 @@ class PageCloud {
   double voxel_ = kFinest;
   MapThinning thinning_;
   std::vector<SeenFrom> points_;
-  std::vector<Eigen::Vector3f> places_;  ///< of the points in the map as it was when they came
+  std::vector<Eigen::Vector3f> places_;  ///< where the points were in the map when they came
 };
 
 }  // namespace adit

@@ -80,7 +80,7 @@ class RunOutputs {
   std::optional<MapThinning> thinning_;
   PageCloud page_cloud_;
   uint32_t poses_ = 0;         ///< written
-  std::vector<Point> points_;  ///< of the current keyframe, map frame
+  std::vector<Point> points_;  ///< points of the current keyframe, map frame
 };
 
 }  // namespace adit

@@ -34,7 +34,7 @@ struct SweepDirection {
 struct SweepRecord {
   double index = kUnknown;  ///< in the recording, counted from 0
   Nanoseconds stamp{0};
-  Eigen::Vector3d position = kUnknownVector;                       ///< of the lidar, map, m
+  Eigen::Vector3d position = kUnknownVector;                       ///< the lidar's, map, m
   Eigen::Vector4d attitude = Eigen::Vector4d::Constant(kUnknown);  ///< R_map_lidar: qx qy qz qw
   std::string state;                                               ///< OdometryState
   std::string registration;  ///< RegistrationStatus; empty where nothing was aligned
@@ -49,19 +49,19 @@ struct SweepRecord {
   std::array<SweepDirection, 3> translation;  ///< weakest first
   std::array<SweepDirection, 3> rotation;
   std::string imu;                                          ///< InertialState
-  Eigen::Vector3d velocity = kUnknownVector;                ///< of the body, map axes, m/s
+  Eigen::Vector3d velocity = kUnknownVector;                ///< the body's, map axes, m/s
   Eigen::Vector3d gyro_bias = kUnknownVector;               ///< rad/s
   Eigen::Vector3d gyro_bias_sigma = kUnknownVector;         ///< rad/s
   Eigen::Vector3d accel_bias = kUnknownVector;              ///< m/s²
   Eigen::Vector3d accel_bias_sigma = kUnknownVector;        ///< m/s²
   Eigen::Vector3d gravity = kUnknownVector;                 ///< in the map, m/s²
-  double gravity_sigma = kUnknown;                          ///< of its direction, rad, the greater
+  double gravity_sigma = kUnknown;                          ///< its direction's, rad, the greater
   Eigen::Vector3d innovation_translation = kUnknownVector;  ///< m, body axes
   Eigen::Vector3d innovation_rotation = kUnknownVector;     ///< rad, body axes
   double innovation_squared = kUnknown;                     ///< normalised
   double innovation_degrees = kUnknown;
-  double innovation_gate = kUnknown;                  ///< of its square
-  PoseUncertainty uncertainty = kUnknownUncertainty;  ///< of the pose, lidar axes, m and rad
+  double innovation_gate = kUnknown;                  ///< bound of its square
+  PoseUncertainty uncertainty = kUnknownUncertainty;  ///< covariances, lidar axes, m and rad
 };
 
 /// What the odometry told of sweep `index`.

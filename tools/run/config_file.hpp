@@ -19,7 +19,7 @@ namespace adit {
 struct ConfigSource {
   std::optional<std::filesystem::path> file;
   std::vector<std::string> overrides;  ///< "section.key=value", the last one of a key wins
-  std::string preset{};                ///< of presets.hpp; empty: none
+  std::string preset{};                ///< a name in presets.hpp; empty: none
   std::string metadata{};              ///< recording.metadata; empty: as the others say
 };
 

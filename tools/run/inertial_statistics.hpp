@@ -37,8 +37,8 @@ class InertialStatistics {
     return arrivals_[static_cast<std::size_t>(arrival)];
   }
   const std::vector<Change>& changes() const { return changes_; }
-  /// Of the sweeps that could be compared, the share that the inertial prediction of the rotation
-  /// (or translation) was nearer to than constant velocity. None before 20 comparisons.
+  /// Share of the compared sweeps whose rotation (or translation) the inertial prediction was
+  /// nearer to than constant velocity. None before 20 comparisons.
   std::optional<double> better_turns() const { return share(better_turns_); }
   std::optional<double> better_travels() const { return share(better_travels_); }
 

@@ -10,7 +10,7 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kNoted = 5;  // of a kind
+constexpr std::size_t kNoted = 5;  // per kind
 constexpr std::size_t kKept = 10;  // for the summary
 
 std::string counted(std::size_t count, const char* one, const char* many) {

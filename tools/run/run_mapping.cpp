@@ -43,7 +43,7 @@ struct Mapped {
   std::size_t sweeps = 0;
   std::size_t passed_over = 0;           ///< sweeps before the range
   double read_ms = 0.0;                  ///< since the last sweep
-  std::optional<Nanoseconds> newest{};   ///< of the stamps of sweeps that were read
+  std::optional<Nanoseconds> newest{};   ///< latest stamp of the sweeps that were read
   std::set<Nanoseconds> stepped_back{};  ///< stamps that came after a later one, not placed yet
 };
 

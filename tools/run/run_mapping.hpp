@@ -46,7 +46,7 @@ struct MappingResult {
 /// What map_recording() works with.
 struct Mapping {
   const Recording& recording;
-  std::size_t topic;  ///< of the sweeps
+  std::size_t topic;  ///< index of the sweeps' topic
   SweepRange range;
   std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
   Slam& slam;

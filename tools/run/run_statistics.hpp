@@ -36,7 +36,7 @@ struct HostTimes {
   double host = 0.0;      ///< host work of the odometry
   double wait = 0.0;      ///< waiting for the device
   double write = 0.0;     ///< writing the results
-  double inertial = 0.0;  ///< of `host`: preintegration and the sliding graph
+  double inertial = 0.0;  ///< part of `host`: preintegration and the sliding graph
 };
 
 /// A sweep that could not be placed.
@@ -81,7 +81,7 @@ class RunStatistics {
   std::optional<Nanoseconds> first_stamp() const {
     return first_ ? std::optional(first_->stamp) : std::nullopt;
   }
-  Verdict verdict() const { return assessor_.verdict(); }  ///< of all sweeps so far
+  Verdict verdict() const { return assessor_.verdict(); }  ///< on all sweeps so far
 
   std::size_t sweeps() const { return sweeps_; }
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps

@@ -10,7 +10,7 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kIndent = 9;  // of what follows a row's name
+constexpr std::size_t kIndent = 9;  // indent of what follows a row's name
 
 std::string counts(const RunStatistics& statistics) {
   const std::size_t failed = statistics.failures().size();

@@ -49,7 +49,7 @@ void spike(ImuSample& sample, const CounterRandom& random, uint64_t index) {
   constexpr double kLeastRate = 1.0;           // rad/s
   constexpr double kLeastAcceleration = 10.0;  // m/s^2
   constexpr double kRates = 4.248;             // logarithm of 70, from 1 to 70 rad/s
-  constexpr double kAccelerations = 3.446;     // of 31.4, from 10 to 314 m/s^2
+  constexpr double kAccelerations = 3.446;     // logarithm of 31.4, from 10 to 314 m/s^2
   const auto choice = static_cast<Eigen::Index>(6.0 * random.uniform(counter(index, 12)));
   const double sign = random.uniform(counter(index, 11)) < 0.5 ? -1.0 : 1.0;
   const double part = random.uniform(counter(index, 10));
@@ -113,7 +113,7 @@ void rain_on(RangeSweep& sweep, const CounterRandom& random) {
   constexpr double kDrops = 0.003;       // 1/m, share of pulses that a drop scatters back
   constexpr double kNearby = 20.0;       // m, beyond it drops are too small to be seen
   constexpr double kExtinction = 0.004;  // 1/m, share lost a metre, there and back
-  constexpr float kFaint = 0.05F;        // of the surface's intensity
+  constexpr float kFaint = 0.05F;        // share of the surface's intensity
   const uint64_t first = static_cast<uint64_t>(sweep.start);
   for (std::size_t i = 0; i < sweep.returns.size(); ++i) {
     Return& back = sweep.returns[i];

@@ -131,7 +131,7 @@ GnssSimulator::GnssSimulator(GnssModel model, int rate, const SplineTrajectory& 
       drift_(CounterRandom(seed, RandomStream::gnss).gaussian_vector(~uint64_t{0} >> 2U)) {}
 
 SimulatedFix GnssSimulator::next() {
-  constexpr double kDriftShare = 0.9;  // of the variance
+  constexpr double kDriftShare = 0.9;  // share of the variance
   constexpr uint64_t kLanes = 4;
   const CounterRandom random(seed_, RandomStream::gnss);
   const uint64_t lane = kLanes * static_cast<uint64_t>(index_);

@@ -70,7 +70,7 @@ class GnssSimulator {
   const RayScene* scene_;
   uint64_t seed_;
   int64_t index_ = 0;
-  Eigen::Vector3d drift_;  ///< of unit variance
+  Eigen::Vector3d drift_;  ///< with unit variance
 };
 
 }  // namespace adit

@@ -33,7 +33,7 @@ enum class Material : uint8_t {
 };
 
 struct Optics {
-  float reflectivity = 0.5F;       ///< of a Lambertian surface, 0 to 1
+  float reflectivity = 0.5F;       ///< for a Lambertian surface, 0 to 1
   float transmission = 0.0F;       ///< probability that a pulse goes through, for glass
   std::array<uint8_t, 3> color{};  ///< for pictures
 };

@@ -18,7 +18,7 @@ namespace adit {
 struct MotionStyle {
   std::string_view name;
   double height = 1.5;       ///< m of the sensor above the floor
-  double speed_scale = 1.0;  ///< of the scene's speed
+  double speed_scale = 1.0;  ///< factor on the scene's speed
   double speed = 0.0;        ///< m/s, instead of the scene's; 0: that
   double step = 0.0;         ///< m between footfalls; 0: on wheels
   double bounce = 0.025;     ///< m, up and down with each step

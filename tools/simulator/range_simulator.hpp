@@ -14,7 +14,7 @@ namespace adit {
 
 /// What keeps a range sensor from being perfect. Switched one by one.
 struct RangeEffects {
-  bool noise = true;         ///< of the range, and its resolution
+  bool noise = true;         ///< noise of the range, and its resolution
   bool dropout = true;       ///< surfaces that are dark, far or seen at a slant give no return
   bool mixed_pixels = true;  ///< a beam on an edge measures between the two surfaces
   bool dust = true;          ///< as much as the scene has

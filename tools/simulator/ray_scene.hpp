@@ -16,7 +16,7 @@ namespace adit {
 
 struct RayHit {
   double distance = 0.0;   ///< m
-  Eigen::Vector3d normal;  ///< of the triangle, unit length, against the ray
+  Eigen::Vector3d normal;  ///< the triangle's, unit length, against the ray
   Material material = Material::concrete;
 };
 
@@ -49,7 +49,7 @@ class RayScene {
     std::array<std::array<float, 4>, 3> low;
     std::array<std::array<float, 4>, 3> high;
     std::array<uint32_t, 4> child;  ///< node, or first face
-    std::array<uint32_t, 4> faces;  ///< of a leaf; 0: an inner node
+    std::array<uint32_t, 4> faces;  ///< number in a leaf; 0: an inner node
   };
   struct Part {
     Eigen::AlignedBox3f box;

@@ -109,7 +109,7 @@ Vector3d roughened(const Vector3d& point, const Vector3d& outwards, double heigh
   return point + amount * offset * outwards;
 }
 
-/// Of the triangles made from `first` on, those that would stand in another drift are dropped.
+/// Drops those triangles made from `first` on that would stand in another drift.
 /// Floors stay: they lie on each other.
 void open_junctions(Mesh& mesh, std::size_t first, const Drift& own) {
   constexpr double kMargin = 0.4;

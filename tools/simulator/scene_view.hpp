@@ -27,7 +27,7 @@ Color mixed(const Color& from, const Color& to, double share);
 
 /// The rectangle that a view from above shows, on the upper rows of an image.
 struct Plan {
-  /// Of `box`, as wide as the image and at most `most_rows` high.
+  /// A plan of `box`, as wide as the image and at most `most_rows` high.
   Plan(const Eigen::AlignedBox3d& box, int width_px, int most_rows);
 
   Eigen::AlignedBox3d area;  ///< m, world

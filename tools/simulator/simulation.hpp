@@ -84,7 +84,7 @@ struct SimulationSummary {
   std::size_t gnss_fixes = 0;
   double path = 0.0;                  ///< m
   double fastest_turn = 0.0;          ///< rad/s
-  std::vector<Crossing> crossings{};  ///< of the first range sensor with what stands still
+  std::vector<Crossing> crossings{};  ///< where the first range sensor crosses what stands still
 };
 
 /// Simulates and writes. The same options give the same bytes on any machine, where the compressor

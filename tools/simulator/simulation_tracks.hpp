@@ -51,7 +51,7 @@ class ImuTrack {
   ImuTrack(const SimulationOptions& options, const SimulationFiles& files,
            const SplineTrajectory& trajectory, const FaultMaker& faults);
 
-  Nanoseconds time() const { return next_.sample.stamp; }  ///< of what is written next
+  Nanoseconds time() const { return next_.sample.stamp; }  ///< time of what is written next
   void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
   void close() { truth_.close(); }
 
@@ -73,7 +73,7 @@ class GnssTrack {
   GnssTrack(const SimulationOptions& options, const SimulationFiles& files,
             const SplineTrajectory& trajectory, const RayScene& scene, const FaultMaker& faults);
 
-  Nanoseconds time() const { return next_.fix.stamp; }  ///< of what is written next
+  Nanoseconds time() const { return next_.fix.stamp; }  ///< time of what is written next
   void write_next(SimulationRecorder& recorder, SimulationSummary& summary);
   void close() { truth_.close(); }
 
@@ -104,7 +104,7 @@ class LidarTrack {
   const LidarOptions* options_;
   std::unique_ptr<RangeSimulator> simulator_;
   const FaultMaker* faults_;
-  uint64_t number_;  ///< of its topic, for faults
+  uint64_t number_;  ///< its topic's number, for faults
 };
 
 }  // namespace adit

@@ -54,8 +54,8 @@ class LineReader {
   /// The next line without its end, or nothing at the end of the text.
   std::optional<std::string_view> next();
 
-  uint64_t number() const { return number_; }     ///< of the line last returned, from 1
-  std::size_t offset() const { return offset_; }  ///< of the first byte after it
+  uint64_t number() const { return number_; }     ///< number of the line last returned, from 1
+  std::size_t offset() const { return offset_; }  ///< first byte after it
   std::string_view rest() const { return text_.substr(offset_); }
 
  private:

@@ -15,7 +15,7 @@ namespace adit {
 struct ProgressState {
   std::size_t done = 0;
   std::size_t total = 0;
-  std::size_t failed = 0;  ///< of those done
+  std::size_t failed = 0;  ///< number among those done
   double elapsed_s = 0.0;
 };
 

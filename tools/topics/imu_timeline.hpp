@@ -14,7 +14,7 @@ namespace adit {
 /// Sums of readings that are numbers.
 struct ImuBin {
   double samples = 0.0;
-  double turns = 0.0;  ///< of these, with angular velocities
+  double turns = 0.0;  ///< number with angular velocities
   Eigen::Vector3d rotation_sum = Eigen::Vector3d::Zero();
   double rotation_squares = 0.0;
   Eigen::Vector3d acceleration_sum = Eigen::Vector3d::Zero();

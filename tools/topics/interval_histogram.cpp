@@ -9,7 +9,7 @@ namespace adit {
 namespace {
 
 constexpr double kLeast = 1e-7;  // s
-constexpr double kWidth = 0.02;  // of a bin, in the logarithm
+constexpr double kWidth = 0.02;  // width of a bin, in the logarithm
 
 }  // namespace
 

@@ -40,7 +40,7 @@ struct ImuStatistics {
   StuckAxisWatch stuck_watch;
   std::optional<StuckAxis> stuck;  ///< the longest time that an axis was
   uint64_t spikes = 0;             ///< far from those before and after, which agree
-  ImuTimeline timeline;            ///< of the others
+  ImuTimeline timeline;            ///< the other samples
   ReadingGate gate{{}};            ///< tells them
 };
 
@@ -58,7 +58,7 @@ struct SweepStatistics {
   uint64_t with_times = 0;  ///< sweeps
   uint64_t empty = 0;       ///< sweeps without a return
   uint64_t with_rings = 0;  ///< sweeps
-  /// Of some points of each sweep, by azimuth from 0 on, 5 degrees each.
+  /// Returns for some points of each sweep, by azimuth from 0 on, 5 degrees each.
   std::array<uint64_t, 72> returns_by_azimuth{};
 
   /// The widest sector of 15 degrees or more without returns, of a sensor that sees most directions
@@ -96,9 +96,9 @@ struct StampStatistics {
 struct TopicStatistics {
   uint64_t events = 0;
   uint64_t bytes = 0;
-  std::string frame;                           ///< of the sensor, by the last event that names it
+  std::string frame;                           ///< the sensor's, by the last event that names it
   std::optional<PointTimeNature> point_times;  ///< as those of the last sweep with times
-  std::optional<TimeSpan> stamps;              ///< of the first and the last in time
+  std::optional<TimeSpan> stamps;              ///< the first and the last in time
   Extent delay;                                ///< s from the stamp to the receipt
   double first_delay = 0.0;                    ///< s, of the first event
   /// By what a message is of: the child frame of poses (a topic such as /tf has many), else "".
@@ -112,7 +112,7 @@ struct TopicStatistics {
 
   double span() const;              ///< s, from the first stamp to the last
   double rate() const;              ///< events a second on average, 0 where there are not two
-  uint64_t repeated() const;        ///< of all series, as in StampStatistics
+  uint64_t repeated() const;        ///< sum over all series, as in StampStatistics
   uint64_t backwards() const;       ///< likewise
   uint64_t gaps() const;            ///< likewise
   double largest_interval() const;  ///< s, of all series
