@@ -38,7 +38,7 @@ struct SlamErrors {
   double covered = 0.0;  ///< m of it
 };
 
-/// What mapping told; unknown of other systems.
+/// What mapping reported; unknown of other systems.
 struct SlamEffort {
   std::size_t sweeps = 0;
   std::size_t placed = 0;

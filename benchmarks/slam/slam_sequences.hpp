@@ -14,7 +14,7 @@
 
 namespace adit::bench {
 
-/// A line of the catalogue: what `adit simulate` is told.
+/// A line of the catalogue: the arguments of `adit simulate`.
 struct SlamEntry {
   std::string name{};
   std::string scene{};

@@ -13,7 +13,7 @@ namespace adit {
 /// How the frames of a robot are mounted to each other, as its static transforms tell.
 class FrameTree {
  public:
-  /// A frame has one parent: what is told last of it counts.
+  /// A frame has one parent: the last one reported counts.
   void add(const StaticTransform& transform);
 
   bool empty() const { return parents_.empty(); }

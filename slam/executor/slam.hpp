@@ -44,7 +44,7 @@ struct SweepLeftOut {
 
 using SlamResult = std::variant<ReadingTaken, SweepPlaced, SweepLeftOut>;
 
-/// Who told how the inertial sensor and the range sensor are mounted to each other.
+/// Where the mounting of the inertial sensor on the range sensor comes from.
 enum class MountingSource {
   configured,  ///< imu.T_imu_lidar
   transforms,  ///< the static transforms that were added, by the frames of the measurements

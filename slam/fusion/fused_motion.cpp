@@ -11,7 +11,7 @@ namespace adit {
 namespace {
 
 // Surfaces larger than usual do not count against them: in open fields, where they are, graphs that
-// believed alignments that much less went astray on readings alone.
+// trusted alignments that much less went astray on readings alone.
 constexpr CovarianceModel kWhiteModel{.kappa = 0.3,
                                       .area = 0.016,
                                       .most_sparse = 1.0,

@@ -59,7 +59,7 @@ class FusedMotion {
 
   SlidingGraph graph_;
   std::optional<Pending> pending_;
-  int surprises_ = 0;   ///< innovations beyond belief in a row
+  int surprises_ = 0;   ///< outliers in a row: innovations beyond the gate
   double alone_ = 0.0;  ///< s without an alignment
   int sweeps_ = 0;
 };

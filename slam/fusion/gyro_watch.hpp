@@ -69,7 +69,7 @@ class GyroWatch {
   /// once there are enough: the sensor is as bad as before.
   std::optional<PredictsWorse> note_prediction(bool better_turn);
 
-  /// The latest that the motion told.
+  /// The latest comparison that the motion constrained.
   const std::optional<RotationComparison>& comparison() const { return comparison_; }
 
  private:

@@ -39,7 +39,7 @@ class HighRateStream {
   /// The next reading, in the sensor's own unit and clock, and what became of it.
   std::optional<LidarMotion> add(const ImuSample& reading, ImuArrival arrival);
 
-  /// What the next sweep told.
+  /// The report of the next sweep.
   void update(const InertialReport& report);
 
  private:

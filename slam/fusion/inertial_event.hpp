@@ -62,7 +62,7 @@ struct AlignmentsContradict {
   bool sign_assumed = false;  ///< the accelerometer's sign is that of a start at rest
 };
 
-/// Readings and sweeps together do not determine the state: no covariance can be told.
+/// Readings and sweeps together do not determine the state: no covariance can be computed.
 struct StateUndetermined {};
 
 /// No sweep could be aligned for so long.

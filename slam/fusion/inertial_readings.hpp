@@ -52,7 +52,7 @@ class InertialReadings {
   void forget_before(Nanoseconds stamp);
 
  private:
-  /// Saturation is told when none was for so long, and with what else goes wrong in that time.
+  /// Saturation is reported when none was for so long, and with what else goes wrong in that time.
   static constexpr Nanoseconds kToldAgain = std::chrono::seconds(10);
 
   ImuArrival take(const ImuSample& sample);

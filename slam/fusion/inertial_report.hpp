@@ -22,7 +22,7 @@ enum class InertialState {
 };
 std::string_view to_string(InertialState state);
 
-/// What a sweep told of the inertial sensor.
+/// What a sweep reports of the inertial sensor.
 struct InertialReport {
   InertialState state = InertialState::absent;
   std::optional<InertialEvent> event;          ///< that came with this sweep
@@ -44,7 +44,7 @@ struct InertialReport {
   double accel_scale = 1.0;      ///< from the accelerometer's own unit and sign to m/s²
   Eigen::Isometry3d T_body_lidar = Eigen::Isometry3d::Identity();  ///< refined, if it is to be
   double clock_offset = 0.0;  ///< s, taken off the stamps of readings; 0 unless it is refined
-  /// The gyroscope against the sweeps, as they come: the latest that the motion told.
+  /// The gyroscope against the sweeps, as they come: the latest that the motion constrained.
   std::optional<RotationComparison> comparison;
 };
 

@@ -26,7 +26,7 @@ constexpr double kScaleError = 0.005;  // share of readings: scale, axes that ar
 constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 // Readings stand for this long after the last one; then velocities stay as they were.
 constexpr Nanoseconds kHeld = milliseconds(20);
-// What the sign of an accelerometer is believed after, which started at rest.
+// The sign of an accelerometer that started at rest is confirmed after this way.
 constexpr double kFarFromRest = 2.0;  // m
 // What a prediction must be better than to be aligned from without a search.
 constexpr double kTrustedPosition = 0.25;  // m

@@ -13,10 +13,10 @@
 namespace adit {
 namespace {
 
-// The gyroscope is believed before a start unless it turns this much otherwise than alignments.
+// The gyroscope is trusted before a start unless it turns this much otherwise than alignments.
 constexpr double kTurnDisagreement = 0.1;  // rad
 constexpr size_t kFewestQuiet = 5;         // readings between two sweeps
-constexpr double kFastestTurn = 12.0;      // rad/s; readings beyond are not believed either
+constexpr double kFastestTurn = 12.0;      // rad/s; readings beyond are outliers as well
 
 }  // namespace
 

@@ -46,7 +46,7 @@ struct GyroCheck {
 };
 
 /// Compares the turns of aligned sweeps with the gyroscope's, over the last fifteen seconds or so
-/// (docs/theory/inertial.md, section 10). Readings and stamps as they come: what is told of the
+/// (docs/theory/inertial.md, section 10). Readings and stamps as they come: what is reported of the
 /// clock and the mounting is all there is, whatever is corrected elsewhere.
 class GyroMonitor {
  public:

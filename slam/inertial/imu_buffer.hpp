@@ -53,7 +53,7 @@ class ImuBuffer {
   ImuArrival push(const ImuSample& sample);
 
   /// The readings from `begin` to `end`. Where the buffer does not reach, its nearest reading is
-  /// held, and how long is told: the caller decides what that is worth.
+  /// held, and how long is reported: the caller judges that.
   ImuInterval between(Nanoseconds begin, Nanoseconds end) const;
 
   /// Drops samples that no interval from `stamp` on needs.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an inertial sensor has to be told before it can be integrated: which way is down, its
+// What has to be known of an inertial sensor before it can be integrated: which way is down, its
 // biases, and its unit (docs/theory/inertial.md).
 #pragma once
 

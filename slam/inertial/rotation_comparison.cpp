@@ -111,7 +111,7 @@ Eigen::Matrix3d first_mounting(const Moments& sums, double noise, std::size_t n,
   return nearest_rotation(sums.cross + prior * expected);
 }
 
-/// About the range sensor's axes; infinite about those that have a share in what is not told.
+/// About the range sensor's axes; infinite about those with a share in what is not observable.
 Eigen::Vector3d mounting_sigma(const RotationFit& fit) {
   Eigen::Vector3d sigma;
   for (int i = 0; i < 3; ++i) {

@@ -45,10 +45,10 @@ inline constexpr double kLeastInformation = 4.0;
 
 struct RotationFit {
   GyroscopeFrame frame;  ///< as it was at the start in directions that the motion does not tell
-  double offset_sigma = 0.0;  ///< s, standard deviation from the residuals; infinite: not told
+  double offset_sigma = 0.0;  ///< s, standard deviation from the residuals; infinite: unobservable
   /// Information of the mounting, offset and bias unknown: eigenvalues in ascending order (1/rad²)
   /// and their axes, columns in the range sensor's frame. What is below kLeastInformation a turn is
-  /// not told: the motion about that axis does not stand out from the residuals.
+  /// not observable: the motion about that axis does not stand out from the residuals.
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   std::array<bool, 3> told = {false, false, false};

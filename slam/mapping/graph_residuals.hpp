@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The edges of a graph as whitened residuals, for the solver and for what is told of its result.
+// The edges of a graph as whitened residuals, for the solver and for the report on its result.
 #pragma once
 
 #include <optional>

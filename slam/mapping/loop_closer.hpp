@@ -25,7 +25,7 @@ struct LoopReport {
 };
 
 /// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong
-/// ones. It is looked for from where all loops are believed: from far off, where much drift is to
+/// ones. It is looked for from where all loops are accepted: from far off, where much drift is to
 /// be corrected, the kernel would take it from right ones, too.
 OptimizedGraph optimize_with_loops(PoseGraph graph);
 

@@ -22,7 +22,7 @@ struct LoopHypothesis {
   NodeId to = 0;    ///< the later one
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< its covariance, right perturbation
-  bool strong = false;  ///< may be believed without others: all directions held, much in common
+  bool strong = false;  ///< may be accepted alone: all directions constrained, much in common
 };
 
 struct LoopVotingSettings {

@@ -54,7 +54,7 @@ constexpr double kRobustWidth = 1.0;
 constexpr double kFictitious = 0.5;  // information of a VGICP match in every direction
 
 // The alignment from an untrusted prediction must match this many times as many points as the
-// search's to be believed instead. A sensor at rest sees its own scan pattern again, so that no
+// search's to be accepted instead. A sensor at rest sees its own scan pattern again, so that no
 // motion matches nearly as many as the true one; a search that went astray matches far fewer.
 constexpr double kClearlyMore = 1.1;
 

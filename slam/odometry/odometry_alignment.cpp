@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The device's part of a step, and whether its result is to be believed.
+// The device's part of a step, and whether its result is accepted.
 #include <algorithm>
 #include <chrono>
 #include <optional>
@@ -130,8 +130,8 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   result.searched = true;
 }
 
-// What was found must be worth believing. An inertial prediction weighs the alignment itself: the
-// graph believes what contradicts it that much less.
+// Gates what was found. An inertial prediction weighs the alignment itself: the
+// graph gives what contradicts it that much less weight.
 void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
   if (!is_usable(result.registration.status)) {
     return;
@@ -158,8 +158,8 @@ SweepMotion Odometry::Impl::motion_at(const Sweep& sweep, const Vector6d& twist)
       .value_or(steady_motion(twist, 0.0, duration));
 }
 
-// The first sweep of a sensor that is moving already was taken as it came, since nothing told the
-// velocity. With the second sweep's alignment that is known: both are done again, de-skewed.
+// The first sweep of a sensor that is moving already was taken as it came, since its velocity
+// was unknown. With the second sweep's alignment it is known: both are done again, de-skewed.
 void Odometry::Impl::begin_again(Begun& second) {
   if (!first || !second.aligns) {
     return;

@@ -58,7 +58,7 @@ struct Odometry::Impl {
   OdometryState decide(SweepResult& result);
   bool is_keyframe(const SweepResult& result);
 
-  // odometry_alignment.cpp: the device's part, and whether its result is to be believed.
+  // odometry_alignment.cpp: the device's part, and whether its result is accepted.
   engine::Submission submit(const Expectation& expected);
   void wait(engine::Submission& submission, SweepResult& result);
   void read_back(Begun& sweep);

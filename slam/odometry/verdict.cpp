@@ -11,7 +11,7 @@
 namespace adit {
 namespace {
 
-// The bounds are those that told lost runs from held ones on simulated places, sensors and ways,
+// The bounds separate lost runs from held ones on simulated places, sensors and ways,
 // with and without an inertial sensor (docs/decisions/0016).
 constexpr size_t kWindow = 10;      // sweeps that are looked at together for what is not held
 constexpr size_t kLongWindow = 20;  // and for contradictions

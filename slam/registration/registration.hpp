@@ -81,7 +81,7 @@ struct RegistrationResult {
   double competing_share = 0.0;
 };
 
-/// From information to a covariance that holds what the matches do not know of their own errors
+/// From information to a covariance that includes what matches do not show of their own errors
 /// (docs/theory/registration.md): kappa (matches / inliers) (1 + max(0, rms / rms_expected - 1)) /
 /// max(overlap, 0.3)^2 times the inverse of the information, plus floors. Matches of one point are
 /// one measurement. With an `area`, times (surface of a match / area)^2 besides,

@@ -25,7 +25,7 @@ std::string_view to_string(FuzzedCommand command);
 /// What a command did.
 struct CommandOutcome {
   int code = 0;
-  std::string told;       ///< on both streams
+  std::string told;       ///< output on both streams
   std::string complaint;  ///< what it owed and did not do; empty: nothing
 };
 

@@ -122,7 +122,7 @@ inline Bytes pcapng(const std::vector<CapturedFrame>& frames) {
   return file;
 }
 
-/// Twelve blocks from azimuth `first` (degrees) on; range and reflectivity of a laser are told by
+/// Twelve blocks from azimuth `first` (degrees) on; range and reflectivity of a laser are given by
 /// range(block, i) in steps of 2 mm and i.
 template <class Range>
 Bytes velodyne_packet(double first, double step, uint32_t microseconds, uint8_t mode, uint8_t model,

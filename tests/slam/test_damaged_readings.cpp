@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Readings that are damaged and readings that are missing leave the tracker where it would be, and
-// fused; what has lasting causes is still told (test_inertial_faults.cpp).
+// fused; what has lasting causes is still reported (test_inertial_faults.cpp).
 #include <algorithm>
 #include <random>
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What can be wrong with an inertial sensor: each fault is survived, and told by its name.
+// What can be wrong with an inertial sensor: each fault is survived, and reported by its name.
 #include <array>
 #include <functional>
 #include <numbers>

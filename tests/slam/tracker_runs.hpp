@@ -74,7 +74,7 @@ struct Outcome {
     }
     return found;
   }
-  /// Those that were told, at their onset or with what else happened.
+  /// Those that were reported, at their onset or with what else happened.
   std::vector<Saturation> saturations() const {
     std::vector<Saturation> found = all<Saturation>();
     for (const InertialReport& report : reports) {

@@ -37,7 +37,7 @@ inline std::string depth_png(uint32_t width, const std::vector<uint16_t>& values
   std::string rows;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i % width == 0) {
-      rows += '\2';  // each row is told as its difference from the one above
+      rows += '\2';  // each row is stored as its difference from the one above
     }
     const unsigned value = values[i];
     const unsigned above = i < width ? 0U : values[i - width];

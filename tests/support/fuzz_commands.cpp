@@ -4,7 +4,7 @@
 // fuzz_commands [CASES [FORMAT [COMMAND [FIRST]]]]: the commands on so many damaged inputs each
 // (5000, over all formats), from case FIRST on; CASES as "600s": for so many seconds a format.
 // FORMAT and COMMAND may be "all". `./dev fuzz-commands` builds and runs it. A case that a command
-// does not end as it should is told by its number; the last that was begun, where that ends the
+// does not end as it should is reported by its number; the last that was begun, where that ends the
 // program.
 #include <sys/time.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `adit inspect` compares how the sensors turn: clocks that are apart by less than a second, and
-// mountings that are told wrongly.
+// mountings that are stated wrongly.
 #include <cmath>
 #include <numbers>
 
@@ -32,7 +32,7 @@ nlohmann::json report(const std::vector<Recorded>& events) {
   return nlohmann::json::parse(out.str());
 }
 
-/// The recording with the IMU told to be mounted like this.
+/// The recording with the IMU stated to be mounted like this.
 std::vector<Recorded> told(std::vector<Recorded> events, const Eigen::Matrix3d& R_base_imu) {
   for (Recorded& event : events) {
     auto* transform = std::get_if<StaticTransform>(&event.value);

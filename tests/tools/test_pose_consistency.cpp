@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kSweeps = 400;
 
 /// A run on a curve, ten sweeps a second, whose poses err as their covariances say, times `factor`.
-/// The truth is told in another frame.
+/// The truth is given in another frame.
 struct Drive {
   RunReview review;
   Trajectory estimate{.file = "estimate.tum", .stamped = true, .poses = {}};

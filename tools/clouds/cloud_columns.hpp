@@ -30,7 +30,7 @@ struct Column {
   bool swap_bytes = false;  ///< stored in the other byte order than this machine's
 };
 
-/// What a field of a point means, told by its name. `nanoseconds` is the part below a second of a
+/// What a field of a point means, by its name. `nanoseconds` is the part below a second of a
 /// time whose whole seconds are `time`. `curvature` is where some drivers for PCL's normals leave
 /// the time (ms).
 enum class FieldRole { x, y, z, intensity, ring, time, nanoseconds, curvature };
@@ -38,7 +38,7 @@ constexpr std::size_t kFieldRoles = 8;
 
 /// How points are to be understood, where their file does not tell.
 struct CloudReading {
-  double time_unit = 0.0;         ///< s, of the times of points; 0: told from them
+  double time_unit = 0.0;         ///< s, of the times of points; 0: inferred from them
   double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres
 };
 

@@ -31,7 +31,7 @@ struct Figures {
   std::size_t revoked = 0;
   std::size_t candidates = 0;
   std::size_t components = 0;
-  std::map<std::string, std::size_t> verticals;  ///< keyframes by what told them which way is up
+  std::map<std::string, std::size_t> verticals;  ///< keyframes by what the vertical comes from
   double length = 0.0;                           ///< m, along the sweeps
   double seconds = 0.0;                          ///< from the first sweep to the last
   Eigen::AlignedBox3d box;                       ///< box around the sensor's positions, m

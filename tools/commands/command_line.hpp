@@ -122,7 +122,7 @@ class CommandLine {
   /// Names of its commands.
   std::vector<std::string> commands() const;
 
-  /// Reads the words and runs the command's action. Help and mistakes are told on the standard
+  /// Reads the words and runs the command's action. Help and mistakes are printed on the standard
   /// streams; then the exit code is given.
   std::optional<int> run(int argc, const char* const* argv) const;
 

@@ -55,13 +55,13 @@ class Fields {
 /// Seconds and nanoseconds, 32 bits each.
 Nanoseconds read_time(ByteReader& reader);
 
-/// A topic and what was told about it.
+/// A topic and what is recorded about it.
 struct Connection {
   uint32_t id = 0;
   std::string topic;
   std::string type;
   std::string definition;
-  std::map<std::string, std::string> metadata;  ///< md5sum, callerid, latching: as far as told
+  std::map<std::string, std::string> metadata;  ///< md5sum, callerid, latching: as far as recorded
 };
 /// From the header and the data of its record.
 Connection read_connection(const Fields& header, const ByteReader& data);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Containers of messages (MCAP, ROS bags): which channels they have, and the messages one after the
-// other. What a message means is told by ros_events.hpp.
+// other. What a message means is known to ros_events.hpp.
 #pragma once
 
 #include <cstddef>

@@ -17,7 +17,7 @@ struct PagePoint {
   uint32_t pose = 0;  ///< which of the poses saw it
 };
 
-/// A pose of a trajectory and what is to be told of it; texts and NaN may be empty.
+/// A pose of a trajectory and what is shown of it; texts and NaN may be empty.
 struct PagePose {
   double time = 0.0;  ///< s after the first
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -39,7 +39,7 @@ struct MapPage {
 /// A map to fly through, as one HTML page that needs nothing else, not even a network: cloud and
 /// trajectory, coloured by height, intensity, time or uncertainty; a click on the trajectory tells
 /// of that sweep. Nine bytes a point before base64: coordinates in 1/65535 of the map's extent. At
-/// most 65535 poses are told of; more are thinned evenly.
+/// most 65535 poses are shown; more are thinned evenly.
 std::string map_page(const MapPage& page);
 
 }  // namespace adit

@@ -32,7 +32,7 @@ struct InnovationReview {
   std::size_t count = 0;
   double per_degree = 0.0;      ///< mean of the squares per degree of freedom; 1 is right
   double beyond_95 = 0.0;       ///< share beyond chi squared's 95 %; 0.05 is right
-  std::size_t beyond_gate = 0;  ///< not believed
+  std::size_t beyond_gate = 0;  ///< outliers
 };
 
 /// How the run ended, by its summary.json.

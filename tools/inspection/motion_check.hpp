@@ -48,7 +48,7 @@ struct MotionCheck {
   double period = 0.0;      ///< s from sweep to sweep, the median
   bool point_times = false;
   /// Nothing where the motion does not tell. Whole seconds between the clocks are left out of the
-  /// offset: they are told from the recorder's clock.
+  /// offset: they are derived from the recorder's clock.
   std::optional<RotationComparison> comparison;
   std::vector<SweepRecord> mapped{};  ///< the sweeps of the stretch, aligned without an IMU
   std::vector<ComparedTurn> turns{};  ///< where there is a comparison

@@ -58,7 +58,7 @@ WriterLock::WriterLock(const std::filesystem::path& file) : path_(file.string() 
       descriptor_ = -1;
     }
   }
-  // Who holds it is told to others only: that it cannot be written does no harm.
+  // Who holds it is for others to read: that it cannot be written does no harm.
   const std::string name = own_name();
   if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, name.data(), name.size(), 0) < 0) {
     errno = 0;

@@ -88,7 +88,7 @@ void OusterSweeps::add_column(std::span<const std::byte> pixels, std::size_t col
     for (const OusterReturn& one : pixel_.returns) {
       const uint32_t range = load<uint32_t>(pixel, one.range_at) & pixel_.range_mask;
       if (first && (range == 0 || range == *first)) {
-        continue;  // a second return is only told where it is another one
+        continue;  // a second return is only reported where it is another one
       }
       first = range;
       Point point = point_of(pixel_.range_unit * range, encoder, beam);

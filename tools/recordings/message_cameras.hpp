@@ -11,7 +11,7 @@
 
 namespace adit {
 
-/// The camera whose depth images are on a channel of a file: told by the channel's first image
+/// The camera whose depth images are on a channel of a file: known by the channel's first image
 /// (16UC1 or 32FC1) and the first sensor_msgs/CameraInfo on camera_info beside the images' topic,
 /// in whichever of the recording's files. Images on a topic with "rect" in its name count as
 /// rectified. Null where the images are no depths, or where no calibration that makes sense is

@@ -166,7 +166,7 @@ class MessageEventStream final : public EventStream {
                        "The message is damaged; the others can be read");
     }
     for (Event& event : decoder_->take(*datagram)) {
-      if (event.topic != PacketDecoder::kTransforms) {  // those were told at the begin
+      if (event.topic != PacketDecoder::kTransforms) {  // those were reported at the begin
         add_packet_event(std::move(event));
       }
     }

@@ -86,7 +86,7 @@ bool PacketDecoder::is_data(const Datagram& datagram) const {
   return false;
 }
 
-/// What is told beside the sweeps.
+/// What is reported beside the sweeps.
 std::optional<Event> PacketDecoder::other(const Datagram& datagram) {
   const bool ouster = sensor_->kind == Kind::ouster && is_ouster_imu(datagram);
   const bool livox = sensor_->kind == Kind::livox && is_livox_imu(datagram);

@@ -69,7 +69,7 @@ struct EventSelection {
   Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
-  double point_time_unit = 0.0;   ///< s, of the times of points; 0: told from the first sweeps
+  double point_time_unit = 0.0;   ///< s, of the times of points; 0: inferred from the first sweeps
   double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres
 };
 

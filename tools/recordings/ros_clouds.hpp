@@ -13,7 +13,7 @@
 
 namespace adit::ros {
 
-/// The sweep in a point cloud, `stamp` being its header's time. Fields are told by their names, as
+/// The sweep in a point cloud, `stamp` being its header's time. Fields are known by their names, as
 /// in cloud_columns.hpp; per-point times as in point_times.hpp. The stamp of the result is
 /// absolute. Throws CodecError where the layout makes no sense, InputError (naming `file`) where a
 /// point does.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // ROS 1 serialisation and ROS 2's CDR (XCDR1, OMG DDS-XTypes 7.4), read and written. What a message
-// consists of is told once, in ros_visit.hpp, by a function that visits its fields in their
+// consists of is stated once, in ros_visit.hpp, by a function that visits its fields in their
 // order; here are the visitors.
 #pragma once
 

@@ -9,7 +9,7 @@
 
 namespace adit {
 
-/// The same recording without its damage: where a stream would throw InputError, `damage` is told
+/// The same recording without its damage: where a stream would throw InputError, `damage` is called
 /// and the stream goes on behind. `recording` must outlive it.
 std::unique_ptr<Recording> pass_over_damage(const Recording& recording,
                                             std::function<void(const InputError&)> damage);

@@ -64,7 +64,7 @@ struct SweepRecord {
   PoseUncertainty uncertainty = kUnknownUncertainty;  ///< covariances, lidar axes, m and rad
 };
 
-/// What the odometry told of sweep `index`.
+/// What the odometry reported of sweep `index`.
 SweepRecord sweep_record(std::size_t index, const SweepResult& sweep);
 
 /// Writes the table as sweeps come. Throws OutputError.

@@ -74,7 +74,7 @@ struct Rod {
 };
 void add_rod(Mesh& mesh, const Rod& rod, Material material);
 
-/// An ellipsoid whose surface is uneven by up to `roughness` of its radii, told by `seed`.
+/// An ellipsoid whose surface is uneven by up to `roughness` of its radii, drawn from `seed`.
 struct Blob {
   Eigen::Vector3d center;
   Eigen::Vector3d radii;

@@ -17,7 +17,7 @@ void write_png(const std::filesystem::path& file, const Image& image) {
   head.width = static_cast<png_uint_32>(image.width);
   head.height = static_cast<png_uint_32>(image.height);
   head.format = PNG_FORMAT_RGB;
-  // The whole picture fits into memory many times over; only there can a full disk be told well.
+  // The whole picture fits into memory many times over; only there is a full disk reported well.
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(head), '\0');
   png_alloc_size_t size = bytes.size();
   if (png_image_write_to_memory(&head, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) ==

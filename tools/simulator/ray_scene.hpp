@@ -22,7 +22,7 @@ struct RayHit {
 
 /// A mesh to cast rays at: a hierarchy of boxes, four to a node, built by the surface area
 /// heuristic (Wald 2007). The boxes only save work: which triangle is hit, and how far away, is
-/// told by sums and products of doubles in a fixed order, so hits are the same bits on every
+/// decided by sums and products of doubles in a fixed order, so hits are the same bits on every
 /// machine.
 class RayScene {
  public:

@@ -93,7 +93,7 @@ class Reader {
 
   using Key = std::pair<std::string, std::function<void(const toml::node&)>>;
 
-  /// Hands each value to its key's function. What that throws about a name is told with the place.
+  /// Hands each value to its key's function. What that throws of a name is reported with its place.
   void read(const toml::table& values, const std::vector<Key>& keys) const {
     for (const auto& [key, node] : values) {
       const auto found = std::ranges::find(keys, key.str(), &Key::first);

@@ -70,7 +70,7 @@ void take(TopicStatistics& topic, const ImuSample& sample, Nanoseconds received)
     return;
   }
   if (no_gyroscope) {
-    // The gate wants both; what no sensor reads is told without it.
+    // The gate wants both; what no sensor reads is found without it.
     if (sample.linear_acceleration.cwiseAbs().maxCoeff() > ReadingLimits{}.acceleration) {
       ++s.impossible;
     } else {
