@@ -118,7 +118,7 @@ Eigen::Vector3d mounting_sigma(const RotationFit& fit) {
     double variance = 0.0;
     for (int k = 0; k < 3; ++k) {
       const double share = fit.axes(i, k) * fit.axes(i, k);
-      if (fit.told[static_cast<std::size_t>(k)]) {
+      if (fit.observable[static_cast<std::size_t>(k)]) {
         variance += share / fit.eigenvalues(k);
       } else if (share > 0.1) {
         variance = std::numeric_limits<double>::infinity();

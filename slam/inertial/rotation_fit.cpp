@@ -46,7 +46,7 @@ struct Solution {
   double offset_sigma = std::numeric_limits<double>::infinity();
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  std::array<bool, 3> told = {false, false, false};
+  std::array<bool, 3> observable = {false, false, false};
 };
 
 /// The bias is eliminated, then the offset; what is left of the mounting is solved in the
@@ -72,9 +72,9 @@ Solution solve(const NormalEquations& sums, std::size_t turns) {
   double variance = 0.0;
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
-    const bool told = found.eigenvalues(i) > kLeastInformation * n;
-    found.told[static_cast<std::size_t>(i)] = told;
-    if (told) {
+    const bool observable = found.eigenvalues(i) > kLeastInformation * n;
+    found.observable[static_cast<std::size_t>(i)] = observable;
+    if (observable) {
       const Eigen::Vector3d axis = found.axes.col(i);
       turn -= axis * axis.dot(g_mounting) / mounting.eigenvalues()(i);
       variance += std::pow(to_offset.dot(axis), 2) / found.eigenvalues(i);
@@ -120,7 +120,7 @@ RotationFit fit_rotations(std::span<const MeasuredTurn> turns, const GyroscopeIn
     fit.offset_sigma = found.offset_sigma;
     fit.eigenvalues = found.eigenvalues;
     fit.axes = found.axes;
-    fit.told = found.told;
+    fit.observable = found.observable;
     if (found.step.head<4>().norm() < kConverged) {
       break;
     }

@@ -51,7 +51,7 @@ struct RotationFit {
   /// not observable: the motion about that axis does not stand out from the residuals.
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  std::array<bool, 3> told = {false, false, false};
+  std::array<bool, 3> observable = {false, false, false};
 };
 
 /// Least squares over turns that are covered with `most_offset` (s) to spare, by Gauss-Newton from

@@ -88,7 +88,7 @@ TEST(RotationFit, ClockAndMountingAreToldApart) {
     EXPECT_LE(error.norm(), 0.01);
     clock += std::pow((fit.frame.offset - 0.03) / fit.offset_sigma, 2);
     mounting += (fit.axes.transpose() * error).cwiseAbs2().dot(fit.eigenvalues);
-    EXPECT_EQ(fit.told, (std::array{true, true, true}));
+    EXPECT_EQ(fit.observable, (std::array{true, true, true}));
   }
   EXPECT_NEAR(clock / kRuns, 1.0, 0.8);             // chi squared of 1, 30 runs: 0.56 to 1.6
   EXPECT_NEAR(mounting / (3.0 * kRuns), 1.0, 0.6);  // chi squared of 3
@@ -100,7 +100,7 @@ TEST(RotationFit, AVehicleInThePlaneDoesNotTellTheHeadingOfTheMounting) {
   const Eigen::Matrix3d yawed = so3_exp({0.0, 0.0, 0.4});
   const RotationFit fit = fit_rotations(turns(planar, so3_exp({0.05, 0.0, 0.0}), 0.0005, 1),
                                         integral, {.R_range_gyro = yawed}, 0.3);
-  EXPECT_EQ(fit.told, (std::array{false, true, true}));
+  EXPECT_EQ(fit.observable, (std::array{false, true, true}));
   EXPECT_GE(std::abs(fit.axes.col(0).z()), 0.99);
   EXPECT_LE(fit.eigenvalues(0), 1e-3 * fit.eigenvalues(1));
   EXPECT_NEAR(fit.frame.offset, 0.02, 0.003);
