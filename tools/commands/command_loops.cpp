@@ -132,7 +132,7 @@ std::string text_of(const LoopsCommandOptions& options,
                     const std::optional<Changed>& changed) {
   std::string text;
   if (changed) {
-    text += fmt::format("{:<8}   loop {}; cost {:.6g}, now {:.6g}; keyframes moved by up to {:.3f} m\n",
+    text += fmt::format("{}   loop {}; cost {:.6g}, now {:.6g}; keyframes moved by up to {:.3f} m\n",
                         changed->status == EdgeStatus::revoked ? "revoked" : "restored",
                         changed->id, changed->cost_before, changed->cost_after, changed->moved);
   }
