@@ -15,6 +15,10 @@ namespace {
 
 // Measured on the simulated office's odometry, over 20 to 40 edges (docs/theory/loops.md).
 constexpr double kLumps = 4.0;
+// Few edges of the odometry are off by many of their standard deviations: beyond one, errors count
+// as they are and not squared, so that those few take what the loops correct
+// (docs/theory/loops.md).
+constexpr RobustLoss kOdometryKernel{.kernel = Kernel::pseudo_huber, .width = 1.0};
 constexpr NodeId kQueue = 5;        // keyframes
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
 constexpr double kFirstRms = 0.05;  // m, before there is any
@@ -77,7 +81,8 @@ std::vector<LoopHypothesis> loops_of(const auto& pending) {
 }  // namespace
 
 OptimizedGraph optimize_with_loops(PoseGraph graph) {
-  OptimizationSettings settings{.convention = ResidualConvention::rotation};
+  OptimizationSettings settings{.convention = ResidualConvention::rotation,
+                                .odometry_kernel = kOdometryKernel};
   const OptimizedGraph all_believed = optimize_condensed(graph, settings);
   settings.loop_kernel.kernel = Kernel::dcs;
   const double cost_before = graph_cost(graph, settings);

@@ -78,23 +78,26 @@ struct KeyframeRecord {
   std::vector<LoopCandidate> candidates{};
 };
 
+/// What changes in a map besides new keyframes.
+struct MapRevision {
+  std::vector<PoseEdge> edges{};            ///< new ones
+  std::vector<LoopCandidate> candidates{};  ///< those with the id of a stored one replace it
+  std::vector<std::pair<std::size_t, EdgeStatus>> statuses{};  ///< new ones of stored edges
+  std::vector<PoseNode> poses{};                               ///< new ones of stored keyframes
+};
+
 class MapStore {
  public:
   virtual ~MapStore() = default;
 
   virtual SessionId add_session(const MapSession& session) = 0;
   virtual void store(const KeyframeRecord& record) = 0;
-  /// Edges and verdicts that come later, as a whole or not at all. Candidates with the id of a
-  /// stored one replace it.
-  virtual void store(std::span<const PoseEdge> edges,
-                     std::span<const LoopCandidate> candidates) = 0;
-  /// New poses of stored keyframes, as a whole or not at all.
-  virtual void store_poses(std::span<const PoseNode> nodes) = 0;
-  virtual void set_edge_status(std::size_t edge, EdgeStatus status) = 0;
+  /// As a whole or not at all.
+  virtual void revise(const MapRevision& revision) = 0;
 
   virtual std::vector<MapSession> sessions() const = 0;
   virtual std::vector<MapKeyframe> keyframes() const = 0;
-  /// Edges in the order in which they were stored: set_edge_status() counts them so.
+  /// Edges in the order in which they were stored: MapRevision::statuses counts them so.
   virtual PoseGraph graph() const = 0;
   virtual std::vector<LoopCandidate> candidates() const = 0;
   virtual MapSubmap submap(NodeId keyframe) const = 0;

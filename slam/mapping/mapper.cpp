@@ -59,7 +59,7 @@ void Mapper::finish() {
     close_loops(loops_->finish(graph_), graph_.nodes().size());
     report_.loops = loops_->report();
   }
-  store_->store_poses(graph_.nodes());
+  store_->revise({.poses = graph_.nodes()});
   report_.components = connected_components(graph_).components.size();
 }
 
@@ -146,7 +146,7 @@ void Mapper::take_effect(NodeId until) {
   std::vector<PoseEdge> edges;
   const auto store_edges = [&] {
     if (!edges.empty()) {
-      store_->store(edges, {});
+      store_->revise({.edges = edges});
       edges.clear();
     }
   };
@@ -168,11 +168,12 @@ void Mapper::take_effect(NodeId until) {
 
 // What loops have changed, for the store and for what came after the last node with an edge.
 void Mapper::close_loops(const LoopCloser::Change& change, std::size_t last_tied) {
-  if (!change.edges.empty() || !change.records.empty()) {
-    store_->store(change.edges, change.records);
-  }
+  MapRevision revision{.edges = change.edges, .candidates = change.records};
   for (const std::size_t edge : change.revoked) {
-    store_->set_edge_status(edge, EdgeStatus::revoked);
+    revision.statuses.emplace_back(edge, EdgeStatus::revoked);
+  }
+  if (!revision.edges.empty() || !revision.candidates.empty()) {
+    store_->revise(revision);
   }
   if (change.moved && last_tied < graph_.nodes().size()) {
     follow(last_tied);

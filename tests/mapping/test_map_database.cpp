@@ -37,7 +37,7 @@ TEST(MapDatabase, HoldsWhatWasStored) {
     for (NodeId id = 0; id < 20; ++id) {
       map.store(record(id, session));
     }
-    map.set_edge_status(3, EdgeStatus::revoked);
+    map.revise({.statuses = {{3, EdgeStatus::revoked}}});
     written = dump_of(map);
   }
   EXPECT_FALSE(fs::exists(file.string() + "-wal")) << "a clean end leaves one file";
@@ -88,7 +88,7 @@ TEST(MapDatabase, FindsSubmapsByPlaceAlsoWhereThatHasChanged) {
   std::vector<PoseNode> moved = {
       {.id = 10, .T_map_node = record(10, session).keyframe.T_map_keyframe}};
   moved[0].T_map_node.translation().x() = -20.0;
-  map.store_poses(moved);
+  map.revise({.poses = moved});
   EXPECT_TRUE(near(100.0).empty());
   EXPECT_EQ(near(-20.0), std::vector<NodeId>{10});
   EXPECT_EQ(map.keyframes()[10].T_map_keyframe.translation().x(), -20.0);
@@ -101,14 +101,14 @@ TEST(MapDatabase, CandidatesAreReplacedById) {
   map.store(record(0, session));
   map.store(record(1, session));
   LoopCandidate candidate{.from = 1, .to = 0, .overlap = 0.5, .reason = "waits"};
-  map.store({}, std::vector{candidate});
+  map.revise({.candidates = {candidate}});
   candidate = map.candidates().at(0);
   EXPECT_EQ(candidate.reason, "waits");
   candidate.verdict = CandidateVerdict::accepted;
   candidate.reason = "three agree";
   PoseEdge edge = record(1, session).edges.front();
   edge.kind = EdgeKind::loop;
-  map.store(std::vector{edge}, std::vector{candidate});
+  map.revise({.edges = {edge}, .candidates = {candidate}});
   ASSERT_EQ(map.candidates().size(), 1U);
   EXPECT_EQ(map.candidates()[0].verdict, CandidateVerdict::accepted);
   EXPECT_EQ(map.graph().edges().back().kind, EdgeKind::loop);
@@ -122,8 +122,7 @@ TEST(MapDatabase, AMapOfTheOlderSchemaIsReadAndItsFirstWriterBringsItToThisOne) 
     const SessionId session = test::add_session(map);
     map.store(record(0, session));
     map.store(record(1, session));
-    map.store({},
-              std::vector{LoopCandidate{.from = 0, .to = 1, .overlap = 0.5, .reason = "waits"}});
+    map.revise({.candidates = {{.from = 0, .to = 1, .overlap = 0.5, .reason = "waits"}}});
   }
   {
     const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
@@ -140,7 +139,7 @@ TEST(MapDatabase, AMapOfTheOlderSchemaIsReadAndItsFirstWriterBringsItToThisOne) 
     LoopCandidate candidate = map.candidates().at(0);
     candidate.rms = 0.25;
     candidate.verdict = CandidateVerdict::revoked;
-    map.store({}, std::vector{candidate});
+    map.revise({.candidates = {candidate}});
   }
   const MapDatabase map(file, MapAccess::read);
   EXPECT_EQ(map.candidates().at(0).rms, 0.25);
@@ -162,7 +161,7 @@ TEST(MapDatabase, ReadersSeeWhatIsStoredWhileOneWrites) {
   EXPECT_EQ(dump_of(second), dump_of(map));
   EXPECT_NE(error_of([&] {
               MapDatabase other(file, MapAccess::read);
-              other.set_edge_status(0, EdgeStatus::revoked);
+              other.revise({.statuses = {{0, EdgeStatus::revoked}}});
             }).find("readonly"),
             std::string::npos);
 }

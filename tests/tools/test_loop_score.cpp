@@ -39,12 +39,12 @@ class LoopScoring : public testing::Test {
       map.store({.keyframe = {.id = id, .session = session, .stamp = seconds(id)},
                  .submap = encode(submap)});
     }
-    map.store({},
-              std::vector{candidate(2, 12, 0.1, CandidateVerdict::accepted, "none"),
-                          candidate(3, 13, 0.7, CandidateVerdict::accepted, "none"),
-                          candidate(4, 14, 0.0, CandidateVerdict::rejected, "few_votes"),
-                          candidate(5, 15, 3.0, CandidateVerdict::rejected, "beyond_gate"),
-                          candidate(6, 16, 0.0, CandidateVerdict::rejected, "too_little_overlap")});
+    map.revise(
+        {.candidates = {candidate(2, 12, 0.1, CandidateVerdict::accepted, "none"),
+                        candidate(3, 13, 0.7, CandidateVerdict::accepted, "none"),
+                        candidate(4, 14, 0.0, CandidateVerdict::rejected, "few_votes"),
+                        candidate(5, 15, 3.0, CandidateVerdict::rejected, "beyond_gate"),
+                        candidate(6, 16, 0.0, CandidateVerdict::rejected, "too_little_overlap")}});
   }
 
   LoopCandidate candidate(NodeId from, NodeId to, double off, CandidateVerdict verdict,

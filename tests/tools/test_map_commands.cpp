@@ -244,7 +244,7 @@ TEST_F(MapCommands, OptimizePutsDisturbedPosesBackIntoTheMap) {
     MapDatabase map(map_, MapAccess::write);
     PoseNode moved{.id = before[3].id, .T_map_node = before[3].T_map_keyframe};
     moved.T_map_node.translation().y() += 0.7;
-    map.store_poses(std::span(&moved, 1));
+    map.revise({.poses = {moved}});
   }
   const Ran other =
       ran(optimize_command, OptimizeCommandOptions{.input = map_, .output = folder_ / "o.g2o"});

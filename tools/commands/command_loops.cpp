@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <iostream>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/loop_closer.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
@@ -115,9 +115,7 @@ Changed change(const LoopsCommandOptions& options) {
   const std::vector<LoopCandidate> records =
       with_residuals(candidates, graph, optimized.report, options.map);
   graph.set_poses(optimized.poses);
-  map.set_edge_status(edge, changed.status);
-  map.store({}, records);
-  map.store_poses(graph.nodes());
+  map.revise({.candidates = records, .statuses = {{edge, changed.status}}, .poses = graph.nodes()});
   return changed;
 }
 
@@ -132,9 +130,10 @@ std::string text_of(const LoopsCommandOptions& options,
                     const std::optional<Changed>& changed) {
   std::string text;
   if (changed) {
-    text += fmt::format("{}   loop {}; cost {:.6g}, now {:.6g}; keyframes moved by up to {:.3f} m\n",
-                        changed->status == EdgeStatus::revoked ? "revoked" : "restored",
-                        changed->id, changed->cost_before, changed->cost_after, changed->moved);
+    text +=
+        fmt::format("{}   loop {}; cost {:.6g}, now {:.6g}; keyframes moved by up to {:.3f} m\n",
+                    changed->status == EdgeStatus::revoked ? "revoked" : "restored", changed->id,
+                    changed->cost_before, changed->cost_after, changed->moved);
   }
   if (candidates.empty()) {
     return text + options.map.string() +
@@ -143,9 +142,8 @@ std::string text_of(const LoopsCommandOptions& options,
   text += "    id    from      to  verdict   overlap  correction           chi2  reason\n";
   for (const LoopCandidate& one : candidates) {
     text += fmt::format("{:6}  {:6}  {:6}  {:<8}  {:7.2f}  {:6.3f} m {:4.1f} deg  {:7.2f}  {}\n",
-                        one.id, one.from, one.to, name_of(one.verdict), one.overlap,
-                        one.correction, one.turn * 180.0 / std::numbers::pi, one.chi2,
-                        reason_of(one));
+                        one.id, one.from, one.to, name_of(one.verdict), one.overlap, one.correction,
+                        one.turn * kDegreesPerRadian, one.chi2, reason_of(one));
   }
   const auto accepted =
       std::ranges::count(candidates, CandidateVerdict::accepted, &LoopCandidate::verdict);

@@ -267,7 +267,7 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
   if (options.output && !failed) {
     write_g2o(*options.output, outcome.file.graph);
   } else if (outcome.is_map && !failed) {
-    MapDatabase(options.input, MapAccess::write).store_poses(outcome.file.graph.nodes());
+    MapDatabase(options.input, MapAccess::write).revise({.poses = outcome.file.graph.nodes()});
   }
   out << (options.json ? to_json(options, outcome) : describe(options, outcome));
   if (options.output && !failed && !options.json) {

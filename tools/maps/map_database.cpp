@@ -234,14 +234,28 @@ void MapDatabase::store(const KeyframeRecord& record) {
   transaction.commit();
 }
 
-void MapDatabase::store(std::span<const PoseEdge> edges,
-                        std::span<const LoopCandidate> candidates) {
+void MapDatabase::revise(const MapRevision& revision) {
   Transaction transaction(database_);
-  for (const PoseEdge& edge : edges) {
+  for (const PoseEdge& edge : revision.edges) {
     insert(edge);
   }
-  for (const LoopCandidate& candidate : candidates) {
+  for (const LoopCandidate& candidate : revision.candidates) {
     insert(candidate);
+  }
+  for (const auto& [edge, status] : revision.statuses) {
+    database_.prepare("UPDATE edges SET status = ? WHERE id = ?")
+        .bind(1, static_cast<int64_t>(status))
+        .bind(2, static_cast<int64_t>(edge) + 1)
+        .step();
+  }
+  SqliteStatement move = database_.prepare("UPDATE keyframes SET pose = ?, fixed = ? WHERE id = ?");
+  for (const PoseNode& node : revision.poses) {
+    move.bind(1, as_bytes(pose_numbers(node.T_map_node)))
+        .bind(2, int64_t{node.fixed})
+        .bind(3, node.id)
+        .step();
+    move.reset();
+    place(node.id, node.T_map_node);
   }
   transaction.commit();
 }
@@ -309,28 +323,6 @@ void MapDatabase::place(NodeId keyframe, const Eigen::Isometry3d& pose) {
     insert.bind(3 + 2 * axis, centre[axis] + reach[axis]);
   }
   insert.step();
-}
-
-void MapDatabase::store_poses(std::span<const PoseNode> nodes) {
-  Transaction transaction(database_);
-  SqliteStatement update =
-      database_.prepare("UPDATE keyframes SET pose = ?, fixed = ? WHERE id = ?");
-  for (const PoseNode& node : nodes) {
-    update.bind(1, as_bytes(pose_numbers(node.T_map_node)))
-        .bind(2, int64_t{node.fixed})
-        .bind(3, node.id)
-        .step();
-    update.reset();
-    place(node.id, node.T_map_node);
-  }
-  transaction.commit();
-}
-
-void MapDatabase::set_edge_status(std::size_t edge, EdgeStatus status) {
-  database_.prepare("UPDATE edges SET status = ? WHERE id = ?")
-      .bind(1, static_cast<int64_t>(status))
-      .bind(2, static_cast<int64_t>(edge) + 1)
-      .step();
 }
 
 }  // namespace adit

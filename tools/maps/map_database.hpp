@@ -41,9 +41,7 @@ class MapDatabase final : public MapStore {
   // disk (then nothing of the call is stored), and InputError where what is read is damaged.
   SessionId add_session(const MapSession& session) override;
   void store(const KeyframeRecord& record) override;
-  void store(std::span<const PoseEdge> edges, std::span<const LoopCandidate> candidates) override;
-  void store_poses(std::span<const PoseNode> nodes) override;
-  void set_edge_status(std::size_t edge, EdgeStatus status) override;
+  void revise(const MapRevision& revision) override;
 
   std::vector<MapSession> sessions() const override;
   std::vector<MapKeyframe> keyframes() const override;

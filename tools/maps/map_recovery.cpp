@@ -134,7 +134,7 @@ class Recovery {
       ends.add_node({.id = edge->from});
       ends.add_node({.id = edge->to});
       ends.add_edge(*edge);
-      target_.store(std::span(&*edge, 1), {});
+      target_.revise({.edges = {*edge}});
       ++done_.edges;
     }
   }
@@ -142,7 +142,7 @@ class Recovery {
   void take_candidate(int64_t id) {
     const std::optional<LoopCandidate> candidate = source_.candidate(id);
     if (candidate && keyframes_.contains(candidate->from) && keyframes_.contains(candidate->to)) {
-      target_.store({}, std::span(&*candidate, 1));
+      target_.revise({.candidates = {*candidate}});
       ++done_.candidates;
     }
   }
