@@ -19,7 +19,7 @@ constexpr double kFineInput = 0.05;  // m
 std::vector<std::vector<Point>> read_sweeps(const std::filesystem::path& path, size_t count) {
   const std::unique_ptr<Recording> recording = open_recording(path);
   const std::unique_ptr<EventStream> events =
-      recording->events({.topics = {sweep_topic(*recording, path, "")}});
+      recording->events({.topics = {sweep_topic(*recording, path, {})}});
   std::vector<std::vector<Point>> sweeps;
   while (sweeps.size() < count) {
     std::optional<Event> event = events->next();

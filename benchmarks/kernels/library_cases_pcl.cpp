@@ -6,7 +6,6 @@
 // where PCL does it in the same call.
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -23,6 +22,7 @@
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/timing.hpp"
 #include "adit/benchmarks/reference/downsample.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit::bench {
 namespace {
@@ -123,8 +123,7 @@ Work align(Bench& bench, int points, std::shared_ptr<Registration> (*make)()) {
     pose.matrix() = found->cast<double>();
     const Eigen::Isometry3d error = scene.T_target_source.inverse() * pose;
     work.figures["error mm"] = 1e3 * error.translation().norm();
-    work.figures["error deg"] =
-        Eigen::AngleAxisd(error.linear()).angle() * 180.0 / std::numbers::pi;
+    work.figures["error deg"] = Eigen::AngleAxisd(error.linear()).angle() * kDegreesPerRadian;
   }
   work.run = timed(run);
   return work;

@@ -17,7 +17,8 @@ namespace adit::engine {
 inline constexpr uint32_t kMostMergedSweeps = 1U << gpu::kSweepBits;
 
 /// Where clouds are merged: a hash table of gpu::MergeCell. Coordinates are in the submap's own
-/// frame (m); cells reach 1023 of them from its origin in x and y, 511 in z.
+/// frame (m); cells reach gpu::kVoxelsSideways from its origin in x and y,
+/// gpu::kVoxelsUpwards in z.
 struct MergeView {
   Slice table;
   Slice counters;           ///< gpu::MergeCounters

@@ -13,7 +13,8 @@
 namespace adit::engine {
 
 /// A Gaussian voxel map on the device: a hash table of gpu::GaussianCell. Coordinates are in the
-/// map's own local frame (m); voxels reach 1023 cells from its origin in x and y, 511 in z.
+/// map's own local frame (m); voxels reach gpu::kVoxelsSideways cells from its origin in x
+/// and y, gpu::kVoxelsUpwards in z.
 struct VoxelMapView {
   Slice table;
   Slice counters;           ///< gpu::VoxelMapCounters

@@ -117,11 +117,12 @@ void check_registration(Checks& checks, const Config& config) {
 }
 
 void check_recording(Checks& checks, const RecordingConfig& r) {
-  checks.require(r.point_time_unit >= 0.0 && r.point_time_unit <= 1.0, "recording.point_time_unit",
-                 r.point_time_unit, "0, or the seconds that a step of one stands for: 1 at most");
-  checks.require(r.coordinate_scale >= 0.0 && r.coordinate_scale <= 1000.0,
-                 "recording.coordinate_scale", r.coordinate_scale,
-                 "0, or the metres that a step of one stands for: 1000 at most");
+  const double unit = r.point_time_unit.value_or(1.0);
+  checks.require(unit > 0.0 && unit <= 1.0, "recording.point_time_unit", unit,
+                 "the seconds that a step of one stands for: above 0, 1 at most");
+  const double scale = r.coordinate_scale.value_or(1.0);
+  checks.require(scale > 0.0 && scale <= 1000.0, "recording.coordinate_scale", scale,
+                 "the metres that a step of one stands for: above 0, 1000 at most");
   constexpr double kLongest = 4e9;  // s; a clock that counts from its start is 1.7e9 s behind
   checks.between("recording.sweep_time_offset", r.sweep_time_offset, -kLongest, kLongest, "s");
   checks.between("recording.imu_time_offset", r.imu_time_offset, -kLongest, kLongest, "s");

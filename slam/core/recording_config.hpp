@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace adit {
@@ -9,31 +10,32 @@ namespace adit {
 /// How a recording is to be understood, where it does not tell or tells what is wrong. `adit
 /// inspect --write-config` finds these.
 struct RecordingConfig {
-  std::string sweep_topic{};
-  std::string imu_topic{};
-  std::string metadata{};
-  double point_time_unit = 0.0;      ///< s
-  double coordinate_scale = 0.0;     ///< m
-  double sweep_time_offset = 0.0;    ///< s
-  double imu_time_offset = 0.0;      ///< s
-  double accelerometer_scale = 1.0;  ///< m/s² of a step of one
-  double gyroscope_scale = 1.0;      ///< rad/s of a step of one
+  std::optional<std::string> sweep_topic{};
+  std::optional<std::string> imu_topic{};
+  std::optional<std::string> metadata{};
+  std::optional<double> point_time_unit{};   ///< s
+  std::optional<double> coordinate_scale{};  ///< m
+  double sweep_time_offset = 0.0;            ///< s
+  double imu_time_offset = 0.0;              ///< s
+  double accelerometer_scale = 1.0;          ///< m/s² of a step of one
+  double gyroscope_scale = 1.0;              ///< rad/s of a step of one
 
   bool operator==(const RecordingConfig&) const = default;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
-    field("sweep_topic", self.sweep_topic, "", "the topic of sweeps to map; empty: the only one");
-    field("imu_topic", self.imu_topic, "", "the topic of the IMU; empty: the first");
+    field("sweep_topic", self.sweep_topic, "",
+          "the topic of sweeps to map; not given: the only one");
+    field("imu_topic", self.imu_topic, "", "the topic of the IMU; not given: the first");
     field("metadata", self.metadata, "",
           "file that tells of the sensor whose packets are recorded (Ouster's JSON, Hesai's angle "
-          "correction); empty: what lies beside the recording");
-    field(
-        "point_time_unit", self.point_time_unit, "s",
-        "what one step of the times of points is, such as 1e-9; 0: told from how far they spread");
+          "correction); not given: what lies beside the recording");
+    field("point_time_unit", self.point_time_unit, "s",
+          "what one step of the times of points is, such as 1e-9; not given: inferred from their "
+          "spread");
     field("coordinate_scale", self.coordinate_scale, "m",
-          "what one step of the coordinates of points is, such as 0.001; 0: they are metres, and "
-          "integers are refused");
+          "what one step of the coordinates of points is, such as 0.001; not given: they are "
+          "metres, and integers are refused");
     field("sweep_time_offset", self.sweep_time_offset, "s", "added to the times of sweeps");
     field("imu_time_offset", self.imu_time_offset, "s", "added to the times of IMU samples");
     field("accelerometer_scale", self.accelerometer_scale, "",

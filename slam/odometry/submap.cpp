@@ -21,12 +21,10 @@ constexpr uint32_t kCoarseTable = 1U << 16U;
 constexpr double kFullestLoad = 0.5;
 // A sensor this far from the submap's frame: its coordinates are still exact to 0.01 mm in float32.
 constexpr double kLongestReach = 100.0;  // m
-// Voxel keys hold 511 voxels in z, the shortest axis (shaders/include/hash.glsl).
-constexpr double kKeyRange = 511.0;
+// Voxels that a key can name in z, the shortest axis.
+constexpr double kKeyRange = gpu::kVoxelsUpwards;
 // Share of it that the sensor may move from the submap's frame, even if points at c_max exceed it.
 constexpr double kLeastShare = 0.25;
-// More points than this may overflow a voxel's sums (shaders/shared/gaussian_cell.h).
-constexpr uint32_t kFullestVoxel = 65535;
 
 // The most points of one down-sampled cloud that a voxel can hold, however it lies to their grid.
 uint32_t densest(uint32_t points, double voxel_size, double r_input) {
@@ -165,9 +163,9 @@ engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double fa
       .table = *coarse_table_, .counters = coarse_counters_, .voxel_size = voxel_size_ * factor};
   recorder.barrier();
   kernels_.record_clear(recorder, view);
-  uint32_t room = kFullestVoxel;
+  uint32_t room = gpu::kMostCellPoints;
   for (auto cloud = clouds_.rbegin(); cloud != clouds_.rend(); ++cloud) {
-    const uint32_t points = std::min(cloud->points, kFullestVoxel);
+    const uint32_t points = std::min(cloud->points, gpu::kMostCellPoints);
     const uint32_t fullest = densest(points, view.voxel_size, r_input_);
     if (fullest > room) {
       break;

@@ -18,7 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   for (const auto parse : {adit::parse_pcd, adit::parse_ply, adit::parse_las}) {
     try {
       const adit::Sweep sweep =
-          parse("input", content, {.coordinate_scale = size % 2 == 0 ? 0.001 : 0.0}).sweep;
+          parse("input", content,
+                {.coordinate_scale = size % 2 == 0 ? std::optional(0.001) : std::nullopt})
+              .sweep;
       adit::test::require_valid(sweep);
       if (sweep.points.size() > 88 * size) {  // LZF makes 264 bytes from three at most
         std::abort();

@@ -35,8 +35,9 @@ void feed(Encoding encoding, std::span<const std::byte> bytes) {
   static const adit::DepthCamera camera(
       {.width = 3, .height = 2, .fx = 100.0, .fy = 100.0, .cx = 1.0, .cy = 0.5});
   try {
-    adit::ros::to_events(channel, {0, adit::Nanoseconds(1), bytes, 0}, "input",
-                         {.coordinate_scale = bytes.size() % 2 == 0 ? 0.001 : 0.0}, &camera);
+    adit::ros::to_events(
+        channel, {0, adit::Nanoseconds(1), bytes, 0}, "input",
+        {.coordinate_scale = bytes.size() % 2 == 0 ? std::optional(0.001) : std::nullopt}, &camera);
     if constexpr (std::is_same_v<Message, adit::ros::CameraInfo>) {
       const adit::CameraModel model = adit::ros::to_camera(message, false);
       if (model.width * model.height < 4096) {  // a real camera's millions take their time

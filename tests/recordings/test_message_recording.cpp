@@ -274,7 +274,7 @@ TEST(MessageRecording, SeveralTopicsOfSweepsAskForAChoice) {
   const auto recording = open_recording(file);
   EXPECT_EQ(sweep_topic(*recording, file, "/livox"), 7U);
   try {
-    sweep_topic(*recording, file, "");
+    sweep_topic(*recording, file, {});
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(error.found().find("2 topics of sweeps: /points, /livox"), std::string::npos);
@@ -282,7 +282,7 @@ TEST(MessageRecording, SeveralTopicsOfSweepsAskForAChoice) {
   }
   EXPECT_THROW(sweep_topic(*recording, file, "/none"), InputError);
   const auto imu = record<ros::Imu>(folder, {test::imu_message(0)});
-  EXPECT_THROW(sweep_topic(*imu, file, ""), InputError);
+  EXPECT_THROW(sweep_topic(*imu, file, {}), InputError);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ constexpr ScalarType scalar() {
 }
 
 template <class T>
-CloudFile decode(const Convention& c, double time_unit = 0.0) {
+CloudFile decode(const Convention& c, std::optional<double> time_unit = {}) {
   struct Row {
     float xyz[3];
     T time;

@@ -134,7 +134,7 @@ TEST_F(SimulationTest, EveryDriversLayoutIsReadBackAsTheSamePoints) {
     simulate(simulation, {});
     const auto recording = open_recording(simulation.output);
     const auto events =
-        recording->events({.topics = {sweep_topic(*recording, simulation.output, "")}});
+        recording->events({.topics = {sweep_topic(*recording, simulation.output, {})}});
     const Sweep sweep = std::get<Sweep>(events->next()->value);
     std::vector<Point> returns;
     std::vector<float> stamps;

@@ -18,7 +18,8 @@ TEST(Presets, EachIsAValidConfiguration) {
     Config config;
     apply_preset(name, config);
     EXPECT_FALSE(validate(config)) << name;
-    EXPECT_EQ(config.recording.sweep_topic.empty(), config.recording.imu_topic.empty()) << name;
+    EXPECT_EQ(config.recording.sweep_topic.has_value(), config.recording.imu_topic.has_value())
+        << name;
   }
 }
 

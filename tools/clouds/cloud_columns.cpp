@@ -93,8 +93,8 @@ bool is_return(const Point& p) {
 
 /// Times as integers or doubles, whichever the column holds; 64-bit integers do not pass through a
 /// double.
-PointTimes decode_times(const std::filesystem::path& file, const Column& column, double unit,
-                        const std::vector<uint8_t>& valid) {
+PointTimes decode_times(const std::filesystem::path& file, const Column& column,
+                        std::optional<double> unit, const std::vector<uint8_t>& valid) {
   const bool floating = column.type == ScalarType::f32 || column.type == ScalarType::f64;
   if (floating) {
     std::vector<double> times(valid.size());
@@ -164,7 +164,7 @@ bool is_integer(ScalarType type) {
 void require_scale(const std::filesystem::path& file, const CloudColumns& columns) {
   for (const FieldRole axis : {FieldRole::x, FieldRole::y, FieldRole::z}) {
     const std::optional<Column>& column = columns[axis];
-    if (column && is_integer(column->type) && columns.reading.coordinate_scale == 0.0) {
+    if (column && is_integer(column->type) && !columns.reading.coordinate_scale) {
       throw InputError(file, Place::named("fields x, y, z"),
                        "coordinates are integers of " + std::to_string(8 * size_of(column->type)) +
                            " bits, and nothing tells how far a step is",
@@ -267,7 +267,8 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
   fill(FieldRole::y, &Point::y);
   fill(FieldRole::z, &Point::z);
   fill(FieldRole::intensity, &Point::intensity);
-  if (const double scale = columns.reading.coordinate_scale; scale > 0.0) {
+  if (columns.reading.coordinate_scale) {
+    const double scale = *columns.reading.coordinate_scale;
     for (Point& p : points) {
       p.x = static_cast<float>(scale * static_cast<double>(p.x));
       p.y = static_cast<float>(scale * static_cast<double>(p.y));
@@ -285,12 +286,12 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
     std::transform(points.begin(), points.end(), valid.begin(),
                    [](const Point& p) { return is_return(p) ? 1 : 0; });
     constexpr double kMilliseconds = 1e-3;  // PCL's users agree on it
-    const double unit = columns.reading.time_unit;
-    PointTimes times =
-        by_curvature ? decode_times(file, *curvature, unit > 0.0 ? unit : kMilliseconds, valid)
-        : columns[FieldRole::nanoseconds]
-            ? decode_split_times(file, columns, valid)
-            : decode_times(file, *columns[FieldRole::time], unit, valid);
+    const std::optional<double> unit = columns.reading.time_unit;
+    PointTimes times = by_curvature
+                           ? decode_times(file, *curvature, unit.value_or(kMilliseconds), valid)
+                       : columns[FieldRole::nanoseconds]
+                           ? decode_split_times(file, columns, valid)
+                           : decode_times(file, *columns[FieldRole::time], unit, valid);
     cloud.times =
         PointTimeNature{by_curvature ? "curvature" : columns.time_field, times.unit, times.absolute,
                         times.absolute ? 0.0 : std::chrono::duration<double>(times.start).count()};

@@ -38,8 +38,8 @@ constexpr std::size_t kFieldRoles = 8;
 
 /// How points are to be understood, where their file does not tell.
 struct CloudReading {
-  double time_unit = 0.0;         ///< s, of the times of points; 0: inferred from them
-  double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres
+  std::optional<double> time_unit{};         ///< s, of the times of points; none: inferred
+  std::optional<double> coordinate_scale{};  ///< m of a step of the coordinates; none: metres
 };
 
 /// The meaning of each named field; -1 where no field has it. Names are compared without case and

@@ -25,12 +25,12 @@ class PointTimeVote {
     }
   }
 
-  /// s; 0 where no sweep has points at different times.
-  double unit() const { return unit_; }
+  /// s; none where no sweep has points at different times.
+  std::optional<double> unit() const { return unit_; }
 
  private:
   double most_steps_ = 0.0;
-  double unit_ = 0.0;
+  std::optional<double> unit_;
 };
 
 }  // namespace adit

@@ -85,7 +85,8 @@ Nanoseconds scaled(T time, double unit) {
 
 template <class T>
 PointTimes interpret(const std::filesystem::path& file, std::span<const T> times,
-                     std::span<const uint8_t> valid, bool single_precision, double known_unit) {
+                     std::span<const uint8_t> valid, bool single_precision,
+                     std::optional<double> known_unit) {
   PointTimes result;
   result.offsets.resize(times.size());
   const std::optional<Extent> extent = find_extent(file, times, valid);
@@ -104,9 +105,8 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
   };
   const double largest =
       std::max(std::abs(static_cast<double>(first)), std::abs(static_cast<double>(last)));
-  const double unit = known_unit > 0.0
-                          ? known_unit
-                          : unit_from_spread(difference(last), largest, std::is_integral_v<T>);
+  const double unit =
+      known_unit ? *known_unit : unit_from_spread(difference(last), largest, std::is_integral_v<T>);
   result.unit = unit;
   const double duration = difference(last) * unit;
   if (!(duration <= kLongestSweep)) {
@@ -114,7 +114,7 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
         file, Place::point(extent->latest),
         "its time is " + std::to_string(duration) + " s after that of point " +
             std::to_string(extent->earliest) + "; a sweep lasts 10 s at most",
-        known_unit > 0.0
+        known_unit
             ? "Correct recording.point_time_unit"
             : "The file is damaged or holds more than one sweep; or set recording.point_time_unit, "
               "such as 1e-9");
@@ -144,12 +144,13 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
 }  // namespace
 
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
-                           std::span<const uint8_t> valid, bool single_precision, double unit) {
+                           std::span<const uint8_t> valid, bool single_precision,
+                           std::optional<double> unit) {
   return interpret(file, times, valid, single_precision, unit);
 }
 
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
-                           std::span<const uint8_t> valid, double unit) {
+                           std::span<const uint8_t> valid, std::optional<double> unit) {
   return interpret(file, times, valid, false, unit);
 }
 

@@ -36,11 +36,11 @@ struct PointTimes {
 /// Interprets one sweep's times. Only points with valid[i] != 0 count for the unit and the start;
 /// the others' times are brought into the sweep. Throws InputError (with the point): not finite for
 /// a valid point, farther apart than one sweep lasts, or absolute in single precision, which cannot
-/// hold them. `unit` (s) is that of the times; 0: it is inferred from them.
+/// hold them. `unit` (s) is that of the times; without it, it is inferred from them.
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
                            std::span<const uint8_t> valid, bool single_precision,
-                           double unit = 0.0);
+                           std::optional<double> unit = {});
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
-                           std::span<const uint8_t> valid, double unit = 0.0);
+                           std::span<const uint8_t> valid, std::optional<double> unit = {});
 
 }  // namespace adit

@@ -63,7 +63,7 @@ struct SweepChoice {
 };
 
 SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& options,
-                          const std::string& name) {
+                          const std::optional<std::string>& name) {
   const std::size_t topic = sweep_topic(recording, options.recording, name);
   const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
   const auto start = static_cast<std::size_t>(options.start);
@@ -83,16 +83,16 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
 /// The IMU to use: the one that is named, else the first. None where there is none or
 /// imu.use is false.
 std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
-  const std::string& name = config.recording.imu_topic;
+  const std::optional<std::string>& name = config.recording.imu_topic;
   const std::vector<Topic>& topics = recording.topics();
   if (!config.imu.use) {
     return std::nullopt;
   }
   const auto found = std::ranges::find_if(topics, [&](const Topic& topic) {
-    return topic.kind == TopicKind::imu && (name.empty() || topic.name == name);
+    return topic.kind == TopicKind::imu && (!name || topic.name == *name);
   });
-  if (found == topics.end() && !name.empty()) {
-    throw UsageError("recording.imu_topic: the recording has no IMU on '" + name +
+  if (found == topics.end() && name) {
+    throw UsageError("recording.imu_topic: the recording has no IMU on '" + *name +
                      "'; adit inspect lists its topics.");
   }
   return found == topics.end() ? std::nullopt
@@ -225,7 +225,7 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   const Config config = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
   const SweepChoice sweeps = choose_sweeps(
-      *recording, options, options.topic.empty() ? config.recording.sweep_topic : options.topic);
+      *recording, options, options.topic ? options.topic : config.recording.sweep_topic);
   require_clear_point_times(*recording, sweeps.topic, options.recording);
   const std::optional<std::size_t> imu_topic = choose_imu(*recording, config);
   const HighRateFiles high_rate_files(options.output);

@@ -27,14 +27,14 @@ struct RunCommandOptions {
   DeviceOptions device{};
   MapOptions map{};
   HighRateOptions high_rate{};
-  std::string topic{};             ///< the sweeps' topic; empty: the only one
-  int64_t start = 0;               ///< the first sweep, counted from 0
-  std::optional<int64_t> count{};  ///< none: to the end
-  bool strict = false;             ///< anything but a reliable run is a failure
-  bool strict_input = false;       ///< the first damage ends the run
-  bool json = false;               ///< summary.json on `out` instead of the table
-  bool quiet = false;              ///< errors alone
-  bool stage_table = false;        ///< the table with every stage
+  std::optional<std::string> topic{};  ///< the sweeps' topic; none: the only one
+  int64_t start = 0;                   ///< the first sweep, counted from 0
+  std::optional<int64_t> count{};      ///< none: to the end
+  bool strict = false;                 ///< anything but a reliable run is a failure
+  bool strict_input = false;           ///< the first damage ends the run
+  bool json = false;                   ///< summary.json on `out` instead of the table
+  bool quiet = false;                  ///< errors alone
+  bool stage_table = false;            ///< the table with every stage
 };
 
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,

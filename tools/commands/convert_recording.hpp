@@ -23,7 +23,7 @@ struct ConvertOptions {
   std::optional<double> end_s{};             ///< s after the first message
   std::optional<Encoding> encoding{};        ///< for MCAP; none: as it is
   std::optional<Compression> compression{};  ///< none: the format's usual one
-  std::string metadata{};  ///< RecordingConfig::metadata, where nothing is repaired
+  std::optional<std::string> metadata{};  ///< RecordingConfig::metadata, where nothing is repaired
   std::optional<RecordingConfig> repair{};  ///< write sweeps and IMU samples as they are understood
 };
 

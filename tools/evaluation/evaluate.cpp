@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/evaluation/evaluate.hpp"
+#include "adit/slam/core/units.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <fmt/core.h>
@@ -65,7 +65,7 @@ std::optional<std::string> find_free_rotation(const Evaluation& evaluation) {
       "the path is nearly straight ({:.2f} m rms off a line, {:.1f} m along it) and aligned by "
       "positions alone, which tell how the estimate is turned about that line to some {:.1f} "
       "degrees only: the rotation of the ATE says little; that of the RPE does, or --align origin",
-      spread[1], spread[2], turn * 180.0 / std::numbers::pi);
+      spread[1], spread[2], turn * kDegreesPerRadian);
 }
 
 }  // namespace

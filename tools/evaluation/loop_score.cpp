@@ -7,13 +7,13 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <sstream>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/loop_reason.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
@@ -169,7 +169,7 @@ LoopScore score_loops(const std::filesystem::path& map_file, const Trajectory& t
         (from->second.T_world_keyframe.inverse() * to->second.T_world_keyframe);
     ScoredLoop scored{.candidate = candidate,
                       .metres = off.translation().norm(),
-                      .degrees = rotation_angle(off.linear()) * 180.0 / std::numbers::pi};
+                      .degrees = rotation_angle(off.linear()) * kDegreesPerRadian};
     scored.right = scored.metres <= kFalseLoopMetres && scored.degrees <= kFalseLoopDegrees;
     if (candidate.verdict == CandidateVerdict::accepted) {
       ++score.accepted;
@@ -198,7 +198,8 @@ std::string describe(const LoopScore& score) {
     }
   }
   return fmt::format(
-      "loops        {} accepted, {} of them false (beyond {:.1f} m or {:.0f} degrees); off by up to "
+      "loops        {} accepted, {} of them false (beyond {:.1f} m or {:.0f} degrees); off by up "
+      "to "
       "{:.3f} m, {:.2f} degrees\n"
       "             {} refused although measured rightly, {} refused with reason\n"
       "revisits     {}, {} of them found\n",

@@ -62,10 +62,10 @@ Profiles read_all(const Recording& recording, Inspection& result) {
 std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profiles& profiles,
                                        const Config& config) {
   std::vector<MotionPair> pairs;
-  const std::string& sweep_topic_name = config.recording.sweep_topic;
+  const std::optional<std::string>& sweep_topic_name = config.recording.sweep_topic;
   const auto sweeps = std::ranges::find_if(inspection.topics, [&](const Topic& topic) {
     return topic.kind == TopicKind::sweeps &&
-           (sweep_topic_name.empty() || topic.name == sweep_topic_name);
+           (!sweep_topic_name || topic.name == *sweep_topic_name);
   });
   if (sweeps == inspection.topics.end()) {
     return pairs;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/core.h>
 
@@ -52,7 +51,7 @@ std::string rest_text(const ImuStatistics& s) {
       "; at rest, or moving evenly, from {:.1f} to {:.1f} s after its first reading: gyroscope "
       "{:.2f}, {:.2f}, {:.2f} mrad/s, gravity {:.3f}, up {:.1f} degrees off its z",
       rest.begin, rest.end, bias.x(), bias.y(), bias.z(), up.norm(),
-      std::atan2(std::hypot(up.x(), up.y()), up.z()) * 180.0 / std::numbers::pi);
+      std::atan2(std::hypot(up.x(), up.y()), up.z()) * kDegreesPerRadian);
 }
 
 std::string imu_text(const ImuStatistics& s) {
@@ -81,10 +80,10 @@ double whole_offset(const Inspection& inspection, std::size_t topic) {
 }
 
 std::optional<std::size_t> first_of(const Inspection& inspection, TopicKind kind,
-                                    const std::string& name) {
+                                    const std::optional<std::string>& name) {
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     const Topic& topic = inspection.topics[i];
-    if (topic.kind == kind && (name.empty() || topic.name == name)) {
+    if (topic.kind == kind && (!name || topic.name == *name)) {
       return i;
     }
   }
@@ -150,7 +149,7 @@ void correct_imu(const Inspection& inspection, std::size_t topic, Config& config
     recording.accelerometer_scale *= -1.0;
   }
   if (found(inspection, "gyroscope_unit", name)) {
-    recording.gyroscope_scale *= std::numbers::pi / 180.0;
+    recording.gyroscope_scale *= kDegree;
   }
 }
 

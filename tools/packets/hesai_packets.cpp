@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <numbers>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {
@@ -225,8 +225,8 @@ void HesaiSweeps::add_block(std::span<const std::byte> payload, const HesaiPacke
     // XT's lasers fire 1.512 µs apart; 16 of them, every second of those of 32.
     const double within =
         xt ? 1e-6 * (0.28 + 1.512 * static_cast<double>(packet.lasers == 16 ? 2 * i : i)) : 0.0;
-    const double angle = (azimuth + angles_.azimuths[i]) * std::numbers::pi / 180.0;
-    const double elevation = angles_.elevations[i] * std::numbers::pi / 180.0;
+    const double angle = (azimuth + angles_.azimuths[i]) * kDegree;
+    const double elevation = angles_.elevations[i] * kDegree;
     const double metres = packet.range_unit * range;
     const double flat = metres * std::cos(elevation);
     sweep_->points.push_back({static_cast<float>(flat * std::sin(angle)),

@@ -154,7 +154,7 @@ ImuSample ouster_imu(const Datagram& datagram) {
                            static_cast<double>(load<float>(datagram.payload, at + 8)));
   };
   return {.stamp = time_of(load<uint64_t>(datagram.payload, 16)),
-          .angular_velocity = vector(36) * (std::numbers::pi / 180.0),
+          .angular_velocity = vector(36) * kDegree,
           .linear_acceleration = vector(24) * kStandardGravity};
 }
 

@@ -5,13 +5,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {
@@ -58,7 +58,7 @@ std::vector<double> angles(const fs::path& file, const json& all, const char* na
     if (!one.is_number() || !(std::abs(one.get<double>()) <= 360.0)) {
       fail(file, name, "an angle that is none");
     }
-    radians.push_back(one.get<double>() * std::numbers::pi / 180.0);
+    radians.push_back(one.get<double>() * kDegree);
   }
   return radians;
 }

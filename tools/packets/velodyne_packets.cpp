@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/packets/velodyne_packets.hpp"
+#include "adit/slam/core/units.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -228,8 +228,8 @@ void VelodyneSweeps::add_block(const Datagram& datagram, std::size_t block,
     const std::size_t laser = i % model.lasers;
     const double within = model.cycle * static_cast<double>(i / model.lasers) +
                           model.step * static_cast<double>(laser);
-    const double angle = (azimuth + advance_ * within / block_time) * std::numbers::pi / 180.0;
-    const double elevation = model.elevation[laser] * std::numbers::pi / 180.0;
+    const double angle = (azimuth + advance_ * within / block_time) * kDegree;
+    const double elevation = model.elevation[laser] * kDegree;
     const double metres = kRangeUnit * range;
     const double flat = metres * std::cos(elevation);
     sweep_->points.push_back(

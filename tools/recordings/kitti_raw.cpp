@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/clouds/sweep_times.hpp"
 #include "adit/tools/support/input_file.hpp"
 
@@ -77,11 +77,10 @@ GnssFixKind kind_of(double mode) {
 /// East, north and up of the Mercator projection, m, at the scale of a latitude (degrees).
 Eigen::Vector3d mercator(const Reading& reading, double scale_latitude) {
   constexpr double kEquator = 6378137.0;  // m
-  constexpr double kRadians = std::numbers::pi / 180.0;
-  const double scale = std::cos(scale_latitude * kRadians);
+  const double scale = std::cos(scale_latitude * kDegree);
   const Eigen::Vector3d g = vector(reading, kLatitude);
-  return {scale * kEquator * g.y() * kRadians,
-          scale * kEquator * std::log(std::tan((90.0 + g.x()) * kRadians / 2.0)), g.z()};
+  return {scale * kEquator * g.y() * kDegree,
+          scale * kEquator * std::log(std::tan((90.0 + g.x()) * kDegree / 2.0)), g.z()};
 }
 
 /// Poses in the frame of the first reading's position.

@@ -36,9 +36,10 @@ struct PacketTopics {
   Nanoseconds begin{0};  ///< the recording's
 };
 
-/// What the first sweeps of a topic tell of the unit of their points' times (s); 0 for nothing.
+/// What the first sweeps of a topic tell of the unit of their points' times (s), if anything.
 /// Damaged ones do not count.
-double told_time_unit(const std::vector<Part>& parts, std::size_t topic, double coordinate_scale) {
+std::optional<double> told_time_unit(const std::vector<Part>& parts, std::size_t topic,
+                                     std::optional<double> coordinate_scale) {
   PointTimeVote vote;
   std::size_t asked = 0;
   for (const Part& part : parts) {
@@ -215,9 +216,9 @@ class MessageEventStream final : public EventStream {
     }
   }
 
-  /// s, of the times of points; 0 where it is not known.
-  double time_unit(std::size_t topic, const Channel& channel) {
-    if (selection_.point_time_unit > 0.0 || channel.type != ros::PointCloud2::kType) {
+  /// s, of the times of points, where it is known.
+  std::optional<double> time_unit(std::size_t topic, const Channel& channel) {
+    if (selection_.point_time_unit || channel.type != ros::PointCloud2::kType) {
       return selection_.point_time_unit;
     }
     if (!time_units_[topic]) {

@@ -49,7 +49,8 @@ Nanoseconds stamp_of(const Event& event) {
       event.value);
 }
 
-std::size_t sweep_topic(const Recording& recording, const fs::path& path, const std::string& name) {
+std::size_t sweep_topic(const Recording& recording, const fs::path& path,
+                        const std::optional<std::string>& name) {
   std::string known;
   std::optional<std::size_t> found;
   std::size_t count = 0;
@@ -60,7 +61,7 @@ std::size_t sweep_topic(const Recording& recording, const fs::path& path, const 
     }
     ++count;
     known += (known.empty() ? "" : ", ") + topic.name;
-    if (name.empty() || topic.name == name) {
+    if (!name || topic.name == *name) {
       found = i;
     }
   }
@@ -70,9 +71,9 @@ std::size_t sweep_topic(const Recording& recording, const fs::path& path, const 
                      "(sensor_msgs/PointCloud2 or Livox's CustomMsg)");
   }
   if (!found) {
-    throw InputError(path, {}, "it has no topic of sweeps named " + name, "It has " + known);
+    throw InputError(path, {}, "it has no topic of sweeps named " + *name, "It has " + known);
   }
-  if (name.empty() && count > 1) {
+  if (!name && count > 1) {
     throw InputError(path, {}, "it has " + std::to_string(count) + " topics of sweeps: " + known,
                      "Choose one with --topic");
   }

@@ -69,8 +69,8 @@ struct EventSelection {
   Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
-  double point_time_unit = 0.0;   ///< s, of the times of points; 0: inferred from the first sweeps
-  double coordinate_scale = 0.0;  ///< m of a step of the coordinates; 0: they are metres
+  std::optional<double> point_time_unit{};   ///< s; none: inferred from the first sweeps
+  std::optional<double> coordinate_scale{};  ///< m of a step of the coordinates; none: metres
 };
 
 class EventStream {
@@ -109,7 +109,7 @@ class Recording {
 /// The one topic of sweeps, or the one that is named. Throws InputError where there is none, or
 /// where there are several and none is named.
 std::size_t sweep_topic(const Recording& recording, const std::filesystem::path& path,
-                        const std::string& name);
+                        const std::optional<std::string>& name);
 
 /// Opens a recording. Where there is an index, that alone is read.
 ///

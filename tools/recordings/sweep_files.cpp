@@ -23,9 +23,10 @@ constexpr const char* kWhatIsRead =
     "(velodyne_points/data/*.bin), EuRoC (mav0/) or TUM RGB-D (depth.txt); a folder of .bin, .pcd, "
     ".ply or .las files, or one such file";
 
-/// What the first sweeps tell of the unit of their points' times (s); 0 for nothing. Damaged ones
+/// What the first sweeps tell of the unit of their points' times (s), if anything. Damaged ones
 /// do not count.
-double told_time_unit(const SweepFiles& sweeps, double coordinate_scale) {
+std::optional<double> told_time_unit(const SweepFiles& sweeps,
+                                     std::optional<double> coordinate_scale) {
   PointTimeVote vote;
   const std::size_t count = std::min(sweeps.files.size(), PointTimeVote::kSweeps);
   for (std::size_t i = 0; i < count; ++i) {
@@ -47,7 +48,7 @@ class SweepFileStream final : public EventStream {
  public:
   SweepFileStream(const SweepFiles& sweeps, const EventSelection& selection)
       : sweeps_(&sweeps), end_(selection.end), scale_(selection.coordinate_scale) {
-    if (selection.point_time_unit > 0.0) {
+    if (selection.point_time_unit) {
       time_unit_ = selection.point_time_unit;
     }
     const auto& stamps = sweeps.stamps;
@@ -105,8 +106,9 @@ class SweepFileStream final : public EventStream {
 
   const SweepFiles* sweeps_;
   Nanoseconds end_;
-  double scale_;                     // m
-  std::optional<double> time_unit_;  // s, of the times of points; 0 where it is not known
+  std::optional<double> scale_;  // EventSelection::coordinate_scale
+  // s, of the times of points: not asked for yet, or not known
+  std::optional<std::optional<double>> time_unit_;
   std::size_t index_ = 0;
   std::optional<std::pair<std::size_t, Nanoseconds>>
       last_;  // sweep that was read last, and its stamp

@@ -291,7 +291,7 @@ Config load_config(const ConfigSource& source) {
   for (const std::string& text : source.overrides) {
     overridden[apply_override(config, text)] = text;
   }
-  if (!source.metadata.empty()) {
+  if (source.metadata) {
     config.recording.metadata = source.metadata;
   }
 

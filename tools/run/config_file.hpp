@@ -18,9 +18,9 @@ namespace adit {
 /// Where a configuration comes from: defaults, then the preset, the file and the overrides.
 struct ConfigSource {
   std::optional<std::filesystem::path> file;
-  std::vector<std::string> overrides;  ///< "section.key=value", the last one of a key wins
-  std::string preset{};                ///< a name in presets.hpp; empty: none
-  std::string metadata{};              ///< recording.metadata; empty: as the others say
+  std::vector<std::string> overrides;     ///< "section.key=value", the last one of a key wins
+  std::string preset{};                   ///< a name in presets.hpp; empty: none
+  std::optional<std::string> metadata{};  ///< recording.metadata; none: as the others say
 };
 
 /// Reads and validates. Throws InputError with line and column for what the file says, UsageError

@@ -71,7 +71,7 @@ EventValue corrected(EventValue value, const RecordingConfig& config) {
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingConfig& config) {
   std::unique_ptr<Recording> recording =
-      open_recording(path, std::filesystem::path(config.metadata));
+      open_recording(path, std::filesystem::path(config.metadata.value_or("")));
   if (config == RecordingConfig{}) {
     return recording;
   }

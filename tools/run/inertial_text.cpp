@@ -5,16 +5,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
 #include "adit/slam/core/text.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::array kAxes = {"x", "y", "z"};
 constexpr std::array kTurns = {"roll", "pitch", "yaw"};
 
@@ -41,7 +40,7 @@ std::string mounting_text(const GyroCheck& check) {
   const RotationComparison& found = *check.comparison;
   const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
   return "the gyroscope turns as the sweeps do, but about axes that are " +
-         with_decimals(kDegrees * found.misalignment, 1) + " degrees off (over " +
+         with_decimals(kDegreesPerRadian * found.misalignment, 1) + " degrees off (over " +
          std::to_string(check.turns) +
          " sweeps): it is mounted otherwise than imu.T_imu_lidar says, " +
          "whose rotation should be qx " + with_decimals(q.x(), 4) + ", qy " +
@@ -50,7 +49,7 @@ std::string mounting_text(const GyroCheck& check) {
 }
 
 std::string unit_text(double factor) {
-  const bool degrees = std::abs(factor / kDegrees - 1.0) < 0.3;
+  const bool degrees = std::abs(factor / kDegreesPerRadian - 1.0) < 0.3;
   return "the gyroscope turns " + with_decimals(factor, factor < 1.0 ? 3 : 1) +
          " times as much as the sweeps: " +
          (degrees ? "it is in degrees a second (recording.gyroscope_scale = 0.0174533)"
@@ -198,7 +197,7 @@ std::string done_text(const SensorCorrected& corrected) {
   if (corrected.turned) {
     const std::string hidden = names_of_unobserved_axes(*corrected.check.comparison);
     text += (text.empty() ? "" : ", ") + std::string("its mounting is turned by ") +
-            with_decimals(*corrected.turned * 180.0 / std::numbers::pi, 2) + " degrees" +
+            with_decimals(*corrected.turned * kDegreesPerRadian, 2) + " degrees" +
             (hidden.empty() ? "" : " (the motion does not tell " + hidden + ")");
   }
   return text;

@@ -15,8 +15,8 @@ namespace {
 
 struct Preset {
   std::string_view name;
-  std::string_view sweep_topic;  ///< empty: the only one
-  std::string_view imu_topic;
+  std::optional<std::string_view> sweep_topic{};  ///< none: the only one
+  std::optional<std::string_view> imu_topic{};
   /// imu.T_imu_lidar; nothing where the recordings' own transforms, or the user, must tell it.
   std::optional<std::array<double, 7>> T_imu_lidar{};
 };
@@ -31,12 +31,12 @@ constexpr std::array<double, 7> kHilti2022 = {-0.001,      -0.00855, 0.055, 0.70
 constexpr std::array<Preset, 7> kPresets = {{
     {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu"},
     {"hilti-2022", "/hesai/pandar", "/alphasense/imu", kHilti2022},
-    {"kitti", "", ""},
-    {"mulran", "", ""},
+    {"kitti"},
+    {"mulran"},
     {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", kOusterLidar},
     {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu",
      kNewerCollege2021},
-    {"subt-mrs", "", ""},
+    {"subt-mrs"},
 }};
 
 }  // namespace

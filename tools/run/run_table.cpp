@@ -82,8 +82,7 @@ std::string map_text(const MapReport& map) {
 }
 
 std::string loops_text(const LoopReport& loops) {
-  std::string text = 
-      fmt::format("{} accepted of {} candidates", loops.accepted, loops.candidates);
+  std::string text = fmt::format("{} accepted of {} candidates", loops.accepted, loops.candidates);
   std::string refused;
   for (std::size_t i = 0; i < kLoopReasons; ++i) {
     if (loops.refused[i] > 0) {

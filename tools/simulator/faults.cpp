@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
@@ -206,7 +207,7 @@ void FaultMaker::distort(ImuSample& sample) const {
   }
   if (has(Fault::wrong_units)) {
     sample.linear_acceleration /= kStandardGravity;
-    sample.angular_velocity *= 180.0 / std::numbers::pi;
+    sample.angular_velocity *= kDegreesPerRadian;
   }
   if (has(Fault::swapped_axes)) {
     const auto turned = [](const Eigen::Vector3d& v) {
