@@ -137,7 +137,8 @@ TEST(FieldRoles, CaseAndCloudComparePrefixDoNotMatter) {
 
 /// A cloud of one point from numbers that lie in memory.
 template <class T>
-CloudFile decode_one(ScalarType type, const std::vector<T>& xyz, double scale = 1.0) {
+CloudFile decode_one(ScalarType type, const std::vector<T>& xyz,
+                     std::optional<double> scale = 1.0) {
   CloudColumns columns;
   columns.points = 1;
   columns.reading.coordinate_scale = scale;
@@ -170,7 +171,7 @@ TEST(DecodeCloud, CoordinatesOfEveryType) {
 
 TEST(DecodeCloud, IntegersNeedAScale) {
   try {
-    decode_one<int16_t>(ScalarType::i16, {1000, -2000, 5}, 0.0);
+    decode_one<int16_t>(ScalarType::i16, {1000, -2000, 5}, std::nullopt);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(error.found().find("integers of 16 bits"), std::string::npos) << error.what();

@@ -217,6 +217,16 @@ TEST_F(MapCommands, ExportWritesWhatOtherProgramsRead) {
       read_ply(exported({.cloud = "ply", .resolution = 1.0}, "thin.ply")).sweep.points.size();
   EXPECT_LT(thin, ply.size() / 2);
   EXPECT_GT(thin, 300U);
+  const std::string picture = test::content(exported({.picture = true}, "map.svg"));
+  EXPECT_NE(picture.find(">keyframe<"), std::string::npos);
+  EXPECT_EQ(picture.find(">loop<"), std::string::npos) << "it has none";
+  for (const char* format : {"ply", "pcd"}) {
+    const fs::path dense = exported({.dense = format}, format);
+    const auto sweep = (format == std::string("ply") ? read_ply(dense) : read_pcd(dense)).sweep;
+    EXPECT_GT(sweep.points.size(), 2 * ply.size()) << "nothing is thinned";
+    EXPECT_EQ(sweep.rings.size(), sweep.points.size());
+    EXPECT_EQ(sweep.times.size(), sweep.points.size());
+  }
   exported({.dump = true}, "dump.txt");
   EXPECT_EQ(test::content(folder_ / "dump.txt"),
             ran(export_command, ExportCommandOptions{.map = map_, .dump = true}).out);
@@ -233,6 +243,8 @@ TEST_F(MapCommands, ExportSaysWhatIsMissing) {
   says({.trajectory = "tum", .graph = "g2o"}, "one of --trajectory");
   says({.trajectory = "tum"}, "-o FILE");
   says({.output = map_, .graph = "g2o"}, "cannot be written over");
+  says({.output = folder_ / "x", .graph = "g2o", .recording = recording_}, "needs --dense");
+  says({.output = folder_ / "x.png", .picture = true}, "name it *.svg");
   says({.output = folder_ / "x", .graph = "g2o", .resolution = 1.0}, "needs --cloud");
   says({.output = folder_ / "x", .cloud = "ply", .resolution = 0.0}, "between 0.001");
 }

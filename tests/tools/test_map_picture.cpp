@@ -34,6 +34,20 @@ TEST(MapPicture, NeighbouringCellsOfOneHeightAreOneStroke) {
   EXPECT_EQ(picture.find("nan"), std::string::npos);
 }
 
+TEST(MapPicture, KeyframesAndLoopsAreDrawnAndNamed) {
+  const std::vector<StampedPose> path(3);
+  const PictureGraph graph{.keyframes = {{0.0, 0.0}, {1.0, 0.0}, {2.0, 0.0}},
+                           .loops = {{.from = {0.0, 0.0}, .to = {2.0, 0.0}},
+                                     {.from = {0.0, 0.0}, .to = {1.0, 0.0}, .revoked = true}}};
+  const std::string picture = map_picture({}, path, "A map", graph);
+  const std::string plain = map_picture({}, path, "A map");
+  for (const char* word : {">keyframe<", ">loop<", ">revoked<"}) {
+    EXPECT_EQ(count(picture, word), 1U) << word;
+    EXPECT_EQ(count(plain, word), 0U) << word;
+  }
+  EXPECT_EQ(count(picture, "<circle"), count(plain, "<circle") + 4) << "and one in the legend";
+}
+
 TEST(MapPicture, HasTitleLegendAxesScaleAndFollowsTheReadersGround) {
   std::vector<Point> points;
   for (int i = 0; i < 400; ++i) {

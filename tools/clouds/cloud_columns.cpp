@@ -11,6 +11,8 @@
 #include <string>
 #include <type_traits>
 
+#include "adit/tools/clouds/returns.hpp"
+
 namespace adit {
 namespace {
 
@@ -84,11 +86,6 @@ std::vector<uint16_t> decode_rings(const std::filesystem::path& file, const Colu
     rings[i] = static_cast<uint16_t>(number);
   });
   return rings;
-}
-
-bool is_return(const Point& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) &&
-         (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
 }
 
 /// Times as integers or doubles, whichever the column holds; 64-bit integers do not pass through a

@@ -3,6 +3,8 @@
 #include "adit/tools/clouds/pcd_writer.hpp"
 
 #include <string>
+#include <type_traits>
+#include <utility>
 
 namespace adit {
 namespace {
@@ -15,10 +17,14 @@ std::string count_text(uint64_t count) {
 
 }  // namespace
 
-PcdWriter::PcdWriter(std::filesystem::path path) : file_(std::move(path)) {
+template <class P>
+BasicPcdWriter<P>::BasicPcdWriter(std::filesystem::path path) : file_(std::move(path)) {
   std::string head =
-      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
-      "COUNT 1 1 1 1\nWIDTH ";
+      std::is_same_v<P, TimedPoint>
+          ? "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity time ring\nSIZE 4 4 4 4 8 2\n"
+            "TYPE F F F F F U\nCOUNT 1 1 1 1 1 1\nWIDTH "
+          : "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
+            "COUNT 1 1 1 1\nWIDTH ";
   width_offset_ = head.size();
   head += count_text(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
   points_offset_ = head.size();
@@ -26,16 +32,21 @@ PcdWriter::PcdWriter(std::filesystem::path path) : file_(std::move(path)) {
   file_.write(head);
 }
 
-void PcdWriter::write(std::span<const Point> points) {
+template <class P>
+void BasicPcdWriter<P>::write(std::span<const P> points) {
   file_.write(points.data(), points.size_bytes());
   count_ += points.size();
 }
 
-void PcdWriter::close() {
+template <class P>
+void BasicPcdWriter<P>::close() {
   file_.flush();
   file_.overwrite(width_offset_, count_text(count_));
   file_.overwrite(points_offset_, count_text(count_));
   file_.close();
 }
+
+template class BasicPcdWriter<Point>;
+template class BasicPcdWriter<TimedPoint>;
 
 }  // namespace adit

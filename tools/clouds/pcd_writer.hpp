@@ -7,17 +7,19 @@
 #include <span>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/tools/clouds/timed_point.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 
-/// Writes a cloud of any length as a binary PCD 0.7 (float x y z intensity), as the points come.
-/// Throws OutputError.
-class PcdWriter {
+/// Writes a cloud of any length as a binary PCD 0.7 (float x y z intensity, and of TimedPoints also
+/// double time and uint16 ring), as the points come. Throws OutputError.
+template <class P>
+class BasicPcdWriter {
  public:
-  explicit PcdWriter(std::filesystem::path path);
+  explicit BasicPcdWriter(std::filesystem::path path);
 
-  void write(std::span<const Point> points);
+  void write(std::span<const P> points);
   void close();  ///< must be called for the file to be whole; the destructor cannot report
 
   uint64_t count() const { return count_; }
@@ -28,5 +30,10 @@ class PcdWriter {
   uint64_t points_offset_ = 0;
   uint64_t count_ = 0;
 };
+
+extern template class BasicPcdWriter<Point>;
+extern template class BasicPcdWriter<TimedPoint>;
+using PcdWriter = BasicPcdWriter<Point>;
+using TimedPcdWriter = BasicPcdWriter<TimedPoint>;
 
 }  // namespace adit

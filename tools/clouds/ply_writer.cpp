@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace adit {
@@ -21,35 +22,45 @@ std::string count_text(uint64_t count) {
 
 }  // namespace
 
-PlyWriter::PlyWriter(std::filesystem::path path) : file_(std::move(path)) {
+template <class P>
+BasicPlyWriter<P>::BasicPlyWriter(std::filesystem::path path) : file_(std::move(path)) {
   const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
   count_offset_ = head.size();
   file_.write(head);
   file_.write(count_text(0));
-  file_.write(
-      "\nproperty float x\nproperty float y\nproperty float z\nproperty float "
-      "intensity\nend_header\n");
+  file_.write("\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n");
+  if constexpr (std::is_same_v<P, TimedPoint>) {
+    file_.write("property double time\nproperty ushort ring\n");
+  }
+  file_.write("end_header\n");
   file_.flush();
 }
 
-void PlyWriter::write(std::span<const Point> points) {
+template <class P>
+void BasicPlyWriter<P>::write(std::span<const P> points) {
   file_.write(points.data(), points.size_bytes());
   count_ += points.size();
 }
 
-void PlyWriter::write_count() {
+template <class P>
+void BasicPlyWriter<P>::write_count() {
   file_.overwrite(count_offset_, count_text(count_));
 }
 
-void PlyWriter::flush() {
+template <class P>
+void BasicPlyWriter<P>::flush() {
   file_.flush();  // the points first: a count must never promise more than the file holds
   write_count();
   file_.flush();
 }
 
-void PlyWriter::close() {
+template <class P>
+void BasicPlyWriter<P>::close() {
   flush();
   file_.close();
 }
+
+template class BasicPlyWriter<Point>;
+template class BasicPlyWriter<TimedPoint>;
 
 }  // namespace adit

@@ -7,18 +7,20 @@
 #include <span>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/tools/clouds/timed_point.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 
-/// Writes a cloud of any length as a binary little-endian PLY (float x y z intensity), as the
-/// points come. The file is a valid PLY of the points so far after the constructor, flush() and
-/// close(). Throws OutputError.
-class PlyWriter {
+/// Writes a cloud of any length as a binary little-endian PLY, as the points come: float x y z
+/// intensity, and of TimedPoints also double time and ushort ring. The file is a valid PLY of the
+/// points so far after the constructor, flush() and close(). Throws OutputError.
+template <class P>
+class BasicPlyWriter {
  public:
-  explicit PlyWriter(std::filesystem::path path);
+  explicit BasicPlyWriter(std::filesystem::path path);
 
-  void write(std::span<const Point> points);
+  void write(std::span<const P> points);
   void flush();  ///< brings the file's vertex count up to date
   void close();  ///< must be called for the file to be whole; the destructor cannot report
 
@@ -32,5 +34,10 @@ class PlyWriter {
   uint64_t count_offset_ = 0;
   uint64_t count_ = 0;
 };
+
+extern template class BasicPlyWriter<Point>;
+extern template class BasicPlyWriter<TimedPoint>;
+using PlyWriter = BasicPlyWriter<Point>;
+using TimedPlyWriter = BasicPlyWriter<TimedPoint>;
 
 }  // namespace adit

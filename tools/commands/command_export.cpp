@@ -12,11 +12,17 @@
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/drawing/map_picture.hpp"
+#include "adit/tools/maps/dense_cloud.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/map_thinning.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -25,11 +31,14 @@ namespace {
 namespace fs = std::filesystem;
 
 void check_options(const ExportCommandOptions& options) {
-  const int wanted = static_cast<int>(!options.trajectory.empty()) +
-                     static_cast<int>(!options.graph.empty()) +
-                     static_cast<int>(!options.cloud.empty()) + static_cast<int>(options.dump);
+  const int wanted =
+      static_cast<int>(!options.trajectory.empty()) + static_cast<int>(!options.graph.empty()) +
+      static_cast<int>(!options.cloud.empty()) + static_cast<int>(!options.dense.empty()) +
+      static_cast<int>(options.picture) + static_cast<int>(options.dump);
   if (wanted != 1) {
-    throw UsageError("say what to export: one of --trajectory, --graph, --cloud and --dump.");
+    throw UsageError(
+        "say what to export: one of --trajectory, --graph, --cloud, --dense, --picture and "
+        "--dump.");
   }
   if (!options.dump && !options.output) {
     throw UsageError("say where to: -o FILE.");
@@ -37,8 +46,14 @@ void check_options(const ExportCommandOptions& options) {
   if (options.resolution && options.cloud.empty()) {
     throw UsageError("--resolution needs --cloud.");
   }
+  if (options.picture && options.output->extension() != ".svg") {
+    throw UsageError("-o " + options.output->string() + ": pictures are SVG files; name it *.svg.");
+  }
   if (options.resolution && !(*options.resolution >= 1e-3 && *options.resolution <= 1e3)) {
     throw UsageError("--resolution: must be between 0.001 and 1000 m.");
+  }
+  if (options.recording && options.dense.empty()) {
+    throw UsageError("--recording needs --dense.");
   }
   std::error_code ignored;
   if (options.output && fs::equivalent(*options.output, options.map, ignored)) {
@@ -102,6 +117,112 @@ uint64_t write_cloud(const MapDatabase& map, const ExportCommandOptions& options
   return writer.count();
 }
 
+/// What a session's provenance tells under a name.
+std::optional<std::string> provenance(const MapSession& session, const std::string& name) {
+  for (const auto& [key, value] : session.provenance) {
+    if (key == name) {
+      return value;
+    }
+  }
+  return std::nullopt;
+}
+
+/// What was written of a recording.
+struct DenseCloud {
+  uint64_t points = 0;
+  std::size_t sweeps = 0;
+  std::size_t without_pose = 0;
+  std::size_t damaged = 0;
+};
+
+/// Sweep by sweep: memory holds one of them.
+template <class Writer>
+DenseCloud write_dense(const MapDatabase& map, const ExportCommandOptions& options,
+                       std::ostream& err) {
+  const std::vector<MapSession> sessions = map.sessions();
+  if (sessions.size() != 1) {
+    throw InputError(options.map, {}, "it holds " + std::to_string(sessions.size()) + " sessions",
+                     "A dense cloud is made of a map of one recording");
+  }
+  const RecordingConfig settings =
+      parse_config(sessions.front().configuration, options.map).recording;
+  const fs::path path = options.recording
+                            ? *options.recording
+                            : fs::path(provenance(sessions.front(), "recording").value_or(""));
+  const std::unique_ptr<Recording> recording = open_recording(path, settings);
+  const std::optional<std::string> named = provenance(sessions.front(), "topic");
+  const std::size_t topic = sweep_topic(*recording, path, named ? named : settings.sweep_topic);
+  std::vector<StampedPose> poses = map_trajectory(map, options.map);
+  Progress progress(err, progress_style_of_stderr(), "export", poses.size());
+  const SensorPath sensor(std::move(poses));
+  DenseCloud cloud;
+  const auto whole = pass_over_damage(*recording, [&](const InputError&) { ++cloud.damaged; });
+  const auto stream = whole->events({.topics = {topic}});
+  Writer writer(*options.output);
+  while (const std::optional<Event> event = stream->next()) {
+    const auto& sweep = std::get<Sweep>(event->value);
+    if (const auto stretch = sensor.from(sweep.stamp)) {
+      writer.write(placed_points(sweep, *stretch));
+      ++cloud.sweeps;
+      progress.update(cloud.sweeps, 0);
+    } else {
+      ++cloud.without_pose;
+    }
+  }
+  progress.finish();
+  if (cloud.sweeps == 0) {
+    throw InputError(path, {}, "none of its sweeps is in the map",
+                     "Name the recording that the map is of: --recording REC");
+  }
+  writer.close();
+  cloud.points = writer.count();
+  return cloud;
+}
+
+std::string written(const DenseCloud& cloud) {
+  std::string text = fmt::format("{} points of {} sweeps", cloud.points, cloud.sweeps);
+  if (cloud.without_pose > 0) {
+    text += fmt::format("; {} sweeps have no pose in the map", cloud.without_pose);
+  }
+  if (cloud.damaged > 0) {
+    text += fmt::format("; {} places of the recording are damaged", cloud.damaged);
+  }
+  return text;
+}
+
+constexpr double kPictureVoxel = 0.1;  // m, finer than the cells of most pictures
+
+/// The points of all submaps, thinned, with sweeps and loops over them. Returns the keyframes.
+std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& options) {
+  std::vector<Point> points;
+  MapThinning thinning(kPictureVoxel);
+  PictureGraph drawn;
+  for (const MapKeyframe& keyframe : map.keyframes()) {
+    drawn.keyframes.emplace_back(keyframe.T_map_keyframe.translation().head<2>());
+    for (const SubmapPoint& point : load_submap(map, keyframe.id, options.map).points) {
+      const Eigen::Vector3d p = keyframe.T_map_keyframe * point.position();
+      if (thinning.take(p)) {
+        const Eigen::Vector3f single = p.cast<float>();
+        points.push_back({.x = single.x(), .y = single.y(), .z = single.z()});
+      }
+    }
+  }
+  const PoseGraph graph = map.graph();
+  const auto place = [&](NodeId id) -> Eigen::Vector2d {
+    return graph.nodes()[graph.index_of(id)].T_map_node.translation().head<2>();
+  };
+  for (const PoseEdge& edge : graph.edges()) {
+    if (edge.kind == EdgeKind::loop) {
+      drawn.loops.push_back({.from = place(edge.from),
+                             .to = place(edge.to),
+                             .revoked = edge.status == EdgeStatus::revoked});
+    }
+  }
+  write_text_file(*options.output, map_picture(points, map_trajectory(map, options.map),
+                                               options.map.filename().string(), drawn));
+  return drawn.keyframes.size();
+}
+
 std::size_t write_dump(const MapDatabase& map, const fs::path& path) {
   OutputFile file(path);
   std::size_t lines = 0;
@@ -114,7 +235,7 @@ std::size_t write_dump(const MapDatabase& map, const fs::path& path) {
   return lines;
 }
 
-int run(const ExportCommandOptions& options, std::ostream& out) {
+int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
   const MapDatabase map(options.map, MapAccess::read);
   std::string wrote;
@@ -124,6 +245,11 @@ int run(const ExportCommandOptions& options, std::ostream& out) {
   }
   if (options.dump) {
     wrote = fmt::format("{} lines", write_dump(map, *options.output));
+  } else if (!options.dense.empty()) {
+    wrote = written(options.dense == "ply" ? write_dense<TimedPlyWriter>(map, options, err)
+                                           : write_dense<TimedPcdWriter>(map, options, err));
+  } else if (options.picture) {
+    wrote = fmt::format("{} keyframes", write_picture(map, options));
   } else if (!options.trajectory.empty()) {
     wrote = fmt::format("{} poses", write_poses(map, options));
   } else if (!options.graph.empty()) {
@@ -142,7 +268,7 @@ int run(const ExportCommandOptions& options, std::ostream& out) {
 }  // namespace
 
 int export_command(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit export", out, err, [&] { return run(options, out); });
+  return guarded("adit export", out, err, [&] { return run(options, out, err); });
 }
 
 void add_export_command(Command app, std::function<void(int)> done) {
@@ -154,6 +280,8 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out/map.adit --trajectory tum -o trajectory.tum\n"
       "  adit export out/map.adit --graph g2o -o graph.g2o\n"
       "  adit export out/map.adit --cloud pcd --resolution 0.1 -o cloud.pcd\n"
+      "  adit export out/map.adit --dense ply -o dense.ply\n"
+      "  adit export out/map.adit --picture -o map.svg\n"
       "  adit export out/map.adit --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
   command.option("map", options->map, "The map").required().value_name("MAP");
@@ -167,8 +295,19 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.option("--cloud", options->cloud, "The points of all submaps: ply, pcd")
       .one_of({"ply", "pcd"})
       .value_name("FORMAT");
+  command
+      .option("--dense", options->dense,
+              "Every return of the recording with intensity, time and ring: ply, pcd")
+      .one_of({"ply", "pcd"})
+      .value_name("FORMAT");
+  command
+      .option("--recording", options->recording,
+              "Where the recording of a dense cloud is, if not where it was mapped")
+      .value_name("REC");
   command.option("--resolution", options->resolution, "One point of the cloud a voxel of this (m)")
       .value_name("M");
+  command.flag("--picture", options->picture,
+               "The map from above with its graph, path, scale and legend, as SVG");
   command.flag("--dump", options->dump,
                "All content as text, for comparing; to the standard output without -o");
   command.action(

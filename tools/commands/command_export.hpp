@@ -14,14 +14,17 @@ namespace adit {
 
 class Command;
 
-/// One of trajectory, graph, cloud and dump is set.
+/// One of trajectory, graph, cloud, dense, picture and dump is set.
 struct ExportCommandOptions {
   std::filesystem::path map{};
-  std::optional<std::filesystem::path> output{};  ///< none: standard output, for the dump alone
-  std::string trajectory{};                       ///< tum, kitti, csv
-  std::string graph{};                            ///< g2o
-  std::string cloud{};                            ///< ply, pcd
-  std::optional<double> resolution{};             ///< m, one point of the cloud a voxel
+  std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone
+  std::string trajectory{};                          ///< tum, kitti, csv
+  std::string graph{};                               ///< g2o
+  std::string cloud{};                               ///< ply, pcd
+  std::string dense{};                               ///< ply, pcd
+  std::optional<std::filesystem::path> recording{};  ///< for dense; none: that of the map
+  std::optional<double> resolution{};                ///< m, one point of the cloud a voxel
+  bool picture = false;
   bool dump = false;
 };
 

@@ -117,6 +117,7 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
                             const engine::Context& context) {
   return {.recording = options.recording,
           .recording_description = recording.description(),
+          .topic = recording.topics()[sweeps.topic].name,
           .recording_sweeps = sweeps.size,
           .times_are_assumed = recording.times_are_assumed(),
           .range = sweeps.range,

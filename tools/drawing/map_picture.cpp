@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <sstream>
@@ -22,14 +23,18 @@ namespace {
 constexpr std::array<std::string_view, 8> kRamp{"#3b3f8f", "#3a5ba0", "#3778a8", "#3794a6",
                                                 "#45ae94", "#6fc378", "#a5d05a", "#dcd64a"};
 constexpr std::string_view kPathColor = kSeriesColors[1];
+constexpr std::string_view kLoopColor = kSeriesColors[3];
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
-constexpr double kCells = 500.0;    ///< along the longer side
-constexpr double kTop = 104.0;      ///< px, title and legend
-constexpr double kLeft = 72.0;      ///< px, labels of the axis
-constexpr double kRight = 24.0;     ///< px
-constexpr double kBottom = 62.0;    ///< px
-constexpr double kWidest = 620.0;   ///< px, of the map
-constexpr double kHighest = 900.0;  ///< px
+constexpr double kCells = 500.0;         ///< along the longer side
+constexpr double kTop = 104.0;           ///< px, title and legend
+constexpr double kLeft = 72.0;           ///< px, labels of the axis
+constexpr double kRight = 24.0;          ///< px
+constexpr double kBottom = 62.0;         ///< px
+constexpr double kWidest = 620.0;        ///< px, of the map
+constexpr double kHighest = 900.0;       ///< px
+constexpr double kKeyframeRadius = 2.5;  ///< px
+constexpr SvgStroke kLoopStroke{.color = kLoopColor, .width = 1.5};
+constexpr SvgStroke kRevokedStroke{.color = kBadColor, .width = 1.5, .dash = "4 3"};
 
 /// The highest point of each cell; row 0 is the northernmost.
 struct Raster {
@@ -169,7 +174,7 @@ void draw_axes(SvgDocument& svg, const Raster& raster, const Layout& layout) {
 }
 
 /// What the colours stand for, and the path.
-void draw_legend(SvgDocument& svg, std::pair<float, float> heights) {
+void draw_legend(SvgDocument& svg, std::pair<float, float> heights, const PictureGraph& graph) {
   constexpr double kSwatch = 16.0;  // px
   /// Returns how far to go on to the right.
   const auto entry = [&](double left, double base, const std::string& words, auto&& symbol) {
@@ -196,9 +201,24 @@ void draw_legend(SvgDocument& svg, std::pair<float, float> heights) {
   x += entry(x, y, "start", [&](double at, double middle) {
     svg.circle({at + 20.0, middle}, 5.5, kGoodColor, {.color = "#ffffff", .width = 1.2});
   });
-  entry(x, y, "end", [&](double at, double middle) {
+  x += entry(x, y, "end", [&](double at, double middle) {
     svg.square({at + 20.0, middle}, 10.0, kBadColor, {.color = "#ffffff", .width = 1.2});
   });
+  if (!graph.keyframes.empty()) {
+    x += entry(x, y, "keyframe", [&](double at, double middle) {
+      svg.circle({at + 20.0, middle}, kKeyframeRadius, "#ffffff", {.color = kPathColor});
+    });
+  }
+  if (std::ranges::any_of(graph.loops, std::logical_not(), &PictureGraph::Link::revoked)) {
+    x += entry(x, y, "loop", [&](double at, double middle) {
+      svg.line({at, middle}, {at + 24.0, middle}, kLoopStroke);
+    });
+  }
+  if (std::ranges::any_of(graph.loops, &PictureGraph::Link::revoked)) {
+    entry(x, y, "revoked", [&](double at, double middle) {
+      svg.line({at, middle}, {at + 24.0, middle}, kRevokedStroke);
+    });
+  }
 }
 
 void draw_path(SvgDocument& svg, const Raster& raster, const Layout& layout,
@@ -214,6 +234,17 @@ void draw_path(SvgDocument& svg, const Raster& raster, const Layout& layout,
   svg.polyline(points, {.color = kPathColor, .width = 2.5});
   svg.circle(points.front(), 6.0, kGoodColor, {.color = "#ffffff", .width = 1.5});
   svg.square(points.back(), 11.0, kBadColor, {.color = "#ffffff", .width = 1.5});
+}
+
+void draw_graph(SvgDocument& svg, const Raster& raster, const Layout& layout,
+                const PictureGraph& graph) {
+  for (const PictureGraph::Link& loop : graph.loops) {
+    svg.line(layout(raster.place(loop.from)), layout(raster.place(loop.to)),
+             loop.revoked ? kRevokedStroke : kLoopStroke);
+  }
+  for (const Eigen::Vector2d& keyframe : graph.keyframes) {
+    svg.circle(layout(raster.place(keyframe)), kKeyframeRadius, "#ffffff", {.color = kPathColor});
+  }
 }
 
 void draw_scale_bar(SvgDocument& svg, const Raster& raster, const Layout& layout) {
@@ -232,17 +263,19 @@ void draw_scale_bar(SvgDocument& svg, const Raster& raster, const Layout& layout
 }  // namespace
 
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
-                        const std::string& title) {
+                        const std::string& title, const PictureGraph& graph) {
   const Raster raster = rasterize(points, path);
   const Layout layout(raster);
   const std::pair<float, float> heights = height_range(raster);
-  const double width = std::max(kLeft + layout.size.x() + kRight, 480.0);
+  const double width =
+      std::max(kLeft + layout.size.x() + kRight, graph.keyframes.empty() ? 480.0 : 700.0);
   SvgDocument svg(width, kTop + layout.size.y() + kBottom);
   svg.text({kLeft, 28.0}, title, {.size = 18.0, .bold = true});
-  draw_legend(svg, heights);
+  draw_legend(svg, heights, graph);
   svg.raw(cells(raster, layout, heights));
   draw_axes(svg, raster, layout);
   draw_path(svg, raster, layout, path);
+  draw_graph(svg, raster, layout, graph);
   draw_scale_bar(svg, raster, layout);
   return svg.str();
 }

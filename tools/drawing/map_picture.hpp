@@ -4,15 +4,30 @@
 
 #include <span>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "adit/slam/core/types.hpp"
 
 namespace adit {
 
+/// The graph of a map seen from above, m.
+struct PictureGraph {
+  struct Link {
+    Eigen::Vector2d from;
+    Eigen::Vector2d to;
+    bool revoked = false;
+  };
+  std::vector<Eigen::Vector2d> keyframes{};
+  std::vector<Link> loops{};
+};
+
 /// A map seen from above as an SVG file: each cell coloured by the highest point in it, the path
-/// over it, title, legend, axes and scale bar; light or dark as the reader prefers. x to the right,
-/// y up. At most a few hundred cells a side, so the file is small whatever the map.
+/// and the graph over it, title, legend, axes and scale bar; light or dark as the reader prefers. x
+/// to the right, y up. At most a few hundred cells a side, so the file is small whatever the map.
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
-                        const std::string& title = "Map from above");
+                        const std::string& title = "Map from above",
+                        const PictureGraph& graph = {});
 
 }  // namespace adit

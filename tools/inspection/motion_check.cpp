@@ -12,6 +12,7 @@
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/inertial/gyroscope_integral.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
+#include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/run/inertial_text.hpp"
 
 namespace adit {
@@ -62,7 +63,7 @@ Nanoseconds middle_of(const Sweep& sweep) {
   std::size_t returns = 0;
   for (std::size_t i = 0; i < sweep.times.size(); ++i) {
     const Point& p = sweep.points[i];
-    if (std::isfinite(p.x) && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F)) {
+    if (is_return(p)) {
       sum += static_cast<double>(sweep.times[i]);
       ++returns;
     }

@@ -216,10 +216,11 @@ std::string without_stop(std::string text) {
   return text;
 }
 
-Origins apply_file(Config& config, const fs::path& file) {
+/// `file` is for messages.
+Origins apply_text(Config& config, const std::string& text, const fs::path& file) {
   Origins origins;
   try {
-    read_table(config, toml::parse(read_text(file)), origins);
+    read_table(config, toml::parse(text), origins);
   } catch (const toml::parse_error& error) {
     throw InputError(file, Place::named(place(error.source().begin)),
                      "not valid TOML: " + without_stop(std::string(error.description())),
@@ -278,6 +279,16 @@ std::string apply_override(Config& config, const std::string& text) {
 
 }  // namespace
 
+Config parse_config(const std::string& toml, const fs::path& origin) {
+  Config config;
+  apply_text(config, toml, origin);
+  if (const auto problem = validate(config)) {
+    throw InputError(origin, {}, problem->field + " " + problem->message,
+                     "`adit config` prints every setting with its unit and default");
+  }
+  return config;
+}
+
 Config load_config(const ConfigSource& source) {
   Config config;
   Origins origins;
@@ -285,7 +296,7 @@ Config load_config(const ConfigSource& source) {
     apply_preset(source.preset, config);
   }
   if (source.file) {
-    origins = apply_file(config, *source.file);
+    origins = apply_text(config, read_text(*source.file), *source.file);
   }
   std::map<std::string, std::string> overridden;
   for (const std::string& text : source.overrides) {

@@ -28,6 +28,9 @@ struct ConfigSource {
 /// value that validate() refuses.
 Config load_config(const ConfigSource& source);
 
+/// What to_toml() wrote; `origin` is for messages. Throws InputError as load_config() does.
+Config parse_config(const std::string& toml, const std::filesystem::path& origin);
+
 /// The whole configuration as TOML, each setting with its unit, help and default as a comment.
 /// load_config() gives the same configuration back, bit for bit.
 std::string to_toml(const Config& config);

@@ -29,6 +29,7 @@ MapSession session_of(const RunDescription& run) {
                                     {"recording", run.recording.string()},
                                     {"recording kind", run.recording_description},
                                     {"recording sweeps", std::to_string(run.recording_sweeps)},
+                                    {"topic", run.topic},
                                     {"first sweep", std::to_string(run.range.first)},
                                     {"sweeps", std::to_string(run.range.count)}}};
   if (!unknown) {

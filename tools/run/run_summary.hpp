@@ -25,6 +25,7 @@ namespace adit {
 struct RunDescription {
   std::filesystem::path recording;
   std::string recording_description;
+  std::string topic;  ///< the sweeps'
   std::size_t recording_sweeps = 0;
   bool times_are_assumed = false;
   SweepRange range;

@@ -7,19 +7,13 @@
 #include <numbers>
 #include <variant>
 
+#include "adit/tools/clouds/returns.hpp"
+
 namespace adit {
 namespace {
 
 double seconds(Nanoseconds time) {
   return std::chrono::duration<double>(time).count();
-}
-
-bool is_finite(const Point& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-bool is_return(const Point& p) {
-  return is_finite(p) && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
 }
 
 void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
