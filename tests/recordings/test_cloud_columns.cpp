@@ -181,7 +181,8 @@ TEST(DecodeCloud, IntegersNeedAScale) {
   EXPECT_FLOAT_EQ(p.x, 1.0F);
   EXPECT_FLOAT_EQ(p.y, -2.0F);
   EXPECT_FLOAT_EQ(p.z, 0.005F);
-  EXPECT_EQ(decode_one<float>(ScalarType::f32, {4.0F, 5.0F, 6.0F}, 0.0).sweep.points[0].x, 4.0F);
+  EXPECT_EQ(decode_one<float>(ScalarType::f32, {4.0F, 5.0F, 6.0F}, std::nullopt).sweep.points[0].x,
+            4.0F);
   EXPECT_EQ(decode_one<float>(ScalarType::f32, {4000.0F, 0.0F, 0.0F}, 0.001).sweep.points[0].x,
             4.0F);
 }
