@@ -22,7 +22,7 @@ struct NoReadings {};
 /// than kReadingGap at an end, beyond which nothing was read yet.
 struct GapTooLong {
   double gap = 0.0;    ///< s, the longest
-  double limit = 0.0;  ///< s, imu.max_gap
+  double limit = 0.0;  ///< s: imu.max_gap, or less where one end of the gap is missing
 };
 
 /// Why readings do not cover a time.

@@ -21,10 +21,12 @@ std::optional<CoverageFault> coverage_fault(const ImuInterval& interval, double 
   }
   // A gap is bridged between its ends; where one of them is missing, nothing tells what comes.
   const double held = std::max(interval.held_before, interval.held_after);
-  if (interval.longest_gap <= max_gap && held <= std::min(max_gap, kReadingGap)) {
+  const double longest_held = std::min(max_gap, kReadingGap);
+  if (interval.longest_gap <= max_gap && held <= longest_held) {
     return std::nullopt;
   }
-  return GapTooLong{.gap = interval.longest_silence(), .limit = max_gap};
+  return GapTooLong{.gap = interval.longest_silence(),
+                    .limit = interval.longest_gap > max_gap ? max_gap : longest_held};
 }
 
 InertialReadings::InertialReadings(const ImuConfig& config)

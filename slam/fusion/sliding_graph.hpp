@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adit/slam/core/imu_noise.hpp"
+#include "adit/slam/fusion/graph_estimate.hpp"
 #include "adit/slam/fusion/pose_factor.hpp"
 #include "adit/slam/fusion/state_chain.hpp"
 #include "adit/slam/fusion/state_prior.hpp"
@@ -28,35 +29,6 @@ struct GraphSettings {
   bool robust = true;  ///< Huber's kernel on pose measurements
   int max_iterations = 6;
 };
-
-/// A state with its covariance, in the order of tangent vectors.
-struct StateEstimate {
-  NavState state;
-  StateMatrix covariance = StateMatrix::Zero();
-  int iterations = 0;  ///< optimisation's iterations; 0 for predictions
-  bool converged = true;
-};
-
-/// Why the graph has no estimate.
-enum class GraphFailure {
-  undetermined,  ///< readings and measurements do not determine a state, or only within rounding
-  not_finite,
-};
-std::string_view to_string(GraphFailure failure);
-
-/// An estimate is finite, and its covariance positive.
-using GraphEstimate = std::variant<StateEstimate, GraphFailure>;
-
-/// How far a measured pose is from a prediction.
-struct Innovation {
-  Vector6d error = Vector6d::Zero();  ///< prediction from measurement, [rho, phi], body axes
-  double nis = 0.0;                   ///< normalised: chi squared with this many degrees of freedom
-  int degrees = 0;
-  /// The error in units of its own standard deviations, along axes that stay: its squared norm is
-  /// nis, to first order. White where the filter's model holds.
-  Vector6d whitened = Vector6d::Zero();
-};
-Innovation innovation(const StateEstimate& prediction, const PoseMeasurement& measurement);
 
 /// The inertial states of the last sweeps, tied by preintegrated readings and biases that walk, and
 /// held by measured poses (LG-SLAM's sliding graph; docs/theory/inertial.md). Deterministic.

@@ -97,7 +97,7 @@ TEST(InertialText, StartsThatWereRefused) {
 TEST(InertialText, Hindrances) {
   EXPECT_EQ(text_of(InertialHindrance(NoReadings{})), "there are no IMU readings");
   EXPECT_EQ(text_of(InertialHindrance(GapTooLong{.gap = 0.98765, .limit = 0.15})),
-            "no IMU readings for 0.988 s (imu.max_gap is 0.15)");
+            "no IMU readings for 0.988 s, longer than 0.15 s (imu.max_gap)");
   EXPECT_EQ(text_of(InertialHindrance(
                 StuckAxis{.gyroscope = false, .axis = 0, .value = 1.25, .duration = 0.5})),
             "the accelerometer's x stays at 1.25 for 0.5 s while its other axes move");
@@ -110,7 +110,7 @@ TEST(InertialText, Hindrances) {
 TEST(InertialText, ReadingsThatAreMissingOrStuck) {
   EXPECT_EQ(text_of(InertialCause(NoReadings{})), "there are no IMU readings");
   EXPECT_EQ(text_of(InertialCause(GapTooLong{.gap = 1.0, .limit = 0.15})),
-            "no IMU readings for 1 s (imu.max_gap is 0.15)");
+            "no IMU readings for 1 s, longer than 0.15 s (imu.max_gap)");
   EXPECT_EQ(text_of(InertialCause(
                 StuckAxis{.gyroscope = true, .axis = 2, .value = 0.0, .duration = 0.5})),
             "the gyroscope's z stays at 0 for 0.5 s while its other axes move: is it broken? Check "

@@ -207,8 +207,8 @@ struct HindranceText {
   std::string operator()(const NoReadings&) const { return "there are no IMU readings"; }
 
   std::string operator()(const GapTooLong& gap) const {
-    return "no IMU readings for " + in_digits(gap.gap) + " s (imu.max_gap is " +
-           in_digits(gap.limit) + ")";
+    return "no IMU readings for " + in_digits(gap.gap) + " s, longer than " + in_digits(gap.limit) +
+           " s (imu.max_gap)";
   }
 
   std::string operator()(const StuckAxis& stuck) const { return describe(stuck); }
