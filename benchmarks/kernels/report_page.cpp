@@ -221,7 +221,7 @@ std::string roofline(const Report& report) {
     made.svg().text(made.place({made.high().x(), flop}) + Eigen::Vector2d(-6.0, -8.0),
                     "multiply-add " + digits(flop) + " GFLOP/s",
                     {.anchor = SvgAnchor::end, .halo = true});
-    made.svg().text(made.place({left, left * bytes}) + Eigen::Vector2d(12.0, -14.0),
+    made.svg().text(made.place({left, left * bytes}) + Eigen::Vector2d(36.0, -4.0),
                     "copy " + digits(bytes) + " GB/s", {.halo = true});
     return made.svg().str();
   });

@@ -269,5 +269,14 @@ TEST(Lzf, BrokenDataGiveTheOffset) {
   EXPECT_EQ(expand({0, 'x', static_cast<char>(7U << 5U), 9}, 20), 2U);  // a reference breaks off
 }
 
+TEST(ParsePcd, IntegersWrittenAsTextNeedAScaleToo) {
+  const std::string text =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 2 2 2\nTYPE I I I\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n"
+      "POINTS 1\nDATA ascii\n1500 -20 3\n";
+  EXPECT_NE(pcd_error(text).found().find("integers of 16 bits"), std::string::npos);
+  const CloudFile scaled = parse_pcd("a.pcd", text, {.coordinate_scale = 0.001});
+  EXPECT_FLOAT_EQ(scaled.sweep.points.at(0).x, 1.5F);
+}
+
 }  // namespace
 }  // namespace adit

@@ -185,5 +185,13 @@ TEST(PlyReader, RealScansHaveTheReturnsOfTheirDescription) {
   EXPECT_EQ(count_returns(read_ply(folder / "target.ply")), 64056U);
 }
 
+TEST(ParsePly, IntegersWrittenAsTextNeedAScaleToo) {
+  const std::string text =
+      header("ascii", "element vertex 1\nproperty short x\nproperty short y\nproperty short z\n") +
+      "1500 -20 3\n";
+  EXPECT_NE(ply_error(text).found().find("integers of 16 bits"), std::string::npos);
+  expect_point(parse_ply("a", text, {.coordinate_scale = 0.01}), 0, 15.0F, -0.2F, 0.03F);
+}
+
 }  // namespace
 }  // namespace adit

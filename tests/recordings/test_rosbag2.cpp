@@ -17,6 +17,7 @@
 #include "adit/tools/containers/rosbag2_metadata.hpp"
 #include "adit/tools/containers/rosbag2_reader.hpp"
 #include "adit/tools/containers/rosbag2_writer.hpp"
+#include "adit/tools/containers/sqlite_database.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
@@ -171,6 +172,20 @@ TEST(Rosbag2, DamagedDatabasesAreRefusedOrReadUpToTheDamage) {
     }
   }
   EXPECT_GT(partly, 0U) << "none of the cut files gave a message";
+}
+
+TEST(Rosbag2, DatabaseOfAnotherProgramIsNamedAsSuch) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "map.adit";
+  SqliteDatabase(file, SqliteDatabase::Mode::update).execute("CREATE TABLE keyframes(id INTEGER)");
+  try {
+    static_cast<void>(open_rosbag2_database(file));
+    FAIL() << "it was read";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.file(), file);
+    EXPECT_NE(error.found().find("without a table of topics"), std::string::npos);
+    EXPECT_NE(error.remedy().find("adit info"), std::string::npos);
+  }
 }
 
 /// A recording in MCAP as rosbag2 writes it.

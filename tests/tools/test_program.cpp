@@ -84,11 +84,24 @@ TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
 }
 
 TEST(Program, HelpAndComplaintsSpeakToPeople) {
-  for (const std::vector<const char*>& command : std::vector<std::vector<const char*>>{
-           {"run"}, {"inspect"}, {"convert"}, {"evaluate"}, {"simulate"}, {"config"}, {"demo"}}) {
+  for (const std::vector<const char*>& command :
+       std::vector<std::vector<const char*>>{{"run"},
+                                             {"inspect"},
+                                             {"convert"},
+                                             {"evaluate"},
+                                             {"simulate"},
+                                             {"config"},
+                                             {"demo"},
+                                             {"info"},
+                                             {"check"},
+                                             {"recover"},
+                                             {"export"},
+                                             {"loops"},
+                                             {"optimize"},
+                                             {"devices"}}) {
     const std::string help = call({command.front(), "--help"}).out;
-    for (const char* internal :
-         {"->", "{", "FLOAT", "INT:", " INT ", "TEXT", "NONNEGATIVE", "POSITIVE"}) {
+    for (const char* internal : {"->", "{", "FLOAT", "INT:", " INT ", "TEXT", "NONNEGATIVE",
+                                 "POSITIVE", "REQUIRED", " x 2"}) {
       EXPECT_EQ(help.find(internal), std::string::npos) << internal << " in:\n" << help;
     }
   }
@@ -99,6 +112,8 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
                      "'best' is none of se3, sim3, origin or none");
   expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
                      "'-1' is not possible; it takes a number of 0 or more");
+  expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply or pcd");
+  expect_usage_error({"run", "a", "-o", "b", "--device"}, "--device lacks its DEVICE");
   expect_usage_error({"run", "a", "-o", "b", "--start", "x"}, "--start: 'x' is not a number");
   expect_usage_error({"run", "a", "-o", "b", "--max-vram", "5 parsecs"}, "write 512MiB, 2GiB");
   for (const char* command : {"run", "demo"}) {

@@ -161,9 +161,12 @@ bool is_integer(ScalarType type) {
 void require_scale(const std::filesystem::path& file, const CloudColumns& columns) {
   for (const FieldRole axis : {FieldRole::x, FieldRole::y, FieldRole::z}) {
     const std::optional<Column>& column = columns[axis];
-    if (column && is_integer(column->type) && !columns.reading.coordinate_scale) {
+    if (!column || columns.reading.coordinate_scale) {
+      continue;
+    }
+    if (const ScalarType type = column->written.value_or(column->type); is_integer(type)) {
       throw InputError(file, Place::named("fields x, y, z"),
-                       "coordinates are integers of " + std::to_string(8 * size_of(column->type)) +
+                       "coordinates are integers of " + std::to_string(8 * size_of(type)) +
                            " bits, and nothing tells how far a step is",
                        "Set recording.coordinate_scale to the metres of a step, such as 0.001 "
                        "where they are millimetres");

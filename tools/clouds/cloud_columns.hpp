@@ -27,7 +27,8 @@ struct Column {
   std::size_t offset = 0;           ///< bytes from `data` to the first number
   std::size_t stride = 0;
   ScalarType type = ScalarType::f32;
-  bool swap_bytes = false;  ///< stored in the other byte order than this machine's
+  bool swap_bytes = false;              ///< stored in the other byte order than this machine's
+  std::optional<ScalarType> written{};  ///< what the file calls it, where its text became `type`
 };
 
 /// What a field of a point means, by its name. `nanoseconds` is the part below a second of a

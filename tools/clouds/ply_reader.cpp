@@ -205,8 +205,12 @@ class AsciiBody {
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
         columns.columns[role] =
-            Column{reinterpret_cast<const std::byte*>(values.data()), role * sizeof(double),
-                   kFieldRoles * sizeof(double), ScalarType::f64, false};
+            Column{reinterpret_cast<const std::byte*>(values.data()),
+                   role * sizeof(double),
+                   kFieldRoles * sizeof(double),
+                   ScalarType::f64,
+                   false,
+                   vertex.properties[static_cast<std::size_t>(roles.index[role])].type};
       }
     }
     return decode_cloud(file_, columns);

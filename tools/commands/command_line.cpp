@@ -68,8 +68,34 @@ std::string plain_complaint(const CLI::ParseError& error) {
     return text.substr(kConversion.size(), equals - kConversion.size()) + ": '" +
            text.substr(equals + 3) + "' is not a number that it takes";
   }
+  // "--device: 1 required DEVICE missing"
+  constexpr std::string_view kLacks = " required ";
+  constexpr std::string_view kMissing = " missing";
+  const std::size_t colon = text.find(": ");
+  const std::size_t lacks = text.find(kLacks);
+  if (colon != text.npos && lacks != text.npos && text.ends_with(kMissing)) {
+    const std::size_t name = lacks + kLacks.size();
+    return text.substr(0, colon) + " lacks its " +
+           text.substr(name, text.size() - kMissing.size() - name);
+  }
   return text;
 }
+
+/// Help without the marks that CLI11 puts behind names.
+class PlainFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string value = option->get_type_name();
+    std::string text = value.empty() ? "" : " " + value;
+    if (!option->get_default_str().empty()) {
+      text += "=" + option->get_default_str();
+    }
+    if (option->get_expected_max() == CLI::detail::expected_max_vector_size) {
+      text += " ...";
+    }
+    return text + (option->get_required() ? " (required)" : "");
+  }
+};
 
 /// What to tell about the words that neither the program nor the command knows; empty where there
 /// are none. A missing argument is often a misspelt one, so this comes before what CLI11 complains
@@ -166,7 +192,11 @@ CommandOption CommandOption::above(double low) const {
 }
 
 CommandOption CommandOption::one_of(const std::vector<std::string>& words) const {
-  option_->check(CLI::IsMember(words));
+  const auto check = [words](std::string& text) {
+    return std::ranges::count(words, text) > 0 ? std::string()
+                                               : "'" + text + "' is none of " + listed_words(words);
+  };
+  option_->check(CLI::Validator(check, ""));
   return *this;
 }
 
@@ -272,7 +302,9 @@ void end_parsing() {
 }
 
 CommandLine::CommandLine(const std::string& name, const std::string& description)
-    : app_(std::make_unique<CLI::App>(description, name)) {}
+    : app_(std::make_unique<CLI::App>(description, name)) {
+  app_->formatter(std::make_shared<PlainFormatter>());  // of all its commands, too
+}
 
 CommandLine::~CommandLine() = default;
 

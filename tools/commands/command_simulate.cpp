@@ -74,10 +74,11 @@ std::string crossing_note(const SimulationSummary& summary) {
   }
   const Crossing& first = summary.crossings.front();
   return fmt::format(
-      "note: the trajectory passes through walls or other solid things, {} times, first after "
+      "note: the trajectory passes through walls or other solid things ({}), first after "
       "{:.1f} s at ({:.1f}, {:.1f}, {:.1f}) m; sweeps from within them show what no sensor sees. "
       "Other waypoints, corner_radius or --begin avoid it.\n",
-      summary.crossings.size(), first.time, first.at.x(), first.at.y(), first.at.z());
+      summary.crossings.size() == 1 ? "once" : fmt::format("{} times", summary.crossings.size()),
+      first.time, first.at.x(), first.at.y(), first.at.z());
 }
 
 std::string summary_text(const SimulationOptions& options, const SimulationSummary& summary,

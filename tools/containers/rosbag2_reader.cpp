@@ -82,6 +82,10 @@ class DatabaseFile final : public MessageFile {
       : path_(path), database_(path, SqliteDatabase::Mode::read) {
     format_ = "rosbag2 SQLite";
     format_ += database_.recovered() ? ", recovered by its journal" : "";
+    if (!has_column("topics", "name")) {
+      throw InputError(path_, {}, "it is an SQLite database without a table of topics",
+                       "Databases of rosbag2 have one; `adit info` reads maps");
+    }
     // Storage schemas before 2 have no qualities of service, those before 4 no hashes of types.
     const bool has_qos = has_column("topics", "offered_qos_profiles");
     const bool has_hash = has_column("topics", "type_description_hash");

@@ -307,6 +307,11 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
                                    const FrameTree& frames, bool simulated_time) {
   std::vector<Finding> all;
   Findings findings(topic, all);
+  if (statistics.events == 0 && topic.kind == TopicKind::sweeps && topic.messages != 0U) {
+    findings.problem("no_events", "not one sweep could be made of what it holds",
+                     "there is nothing to map with",
+                     "Look at the damage that is listed; else the sensor has sent no valid data");
+  }
   if (statistics.events == 0 || topic.kind == TopicKind::transforms) {
     return all;
   }

@@ -25,8 +25,8 @@ std::string cause_text(const DoubtfulStretch& stretch) {
                                        d.x(), d.y(), d.z())) +
              (stretch.inertial
                   ? ", the IMU alone did; loops or GNSS would tell"
-                  : ", and no IMU did: where it is along that is a guess; fuse an IMU, or use a "
-                    "sensor that sees farther");
+                  : ", and no IMU did: its position in that direction is a guess; fuse an IMU, "
+                    "or use a sensor that sees farther");
     case DoubtCause::predicted:
       return std::string("no sweep could be aligned: ") +
              (stretch.inertial ? "the IMU alone carried it" : "its last velocity carried it on") +
