@@ -25,8 +25,8 @@ std::optional<CoverageFault> coverage_fault(const ImuInterval& interval, double 
   if (interval.longest_gap <= max_gap && held <= longest_held) {
     return std::nullopt;
   }
-  return GapTooLong{.gap = interval.longest_silence(),
-                    .limit = interval.longest_gap > max_gap ? max_gap : longest_held};
+  const double gap = interval.longest_silence();
+  return GapTooLong{.gap = gap, .limit = gap > max_gap ? max_gap : longest_held};
 }
 
 InertialReadings::InertialReadings(const ImuConfig& config)

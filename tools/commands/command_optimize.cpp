@@ -336,10 +336,12 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
       .option("--kernel-width", options->loop_kernel.width,
               "Where the kernel begins, in standard deviations")
       .above(0.0)
-      .show_default();
+      .show_default()
+      .value_name("SIGMAS");
   command.option("--max-iterations", options->max_iterations, "At most this many")
       .from(1, 100'000)
-      .show_default();
+      .show_default()
+      .value_name("N");
   command.flag("--direct", options->direct,
                "Large graphs too are optimised as they are, without condensing their chains");
   command.flag("--json", options->json, "Report as JSON");
