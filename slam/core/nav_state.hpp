@@ -49,9 +49,4 @@ NavState retract(const NavState& state, const StateVector& delta);
 /// The tangent vector at `from` that leads to `to`: the inverse of retract().
 StateVector difference(const NavState& from, const NavState& to);
 
-/// Time in seconds, for differences.
-inline double seconds(Nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 }  // namespace adit

@@ -20,6 +20,16 @@ namespace adit {
 /// Time since an epoch the recording chooses. Seconds appear only as differences.
 using Nanoseconds = std::chrono::nanoseconds;
 
+/// Time in seconds, for differences.
+constexpr double seconds(Nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// To the nearest of them. `seconds` within 292 years.
+constexpr Nanoseconds nanoseconds(double seconds) {
+  return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(seconds));
+}
+
 /// One return in the lidar frame (m). `intensity` keeps the sensor's own scale; 0 where it has
 /// none.
 struct Point {

@@ -6,8 +6,9 @@
 
 namespace adit {
 
-inline constexpr double kStandardGravity = 9.80665;          // m/s²
-inline constexpr double kDegree = std::numbers::pi / 180.0;  // rad
-inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kStandardGravity = 9.80665;  // m/s²
+inline constexpr double kDegree = kPi / 180.0;       // rad
+inline constexpr double kDegreesPerRadian = 180.0 / kPi;
 
 }  // namespace adit

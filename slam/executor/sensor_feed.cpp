@@ -23,8 +23,7 @@ std::size_t size_of(const Measurement& measurement) {
 }
 
 Nanoseconds end_of(const Sweep& sweep) {
-  return sweep.stamp +
-         std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration_of(sweep)));
+  return sweep.stamp + nanoseconds(duration_of(sweep));
 }
 
 }  // namespace

@@ -59,8 +59,7 @@ std::optional<LidarMotion> HighRateStream::add(const ImuSample& reading, ImuArri
 }
 
 void HighRateStream::update(const InertialReport& report) {
-  const Nanoseconds clock_offset =
-      std::chrono::round<Nanoseconds>(std::chrono::duration<double>(report.clock_offset));
+  const Nanoseconds clock_offset = nanoseconds(report.clock_offset);
   const bool read_otherwise = report.accel_scale != accel_scale_ || clock_offset != clock_offset_;
   if (read_otherwise || (estimate_ && !report.nav)) {
     stop();

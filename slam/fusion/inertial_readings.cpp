@@ -7,13 +7,7 @@
 #include "adit/slam/inertial/preintegration.hpp"
 
 namespace adit {
-namespace {
-
-Nanoseconds nanoseconds(double time) {
-  return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::optional<CoverageFault> coverage_fault(const ImuInterval& interval, double max_gap) {
   if (interval.samples.empty()) {

@@ -32,10 +32,6 @@ constexpr double kFarFromRest = 2.0;  // m
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
 
-Nanoseconds nanoseconds(double time) {
-  return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
-}
-
 bool holds_rotation(const RegistrationResult& alignment) {
   return std::ranges::none_of(alignment.rotation, [](const ObservedDirection& direction) {
     return direction.localizability == Localizability::none && !direction.axis.isZero();

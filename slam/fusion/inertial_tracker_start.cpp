@@ -45,8 +45,7 @@ std::optional<SweepMotion> InertialTracker::turning_motion(Nanoseconds stamp, do
   if (starting == nullptr || !starting->gyro_agrees || duration <= 0.0) {
     return std::nullopt;
   }
-  ImuInterval interval = readings_.between(
-      stamp, stamp + std::chrono::round<Nanoseconds>(std::chrono::duration<double>(duration)));
+  ImuInterval interval = readings_.between(stamp, stamp + nanoseconds(duration));
   const auto too_fast = [](const ImuSample& sample) {
     return sample.angular_velocity.norm() > kFastestTurn;
   };

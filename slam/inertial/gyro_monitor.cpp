@@ -52,7 +52,7 @@ double gyro_spread(std::span<const RotationInterval> turns, std::span<const ImuS
       sum += sample->angular_velocity;
     }
     if (begin != end) {
-      const double duration = std::chrono::duration<double>(turn.end - turn.begin).count();
+      const double duration = seconds(turn.end - turn.begin);
       rotations.push_back(duration / static_cast<double>(end - begin) * sum);
     }
   }
@@ -63,9 +63,7 @@ double gyro_spread(std::span<const RotationInterval> turns, std::span<const ImuS
 std::vector<RotationInterval> told_turns(std::span<const RotationInterval> turns,
                                          std::span<const ImuSample> samples,
                                          std::span<const Nanoseconds> saturated) {
-  const auto within = [](double time) {
-    return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
-  };
+  const auto within = [](double time) { return nanoseconds(time); };
   std::vector<RotationInterval> told = covered_rotations(turns, samples, kMostOffset);
   std::erase_if(told, [&](const RotationInterval& turn) {
     const auto first = std::ranges::lower_bound(saturated, turn.begin - within(kMostOffset));

@@ -14,7 +14,7 @@ constexpr double kLongestGap = 0.1;  // s between samples; over longer ones noth
 
 GyroscopeIntegral::GyroscopeIntegral(std::span<const ImuSample> samples, Nanoseconds origin) {
   for (const ImuSample& sample : samples) {
-    const double time = std::chrono::duration<double>(sample.stamp - origin).count();
+    const double time = seconds(sample.stamp - origin);
     if (!times_.empty() && time <= times_.back()) {
       continue;
     }

@@ -141,7 +141,7 @@ NavState predict(const NavState& state, const Preintegration& preintegration) {
   const double t = preintegration.duration;
   const Eigen::Matrix3d& R_map_body = state.T_map_body.linear();
   NavState next = state;
-  next.stamp += std::chrono::round<Nanoseconds>(std::chrono::duration<double>(t));
+  next.stamp += nanoseconds(t);
   next.T_map_body.linear() = R_map_body * increment.rotation;
   next.T_map_body.translation() +=
       t * state.v_map_body + 0.5 * t * t * state.gravity_map + R_map_body * increment.position;

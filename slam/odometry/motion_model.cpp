@@ -13,10 +13,6 @@ constexpr int kTrustedAfter = 2;
 constexpr double kLongestExtrapolation = 1.0;  // s
 constexpr double kLongestGuess = 5.0;          // s
 
-double seconds(Nanoseconds duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 }  // namespace
 
 Prediction MotionModel::predict(Nanoseconds stamp) const {

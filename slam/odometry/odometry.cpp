@@ -146,8 +146,7 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   Expectation expected;
   expected.prediction = possible_prediction(sweep.stamp);
   if (submap.empty()) {
-    const auto end = sweep.stamp + std::chrono::round<Nanoseconds>(
-                                       std::chrono::duration<double>(std::max(duration, 0.1)));
+    const auto end = sweep.stamp + nanoseconds(std::max(duration, 0.1));
     expected.prediction.T_map_lidar.linear() =
         inertial.level_lidar(sweep.stamp, end).value_or(expected.prediction.T_map_lidar.linear());
   }

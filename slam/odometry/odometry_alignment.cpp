@@ -167,7 +167,7 @@ void Odometry::Impl::begin_again(Begun& second) {
   const Sweep begins = *std::exchange(first, std::nullopt);
   const Sweep& sweep = *second.sweep;
   SweepResult& result = second.result;
-  const double elapsed = std::chrono::duration<double>(sweep.stamp - motion.last()->stamp).count();
+  const double elapsed = seconds(sweep.stamp - motion.last()->stamp);
   if (!is_usable(result.registration.status) || !config.preprocess.deskew ||
       !front_end.has_times() || !(elapsed > 0.0)) {
     return;

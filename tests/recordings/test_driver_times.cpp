@@ -66,10 +66,6 @@ void expect_times(const Sweep& sweep, const std::vector<float>& times,
   }
 }
 
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 TEST(DriverTimes, VelodyneStampedWithItsLastPacket) {
   expect_times(sweep_with<float>(kEnd, "time", {-0.1F, -0.05F, 0.0F}), {0.0F, 0.05F, 0.1F},
                Nanoseconds(10));

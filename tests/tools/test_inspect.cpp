@@ -358,6 +358,17 @@ TEST(Inspect, WhatCouldNotBeCheckedIsNamed) {
       << said(unmounted, false);
 }
 
+TEST(TopicStatistics, MessagesOfOneMomentHaveNoRate) {
+  TopicStatistics statistics;
+  for (int i = 0; i < 3; ++i) {
+    statistics.add({.value = ImuSample{.stamp = kBegin + Nanoseconds(i)}});
+  }
+  EXPECT_EQ(statistics.rate(), 0.0);
+  EXPECT_FALSE(statistics.lasts());
+  statistics.add({.value = ImuSample{.stamp = kBegin + std::chrono::seconds(3)}});
+  EXPECT_NEAR(statistics.rate(), 1.0, 1e-9);
+}
+
 TEST(IntervalHistogram, QuantilesToOnePercent) {
   IntervalHistogram histogram;
   EXPECT_EQ(histogram.quantile(0.5), 0.0);

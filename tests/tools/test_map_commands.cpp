@@ -249,6 +249,29 @@ TEST_F(MapCommands, ExportSaysWhatIsMissing) {
   says({.output = folder_ / "x", .cloud = "ply", .resolution = 0.0}, "between 0.001");
 }
 
+TEST_F(MapCommands, ADenseCloudIsMadeOfTheRecordingThatTheMapIsOf) {
+  ExportCommandOptions options{.map = map_, .output = folder_ / "dense.ply", .dense = "ply"};
+  ASSERT_EQ(ran(export_command, options).code, 0);
+  const std::string cloud = test::content(*options.output);
+
+  options.recording = folder_ / "moved";
+  options.output = folder_ / "moved.ply";
+  fs::copy(recording_, *options.recording, fs::copy_options::recursive);
+  ASSERT_EQ(ran(export_command, options).code, 0);
+  EXPECT_EQ(test::content(*options.output), cloud);
+
+  std::ofstream times(*options.recording / "times.txt");
+  for (std::size_t i = 0; i < kSweeps; ++i) {
+    times << 100.0 + static_cast<double>(i) << "\n";
+  }
+  times.close();
+  options.output = folder_ / "other.ply";
+  const Ran other = ran(export_command, options);
+  EXPECT_EQ(other.code, 1);
+  EXPECT_NE(other.err.find("none of its sweeps is in the map"), std::string::npos) << other.err;
+  EXPECT_FALSE(fs::exists(*options.output));
+}
+
 TEST_F(MapCommands, OptimizePutsDisturbedPosesBackIntoTheMap) {
   const auto poses = [&] { return MapDatabase(map_, MapAccess::read).keyframes(); };
   const auto before = poses();

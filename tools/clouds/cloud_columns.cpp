@@ -292,9 +292,8 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
                        : columns[FieldRole::nanoseconds]
                            ? decode_split_times(file, columns, valid)
                            : decode_times(file, *columns[FieldRole::time], unit, valid);
-    cloud.times =
-        PointTimeNature{by_curvature ? "curvature" : columns.time_field, times.unit, times.absolute,
-                        times.absolute ? 0.0 : std::chrono::duration<double>(times.start).count()};
+    cloud.times = PointTimeNature{by_curvature ? "curvature" : columns.time_field, times.unit,
+                                  times.absolute, times.absolute ? 0.0 : seconds(times.start)};
     cloud.sweep.stamp = times.start;
     cloud.absolute_stamp = times.absolute;
     cloud.sweep.times = std::move(times.offsets);

@@ -15,7 +15,7 @@ constexpr std::size_t kLongestHeader = 64 * 1024;
 constexpr uint64_t kMostFieldEntries = 4096;          // per field
 constexpr uint64_t kMostPoints = uint64_t{1} << 31U;  // files end at 2 GiB
 
-constexpr std::string_view kRemedy =
+constexpr std::string_view kHeaderRemedy =
     "Write the file again with a program that keeps to the PCD format 0.7";
 
 /// One line of the header: the words after the keyword, and where it stood.
@@ -47,7 +47,7 @@ class HeaderParser {
 
  private:
   [[noreturn]] void fail(const Place& place, const std::string& found) const {
-    throw InputError(file_, place, found, std::string(kRemedy));
+    throw InputError(file_, place, found, std::string(kHeaderRemedy));
   }
 
   void read_entries() {

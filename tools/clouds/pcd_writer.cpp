@@ -10,7 +10,7 @@ namespace adit {
 namespace {
 
 // Padded to a fixed width, so that it can be written over: numbers may begin with zeros.
-std::string count_text(uint64_t count) {
+std::string zero_padded(uint64_t count) {
   const std::string digits = std::to_string(count);
   return std::string(20 - digits.size(), '0') + digits;
 }
@@ -26,9 +26,9 @@ BasicPcdWriter<P>::BasicPcdWriter(std::filesystem::path path) : file_(std::move(
           : "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
             "COUNT 1 1 1 1\nWIDTH ";
   width_offset_ = head.size();
-  head += count_text(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
+  head += zero_padded(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
   points_offset_ = head.size();
-  head += count_text(0) + "\nDATA binary\n";
+  head += zero_padded(0) + "\nDATA binary\n";
   file_.write(head);
 }
 
@@ -41,8 +41,8 @@ void BasicPcdWriter<P>::write(std::span<const P> points) {
 template <class P>
 void BasicPcdWriter<P>::close() {
   file_.flush();
-  file_.overwrite(width_offset_, count_text(count_));
-  file_.overwrite(points_offset_, count_text(count_));
+  file_.overwrite(width_offset_, zero_padded(count_));
+  file_.overwrite(points_offset_, zero_padded(count_));
   file_.close();
 }
 

@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little,
 
 // The count has a fixed width so that it can be written over: blanks before a number are allowed in
 // a PLY header.
-std::string count_text(uint64_t count) {
+std::string space_padded(uint64_t count) {
   std::string digits = std::to_string(count);
   return std::string(20 - digits.size(), ' ') + digits;
 }
@@ -27,7 +27,7 @@ BasicPlyWriter<P>::BasicPlyWriter(std::filesystem::path path) : file_(std::move(
   const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
   count_offset_ = head.size();
   file_.write(head);
-  file_.write(count_text(0));
+  file_.write(space_padded(0));
   file_.write("\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n");
   if constexpr (std::is_same_v<P, TimedPoint>) {
     file_.write("property double time\nproperty ushort ring\n");
@@ -44,7 +44,7 @@ void BasicPlyWriter<P>::write(std::span<const P> points) {
 
 template <class P>
 void BasicPlyWriter<P>::write_count() {
-  file_.overwrite(count_offset_, count_text(count_));
+  file_.overwrite(count_offset_, space_padded(count_));
 }
 
 template <class P>

@@ -158,11 +158,14 @@ DenseCloud write_dense(const MapDatabase& map, const ExportCommandOptions& optio
   DenseCloud cloud;
   const auto whole = pass_over_damage(*recording, [&](const InputError&) { ++cloud.damaged; });
   const auto stream = whole->events({.topics = {topic}});
-  Writer writer(*options.output);
+  std::optional<Writer> writer;  // of another recording nothing is written
   while (const std::optional<Event> event = stream->next()) {
     const auto& sweep = std::get<Sweep>(event->value);
     if (const auto stretch = sensor.from(sweep.stamp)) {
-      writer.write(placed_points(sweep, *stretch));
+      if (!writer) {
+        writer.emplace(*options.output);
+      }
+      writer->write(placed_points(sweep, *stretch));
       ++cloud.sweeps;
       progress.update(cloud.sweeps, 0);
     } else {
@@ -170,12 +173,12 @@ DenseCloud write_dense(const MapDatabase& map, const ExportCommandOptions& optio
     }
   }
   progress.finish();
-  if (cloud.sweeps == 0) {
+  if (!writer) {
     throw InputError(path, {}, "none of its sweeps is in the map",
                      "Name the recording that the map is of: --recording REC");
   }
-  writer.close();
-  cloud.points = writer.count();
+  writer->close();
+  cloud.points = writer->count();
   return cloud;
 }
 

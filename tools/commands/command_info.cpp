@@ -63,8 +63,7 @@ Figures figures_of(const std::filesystem::path& file) {
         i > 0 ? (poses[i].pose.translation() - poses[i - 1].pose.translation()).norm() : 0.0;
   }
   if (!poses.empty()) {
-    figures.seconds =
-        std::chrono::duration<double>(poses.back().stamp - poses.front().stamp).count();
+    figures.seconds = seconds(poses.back().stamp - poses.front().stamp);
   }
   std::error_code ignored;
   figures.bytes = std::filesystem::file_size(file, ignored);

@@ -25,7 +25,7 @@ using nlohmann::ordered_json;
 constexpr std::size_t kMostPoses = 65535;  // what 16 bits number
 constexpr float kSteps = 65535.0F;
 
-constexpr std::string_view kStyle = R"(
+constexpr std::string_view kMapStyle = R"(
 :root { color-scheme: light dark; }
 body { margin: 0; font: 14px/1.45 system-ui, "DejaVu Sans", sans-serif; color: #222; background: #fff; overflow: hidden; }
 canvas { position: fixed; inset: 0; width: 100vw; height: 100vh; touch-action: none; cursor: grab; }
@@ -34,12 +34,13 @@ header { top: 0; } h1 { font-size: 1.05em; margin: 0 0 0.1em; overflow-wrap: any
 label { margin-right: 0.8em; white-space: nowrap; } input[type=range] { width: 6em; vertical-align: middle; }
 aside { bottom: 0; border-radius: 0 6px 0 0; } dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 1em; margin: 0.3em 0; }
 dl[hidden] { display: none; } dt { color: #666; } dd { margin: 0; } small { color: #666; } #problem { color: #a4262c; }
+#scale { white-space: nowrap; } #ramp { display: inline-block; width: 6em; height: 0.7em; border-radius: 2px; }
 @media (prefers-color-scheme: dark) { body { color: #eceff3; background: #15181c; } header, aside { background: #15181cdd; } dt, small { color: #a7adb5; } #problem { color: #f2848a; } }
 )";
 
 constexpr std::string_view kBody = R"(<canvas id="view"></canvas>
 <header><h1>@title@</h1><p>@headline@</p>
-<p><label>colour <select id="colour"><option>height</option><option>intensity</option><option>time</option><option>uncertainty</option></select></label> <small id="scale"></small></p>
+<p><label>colour <select id="colour"><option>height</option><option>intensity</option><option>time</option><option>uncertainty</option></select></label> <small id="scale"><span id="least"></span> <i id="ramp"></i> <span id="most"></span></small></p>
 <p><label><input type="checkbox" id="points" checked> points</label><label>size <input type="range" id="size" min="1" max="8" step="0.5" value="2"></label>
 <button id="above">from above</button> <button id="reset">reset</button></p><p id="problem"></p></header>
 <aside><dl id="told" hidden></dl><p>trajectory: <span id="states"></span></p><small>Drag turns, shift-drag shifts, the wheel zooms; click the trajectory for its sweep.</small></aside>
@@ -153,7 +154,7 @@ std::string map_page(const MapPage& page) {
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
          "<meta name=\"generator\" content=\"" +
          std::string(kGenerator) + "\"><title>" + escape_markup(page.title) + "</title><style>" +
-         std::string(kStyle) + "</style></head><body>\n" +
+         std::string(kMapStyle) + "</style></head><body>\n" +
          replaced(replaced(std::string(kBody), "@title@", escape_markup(page.title)), "@headline@",
                   escape_markup(page.headline)) +
          "<script type=\"application/json\" id=\"data\">" + json + "</script>\n<script>\n" +

@@ -137,8 +137,11 @@ function colourBy(kind) {
   const [least, most, unit] = kind === 'height' ? [low[2] + step * from, low[2] + step * to, 'm']
       : kind === 'time' ? [timeOf(from), timeOf(to), 's']
       : kind === 'uncertainty' ? [from, to, 'm (1 sigma)'] : [from, to, 'of 255'];
-  document.getElementById('scale').textContent =
-      count ? `${least.toPrecision(3)} to ${most.toPrecision(3)} ${unit}` : '';
+  document.getElementById('scale').hidden = count === 0;
+  document.getElementById('least').textContent = least.toPrecision(3);
+  document.getElementById('ramp').style.background =
+      `linear-gradient(to right, ${ramp.map((colour) => `rgb(${colour})`).join(', ')})`;
+  document.getElementById('most').textContent = `${most.toPrecision(3)} ${unit}`;
   draw();
 }
 

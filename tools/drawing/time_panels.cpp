@@ -11,10 +11,10 @@
 namespace adit {
 namespace {
 
-constexpr double kRight = 20.0;    // px
-constexpr double kHeight = 110.0;  // px, of a panel with curves
-constexpr double kBand = 15.0;     // px, of a band
-constexpr double kFoot = 44.0;     // px below the last panel
+constexpr double kRightMargin = 20.0;  // px
+constexpr double kHeight = 110.0;      // px, of a panel with curves
+constexpr double kBand = 15.0;         // px, of a band
+constexpr double kFoot = 44.0;         // px below the last panel
 
 /// px left of the panels.
 double left_of(double width) {
@@ -278,7 +278,7 @@ void draw_gates(SvgDocument& svg, const Frame& frame, const TimePanel& panel) {
 std::string draw_time_panels(std::span<const double> times, std::span<const TimePanel> panels,
                              double width, std::string_view axis) {
   const double left = left_of(width);
-  const double right = width - kRight;
+  const double right = width - kRightMargin;
   SvgDocument sketch(width, 1.0);  // heights are known once heads are laid out
   std::vector<const TimePanel*> shown;
   double height = kFoot;

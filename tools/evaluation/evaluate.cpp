@@ -82,7 +82,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
     unaligned.push_back(estimate.poses[pair.estimate].pose);
     result.truth.push_back(truth.poses[pair.truth].pose);
     if (association.summary.by_time) {
-      result.stamps.push_back(std::chrono::duration<double>(truth.poses[pair.truth].stamp).count());
+      result.stamps.push_back(seconds(truth.poses[pair.truth].stamp));
     }
   }
   const std::optional<Similarity> alignment = align(unaligned, result.truth, options.alignment);

@@ -25,10 +25,10 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr Nanoseconds kNearestTruth = milliseconds(20);
-constexpr Nanoseconds kGap = milliseconds(3000);     // that a revisit may have
-constexpr Nanoseconds kMargin = milliseconds(2000);  // around a keyframe's stamp
-constexpr double kRevisitLength = 5.0;               // m
-constexpr double kRevisitDistance = 5.0;             // m
+constexpr Nanoseconds kRevisitGap = milliseconds(3000);  // that a revisit may have
+constexpr Nanoseconds kMargin = milliseconds(2000);      // around a keyframe's stamp
+constexpr double kRevisitLength = 5.0;                   // m
+constexpr double kRevisitDistance = 5.0;                 // m
 constexpr double kRevisitOverlap = 0.5;
 
 Nanoseconds stamp_of(double seconds) {
@@ -88,7 +88,7 @@ std::vector<Revisit> revisits_in(const Trajectory& truth, const std::vector<True
   std::ranges::sort(stamps);
   std::vector<Revisit> revisits;
   for (const Nanoseconds stamp : stamps) {
-    if (revisits.empty() || stamp - revisits.back().end > kGap) {
+    if (revisits.empty() || stamp - revisits.back().end > kRevisitGap) {
       revisits.push_back({.begin = stamp, .end = stamp});
     }
     revisits.back().end = stamp;
@@ -227,8 +227,8 @@ nlohmann::ordered_json to_json(const LoopScore& score) {
          {"right", loop.right}});
   }
   for (const Revisit& revisit : score.revisits) {
-    json["revisits"].push_back({{"begin_s", std::chrono::duration<double>(revisit.begin).count()},
-                                {"end_s", std::chrono::duration<double>(revisit.end).count()},
+    json["revisits"].push_back({{"begin_s", seconds(revisit.begin)},
+                                {"end_s", seconds(revisit.end)},
                                 {"length_m", revisit.length},
                                 {"found", revisit.found}});
   }

@@ -245,7 +245,7 @@ std::string inspection_page(const Inspection& inspection) {
   }
   html += "</ul>\n";
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
-    if (inspection.statistics[i].events > 1) {
+    if (inspection.statistics[i].lasts()) {
       html += "<h2>" + escape_markup(inspection.topics[i].name) + "</h2>\n" +
               html_drawing([&](double width) { return drawing(inspection.statistics[i], width); }) +
               "<p>Times in seconds after the topic's first event.</p>\n";

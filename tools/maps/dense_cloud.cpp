@@ -13,10 +13,6 @@ namespace {
 
 constexpr Nanoseconds kLongestStep = std::chrono::milliseconds(500);
 
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 }  // namespace
 
 SensorPath::SensorPath(std::vector<StampedPose> poses) : poses_(std::move(poses)) {

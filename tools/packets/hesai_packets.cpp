@@ -6,10 +6,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/packets/packet_bytes.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {
@@ -17,15 +17,7 @@ namespace {
 
 constexpr std::size_t kMostLasers = 128;
 constexpr std::size_t kMostBlocks = 16;
-constexpr double kLongestSweep = 1.0;  // s; it turns at 5 Hz at least
 constexpr unsigned kDualReturns = 0x39;
-
-template <class T>
-T load(std::span<const std::byte> from, std::size_t at) {
-  T value;
-  std::memcpy(&value, from.subspan(at, sizeof(T)).data(), sizeof(T));
-  return value;
-}
 
 /// Modes from two returns on are numbered from 0x39.
 bool is_dual(std::span<const std::byte> payload, std::size_t mode_at) {
@@ -105,21 +97,24 @@ std::optional<HesaiPacket> pandar64_packet(std::span<const std::byte> payload) {
 
 /// The second by the packet's calendar (year since 2000 or 1900), or by its seconds since 1970.
 Nanoseconds second_of(std::span<const std::byte> payload, std::size_t at, Nanoseconds received) {
-  using namespace std::chrono;
+  using std::chrono::day, std::chrono::hours, std::chrono::minutes, std::chrono::month;
+  using std::chrono::sys_days, std::chrono::year, std::chrono::year_month_day;
   const auto byte = [&](std::size_t i) { return std::to_integer<int>(payload[at + i]); };
   if (byte(0) == 0) {
     const uint32_t since = (static_cast<uint32_t>(byte(2)) << 24U) |
                            (static_cast<uint32_t>(byte(3)) << 16U) |
                            (static_cast<uint32_t>(byte(4)) << 8U) | static_cast<uint32_t>(byte(5));
-    return since == 0 ? std::chrono::floor<seconds>(received) : Nanoseconds(seconds(since));
+    return since == 0 ? std::chrono::floor<std::chrono::seconds>(received)
+                      : std::chrono::seconds(since);
   }
   const int year_number = byte(0) >= 100 ? 1900 + byte(0) : 2000 + byte(0);
-  const year_month_day day{year(year_number), month(static_cast<unsigned>(byte(1))),
-                           std::chrono::day(static_cast<unsigned>(byte(2)))};
-  if (!day.ok() || byte(3) > 23 || byte(4) > 59 || byte(5) > 60) {
-    return std::chrono::floor<seconds>(received);
+  const year_month_day date{year(year_number), month(static_cast<unsigned>(byte(1))),
+                            day(static_cast<unsigned>(byte(2)))};
+  if (!date.ok() || byte(3) > 23 || byte(4) > 59 || byte(5) > 60) {
+    return std::chrono::floor<std::chrono::seconds>(received);
   }
-  return sys_days(day).time_since_epoch() + hours(byte(3)) + minutes(byte(4)) + seconds(byte(5));
+  return sys_days(date).time_since_epoch() + hours(byte(3)) + minutes(byte(4)) +
+         std::chrono::seconds(byte(5));
 }
 
 /// s after the packet's own time that a block was fired at: blocks come before it. XT's manual
@@ -133,10 +128,6 @@ double block_time(const HesaiPacket& packet, std::size_t block, double azimuth, 
   }
   const double behind = std::fmod(last_azimuth - azimuth + 360.0, 360.0);
   return turns_per_s > 0.0 && behind < 10.0 ? -behind / (360.0 * turns_per_s) : 0.0;
-}
-
-Nanoseconds from_seconds(double seconds) {
-  return Nanoseconds(static_cast<int64_t>(std::llround(1e9 * seconds)));
 }
 
 }  // namespace
@@ -212,7 +203,7 @@ void HesaiSweeps::add_block(std::span<const std::byte> payload, const HesaiPacke
                             std::size_t block, Nanoseconds time) {
   const std::size_t at = packet.block_at + block * packet.block_bytes();
   const double azimuth = 0.01 * load<uint16_t>(payload, at);
-  const double begin = std::chrono::duration<double>(time - sweep_->stamp).count();
+  const double begin = seconds(time - sweep_->stamp);
   const bool xt = packet.model.starts_with("PandarXT");
   const std::size_t lasers = std::min(packet.lasers, angles_.elevations.size());
   for (std::size_t i = 0; i < lasers; ++i) {
@@ -262,9 +253,10 @@ std::vector<Sweep> HesaiSweeps::take(const Datagram& datagram) {
       continue;  // damaged
     }
     const Nanoseconds time =
-        packet_time + from_seconds(block_time(*packet, block, azimuth, last, turns));
-    const double since = sweep_ ? std::chrono::duration<double>(time - sweep_->stamp).count() : 0.0;
-    if (sweep_ && (azimuth + 180.0 < last_azimuth_ || since < 0.0 || since > kLongestSweep)) {
+        packet_time + nanoseconds(block_time(*packet, block, azimuth, last, turns));
+    const double since = sweep_ ? seconds(time - sweep_->stamp) : 0.0;
+    if (sweep_ &&
+        (azimuth + 180.0 < last_azimuth_ || since < 0.0 || since > seconds(kLongestSweep))) {
       whole.push_back(std::move(*sweep_));
       sweep_.reset();
     }

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <utility>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/packets/packet_bytes.hpp"
 
 namespace adit {
 namespace {
@@ -27,13 +27,6 @@ constexpr unsigned kImu = 0;
 constexpr unsigned kMillimetres = 1;  // 32-bit coordinates
 constexpr unsigned kCentimetres = 2;  // 16-bit coordinates
 constexpr std::size_t kImuBytes = 24;
-
-template <class T>
-T load(std::span<const std::byte> from, std::size_t at) {
-  T value;
-  std::memcpy(&value, from.subspan(at, sizeof(T)).data(), sizeof(T));
-  return value;
-}
 
 std::size_t point_bytes(unsigned type) {
   return type == kMillimetres ? 14 : type == kCentimetres ? 8 : 0;
@@ -107,7 +100,7 @@ std::vector<Sweep> LivoxSweeps::take(const Datagram& datagram) {
   const unsigned type = load<uint8_t>(packet, kTypeAt);
   const std::size_t count = load<uint16_t>(packet, kCountAt);
   const double step = 1e-7 * load<uint16_t>(packet, kIntervalAt) / static_cast<double>(count);
-  const double begin = std::chrono::duration<double>(time - sweep_->stamp).count();
+  const double begin = seconds(time - sweep_->stamp);
   for (std::size_t i = 0; i < count; ++i) {
     const auto [point, tag] = point_at(packet, kHead + i * point_bytes(type), type);
     if (is_kept(point, tag)) {

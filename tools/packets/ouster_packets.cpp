@@ -4,25 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/packets/packet_bytes.hpp"
 
 namespace adit {
 namespace {
 
-constexpr std::size_t kImuBytes = 48;
-constexpr Nanoseconds kLongestSweep = std::chrono::seconds(1);  // it turns at 5 Hz at least
-
-template <class T>
-T load(std::span<const std::byte> from, std::size_t at) {
-  T value;
-  std::memcpy(&value, from.subspan(at, sizeof(T)).data(), sizeof(T));
-  return value;
-}
+constexpr std::size_t kImuPacketBytes = 48;
 
 /// Nanoseconds of the sensor's clock; times that no clock shows become the latest.
 Nanoseconds time_of(uint64_t nanoseconds) {
@@ -69,7 +61,7 @@ bool is_ouster_data(const Datagram& datagram, const OusterSensor& sensor) {
 }
 
 bool is_ouster_imu(const Datagram& datagram) {
-  return datagram.payload.size() == kImuBytes;
+  return datagram.payload.size() == kImuPacketBytes;
 }
 
 OusterSweeps::OusterSweeps(const OusterSensor& sensor, bool points)
@@ -80,8 +72,7 @@ void OusterSweeps::add_column(std::span<const std::byte> pixels, std::size_t col
   const double encoder =
       2.0 * std::numbers::pi *
       (1.0 - static_cast<double>(column) / static_cast<double>(sensor_->columns));
-  const auto after = static_cast<float>(
-      std::max(0.0, std::chrono::duration<double>(time - sweep_->stamp).count()));
+  const auto after = static_cast<float>(std::max(0.0, seconds(time - sweep_->stamp)));
   for (std::size_t beam = 0; beam < sensor_->beams; ++beam) {
     const std::span<const std::byte> pixel = pixels.subspan(pixel_.bytes * beam, pixel_.bytes);
     std::optional<uint32_t> first;

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/packets/velodyne_packets.hpp"
-#include "adit/slam/core/units.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 #include <utility>
+
+#include "adit/slam/core/units.hpp"
+#include "adit/tools/packets/packet_bytes.hpp"
 
 namespace adit {
 namespace {
@@ -18,9 +19,8 @@ constexpr std::size_t kDataBytes = 1206;
 constexpr std::size_t kPositionBytes = 512;
 constexpr std::size_t kBlocks = 12;
 constexpr std::size_t kBlockBytes = 100;
-constexpr std::size_t kRanges = 32;    // per block
-constexpr double kRangeUnit = 0.002;   // m
-constexpr double kLongestSweep = 1.0;  // s; it turns at 5 Hz at least
+constexpr std::size_t kRanges = 32;   // per block
+constexpr double kRangeUnit = 0.002;  // m
 constexpr unsigned kDualReturn = 0x39;
 constexpr unsigned kHdl32 = 0x21;
 constexpr unsigned kVlp16 = 0x22;
@@ -100,10 +100,6 @@ double azimuth_of(std::span<const std::byte> data, std::size_t block) {
   return 0.01 * u16(data, kBlockBytes * block + 2);
 }
 
-Nanoseconds from_seconds(double seconds) {
-  return Nanoseconds(static_cast<int64_t>(std::llround(1e9 * seconds)));
-}
-
 /// "4807.038" as degrees: the last two digits before the point begin the minutes.
 std::optional<double> degrees_of(std::string_view text, bool negative) {
   double value = 0.0;
@@ -171,7 +167,7 @@ std::optional<Nanoseconds> utc_of(std::string_view time, std::string_view date) 
       !day.ok()) {
     return std::nullopt;
   }
-  return sys_days(day).time_since_epoch() + hours(h) + minutes(m) + seconds(s);
+  return sys_days(day).time_since_epoch() + hours(h) + minutes(m) + std::chrono::seconds(s);
 }
 
 }  // namespace
@@ -198,8 +194,7 @@ std::optional<std::string> velodyne_model(const Datagram& data) {
 
 bool VelodyneSweeps::begins_anew(double azimuth, Nanoseconds time) const {
   const Nanoseconds since = time - sweep_->stamp;
-  return azimuth + 180.0 < last_azimuth_ || since < Nanoseconds(0) ||
-         since > from_seconds(kLongestSweep);
+  return azimuth + 180.0 < last_azimuth_ || since < Nanoseconds(0) || since > kLongestSweep;
 }
 
 void VelodyneSweeps::add_block(const Datagram& datagram, std::size_t block,
@@ -213,8 +208,8 @@ void VelodyneSweeps::add_block(const Datagram& datagram, std::size_t block,
   const std::size_t firing = dual ? block / 2 : block;
   const double block_time = model.cycle * static_cast<double>(kRanges / model.lasers);
   const double azimuth = azimuth_of(data, block);
-  const double since_stamp = std::chrono::duration<double>(packet_time - sweep_->stamp).count() +
-                             block_time * static_cast<double>(firing);
+  const double since_stamp =
+      seconds(packet_time - sweep_->stamp) + block_time * static_cast<double>(firing);
   const std::span<const std::byte> ranges = data.subspan(kBlockBytes * block + 4, 3 * kRanges);
   const std::span<const std::byte> other =
       dual && block % 2 == 1 ? data.subspan(kBlockBytes * (block - 1) + 4, 3 * kRanges)
@@ -258,7 +253,7 @@ std::vector<Sweep> VelodyneSweeps::take(const Datagram& datagram) {
       continue;  // not written, or damaged
     }
     const Nanoseconds time =
-        packet_time + from_seconds(block_time * static_cast<double>(block / step));
+        packet_time + nanoseconds(block_time * static_cast<double>(block / step));
     if (sweep_ && begins_anew(azimuth, time)) {
       whole.push_back(std::move(*sweep_));
       sweep_.reset();

@@ -166,7 +166,7 @@ CloudFile to_sweep(const VelodyneScan& scan, Nanoseconds stamp) {
   }
   Sweep sweep;
   for (const Sweep& part : parts) {
-    const double after = std::chrono::duration<double>(part.stamp - parts.front().stamp).count();
+    const double after = seconds(part.stamp - parts.front().stamp);
     if (after < 0.0 || after > kMostSeconds) {
       throw CodecError("its packets are " + std::to_string(after) +
                        " s apart by the sensor's clock");

@@ -94,8 +94,7 @@ class SweepFileStream final : public EventStream {
     if (last_ && stamp <= last_->second) {
       throw InputError(
           sweeps_->files[index], {},
-          "its sweep starts " +
-              std::to_string(std::chrono::duration<double>(last_->second - stamp).count()) +
+          "its sweep starts " + std::to_string(seconds(last_->second - stamp)) +
               " s before that of " + sweeps_->files[last_->first].filename().string() +
               " (or at the same time)",
           "Sweeps must follow each other in time; correct the point times or the order of the "

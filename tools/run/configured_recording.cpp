@@ -13,10 +13,6 @@
 namespace adit {
 namespace {
 
-Nanoseconds nanoseconds(double seconds) {
-  return Nanoseconds(static_cast<int64_t>(std::llround(1e9 * seconds)));
-}
-
 class CorrectedStream final : public EventStream {
  public:
   CorrectedStream(std::unique_ptr<EventStream> events, const RecordingConfig& config)

@@ -37,7 +37,7 @@ std::optional<std::string> LeftOut::add_damage(const InputError& error) {
 
 std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sweep,
                                               Nanoseconds last) {
-  const double back = std::chrono::duration<double>(last - sweep.stamp).count();
+  const double back = seconds(last - sweep.stamp);
   const std::string how =
       back > 0.0 ? fmt::format("{:.6f} s before that", back) : std::string("that");
   return add(stamps_, "sweep " + std::to_string(index) + " is left out: its time is " + how +

@@ -7,11 +7,12 @@
 #include "adit/slam/core/text.hpp"
 
 namespace adit {
-namespace {
 
 std::string percent(double share) {
   return std::to_string(std::lround(100.0 * share)) + " %";
 }
+
+namespace {
 
 std::string centimetres(double length) {
   return with_decimals(100.0 * length, 1);

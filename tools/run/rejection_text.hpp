@@ -8,6 +8,9 @@
 
 namespace adit {
 
+/// In whole hundredths.
+std::string percent(double share);
+
 /// Why an alignment is rejected, for people.
 std::string describe(const Rejection& rejection);
 

@@ -32,7 +32,7 @@ void write_map_page(const RunFiles& files, const PageCloud& cloud, const std::st
     const StampedPose& pose = trajectory.poses[i];
     const StampedPose& first = trajectory.poses.front();
     PagePose told{
-        .time = std::chrono::duration<double>(pose.stamp - first.stamp).count(),
+        .time = seconds(pose.stamp - first.stamp),
         .p = pose.pose.translation(),
         .state = {},
         .registration = {},

@@ -14,10 +14,6 @@
 namespace adit {
 namespace {
 
-std::string percent(double share) {
-  return fmt::format("{:.0f} %", 100.0 * share);
-}
-
 std::string status_reason(const SweepResult& sweep, const Config& config) {
   const RegistrationResult& r = sweep.registration;
   switch (r.status) {
@@ -124,7 +120,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
 }
 
 double RunStatistics::recorded_seconds() const {
-  return first_ ? std::chrono::duration<double>(last_.stamp - first_->stamp).count() : 0.0;
+  return first_ ? seconds(last_.stamp - first_->stamp) : 0.0;
 }
 
 void RunStatistics::add_device_times(const std::vector<StageTime>& stages) {

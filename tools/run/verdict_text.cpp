@@ -56,7 +56,7 @@ std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
 std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t indent) {
   if (verdict.stretches.empty()) {
     return verdict.trust == Trust::reliable
-               ? "reliable: each sweep was held by its matches or by the IMU"
+               ? "reliable: no sweep is in doubt"
                : std::string(to_string(verdict.trust)) + ": no sweep could be aligned";
   }
   const std::size_t named = std::min(kNamed, verdict.stretches.size());

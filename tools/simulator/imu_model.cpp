@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "adit/slam/core/units.hpp"
@@ -18,7 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDegreePerHour = kDegree / 3600.0;
 constexpr double kMilliG = 1e-3 * kStandardGravity;
 

@@ -3,8 +3,8 @@
 #include "adit/tools/simulator/mesh.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 
@@ -12,8 +12,6 @@ namespace adit {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 /// Two directions across a line.
 std::array<Vector3d, 2> across(const Vector3d& axis) {

@@ -3,8 +3,8 @@
 #include "adit/tools/simulator/range_sensor.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 Vector3d direction_to(double azimuth, double elevation) {
   const SinCos around = repeatable_sin_cos(azimuth);

@@ -8,11 +8,10 @@
 #include <numbers>
 
 #include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // pi/2 in three parts; the first two have trailing zeros, so that multiples of them are exact.
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/simulator/scene.hpp"
 #include "adit/tools/support/random.hpp"
@@ -18,7 +18,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kHalfWidth = 2.3;
 constexpr double kWall = 2.0;     // m, where the wall turns into the arch
 constexpr double kHeight = 4.2;   // m, at the middle

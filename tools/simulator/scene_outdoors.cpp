@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/simulator/scene.hpp"
 #include "adit/tools/support/random.hpp"
@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 /// Hills of two scales.
 struct Terrain {

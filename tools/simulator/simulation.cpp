@@ -201,8 +201,7 @@ SimulationSummary simulate(
     labels->close();
   }
   write_scene_ply(files.scene, scene);
-  write_loops(files.loops, find_loops(first, options.duration),
-              std::chrono::duration<double>(kSimulationEpoch).count());
+  write_loops(files.loops, find_loops(first, options.duration), seconds(kSimulationEpoch));
   if (options.picture) {
     write_scene_picture(files.picture, scene, first.still(), trajectory);
     write_sweep_picture(files.sweep, scene, first, static_cast<int64_t>(total / 3));

@@ -12,10 +12,6 @@
 namespace adit {
 namespace {
 
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
   SweepStatistics& s = topic.sweeps;
   const auto returns = std::ranges::count_if(sweep.points, is_return);
@@ -190,8 +186,13 @@ double TopicStatistics::span() const {
   return stamps ? seconds(stamps->end - stamps->begin) : 0.0;
 }
 
+bool TopicStatistics::lasts() const {
+  constexpr double kLeastSpan = 1e-3;  // s: latched messages follow each other within less
+  return span() >= kLeastSpan;
+}
+
 double TopicStatistics::rate() const {
-  return span() > 0.0 ? static_cast<double>(events - 1) / span() : 0.0;
+  return lasts() ? static_cast<double>(events - 1) / span() : 0.0;
 }
 
 std::optional<Sector> SweepStatistics::blocked_sector() const {

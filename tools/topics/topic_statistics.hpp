@@ -111,7 +111,8 @@ struct TopicStatistics {
   void add(const Event& event);
 
   double span() const;              ///< s, from the first stamp to the last
-  double rate() const;              ///< events a second on average, 0 where there are not two
+  bool lasts() const;               ///< long enough for a rate and for plots over time
+  double rate() const;              ///< events a second on average, 0 where it does not last
   uint64_t repeated() const;        ///< sum over all series, as in StampStatistics
   uint64_t backwards() const;       ///< likewise
   uint64_t gaps() const;            ///< likewise
