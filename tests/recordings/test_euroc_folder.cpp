@@ -59,6 +59,13 @@ TEST_F(EurocFolder, ImuAndPosesComeInTheOrderOfTime) {
   }
 }
 
+TEST_F(EurocFolder, TheTruthAloneIsEnough) {
+  write("state_groundtruth_estimate0", kTruth);
+  const auto recording = open_recording(folder_.path());
+  ASSERT_EQ(recording->topics().size(), 1U);
+  EXPECT_EQ(test::read_all(*recording).events.size(), 1U);
+}
+
 TEST_F(EurocFolder, SelectionByTopicTimeAndNumber) {
   write("imu0", kImu);
   write("vicon0", kTruth);

@@ -34,7 +34,7 @@ std::size_t gaps_marked(const std::string& page) {
 TEST(InspectionPage, NeedsNothingElseAndDrawsEveryTopic) {
   const std::string page = page_of(test::clean_recording());
   EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
-  EXPECT_EQ(count(page, "<svg"), 14U) << "four topics have two events or more; the IMU, the "
+  EXPECT_EQ(count(page, "<svg"), 12U) << "three topics last; the IMU, the "
                                          "stretch that was mapped, and the turns; "
                                          "each for a desktop and for a telephone";
   for (const char* part :

@@ -114,6 +114,8 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
                      "'-1' is not possible; it takes a number of 0 or more");
   expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply or pcd");
   expect_usage_error({"run", "a", "-o", "b", "--device"}, "--device lacks its DEVICE");
+  const test::TemporaryFolder folder;
+  expect_usage_error({"evaluate", folder.path().c_str()}, "is no folder of a run");
   expect_usage_error({"run", "a", "-o", "b", "--start", "x"}, "--start: 'x' is not a number");
   expect_usage_error({"run", "a", "-o", "b", "--max-vram", "5 parsecs"}, "write 512MiB, 2GiB");
   for (const char* command : {"run", "demo"}) {

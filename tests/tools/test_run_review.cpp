@@ -207,6 +207,27 @@ TEST_F(RunFolder, SaysThatItsRunWasKilledOrStopped) {
   EXPECT_NE(out.str().find("0 of 300 sweeps are here"), std::string::npos) << out.str();
 }
 
+TEST_F(RunFolder, WhatAStoppedRunLacksIsSaidToBeMissingForThat) {
+  folder_.write("trajectory.tum", "");
+  EvaluateCommandOptions options;
+  options.estimates = {folder_.path()};
+  options.truth = folder_ / "truth.tum";
+  const auto said = [&](const char* status) {
+    folder_.write("summary.json", R"({"adit": "0", "reason": "stopped", "status": ")" +
+                                      std::string(status) + "\"}");
+    std::ostringstream out;
+    std::ostringstream err;
+    EXPECT_EQ(evaluate_command(options, out, err), 1);
+    return err.str();
+  };
+  const std::string interrupted = said("interrupted");
+  EXPECT_NE(interrupted.find("NOT COMPLETE, it ended early (interrupted): stopped; 100 sweeps"),
+            std::string::npos)
+      << interrupted;
+  EXPECT_NE(interrupted.find("it holds no pose"), std::string::npos) << interrupted;
+  EXPECT_EQ(said("completed").find("NOT COMPLETE"), std::string::npos);
+}
+
 TEST_F(RunFolder, WithoutItsTableIsRefused) {
   std::filesystem::remove(folder_ / "sweeps.csv");
   EXPECT_THROW(review_run(folder_.path()), InputError);

@@ -81,6 +81,22 @@ void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& ou
              report);
 }
 
+/// What is missing of a run that did not end is missing for that reason.
+RunEvaluation evaluate_as_far_as_it_went(const fs::path& folder, const Trajectory* truth,
+                                         const EvaluationOptions& options) {
+  try {
+    return evaluate_run(folder, truth, options);
+  } catch (const FileError& error) {
+    const RunReview review = review_run(folder);
+    if (!review.ending || review.ending->status == "completed") {
+      throw;
+    }
+    throw FileError(folder, folder.string() + ": " +
+                                describe(*review.ending, review.sweeps.size()) + ". " +
+                                error.what());
+  }
+}
+
 /// The run's own figures, those against the truth if there is one, and the page with both.
 void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   const fs::path& folder = options.estimates.front();
@@ -89,7 +105,8 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   if (!options.truth.empty()) {
     truth = read_truth(options);
   }
-  const RunEvaluation found = evaluate_run(folder, truth ? &*truth : nullptr, options.evaluation);
+  const RunEvaluation found =
+      evaluate_as_far_as_it_went(folder, truth ? &*truth : nullptr, options.evaluation);
   std::optional<LoopScore> loops;
   if (options.loops && truth) {
     loops = score_loops(RunFiles(folder).database, *truth, read_true_loops(*options.loops));
@@ -303,6 +320,12 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
     }
     const bool alone = paths->size() == 1;
     const bool run = is_run(paths->front());
+    std::error_code unknown;
+    if (alone && !run && fs::is_directory(paths->front(), unknown)) {
+      refuse_option(paths->front().string(),
+                    "is no folder of a run: it has neither summary.json nor sweeps.csv. A run that "
+                    "was stopped before it began leaves none; a recording's poses need a TRUTH");
+    }
     if (alone && (!run || options->plot || options->table)) {
       miss_argument("TRUTH");
     }

@@ -76,6 +76,9 @@ TopicKind kind_of(const std::string& folder) {
   return TopicKind::other;
 }
 
+/// Either is enough to recognise the folder by.
+constexpr std::array kMarks{"imu0", "state_groundtruth_estimate0"};
+
 fs::path base_of(const fs::path& folder) {
   std::error_code ignored;
   return fs::is_directory(folder / "mav0", ignored) ? folder / "mav0" : folder;
@@ -84,8 +87,10 @@ fs::path base_of(const fs::path& folder) {
 }  // namespace
 
 bool is_euroc_folder(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::is_regular_file(base_of(folder) / "imu0" / "data.csv", ignored);
+  return std::ranges::any_of(kMarks, [&](const char* mark) {
+    std::error_code ignored;
+    return fs::is_regular_file(base_of(folder) / mark / "data.csv", ignored);
+  });
 }
 
 std::unique_ptr<Recording> open_euroc_folder(const fs::path& folder) {

@@ -41,7 +41,7 @@ std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sw
   const std::string how =
       back > 0.0 ? fmt::format("{:.6f} s before that", back) : std::string("that");
   return add(stamps_, "sweep " + std::to_string(index) + " is left out: its time is " + how +
-                          " of the sweep before it");
+                          " of a sweep that was taken before it");
 }
 
 std::optional<std::string> LeftOut::add_put_in_order(std::size_t index) {

@@ -103,7 +103,8 @@ void write_results(const Mapping& mapping, Mapped& done) {
     } else {
       const auto& placed = std::get<SweepPlaced>(*result);
       if (done.stepped_back.erase(placed.sweep.stamp) > 0) {
-        note(mapping, mapping.statistics.left_out().add_put_in_order(counted));
+        note(mapping,
+             mapping.statistics.left_out().add_put_in_order(placed.sweep.number.value_or(counted)));
       }
       write(mapping, placed, placed.sweep.number.value_or(counted), done.read_ms);
       done.read_ms = 0.0;
