@@ -52,6 +52,15 @@ TEST(ImuStart, AtRestGravityAndGyroBiasAreTheMeans) {
   EXPECT_FALSE(how.in_g);
 }
 
+TEST(ImuStart, WhatGravityIsTooLongOrTooShortByIsABiasOfTheAccelerometer) {
+  for (const double scale : {1.02, 0.98}) {
+    const ImuStart start = start_at_rest(at_rest(2.0, scale), kNoise);
+    ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
+    EXPECT_LE((start.bias.accel - (scale - 1.0) * kStandardGravity * tilted_up()).norm(), 1e-2)
+        << scale;
+  }
+}
+
 TEST(ImuStart, AnAccelerometerInGIsUnderstood) {
   const ImuStart start = start_at_rest(at_rest(2.0, 1.0 / kStandardGravity), kNoise);
   ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
