@@ -105,6 +105,24 @@ TEST(SensorFeed, AnImuThatStopsHoldsNoSweepForLong) {
   }
 }
 
+TEST(SensorFeed, ASweepWithoutReadingsWaitsForThreeTenthsOfASecond) {
+  SensorFeed feed(true);
+  feed.add(reading(0));
+  int arrived = 0;
+  for (std::optional<Measurement> next; !next || !std::holds_alternative<Sweep>(*next);) {
+    ASSERT_LT(arrived, 3000);
+    feed.add(sweep(arrived));
+    next = feed.next();
+    if (next && !std::holds_alternative<Sweep>(*next)) {
+      next = feed.next();
+    }
+    arrived += 100;
+  }
+  // The first ends after 94 ms; half a second is the window in which stamps are put in order.
+  EXPECT_GE(arrived - 100, 94 + 300 + 500);
+  EXPECT_LE(arrived - 100, 94 + 300 + 500 + 100);
+}
+
 TEST(SensorFeed, AnyOrderOfArrivalWithinTheWindowGivesTheSameOrder) {
   const std::vector<Measurement> arrivals = drive(20, [](int) { return true; });
   SensorFeed straight(true);
