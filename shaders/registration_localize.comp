@@ -92,7 +92,7 @@ void main() {
     const Voxel voxel =
         find_voxel(floor(q * job.inverse_cell), job.target_begin, job.table_mask, job.cell);
     const vec3 e = voxel.mean - q;
-    const bool matched = voxel.found && dot(e, e) <= job.max_squared;
+    const bool matched = voxel.found && dot(e, e) <= job.max_squared && !is_other_face(s, voxel);
     const vec3 target_normal = normal_of(voxel);
     if (matched) {
       sums[6] += 1.0;

@@ -61,7 +61,11 @@ void main() {
       x = uvec3((w.y * v.x * v + vec3(w.x, 0.0, 0.0) + 1.0) * 32768.0);
       y = uvec3((vy + vec3(w.x, 0.0, w.x) + 1.0) * 32768.0);
     }
-    atomicAdd(voxels[slot].count, push.sign);
+    const float facing =
+        !kMoments && (point.w >> 30) == kPlane ? dot(v, vec3(kFacingX, kFacingY, kFacingZ)) : 0.0;
+    const uint along = facing > kUnclearFacing ? 1u << kFacingShift : 0u;
+    const uint against = facing < -kUnclearFacing ? 1u << kFacingShift : 0u;
+    atomicAdd(voxels[slot].count, (1u + along) * push.sign);
     atomicAdd(voxels[slot].sum_x, offset.x * push.sign);
     atomicAdd(voxels[slot].sum_y, offset.y * push.sign);
     atomicAdd(voxels[slot].sum_z, offset.z * push.sign);
@@ -69,7 +73,7 @@ void main() {
       if ((point.w >> 30) == kIsotropic) {
         continue;
       }
-      atomicAdd(voxels[slot].surfaces, push.sign);
+      atomicAdd(voxels[slot].surfaces, (1u + against) * push.sign);
     }
     atomicAdd(voxels[slot].xx, x.x * push.sign);
     atomicAdd(voxels[slot].xy, x.y * push.sign);

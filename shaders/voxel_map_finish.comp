@@ -45,17 +45,19 @@ void main() {
     const uvec4 head = FETCH(sums, 3 * slot);
     const uvec4 middle = FETCH(sums, 3 * slot + 1);
     const uvec4 tail = FETCH(sums, 3 * slot + 2);
-    const float per_point = 1.0 / float(max(head.y, 1u));
+    const uint count = kMakes == kGaussians ? head.y : head.y & kCountMask;
+    const float per_point = 1.0 / float(max(count, 1u));
     const vec3 mean = vec3(head.zw, middle.x) * (per_point / 65536.0);
     const uint key = head.x - 1u;
     const vec3 corner =
         vec3(ivec3(key >> 21, (key >> 10) & 2047u, key & 1023u) - ivec3(1024, 1024, 512));
-    bool valid = head.x != kFree && head.y >= push.min_points;
+    bool valid = head.x != kFree && count >= push.min_points;
     Sym3 form;
+    uint faces = 0u;
     if (kMakes == kGaussians) {
       // Sums of products of offsets in units of the edge; sample covariance, n - 1.
       const float scale = per_point / 65536.0;
-      const float area = push.cell * push.cell * float(head.y) / float(max(head.y, 2u) - 1u);
+      const float area = push.cell * push.cell * float(count) / float(max(count, 2u) - 1u);
       form = widened(Sym3(area * (float(middle.y) * scale - mean.x * mean.x),
                           area * (float(middle.z) * scale - mean.x * mean.y),
                           area * (float(middle.w) * scale - mean.x * mean.z),
@@ -67,11 +69,12 @@ void main() {
       eigen(mean_constraint(head, middle, tail), pairs);
       const vec3 n = pairs[2].xyz;
       valid = valid && pairs[2].w > kPlanar * max(pairs[0].w + pairs[1].w + pairs[2].w, 0.5);
+      faces = packHalf2x16(faces_of(head, tail));
       form = Sym3(n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z);
     }
     const uvec3 where = floatBitsToUint((corner + mean) * push.cell);
-    voxels[3 * slot] = uvec4(head.x, valid ? head.y : 0u, where.xy);
+    voxels[3 * slot] = uvec4(head.x, valid ? count : 0u, where.xy);
     voxels[3 * slot + 1] = uvec4(where.z, floatBitsToUint(vec3(form.xx, form.xy, form.xz)));
-    voxels[3 * slot + 2] = uvec4(floatBitsToUint(vec3(form.yy, form.yz, form.zz)), 0u);
+    voxels[3 * slot + 2] = uvec4(floatBitsToUint(vec3(form.yy, form.yz, form.zz)), faces);
   }
 }

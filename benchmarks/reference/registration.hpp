@@ -24,9 +24,10 @@ namespace adit::reference {
 /// A voxel as alignments read it.
 struct FinishedVoxel {
   uint32_t count = 0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  ///< m
-  Eigen::Matrix3d form = Eigen::Matrix3d::Zero();  ///< VGICP: mean constraint; NDT: covariance,
-                                                   ///< m^2; point to plane: n n^T
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();   ///< m
+  Eigen::Matrix3d form = Eigen::Matrix3d::Zero();   ///< VGICP: mean constraint; NDT: covariance,
+                                                    ///< m^2; point to plane: n n^T
+  Eigen::Vector2d faces = Eigen::Vector2d::Zero();  ///< as Voxel::faces(); NDT: zero
 };
 using FinishedMap = std::map<Cell, FinishedVoxel>;
 
@@ -55,6 +56,9 @@ inline FinishedVoxel gaussian_of(std::span<const Eigen::Vector3d> points,
 inline FinishedMap decode_finished(std::span<const gpu::GaussianCell> table) {
   FinishedMap map;
   const auto real = [](uint32_t bits) { return static_cast<double>(std::bit_cast<float>(bits)); };
+  const auto half = [](uint32_t bits) {
+    return static_cast<double>(std::bit_cast<Eigen::half>(static_cast<uint16_t>(bits)));
+  };
   for (const gpu::GaussianCell& cell : table) {
     if (cell.key == gpu::kFree || cell.count == 0) {
       continue;
@@ -65,6 +69,7 @@ inline FinishedMap decode_finished(std::span<const gpu::GaussianCell> table) {
     voxel.form << real(cell.xx), real(cell.xy), real(cell.xz),  //
         real(cell.xy), real(cell.yy), real(cell.yz),            //
         real(cell.xz), real(cell.yz), real(cell.zz);
+    voxel.faces << half(cell.surfaces), half(cell.surfaces >> 16U);
     map[at] = voxel;
   }
   return map;
@@ -76,7 +81,8 @@ inline FinishedMap finished(const VoxelMap& map) {
   for (const auto& [at, voxel] : map.voxels) {
     result[at] = {.count = static_cast<uint32_t>(voxel.count),
                   .mean = voxel.mean(at, map.voxel_size),
-                  .form = voxel.constraint()};
+                  .form = voxel.constraint(),
+                  .faces = voxel.faces()};
   }
   return result;
 }
@@ -86,6 +92,7 @@ struct SourceItem {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   Eigen::Matrix3d form = Eigen::Matrix3d::Zero();    ///< constraint; covariance for kNdtToNdt
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< towards the sensor; zero: no plane
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();  ///< as facing_normal()
 };
 
 struct Objective {
@@ -191,7 +198,8 @@ inline FullSystem linearize(std::span<const SourceItem> source, const FinishedMa
     for (const Cell& cell :
          neighbours_of(place_of(q, voxel_size).cell, objective.options.neighbours)) {
       const auto found = target.find(cell);
-      if (found == target.end() || (found->second.mean - q).norm() > objective.d_max) {
+      if (found == target.end() || (found->second.mean - q).norm() > objective.d_max ||
+          is_other_face(pose.linear() * item.facing, found->second.faces, found->second.form)) {
         continue;
       }
       matched = true;

@@ -24,7 +24,12 @@
 namespace adit::reference {
 
 /// Numbered as in the two top bits of a packed surface.
-enum class SurfaceKind : uint32_t { isotropic = 0, plane = 1, line = 2 };
+enum class SurfaceKind : uint32_t { isotropic = 0, plane = 1, line = 2, grazing = 3 };
+
+/// A plane, whether it is seen edge-on or not.
+inline bool is_plane(SurfaceKind kind) {
+  return kind == SurfaceKind::plane || kind == SurfaceKind::grazing;
+}
 
 /// The surface at a point of a cloud.
 struct Surface {
@@ -34,6 +39,7 @@ struct Surface {
   Eigen::Vector3d eigenvalues =
       Eigen::Vector3d::Zero();  ///< ascending, in squares of the surface cell's edge
   int neighbours = 0;           ///< points of the surface cell, itself included
+  double incidence = 0.0;       ///< cosine between the direction and the ray to the sensor
 };
 
 /// Fewer points say nothing.
@@ -42,6 +48,8 @@ inline constexpr int kMinNeighbours = 5;
 inline constexpr double kLineRatio = 0.02;
 /// |z| of a direction above which a line counts as a pole or an edge.
 inline constexpr double kSteep = 0.7;
+/// Cosine between a plane's normal and the ray, below which it is seen edge-on.
+inline constexpr double kEdgeOn = 0.174;
 
 /// The smallest level, 0 to 15, whose cells' size relative to level 0 is at least range *
 /// 2.5 beam_spacing / edge of level 0, for a point at `p` from its sensor. Decided on squares in
@@ -76,8 +84,9 @@ inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d
   if (surface.direction.dot(ray) > 0.0) {
     surface.direction = -surface.direction;
   }
+  surface.incidence = -surface.direction.dot(ray) / ray.norm();
   if (!line) {
-    surface.kind = SurfaceKind::plane;
+    surface.kind = surface.incidence > kEdgeOn ? SurfaceKind::plane : SurfaceKind::grazing;
   } else if (std::abs(surface.direction.z()) > kSteep) {
     surface.kind = SurfaceKind::line;
   }
@@ -144,6 +153,7 @@ struct SurfacePoint {
   Eigen::Matrix3d constraint() const {
     switch (kind) {
       case SurfaceKind::plane:
+      case SurfaceKind::grazing:
         return direction * direction.transpose();
       case SurfaceKind::line:
         return Eigen::Matrix3d::Identity() - direction * direction.transpose();

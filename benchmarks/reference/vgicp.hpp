@@ -64,7 +64,8 @@ inline std::vector<Match> find_matches(std::span<const SurfacePoint> source, con
     const Voxel& voxel = found->second;
     Match match{.source = i, .rotated = pose.linear() * source[i].p};
     match.error = voxel.mean(place.cell, target.voxel_size) - q;
-    if (match.error.norm() > d_max) {
+    if (match.error.norm() > d_max || is_other_face(pose.linear() * facing_normal(source[i]),
+                                                    voxel.faces(), voxel.constraint())) {
       continue;
     }
     match.target_constraint = voxel.constraint();

@@ -4,6 +4,7 @@
 // Twin of voxel_map_add.comp.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -17,10 +18,38 @@
 
 namespace adit::reference {
 
+inline Eigen::Vector3d facing_axis() {
+  return {gpu::kFacingX, gpu::kFacingY, gpu::kFacingZ};
+}
+
+/// How a normal faces (map axes; zero where that is not known): 1 along facing_axis(), -1 against
+/// it, 0 unclear.
+inline int facing_of(const Eigen::Vector3d& normal) {
+  const double facing = normal.dot(facing_axis());
+  return std::abs(facing) > gpu::kUnclearFacing ? (facing > 0.0 ? 1 : -1) : 0;
+}
+
+/// A point's normal, zero where it is no plane or one seen edge-on.
+inline Eigen::Vector3d facing_normal(const SurfacePoint& point) {
+  return point.kind == SurfaceKind::plane ? point.direction
+                                          : Eigen::Vector3d(Eigen::Vector3d::Zero());
+}
+
+/// A voxel shows the other face of the wall that a normal (map axes) belongs to, or both faces.
+inline bool is_other_face(const Eigen::Vector3d& normal, const Eigen::Vector2d& faces,
+                          const Eigen::Matrix3d& form) {
+  const int facing = facing_of(normal);
+  const double other = facing > 0 ? faces.y() : faces.x();
+  return facing != 0 && faces.sum() > 0.51 && other > 0.27 * faces.sum() &&
+         normal.dot(form * normal) > 0.8;
+}
+
 /// Sums over the points of a voxel.
 struct Voxel {
   int64_t count = 0;
   int64_t surfaces = 0;                                  ///< points with a surface
+  int64_t along = 0;                                     ///< planes that face along facing_axis()
+  int64_t against = 0;                                   ///< planes that face against it
   Eigen::Vector3d offset_sum = Eigen::Vector3d::Zero();  ///< from the voxel's corner, in voxels
   Eigen::Matrix3d constraint_sum = Eigen::Matrix3d::Zero();
 
@@ -29,6 +58,11 @@ struct Voxel {
     const Eigen::Vector3d corner(static_cast<double>(cell[0]), static_cast<double>(cell[1]),
                                  static_cast<double>(cell[2]));
     return (corner + offset_sum / static_cast<double>(count)) * voxel_size;
+  }
+  /// Shares of its surfaces that face along facing_axis(), and against it.
+  Eigen::Vector2d faces() const {
+    return Eigen::Vector2d(static_cast<double>(along), static_cast<double>(against)) /
+           static_cast<double>(std::max<int64_t>(surfaces, 1));
   }
   /// Mean over its points; one without a surface counts as kBare of a point.
   Eigen::Matrix3d constraint() const {
@@ -84,6 +118,9 @@ struct VoxelMap {
       Voxel& voxel = voxels[place.cell];
       voxel.count += 1;
       voxel.surfaces += point.kind == SurfaceKind::isotropic ? 0 : 1;
+      const int facing = facing_of(T_map_cloud.linear() * facing_normal(point));
+      voxel.along += facing > 0 ? 1 : 0;
+      voxel.against += facing < 0 ? 1 : 0;
       voxel.offset_sum += place.offset;
       voxel.constraint_sum +=
           T_map_cloud.linear() * point.constraint() * T_map_cloud.linear().transpose();
@@ -102,11 +139,13 @@ inline VoxelMap decode(std::span<const gpu::GaussianCell> table, double voxel_si
     const Cell at = unpacked_cell(cell.key);
     const auto offset = [](uint32_t sum) { return static_cast<double>(sum) / 65536.0; };
     const auto entry = [&cell](uint32_t sum) {
-      return static_cast<double>(sum) / 32768.0 - static_cast<double>(cell.surfaces);
+      return static_cast<double>(sum) / 32768.0 - static_cast<double>(surfaces_of(cell));
     };
     Voxel voxel;
-    voxel.count = cell.count;
-    voxel.surfaces = cell.surfaces;
+    voxel.count = points_of(cell);
+    voxel.surfaces = surfaces_of(cell);
+    voxel.along = cell.count >> gpu::kFacingShift;
+    voxel.against = cell.surfaces >> gpu::kFacingShift;
     voxel.offset_sum << offset(cell.sum_x), offset(cell.sum_y), offset(cell.sum_z);
     voxel.constraint_sum << entry(cell.xx), entry(cell.xy), entry(cell.xz),  //
         entry(cell.xy), entry(cell.yy), entry(cell.yz),                      //

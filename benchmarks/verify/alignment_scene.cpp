@@ -45,7 +45,13 @@ std::vector<gpu::uvec4> AlignmentScene::certain_source(const Eigen::Isometry3d& 
                                                        double d_max) const {
   std::vector<gpu::uvec4> certain;
   for (const gpu::uvec4& packed : source_) {
-    const Eigen::Vector3d q = pose * reference::decode(packed).p;
+    const reference::SurfacePoint point = reference::decode(packed);
+    const Eigen::Vector3d q = pose * point.p;
+    const Eigen::Vector3d normal = pose.linear() * reference::facing_normal(point);
+    const double facing = std::abs(normal.dot(reference::facing_axis()));
+    if (std::abs(facing - double{gpu::kUnclearFacing}) < kMargin) {
+      continue;
+    }
     const reference::Place place = reference::place_of(q, target_.voxel_size);
     if (!place.certain(kMargin)) {
       continue;
@@ -53,7 +59,9 @@ std::vector<gpu::uvec4> AlignmentScene::certain_source(const Eigen::Isometry3d& 
     const auto voxel = target_.voxels.find(place.cell);
     if (voxel != target_.voxels.end()) {
       const double distance = (voxel->second.mean(place.cell, target_.voxel_size) - q).norm();
-      if (std::abs(distance - d_max) < kMargin * target_.voxel_size) {
+      const double parallel = normal.dot(voxel->second.constraint() * normal);
+      if (std::abs(distance - d_max) < kMargin * target_.voxel_size ||
+          std::abs(parallel - 0.8) < kMargin) {
         continue;
       }
     }
@@ -70,7 +78,7 @@ std::vector<gpu::uvec4> with_random_surfaces(const std::vector<Point>& points, u
   std::vector<gpu::uvec4> cloud;
   for (const Point& p : points) {
     // The class, and the 15-bit coordinates of the octahedral map.
-    const uint32_t kind = bits(3.0);
+    const uint32_t kind = bits(4.0);
     const uint32_t u = bits(32767.0);
     const uint32_t v = bits(32767.0);
     cloud.push_back({std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y),

@@ -74,10 +74,11 @@ FullSystem sums_of(const gpu::RegistrationState& state) {
 
 SourceItem item_of(const gpu::uvec4& packed) {
   const reference::SurfacePoint surface = reference::decode(packed);
-  const bool plane = surface.kind == reference::SurfaceKind::plane;
+  const bool plane = reference::is_plane(surface.kind);
   return {.p = surface.p,
           .form = surface.constraint(),
-          .normal = plane ? surface.direction : Eigen::Vector3d::Zero()};
+          .normal = plane ? surface.direction : Eigen::Vector3d::Zero(),
+          .facing = reference::facing_normal(surface)};
 }
 
 }  // namespace

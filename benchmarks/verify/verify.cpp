@@ -72,8 +72,10 @@ bool class_is_certain(const Surface& surface) {
   if (std::abs(e[1] - reference::kLineRatio * e[2]) <= kCovarianceError) {
     return false;
   }
-  return surface.kind == SurfaceKind::plane ||
-         std::abs(std::abs(surface.direction.z()) - reference::kSteep) > direction_bound(surface);
+  if (reference::is_plane(surface.kind)) {
+    return std::abs(surface.incidence - reference::kEdgeOn) > direction_bound(surface);
+  }
+  return std::abs(std::abs(surface.direction.z()) - reference::kSteep) > direction_bound(surface);
 }
 
 }  // namespace
@@ -192,7 +194,7 @@ Verdict verify_surfaces(const engine::PreprocessSettings& settings,
       verdict.worst["without a direction"] += 1.0;
       continue;
     }
-    verdict.worst[found.kind == SurfaceKind::plane ? "normals compared" : "lines compared"] += 1.0;
+    verdict.worst[is_plane(found.kind) ? "normals compared" : "lines compared"] += 1.0;
     const double angle = std::atan2(found.direction.cross(surface.direction).norm(),
                                     std::abs(found.direction.dot(surface.direction)));
     if (!(angle <= bound)) {
@@ -284,6 +286,10 @@ Verdict verify_voxel_map(const reference::VoxelMap& expected,
     if (other.surfaces != voxel.surfaces) {
       complaints.add("surfaces", at[0], " ", at[1], " ", at[2], ": expected ", voxel.surfaces,
                      ", found ", other.surfaces);
+    }
+    if (other.along != voxel.along || other.against != voxel.against) {
+      complaints.add("faces", at[0], " ", at[1], " ", at[2], ": expected ", voxel.along, " and ",
+                     voxel.against, ", found ", other.along, " and ", other.against);
     }
     const auto n = static_cast<double>(voxel.count);
     const double offset_error = (other.offset_sum - voxel.offset_sum).cwiseAbs().maxCoeff() / n;

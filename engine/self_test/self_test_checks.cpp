@@ -146,8 +146,8 @@ SelfTestCase check_voxel_map(const KnownScene& scene, const FoundVoxelMap& map) 
       continue;
     }
     voxels += 1;
-    points += cell.count;
-    const double n = cell.count;
+    points += points_of(cell);
+    const double n = points_of(cell);
     const uint32_t biased = cell.key - 1U;
     const Vector corner{static_cast<double>(biased >> 21U) - 1024.0,
                         static_cast<double>((biased >> 10U) & 2047U) - 1024.0,
@@ -160,7 +160,7 @@ SelfTestCase check_voxel_map(const KnownScene& scene, const FoundVoxelMap& map) 
     trace += (static_cast<double>(cell.xx) + static_cast<double>(cell.yy) +
               static_cast<double>(cell.zz)) /
                  32768.0 -
-             3.0 * static_cast<double>(cell.surfaces);
+             3.0 * static_cast<double>(surfaces_of(cell));
   }
   Vector expected_mass{};
   const gpu::mat3x4 pose = known_pose();

@@ -43,13 +43,15 @@ struct SourcePoint {
   vec2 weights;     // P = x I + y v v^T
   Sym3 covariance;  // kNdtToNdt: R C R^T, m^2
   bool plane;
+  bool faces;  // a plane that is known to face along its direction
 };
 
 // A voxel that a point may match.
 struct Voxel {
   bool found;
-  vec3 mean;  // target frame, m
-  Sym3 form;  // kVgicp: mean of P; kNdt, kNdtToNdt: covariance, m^2; kPointToPlane: n n^T
+  vec3 mean;   // target frame, m
+  Sym3 form;   // kVgicp: mean of P; kNdt, kNdtToNdt: covariance, m^2; kPointToPlane: n n^T
+  vec2 faces;  // shares of its surfaces that face along kFacing, and against it
 };
 
 // What the matches of one point pull it with: sums over them.
@@ -86,13 +88,15 @@ SourcePoint source_point(uint at, mat3x4 pose) {
     s.direction = vec3(0.0, 0.0, 1.0);
     s.weights = vec2(0.0);
     s.plane = false;
+    s.faces = false;
   } else {
     const uvec4 point = FETCH(source, at);
     s.valid = true;
     s.ra = vec4(uintBitsToFloat(point.xyz), 0.0) * pose;
     s.direction = vec4(unpack_direction(point.w), 0.0) * pose;
     s.weights = surface_weights(point.w);
-    s.plane = (point.w >> 30) == kPlane;
+    s.plane = is_plane(point.w >> 30);
+    s.faces = (point.w >> 30) == kPlane;
   }
   return s;
 }
@@ -121,13 +125,15 @@ Voxel find_voxel(vec3 corner, uint begin, uint mask, float cell) {
   Voxel v;
   v.found = head.x == key && key != kFree && head.y > 0;
   if (kMethod == kVgicp) {
-    const float per_point = v.found ? 1.0 / float(head.y) : 0.0;
+    const float per_point = v.found ? 1.0 / float(head.y & kCountMask) : 0.0;
     v.mean = (corner + vec3(head.zw, middle.x) * (per_point / 65536.0)) * cell;
     v.form = mean_constraint(head, middle, tail);
+    v.faces = faces_of(head, tail);
   } else {
     v.mean = uintBitsToFloat(uvec3(head.zw, middle.x));
     v.form = Sym3(uintBitsToFloat(middle.y), uintBitsToFloat(middle.z), uintBitsToFloat(middle.w),
                   uintBitsToFloat(tail.x), uintBitsToFloat(tail.y), uintBitsToFloat(tail.z));
+    v.faces = unpackHalf2x16(tail.w);
   }
   return v;
 }
@@ -225,6 +231,18 @@ bool seen_from_behind(SourcePoint s, vec3 q, vec3 viewpoint) {
   return kDropBackFaces && s.plane && dot(ray, s.direction) > 0.174 * length(ray);
 }
 
+// The wall's other face, or a voxel that has both: its mean lies inside the wall.
+const float kParallel = 0.8;    // squared cosine, of the voxel's normals with the point's
+const float kOtherFace = 0.27;  // share of those that are clear; no small fraction
+
+bool is_other_face(SourcePoint s, Voxel voxel) {
+  const float facing = dot(s.direction, vec3(kFacingX, kFacingY, kFacingZ));
+  const float clear = voxel.faces.x + voxel.faces.y;
+  const float other = facing > 0.0 ? voxel.faces.y : voxel.faces.x;
+  return s.faces && abs(facing) > kUnclearFacing && clear > 0.51 && other > kOtherFace * clear &&
+         dot(s.direction, mul(voxel.form, s.direction)) > kParallel;
+}
+
 Pull pull_of(SourcePoint s, mat3x4 pose, RegistrationJob job, float max_squared) {
   Pull pull = Pull(0, Sym3(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0));
   const vec3 q = s.ra + vec3(pose[0].w, pose[1].w, pose[2].w);
@@ -234,7 +252,7 @@ Pull pull_of(SourcePoint s, mat3x4 pose, RegistrationJob job, float max_squared)
     const vec3 at = kNeighbours == 1 ? corner : corner + vec3(neighbour(n));
     const Voxel voxel = find_voxel(at, job.target_begin, job.table_mask, job.cell);
     const vec3 e = voxel.mean - q;
-    if (usable && voxel.found && dot(e, e) <= max_squared) {
+    if (usable && voxel.found && dot(e, e) <= max_squared && !is_other_face(s, voxel)) {
       add_match(pull, voxel, s, e, job);
     }
   }

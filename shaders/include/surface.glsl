@@ -11,6 +11,9 @@
 const uint kIsotropic = 0u;  // P = 0: hardly any constraint
 const uint kPlane = 1u;      // v the normal, P = v v^T
 const uint kLine = 2u;       // v the direction, P = I - v v^T
+const uint kGrazing = 3u;    // a plane seen edge-on: noise decides which way v faces
+
+bool is_plane(uint kind) { return (kind & 1u) != 0u; }
 
 // Octahedral map of a unit vector, 15 bits an axis (0.005 degrees); the class in the two top bits.
 uint pack_surface(vec3 v, uint kind) {
@@ -34,7 +37,7 @@ vec3 unpack_direction(uint packed) {
 // (alpha, beta) of the packed class.
 vec2 surface_weights(uint packed) {
   const uint kind = packed >> 30;
-  return vec2(kind == kLine ? 1.0 : 0.0, kind == kPlane ? 1.0 : (kind == kLine ? -1.0 : 0.0));
+  return vec2(kind == kLine ? 1.0 : 0.0, is_plane(kind) ? 1.0 : (kind == kLine ? -1.0 : 0.0));
 }
 
 // Surface cells double in size until they span the gap between neighbouring beams at the point's

@@ -13,6 +13,8 @@ const float kLineRatio = 0.02;
 // A line across the beams (steep in the sensor's frame) is a pole or an edge; one along them is
 // what a single beam leaves on a surface, and says nothing of its normal.
 const float kSteep = 0.7;
+// Planes at less than ten degrees from the ray are seen edge-on.
+const float kEdgeOn = 0.174;
 
 // `ray` leads from the sensor to the point: normals are turned against it.
 uint classify(Sym3 covariance, vec3 ray) {
@@ -23,8 +25,10 @@ uint classify(Sym3 covariance, vec3 ray) {
   const bool line = values.y < kLineRatio * values.z;
   const vec3 v = eigenvector(unit, line ? values.z : values.x);
   const bool useful = dot(v, v) > 0.5 && (!line || abs(v.z) > kSteep);
-  return pack_surface(useful ? (dot(v, ray) > 0.0 ? -v : v) : vec3(0.0, 0.0, 1.0),
-                      useful ? (line ? kLine : kPlane) : kIsotropic);
+  const float along = dot(v, ray);
+  const uint plane = abs(along) > kEdgeOn * length(ray) ? kPlane : kGrazing;
+  return pack_surface(useful ? (along > 0.0 ? -v : v) : vec3(0.0, 0.0, 1.0),
+                      useful ? (line ? kLine : plane) : kIsotropic);
 }
 
 uint no_surface() { return pack_surface(vec3(0.0, 0.0, 1.0), kIsotropic); }

@@ -23,16 +23,32 @@ const int kVoxelsUpwards = 511;
 // 1/65536 of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets), or,
 // of points with a surface, as (entry + 1) * 32768 (voxel maps). At most kMostCellPoints.
 struct GaussianCell {
-  uint key;  // packed cell coordinates; kFree: free
-  uint count;
+  uint key;    // packed cell coordinates; kFree: free
+  uint count;  // voxel maps: below; above it the planes that face along kFacing
   uint sum_x, sum_y, sum_z;
   uint xx, xy, xz, yy, yz, zz;
-  uint surfaces;  // voxel maps: points with a surface, those that the six entries are of
+  uint surfaces;  // voxel maps: points with a surface, those that the six entries are of; above it
+                  // the planes that face against kFacing
 };
+
+// Both faces of a thin wall lie in one voxel. Which of them it shows is told by how many of its
+// planes face along an axis that is none of a building's, and how many against it; planes that
+// are nearly along it are neither. Counts stay below kMostCellPoints: two share a word.
+const float kFacingX = 0.524f;  // of unit length
+const float kFacingY = 0.667f;
+const float kFacingZ = 0.530f;
+const float kUnclearFacing = 0.15f;
+const uint kFacingShift = 16;
+const uint kCountMask = 65535;
 
 // A voxel's constraint is the mean of its points'; one without a surface counts as this part of a
 // point (docs/decisions/0013).
 const float kBare = 0.0625;
+
+#ifdef __cplusplus
+inline uint points_of(const GaussianCell& voxel) { return voxel.count & kCountMask; }
+inline uint surfaces_of(const GaussianCell& voxel) { return voxel.surfaces & kCountMask; }
+#endif
 
 struct VoxelMapCounters {
   uint used_slots;    // slots claimed since the map was cleared

@@ -14,6 +14,7 @@ namespace {
 // shaders/include/surface.glsl: two bits of class, 15 bits for each axis of the octahedral map.
 constexpr uint32_t kIsotropic = 0;
 constexpr uint32_t kPlane = 1;
+constexpr uint32_t kGrazing = 3;
 constexpr int kClassAt = 30;
 constexpr int kFirstAt = 15;
 constexpr uint32_t kAxisMask = 0x7fff;
@@ -62,7 +63,7 @@ uint32_t turned_surface(const Eigen::Matrix3d& rotation, uint32_t packed) {
 }
 
 bool is_plane(uint32_t packed) {
-  return packed >> kClassAt == kPlane;
+  return packed >> kClassAt == kPlane || packed >> kClassAt == kGrazing;
 }
 
 SubmapBox box_of(const KeyframeSubmap& submap) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // One linearisation at a given pose: H, g, cost, matches.
+#include <bit>
 #include <string>
 #include <vector>
 
@@ -171,6 +172,48 @@ TEST_F(VgicpSystem, HostTurnsItIntoTheBodysAxes) {
               static_cast<double>(expected.inliers) / static_cast<double>(found.source.size()),
               1e-12);
   EXPECT_LT((result.T_target_source.matrix() - pose.matrix()).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+enum class Shows { front, back, front_edge_on, nothing };
+
+/// A wall across x, two metres wide and high, at x (m); its front is seen from where x is greater.
+std::vector<gpu::uvec4> wall(double x, Shows shows) {
+  const uint32_t kind = shows == Shows::nothing ? 0U : (shows == Shows::front_edge_on ? 3U : 1U);
+  const uint32_t u = shows == Shows::back ? 0U : 32766U;  // octahedral: along -x, along x
+  const uint32_t surface = (kind << 30U) | (u << 15U) | 16383U;
+  std::vector<gpu::uvec4> points;
+  for (int i = 0; i < 20; ++i) {
+    for (int k = 0; k < 20; ++k) {
+      points.push_back({std::bit_cast<uint32_t>(static_cast<float>(x)),
+                        std::bit_cast<uint32_t>(0.1F * static_cast<float>(i) + 0.03F),
+                        std::bit_cast<uint32_t>(0.1F * static_cast<float>(k) + 0.03F), surface});
+    }
+  }
+  return points;
+}
+
+// Both faces lie in the same voxels.
+TEST_F(VgicpSystem, FacesOfAThinWallDoNotMatchEachOther) {
+  const auto matches = [this](const std::vector<gpu::uvec4>& target,
+                              const std::vector<gpu::uvec4>& source) {
+    const AlignmentScene scene(context(), target, source, Eigen::Isometry3d::Identity(), 0.4, {});
+    const Evaluation found = evaluate(scene, Eigen::Isometry3d::Identity(), 0.3);
+    EXPECT_EQ(found.state.system[gpu::kInliersAt], static_cast<float>(found.matches.size()));
+    return static_cast<double>(found.matches.size()) / static_cast<double>(source.size());
+  };
+  const std::vector<gpu::uvec4> front = wall(0.25, Shows::front);
+  EXPECT_GE(matches(front, wall(0.25, Shows::front)), 0.95);
+  EXPECT_GE(matches(front, wall(0.15, Shows::front)), 0.95) << "a wall that moved";
+  EXPECT_EQ(matches(front, wall(0.15, Shows::back)), 0.0);
+  EXPECT_GE(matches(front, wall(0.15, Shows::nothing)), 0.95);
+  EXPECT_GE(matches(front, wall(0.15, Shows::front_edge_on)), 0.95);
+  EXPECT_GE(matches(wall(0.25, Shows::front_edge_on), wall(0.15, Shows::back)), 0.95);
+  // Where a map has both, their mean is inside the wall.
+  std::vector<gpu::uvec4> both = front;
+  const std::vector<gpu::uvec4> back = wall(0.15, Shows::back);
+  both.insert(both.end(), back.begin(), back.end());
+  EXPECT_EQ(matches(both, front), 0.0);
+  EXPECT_EQ(matches(both, back), 0.0);
 }
 
 TEST_F(VgicpSystem, OrderOfThePointsIsRoundingOnly) {
