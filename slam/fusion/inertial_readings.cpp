@@ -7,8 +7,6 @@
 #include "adit/slam/inertial/preintegration.hpp"
 
 namespace adit {
-namespace {}  // namespace
-
 std::optional<CoverageFault> coverage_fault(const ImuInterval& interval, double max_gap) {
   if (interval.samples.empty()) {
     return NoReadings{};

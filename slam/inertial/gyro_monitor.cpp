@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <vector>
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/nav_state.hpp"
+#include "adit/slam/inertial/gyroscope_integral.hpp"
 
 namespace adit {
 namespace {
@@ -27,6 +29,8 @@ constexpr double kStill = 0.02;                 // share of the sweeps' turns: a
 constexpr double kOtherUnit = 2.0;              // times as much, or as little
 constexpr double kHarmlessMisalignment = 0.09;  // rad
 constexpr double kClockSigmas = 4.0;
+constexpr double kFarOffTurns = 5.0;  // times the median distance from the gyroscope's
+constexpr double kFewWrong = 0.1;     // share of the turns
 
 /// Root mean square of turns about their mean, rad.
 double spread(const std::vector<Eigen::Vector3d>& turns) {
@@ -63,13 +67,86 @@ double gyro_spread(std::span<const RotationInterval> turns, std::span<const ImuS
 std::vector<RotationInterval> told_turns(std::span<const RotationInterval> turns,
                                          std::span<const ImuSample> samples,
                                          std::span<const Nanoseconds> saturated) {
-  const auto within = [](double time) { return nanoseconds(time); };
   std::vector<RotationInterval> told = covered_rotations(turns, samples, kMostOffset);
   std::erase_if(told, [&](const RotationInterval& turn) {
-    const auto first = std::ranges::lower_bound(saturated, turn.begin - within(kMostOffset));
-    return first != saturated.end() && *first <= turn.end + within(turn.mean_over + kMostOffset);
+    const auto first = std::ranges::lower_bound(saturated, turn.begin - nanoseconds(kMostOffset));
+    return first != saturated.end() &&
+           *first <= turn.end + nanoseconds(turn.mean_over + kMostOffset);
   });
   return told;
+}
+
+/// Without the few that are far off a gyroscope as it is thought to be: sweeps that were aligned
+/// wrongly, for a while, are no reason to doubt it. All of them where they are more than a few.
+std::vector<RotationInterval> without_few_wrong(const std::vector<RotationInterval>& turns,
+                                                std::span<const ImuSample> samples,
+                                                const GyroExpectation& expected) {
+  const Nanoseconds origin = turns.front().begin;
+  const GyroscopeIntegral integral(samples, origin);
+  std::vector<Eigen::Vector3d> off;
+  for (const RotationInterval& turn : turns) {
+    const double begin = seconds(turn.begin - origin) + expected.offset;
+    const double end = seconds(turn.end - origin) + expected.offset;
+    const Eigen::Vector3d measured =
+        integral.angle(end, turn.mean_over) - integral.angle(begin, turn.mean_over);
+    off.push_back(turn.rotation - expected.R_lidar_imu * measured);
+  }
+  const auto median = [&](const auto& value_of) {
+    std::vector<double> values;
+    std::ranges::transform(off, std::back_inserter(values), value_of);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  };
+  Eigen::Vector3d usual;
+  for (int k = 0; k < 3; ++k) {
+    usual[k] = median([&](const Eigen::Vector3d& one) { return one[k]; });
+  }
+  const auto distance = [&](const Eigen::Vector3d& one) { return (one - usual).norm(); };
+  const double most = kFarOffTurns * median(distance);
+  std::vector<RotationInterval> kept;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (distance(off[i]) <= most) {
+      kept.push_back(turns[i]);
+    }
+  }
+  const bool few = static_cast<double>(turns.size() - kept.size()) <=
+                   kFewWrong * static_cast<double>(turns.size());
+  return few ? kept : turns;
+}
+
+GyroCheck checked(const std::vector<RotationInterval>& turns, std::span<const ImuSample> samples,
+                  const GyroExpectation& expected) {
+  std::vector<Eigen::Vector3d> rotations;
+  for (const RotationInterval& turn : turns) {
+    rotations.push_back(turn.rotation);
+  }
+  const double lively = spread(rotations);
+  GyroCheck result{.turns = turns.size(), .configured_offset = expected.configured};
+  if (turns.size() < kLeastRotations || lively < kLively) {
+    return result;
+  }
+  result.factor = gyro_spread(turns, samples) / lively;
+  if (result.factor < kStill) {
+    result.fault = GyroFault::constant;
+    return result;
+  }
+  result.comparison = compare_rotations(turns, samples, expected.R_lidar_imu, kMostOffset);
+  if (!result.comparison) {
+    // With less turning than theirs it is the sweeps' turns that are noise.
+    result.fault = result.factor < 1.0 / kOtherUnit ? GyroFault::none : GyroFault::unrelated;
+  } else if (result.factor > kOtherUnit || result.factor < 1.0 / kOtherUnit) {
+    result.fault = GyroFault::unit;
+  } else if (is_off_scale(*result.comparison)) {
+    result.fault = GyroFault::scale;
+  } else if (std::abs(result.comparison->offset - expected.offset) >
+             expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
+    result.fault = GyroFault::clock;
+  } else if (result.comparison->misalignment >
+             kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {
+    result.fault = GyroFault::mounting;
+  }
+  return result;
 }
 
 }  // namespace
@@ -137,36 +214,10 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
   const std::vector<ImuSample> samples(samples_.begin(), samples_.end());
   const std::vector<RotationInterval> turns =
       told_turns(std::vector(turns_.begin(), turns_.end()), samples, expected.saturated);
-  std::vector<Eigen::Vector3d> rotations;
-  for (const RotationInterval& turn : turns) {
-    rotations.push_back(turn.rotation);
-  }
-  const double lively = spread(rotations);
-  GyroCheck result{.turns = turns.size(), .configured_offset = expected.configured};
-  if (turns.size() < kLeastRotations || lively < kLively) {
-    return result;
-  }
-  result.factor = gyro_spread(turns, samples) / lively;
-  if (result.factor < kStill) {
-    result.fault = GyroFault::constant;
-    return result;
-  }
-  result.comparison = compare_rotations(turns, samples, expected.R_lidar_imu, kMostOffset);
-  if (!result.comparison) {
-    // With less turning than theirs it is the sweeps' turns that are noise.
-    result.fault = result.factor < 1.0 / kOtherUnit ? GyroFault::none : GyroFault::unrelated;
-  } else if (result.factor > kOtherUnit || result.factor < 1.0 / kOtherUnit) {
-    result.fault = GyroFault::unit;
-  } else if (is_off_scale(*result.comparison)) {
-    result.fault = GyroFault::scale;
-  } else if (std::abs(result.comparison->offset - expected.offset) >
-             expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
-    result.fault = GyroFault::clock;
-  } else if (result.comparison->misalignment >
-             kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {
-    result.fault = GyroFault::mounting;
-  }
-  return result;
+  const GyroCheck found = checked(turns, samples, expected);
+  return found.fault == GyroFault::unrelated
+             ? checked(without_few_wrong(turns, samples, expected), samples, expected)
+             : found;
 }
 
 }  // namespace adit

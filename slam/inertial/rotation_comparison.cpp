@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 #include "adit/slam/core/lie.hpp"
@@ -111,6 +113,25 @@ Eigen::Matrix3d first_mounting(const Moments& sums, double noise, std::size_t n,
   return nearest_rotation(sums.cross + prior * expected);
 }
 
+/// The mounting of a fit, without its turn from the expected one about axes that the motion does
+/// not tell: noise alone, and the start of the fit, decide about that.
+Eigen::Matrix3d told_mounting(const RotationFit& fit, const Eigen::Matrix3d& expected) {
+  if (std::ranges::none_of(fit.observable, std::identity())) {
+    return expected;
+  }
+  Eigen::Quaterniond turn(fit.frame.R_range_gyro * expected.transpose());
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d axis = fit.axes.col(k);
+    Eigen::Quaterniond twist;
+    twist.w() = turn.w();
+    twist.vec() = axis * axis.dot(turn.vec());
+    if (!fit.observable[static_cast<std::size_t>(k)] && twist.norm() > 0.0) {
+      turn = twist.normalized().conjugate() * turn;
+    }
+  }
+  return turn.normalized().toRotationMatrix() * expected;
+}
+
 /// About the range sensor's axes; infinite about those with a share in what is not observable.
 Eigen::Vector3d mounting_sigma(const RotationFit& fit) {
   Eigen::Vector3d sigma;
@@ -179,7 +200,7 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
                     most_offset);
   result.offset = fit.frame.offset;
   result.offset_sigma = fit.offset_sigma;
-  result.R_range_gyro = fit.frame.R_range_gyro;
+  result.R_range_gyro = told_mounting(fit, R_range_gyro_expected);
   // The range sensor's turns by the gyroscope's, which have the smaller errors.
   const Moments at_fit = moments_at(result.offset, turns, integral);
   const double slope =

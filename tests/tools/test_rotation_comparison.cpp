@@ -32,9 +32,10 @@ struct Sensors {
 };
 
 /// Twenty seconds: rotations every 0.1 s, rates at 200 Hz, whose times are late by `offset` (s).
-Sensors sense(const Rate& rate, const Eigen::Matrix3d& R_range_gyro, double offset, double noise) {
+Sensors sense(const Rate& rate, const Eigen::Matrix3d& R_range_gyro, double offset, double noise,
+              uint64_t seed = 5) {
   Sensors sensors;
-  Random random(5);
+  Random random(seed);
   const auto disturbed = [&](const Eigen::Vector3d& v, double sigma) -> Eigen::Vector3d {
     return v + sigma * Eigen::Vector3d(random.gaussian(), random.gaussian(), random.gaussian());
   };
@@ -101,6 +102,23 @@ TEST(RotationComparison, TurningAboutOneAxisTellsTwoAnglesOfTheMounting) {
   EXPECT_FALSE(std::isfinite(found->mounting_sigma.z()));
   const Eigen::Matrix3d tilted = so3_exp({0.3, 0.0, 0.0});
   EXPECT_NEAR(compare_rotations(s.rotations, s.gyroscope, tilted, 0.5)->misalignment, 0.3, 0.02);
+}
+
+TEST(RotationComparison, NothingIsSaidOfAnglesThatTheMotionHides) {
+  // Rolling and pitching by as much as the noise of a turn, which tells nothing of the yaw.
+  const Rate swaying = [](double t) {
+    return Eigen::Vector3d(0.04 * std::sin(3.0 * t), 0.03 * std::cos(4.0 * t), yawing(t).z());
+  };
+  const Eigen::Matrix3d expected = so3_exp({0.0, 0.0, 0.5});
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    for (const double roll : {0.0, 0.3, 3.0}) {
+      const Sensors s = sense(swaying, so3_exp({roll, 0.0, 0.0}) * expected, 0.0, 0.006, seed);
+      const auto found = compare_rotations(s.rotations, s.gyroscope, expected, 0.2);
+      ASSERT_TRUE(found) << seed;
+      EXPECT_EQ(unobserved_axes(*found), (std::array{false, false, true})) << seed;
+      EXPECT_NEAR(found->misalignment, roll, 0.03) << seed;
+    }
+  }
 }
 
 TEST(RotationComparison, NothingWithoutCommonMotionOrTooLittleOfIt) {
