@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/fusion/fused_motion.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "adit/slam/fusion/state_checks.hpp"
@@ -22,8 +25,24 @@ constexpr CovarianceModel kWhiteModel{.kappa = 0.3,
 constexpr std::array kChiSquared999 = {0.0, 10.83, 13.82, 16.27, 18.47, 20.52, 22.46};
 // Alignments err more than their covariances say: by three times in woods.
 constexpr double kBeyondBelief = 10.0;
-constexpr int kSurprises = 3;          // in a row are a failure
+constexpr double kSurprises = 3.0;  // in a row are a failure
+// Alignments with weak directions lock into wrong places for a while: rings of the ground on rings
+// of the ground. So much of a surprise they are.
+constexpr double kWeakSurprise = 0.25;
+// What deviates more than 95 % do, in units of what is usual, is believed that much less.
+constexpr std::array kChiSquared95 = {0.0, 3.84, 5.99, 7.81, 9.49, 11.07, 12.59};
+constexpr size_t kUsual = 15;         // alignments that tell what is usual
+constexpr double kLeastScale = 0.05;  // of variances
+constexpr double kMostScale = 20.0;
 constexpr double kLongestAlone = 3.0;  // s by inertia alone
+
+bool holds_all(const RegistrationResult& alignment) {
+  const auto is_held = [](const ObservedDirection& direction) {
+    return direction.localizability == Localizability::full || direction.axis.isZero();
+  };
+  return std::ranges::all_of(alignment.translation, is_held) &&
+         std::ranges::all_of(alignment.rotation, is_held);
+}
 
 /// What a graph that fails is, of a prediction or of a fused state.
 FailedCheck check_of(GraphFailure failure, StateQuantity quantity) {
@@ -69,7 +88,19 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     result.innovation = innovation(pending.prediction, *measurement);
     const auto degrees = static_cast<size_t>(measurement->known_directions);
     result.innovation_gate = kBeyondBelief * kChiSquared999[degrees];
-    surprises_ = result.innovation.nis > result.innovation_gate ? surprises_ + 1 : 0;
+    const double surprise = holds_all(*alignment) ? 1.0 : kWeakSurprise;
+    const bool outlier = result.innovation.nis > result.innovation_gate;
+    outliers_ = outlier ? outliers_ + 1 : 0;
+    surprises_ = outlier ? surprises_ + surprise : 0.0;
+    const double expected = kChiSquared95[degrees] * usual_innovation();
+    if (context.sure && result.innovation.nis > expected) {
+      measurement->root_information *= std::sqrt(expected / result.innovation.nis);
+    }
+    innovations_.push_back(result.innovation.nis / std::max(1.0, static_cast<double>(degrees)));
+    if (innovations_.size() > kUsual) {
+      innovations_.pop_front();
+    }
+    result.scale = error_scale();
   }
   const GraphEstimate fused = graph_.add(std::move(pending.readings), measurement);
   if (const auto* failure = std::get_if<GraphFailure>(&fused)) {
@@ -83,6 +114,25 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
   return result;
 }
 
+// The median of the last alignments', a degree of freedom; at least what covariances promise.
+double FusedMotion::usual_innovation() const {
+  if (innovations_.empty()) {
+    return 1.0;
+  }
+  std::vector<double> values(innovations_.begin(), innovations_.end());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return std::max(1.0, *middle);
+}
+
+double FusedMotion::error_scale() const {
+  if (innovations_.size() < kUsual) {
+    return 1.0;
+  }
+  const double sum = std::accumulate(innovations_.begin(), innovations_.end(), 0.0);
+  return std::clamp(sum / static_cast<double>(innovations_.size()), kLeastScale, kMostScale);
+}
+
 std::optional<FailedCheck> FusedMotion::failed_check(const StateEstimate& estimate,
                                                      const CheckContext& context) const {
   if (const auto impossible = impossible_state(estimate, context.before)) {
@@ -90,7 +140,7 @@ std::optional<FailedCheck> FusedMotion::failed_check(const StateEstimate& estima
   }
   if (surprises_ >= kSurprises) {
     return AlignmentsContradict{
-        .alignments = surprises_, .timed = context.timed, .sign_assumed = context.sign_assumed};
+        .alignments = outliers_, .timed = context.timed, .sign_assumed = context.sign_assumed};
   }
   if (alone_ > kLongestAlone) {
     return NotAligned{.duration = alone_, .limit = kLongestAlone};

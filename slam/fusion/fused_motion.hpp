@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -17,6 +18,7 @@ struct CheckContext {
   std::optional<NavState> before{};  ///< the last state that was fused
   bool timed = true;                 ///< as AlignmentsContradict
   bool sign_assumed = false;
+  bool sure = true;  ///< nothing is known that the readings lack: no saturation, no gap
 };
 
 /// What came of fusing a sweep.
@@ -24,6 +26,9 @@ struct FusedSweep {
   std::variant<StateEstimate, FailedCheck> outcome;
   Innovation innovation{};       ///< the alignment's innovation; 0 degrees where there was none
   double innovation_gate = 0.0;  ///< bound of its nis: beyond it the alignment is an outlier
+  /// How large errors are, in units of the variances that are promised: what the last innovations
+  /// tell. 1 where there are too few.
+  double scale = 1.0;
 };
 
 /// A sensor that is fused: the sliding graph, with the sweep that is under way.
@@ -54,13 +59,17 @@ class FusedMotion {
     StateEstimate prediction;
   };
 
+  double usual_innovation() const;
+  double error_scale() const;
   std::optional<FailedCheck> failed_check(const StateEstimate& estimate,
                                           const CheckContext& context) const;
 
   SlidingGraph graph_;
   std::optional<Pending> pending_;
-  int surprises_ = 0;   ///< outliers in a row: innovations beyond the gate
-  double alone_ = 0.0;  ///< s without an alignment
+  std::deque<double> innovations_;  ///< squared, a degree of freedom, of the last alignments
+  int outliers_ = 0;                ///< in a row: innovations beyond the gate
+  double surprises_ = 0.0;          ///< what they add up to
+  double alone_ = 0.0;              ///< s without an alignment
   int sweeps_ = 0;
 };
 

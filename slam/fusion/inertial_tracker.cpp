@@ -19,6 +19,17 @@ constexpr CovarianceModel kAlignmentModel{.kappa = 0.3,
                                           .sigma_rotation = 0.0003,
                                           .sigma_unknown_translation = 0.1,
                                           .sigma_unknown_rotation = 0.02};
+// Of poses that are fused: large surfaces do not count against them, since innovations tell how
+// large errors are.
+constexpr CovarianceModel kFusedModel{.kappa = 0.3,
+                                      .area = 0.016,
+                                      .most_sparse = 1.0,
+                                      .sigma_translation = 0.002,
+                                      .sigma_rotation = 0.0003,
+                                      .sigma_unknown_translation = 0.1,
+                                      .sigma_unknown_rotation = 0.02};
+// Innovations have the prediction's errors besides.
+constexpr double kOwnShare = 0.5;
 constexpr int kLosses = 5;             // without a long time of fusion in between
 constexpr int kLongFusion = 100;       // sweeps
 constexpr double kScaleError = 0.005;  // share of readings: scale, axes that are not square
@@ -216,9 +227,11 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
   if (fused.gap > 0.0) {
     history_.bridged_at = predicted.stamp;
   }
-  const FusedSweep sweep = fused.motion.fuse(
-      alignment, T_body_lidar_,
-      {.before = history_.fused, .timed = timed_, .sign_assumed = history_.rested_at.has_value()});
+  const FusedSweep sweep = fused.motion.fuse(alignment, T_body_lidar_,
+                                             {.before = history_.fused,
+                                              .timed = timed_,
+                                              .sign_assumed = history_.rested_at.has_value(),
+                                              .sure = !passing_cause()});
   report.innovation = sweep.innovation;
   report.innovation_gate = sweep.innovation_gate;
   if (const auto* failed = std::get_if<FailedCheck>(&sweep.outcome)) {
@@ -237,7 +250,11 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
   }
   report.nav = estimate.state;
   report.nav_covariance = estimate.covariance;
-  report.lidar_covariance += lidar_covariance(estimate.covariance, T_body_lidar_);
+  report.lidar_covariance = lidar_covariance(estimate.covariance, T_body_lidar_);
+  if (alignment != nullptr) {
+    report.lidar_covariance =
+        kOwnShare * sweep.scale * (report.lidar_covariance + covariance(*alignment, kFusedModel));
+  }
 }
 
 void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* deskewed) {

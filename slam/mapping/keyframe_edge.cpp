@@ -40,8 +40,9 @@ KeyframeMotion odometry_motion(const UncertainPose& from, const UncertainPose& t
                                const Eigen::Isometry3d& T_from_to,
                                const Eigen::Isometry3d& T_keyframe_lidar) {
   // The drift is that of the submap: between two poses without errors of their own.
-  const Matrix6d lasting = motion_covariance({from.T_map_lidar, {.drift = from.uncertainty.drift}},
-                                             {to.T_map_lidar, {.drift = to.uncertainty.drift}});
+  const Matrix6d lasting =
+      motion_covariance({from.stamp, from.T_map_lidar, {.drift = from.uncertainty.drift}},
+                        {to.stamp, to.T_map_lidar, {.drift = to.uncertainty.drift}});
   return {.T_from_to = T_from_to,
           .covariance = in_keyframe_axes(motion_covariance(from, to), T_keyframe_lidar),
           .lasting = in_keyframe_axes(lasting, T_keyframe_lidar)};

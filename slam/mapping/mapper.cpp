@@ -37,8 +37,9 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
     if (open_) {
       freeze();
     }
-    open_ = Open{
-        .id = next_++, .lidar = {result.T_map_lidar, result.uncertainty}, .detached = restarted};
+    open_ = Open{.id = next_++,
+                 .lidar = {result.stamp, result.T_map_lidar, result.uncertainty},
+                 .detached = restarted};
   }
   const bool believed = result.state != OdometryState::coasting;
   builder_.add({.stamp = result.stamp,

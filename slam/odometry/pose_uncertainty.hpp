@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "adit/slam/core/lie.hpp"
+#include "adit/slam/core/types.hpp"
 
 namespace adit {
 
@@ -19,17 +20,20 @@ struct PoseUncertainty {
 
 /// A pose with how well it is known.
 struct UncertainPose {
+  Nanoseconds stamp{0};
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
   PoseUncertainty uncertainty;
 };
 
 /// Covariance of the motion T_from_to between two poses of one odometry, `to` the later one: right
-/// perturbation, in the axes of the later lidar. What had drifted before is common to both.
+/// perturbation, in the axes of the later lidar. What had drifted before is common to both, and so
+/// is most of what two poses a moment apart lack of the submap.
 Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to);
 
 /// Follows what the submap drifts by. While its first clouds are in it, they hold the map; from
 /// then on each cloud that joins hands its error on to the sweeps that are aligned with it, which
-/// makes a random walk.
+/// makes a random walk. So does what a lidar errs by in the same way with every sweep, over the way
+/// and the turns that it makes.
 class DriftModel {
  public:
   /// A model for a submap of that many clouds.

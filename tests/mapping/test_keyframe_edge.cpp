@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/keyframe_edge.hpp"
 
+#include <chrono>
+
 #include <gtest/gtest.h>
 
 #include "adit/tests/mapping/graph_support.hpp"
@@ -46,9 +48,11 @@ TEST(KeyframeEdge, AnOdometryThatDriftsIsPutRightButWhereTheAlignmentHoldsNothin
 }
 
 TEST(KeyframeEdge, OfTheOdometryTheDriftLasts) {
-  const UncertainPose from{test::step(0.0),
+  const UncertainPose from{Nanoseconds(0),
+                           test::step(0.0),
                            {.local = covariance_of(0.01, 0.001), .drift = covariance_of(0.1, 0.0)}};
   const UncertainPose to{
+      std::chrono::seconds(100),
       test::step(1.0),
       {.local = covariance_of(0.02, 0.001), .drift = covariance_of(std::hypot(0.1, 0.005), 0.0)}};
   const KeyframeMotion odometry =

@@ -50,7 +50,7 @@ std::vector<Judged> judged_sweeps(const RunReview& review, const Trajectory& est
     if (uncertainty.in_map().allFinite()) {
       judged.push_back({.sweep = found->second,
                         .stamp = pose.stamp,
-                        .pose = {.estimate = {pose.pose, uncertainty},
+                        .pose = {.estimate = {pose.stamp, pose.pose, uncertainty},
                                  .T_world_lidar = truth.poses[pair.truth].pose}});
     }
   }
