@@ -22,6 +22,8 @@ constexpr double kInertialSigmas = 5.0;
 constexpr double kAgainstInertia = 1.5;
 // A sweep in whose time the sensor moved less than this need not be de-skewed, m.
 constexpr double kNoticeable = 0.01;
+constexpr double kNoticeableTurn = 0.005;  // rad
+constexpr int kMostRounds = 4;
 
 // The times of scopes outside any other, added up by name.
 void add_stages(const engine::Submission& submission, std::vector<StageTime>& stages) {
@@ -159,7 +161,8 @@ SweepMotion Odometry::Impl::motion_at(const Sweep& sweep, const Vector6d& twist)
 }
 
 // The first sweep of a sensor that is moving already was taken as it came, since its velocity
-// was unknown. With the second sweep's alignment it is known: both are done again, de-skewed.
+// was unknown. With the second sweep's alignment it is known: both are done again, de-skewed, until
+// the velocity stays: an alignment of sweeps that are bent otherwise is off.
 void Odometry::Impl::begin_again(Begun& second) {
   if (!first || !second.aligns) {
     return;
@@ -173,27 +176,36 @@ void Odometry::Impl::begin_again(Begun& second) {
     return;
   }
   const Eigen::Isometry3d T_map_first = motion.last()->pose;
-  const Vector6d twist =
-      se3_log(T_map_first.inverse() * result.registration.T_target_source) / elapsed;
-  if (twist.head<3>().norm() * duration_of(sweep) < kNoticeable) {
-    return;
-  }
-  submap.clear();
-  front_end.upload(begins);
-  surface_cloud = submap.next_cloud(front_end.capacity());
-  engine::Submission prepared = submitted([&](engine::Recorder& recorder) {
-    front_end.record(recorder, surface_cloud, motion_at(begins, twist));
-  });
-  wait(prepared, result);
-  submap.push(front_end.read_counters().cloud_points, T_map_first);
+  const double duration = duration_of(sweep);
+  Vector6d used = Vector6d::Zero();
+  for (int round = 0; round < kMostRounds && is_usable(result.registration.status); ++round) {
+    Vector6d twist = se3_log(T_map_first.inverse() * result.registration.T_target_source) / elapsed;
+    // Recordings often begin with a sweep, and readings come later.
+    if (const auto turn = inertial.turn(sweep.stamp, sweep.stamp + nanoseconds(duration))) {
+      twist.tail<3>() = so3_log(*turn) / duration;
+    }
+    const Vector6d change = duration * (twist - used);
+    if (change.head<3>().norm() < kNoticeable && change.tail<3>().norm() < kNoticeableTurn) {
+      return;
+    }
+    used = twist;
+    submap.clear();
+    front_end.upload(begins);
+    surface_cloud = submap.next_cloud(front_end.capacity());
+    engine::Submission prepared = submitted([&](engine::Recorder& recorder) {
+      front_end.record(recorder, surface_cloud, motion_at(begins, twist));
+    });
+    wait(prepared, result);
+    submap.push(front_end.read_counters().cloud_points, T_map_first);
 
-  front_end.upload(sweep);
-  second.expected.prediction.T_map_lidar = result.registration.T_target_source;
-  second.expected.prediction.trusted = true;
-  second.expected.motion = motion_at(sweep, twist);
-  engine::Submission aligned = submit(second.expected);
-  wait(aligned, result);
-  read_back(second);
+    front_end.upload(sweep);
+    second.expected.prediction.T_map_lidar = result.registration.T_target_source;
+    second.expected.prediction.trusted = true;
+    second.expected.motion = motion_at(sweep, twist);
+    engine::Submission aligned = submit(second.expected);
+    wait(aligned, result);
+    read_back(second);
+  }
 }
 
 }  // namespace adit

@@ -68,6 +68,9 @@ std::optional<Rejection> UsualFit::rejection(const RegistrationResult& alignment
   if (agree) {
     return std::nullopt;
   }
+  if (held == Localizability::none) {
+    return NotHeldAlong{};
+  }
   if (alignments_ >= kUsual && alignment.overlap < kLeastShare * overlap_) {
     return OverlapFallsShort{.overlap = alignment.overlap, .usual = overlap_};
   }

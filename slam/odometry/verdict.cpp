@@ -18,6 +18,8 @@ constexpr size_t kLongWindow = 20;  // and for contradictions
 constexpr size_t kApart = 20;       // sweeps between two stretches
 // Without an inertial sensor this share of a window is too much; with one that carries, this.
 constexpr double kUnheldShare = 0.5;
+// Without an inertial sensor: what is held weakly, to no better than this, is not held.
+constexpr double kVague = 0.05;  // m
 constexpr double kUnheldShareInertial = 0.95;
 constexpr double kMoved = 0.3;           // m in a window: what is at rest needs no match
 constexpr double kMovedInertial = 1.0;   // m
@@ -29,6 +31,12 @@ constexpr double kAloneInertial = 2.0;  // s
 
 bool is_unheld(const ObservedDirection& direction) {
   return direction.localizability == Localizability::none && !direction.axis.isZero();
+}
+
+bool is_vague(const ObservedDirection& direction, const Matrix6d& covariance) {
+  const Eigen::Vector3d& axis = direction.axis;
+  return direction.localizability == Localizability::partial && !axis.isZero() &&
+         axis.dot(covariance.topLeftCorner<3, 3>() * axis) > kVague * kVague;
 }
 
 }  // namespace
@@ -66,9 +74,11 @@ void RunAssessor::add(const SweepResult& result) {
   const RegistrationResult& alignment = result.registration;
   if (seen.aligned) {
     // Turns are held by an inertial sensor itself.
-    seen.unheld =
-        is_unheld(alignment.translation[0]) || (!seen.inertial && is_unheld(alignment.rotation[0]));
-    if (is_unheld(alignment.translation[0])) {
+    const bool vague =
+        !seen.inertial && is_vague(alignment.translation[0], result.uncertainty.local);
+    seen.unheld = vague || is_unheld(alignment.translation[0]) ||
+                  (!seen.inertial && is_unheld(alignment.rotation[0]));
+    if (vague || is_unheld(alignment.translation[0])) {
       seen.direction = result.T_map_lidar.linear() * alignment.translation[0].axis;
     }
   }
