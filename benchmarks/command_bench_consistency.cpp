@@ -56,7 +56,9 @@ int bench_consistency(const BenchConsistencyOptions& options, std::ostream& out,
   for (const ConsistencyCase& what : cases) {
     std::vector<std::vector<ConsistencySweep>> runs;
     for (int i = 0; i < runs_each; ++i) {
-      runs.push_back(consistency_run(context, config, what, i, runs_each));
+      runs.push_back(
+          consistency_run(context, config, what,
+                          {.index = i, .runs = runs_each, .first_seed = options.first_seed}));
     }
     report.rows.push_back({.what = what, .found = consistency_of(runs)});
     print_consistency_row(what.name, report.rows.back().found, out);
@@ -89,17 +91,21 @@ void add_bench_consistency_command(Command bench, std::function<void(int)> done)
       "Each run begins elsewhere on its scene's route, with other noise. Nothing is written but "
       "--json.\n\n"
       "Examples:\n"
-      "  adit bench consistency                       50 runs, some minutes\n"
+      "  adit bench consistency                       60 runs, some minutes\n"
       "  adit bench consistency --only mine --runs 5 --sensor OS0-128\n"
       "  adit bench consistency --json consistency.json\n\n"
       "Exit codes: 0 done, whatever the figures are; 1 the device or a file failed, 2 usage.");
-  command.option("--only", options->only, "Names of cases: room, office, mine, city, forest")
+  command.option("--only", options->only, "Names of cases: room, office, mine, city, forest, field")
       .value_name("NAME");
   command.option("--sensor", options->sensor, "This range sensor instead of the cases' own")
       .value_name("NAME");
   command.option("--runs", options->runs, "Runs in all, shared evenly among the cases")
       .from(1, 100'000)
       .value_name("N")
+      .show_default();
+  command.option("--first-seed", options->first_seed, "The first run's seed of each case")
+      .from(1, 1'000'000)
+      .value_name("SEED")
       .show_default();
   command.option("--duration", options->duration, "Time of a run (s)")
       .from(2.0, 600.0)

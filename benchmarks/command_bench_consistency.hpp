@@ -22,7 +22,8 @@ namespace adit::bench {
 struct BenchConsistencyOptions {
   std::vector<std::string> only{};  ///< names of cases; empty: all
   std::string sensor{};             ///< instead of the cases' own; empty: those
-  int runs = 50;                    ///< in all, shared evenly among the cases
+  int runs = 60;                    ///< in all, shared evenly among the cases
+  uint64_t first_seed = 1;          ///< the others of a case follow
   double duration = 6.0;            ///< s of a run
   ConfigSource config{};
   std::filesystem::path json{};  ///< empty: not written

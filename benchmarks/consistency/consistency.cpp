@@ -8,10 +8,10 @@
 namespace adit::bench {
 namespace {
 
-constexpr Nanoseconds kHorizon = std::chrono::seconds(1);
+constexpr Nanoseconds kEarlier = std::chrono::milliseconds(10);  // that a sweep may be
 
 JudgedPose judged(const ConsistencySweep& sweep) {
-  return {.estimate = {sweep.result.T_map_lidar, sweep.result.uncertainty},
+  return {.estimate = {sweep.result.stamp, sweep.result.T_map_lidar, sweep.result.uncertainty},
           .T_world_lidar = sweep.T_world_lidar};
 }
 
@@ -45,19 +45,23 @@ void add(Products& products, const std::vector<ConsistencySweep>& run) {
 
 void add(Consistency& found, const std::vector<ConsistencySweep>& run) {
   const JudgedPose first = judged(run.front());
-  std::size_t before = 0;  // the newest sweep a second or more before
+  std::array<std::size_t, kHorizons.size()> before{};  // the newest sweep that long before
   for (std::size_t i = 1; i < run.size(); ++i) {
     found.bridged += is_bridged(run[i]) ? 1U : 0U;
     found.path +=
         (run[i].T_world_lidar.translation() - run[i - 1].T_world_lidar.translation()).norm();
-    while (run[before + 1].result.stamp + kHorizon <= run[i].result.stamp) {
-      ++before;
-    }
-    if (run[i].result.inertial.nav) {
+    const bool fused = run[i].result.inertial.nav.has_value();
+    if (fused) {
       ++found.sweeps;
       found.all.add(motion_error(first, judged(run[i])));
-      if (run[before].result.stamp + kHorizon <= run[i].result.stamp) {
-        found.motion.add(motion_error(judged(run[before]), judged(run[i])));
+    }
+    for (std::size_t k = 0; k < kHorizons.size(); ++k) {
+      const Nanoseconds latest = run[i].result.stamp - kHorizons[k] + kEarlier;
+      while (before[k] + 1 < i && run[before[k] + 1].result.stamp <= latest) {
+        ++before[k];
+      }
+      if (fused && run[before[k]].result.stamp <= latest) {
+        found.motions[k].add(motion_error(judged(run[before[k]]), judged(run[i])));
       }
     }
   }

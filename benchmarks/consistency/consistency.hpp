@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <iosfwd>
 #include <span>
@@ -20,6 +21,11 @@
 
 namespace adit::bench {
 
+/// What motions are judged over.
+inline constexpr std::array kHorizons = {std::chrono::milliseconds(100),
+                                         std::chrono::milliseconds(1000),
+                                         std::chrono::milliseconds(10'000)};
+
 /// The errors of some runs.
 struct Consistency {
   std::size_t runs = 0;
@@ -27,12 +33,12 @@ struct Consistency {
   std::size_t bridged = 0;  ///< coasting or restarted
   Nees last;                ///< last pose in the map, one a run
   Nees all;                 ///< every pose in the map, of sweeps with the inertial sensor
-  Nees motion;              ///< motion over a second
-  double error = 0.0;       ///< m, of the last position, rms
-  double turn = 0.0;        ///< rad, of the last attitude, rms
-  double path = 0.0;        ///< m, mean
-  double nis = 0.0;         ///< mean over innovations, a degree of freedom
-  std::array<double, 5> correlation{};  ///< whitened innovations 1 to 5 sweeps apart
+  std::array<Nees, kHorizons.size()> motions{};  ///< motions over each horizon
+  double error = 0.0;                            ///< m, of the last position, rms
+  double turn = 0.0;                             ///< rad, of the last attitude, rms
+  double path = 0.0;                             ///< m, mean
+  double nis = 0.0;                              ///< mean over innovations, a degree of freedom
+  std::array<double, 5> correlation{};           ///< whitened innovations 1 to 5 sweeps apart
   std::size_t innovations = 0;
 };
 

@@ -14,7 +14,8 @@
 namespace adit::bench {
 namespace {
 
-constexpr int kImuRate = 200;    // Hz
+constexpr int kImuRate = 200;  // Hz
+constexpr double kGolden = 0.6180339887498949;
 constexpr double kBehind = 0.5;  // s that trajectories are defined beyond the last sweep
 
 Sweep sweep_of(const RangeSweep& simulated) {
@@ -42,18 +43,17 @@ std::array<double, 7> setting_of(const Eigen::Isometry3d& pose) {
 }  // namespace
 
 std::vector<ConsistencyCase> consistency_cases() {
-  return {{"room", "room", "Mid-360", "handheld"},
-          {"office", "office", "VLP-16", "walk"},
-          {"mine", "mine", "VLP-16", "drive"},
-          {"city", "city", "VLP-16", "drive"},
-          {"forest", "forest", "OS1-64", "walk"}};
+  return {{"room", "room", "Mid-360", "handheld"}, {"office", "office", "VLP-16", "walk"},
+          {"mine", "mine", "VLP-16", "drive"},     {"city", "city", "VLP-16", "drive"},
+          {"forest", "forest", "OS1-64", "walk"},  {"field", "field", "VLP-16", "walk"}};
 }
 
 std::vector<ConsistencySweep> consistency_run(engine::Context& context, Config config,
-                                              const ConsistencyCase& what, int index, int runs) {
-  const auto seed = static_cast<uint64_t>(index + 1);
+                                              const ConsistencyCase& what, const RunOfCase& run) {
+  const uint64_t seed = run.first_seed + static_cast<uint64_t>(run.index);
   Scene scene = make_scene(what.scene, seed);
-  const double begin = route_length(scene) * index / runs;
+  const double share = (run.index + kGolden * static_cast<double>(run.first_seed - 1)) / run.runs;
+  const double begin = route_length(scene) * (share - std::floor(share));
   const SplineTrajectory trajectory = make_trajectory(scene, motion_named(what.trajectory),
                                                       what.duration + kBehind, std::nullopt, begin);
   scene = out_of_the_way(

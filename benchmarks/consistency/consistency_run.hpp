@@ -31,9 +31,17 @@ struct ConsistencySweep {
   Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
 };
 
-/// Run `index` of `runs`. `config` is as the user set it; the mounting is the simulator's. Throws
+/// Which of the runs of a case: what is random follows from `first_seed` + `index`, the beginnings
+/// are spread over the scene's route, others with another `first_seed`.
+struct RunOfCase {
+  int index = 0;
+  int runs = 1;
+  uint64_t first_seed = 1;
+};
+
+/// `config` is as the user set it; the mounting is the simulator's. Throws
 /// UsageError for names the simulator does not know, engine::Error.
 std::vector<ConsistencySweep> consistency_run(engine::Context& context, Config config,
-                                              const ConsistencyCase& what, int index, int runs);
+                                              const ConsistencyCase& what, const RunOfCase& run);
 
 }  // namespace adit::bench

@@ -57,7 +57,7 @@ TEST(Consistency, RightCovariancesAndWhiteInnovationsAreCalledSo) {
   EXPECT_NEAR(found.all.pose, 1.0, 0.1);
   EXPECT_NEAR(found.all.translation, 1.0, 0.1);
   EXPECT_NEAR(found.all.rotation, 1.0, 0.1);
-  EXPECT_NEAR(found.motion.pose, 1.0, 0.1);
+  EXPECT_NEAR(found.motions[1].pose, 1.0, 0.1);
   EXPECT_NEAR(found.nis, 1.0, 0.1);
   EXPECT_NEAR(found.path, 29 * 0.2, 1e-9);
   for (const double rho : found.correlation) {
