@@ -24,9 +24,18 @@ import time
 import types
 import typing
 
-import numpy as np
-from mcap.reader import make_reader
-from rosbags.typesys import Stores, get_typestore
+try:
+    import numpy as np
+    import velodyne_decoder as vd
+    from hydra4.hydra4 import Hydra
+    from mcap.reader import make_reader
+    from ouster.sdk import core
+    from ouster.sdk.pcap import PcapPacketSource
+    from rosbags.typesys import Stores, get_typestore
+except ImportError as error:
+    packages = "ouster-sdk velodyne-decoder hydra4 mcap rosbags numpy"
+    print(f"sensor_sdks.py: {error}; pip install {packages}", file=sys.stderr)
+    sys.exit(2)
 
 BEGIN = 1_699_999_200 * 10**9  # ns, a whole hour: 2023-11-14, 22:00:00
 SINGLE, DUAL = 0x37, 0x39  # modes of return, Velodyne's and Hesai's
@@ -133,8 +142,6 @@ def read_ours(adit, case):
 
 def ouster_case(profile, folder, random):
     """ouster-sdk writes the packets; some columns are not valid, one packet is lost."""
-    from ouster.sdk import core
-
     content = json.loads(core.SensorInfo.from_default(core.LidarMode._1024x10).to_json_string())
     content["lidar_data_format"]["udp_profile_lidar"] = profile
     content["lidar_data_format"]["header_type"] = "FUSA" if profile.startswith("FUSA") else "STANDARD"
@@ -173,9 +180,6 @@ def ouster_case(profile, folder, random):
 
 
 def ouster_points(info, capture, metadata, intensity):
-    from ouster.sdk import core
-    from ouster.sdk.pcap import PcapPacketSource
-
     lut = core.XYZLut(info, use_extrinsics=False)
     batcher = core.FrameBatcher(info)
     points = Points()
@@ -268,8 +272,6 @@ def velodyne_case(model, dual, manual, folder, random):
 
 
 def velodyne_points(model, capture):
-    import velodyne_decoder as vd
-
     config = vd.Config(min_range=0, max_range=1000, timestamp_first_packet=True)
     if model == "HDL-32E":  # adit takes its lasers to be at one height
         text = vd.Calibration.default_calibs[vd.Model.HDL32E].to_string()
@@ -405,8 +407,6 @@ def hesai_angles(sensor, folder):
 
 def hydra_points(sensor, dual, packets, angles, by_manual):
     """Times are hydra4's for OT128. For XT they are not: it takes the microseconds between blocks for seconds."""
-    from hydra4.hydra4 import Hydra
-
     model = Hydra.Model.PandarXT32 if sensor.model == "XT" else Hydra.Model.PandarOT128
     decoder = model.decoder(angles, 0.0, 1000.0)
     rows = []

@@ -31,10 +31,6 @@ constexpr double kRevisitLength = 5.0;                   // m
 constexpr double kRevisitDistance = 5.0;                 // m
 constexpr double kRevisitOverlap = 0.5;
 
-Nanoseconds stamp_of(double seconds) {
-  return Nanoseconds(std::llround(seconds * 1e9));
-}
-
 std::optional<Eigen::Isometry3d> pose_at(const Trajectory& truth, Nanoseconds stamp) {
   const auto after = std::ranges::lower_bound(truth.poses, stamp, {}, &StampedPose::stamp);
   auto nearest = after;
@@ -144,8 +140,8 @@ std::vector<TrueLoop> read_true_loops(const std::filesystem::path& file) {
     if (values.size() < columns.size()) {
       throw InputError(file, Place::line(number), "the line ends early", "Write the table anew");
     }
-    loops.push_back({.earlier = stamp_of(values[wanted[0]]),
-                     .later = stamp_of(values[wanted[1]]),
+    loops.push_back({.earlier = nanoseconds(values[wanted[0]]),
+                     .later = nanoseconds(values[wanted[1]]),
                      .distance = values[wanted[2]],
                      .overlap = values[wanted[3]]});
   }

@@ -69,7 +69,7 @@ Nanoseconds middle_of(const Sweep& sweep) {
     }
   }
   const double mean = returns == 0 ? 0.0 : sum / static_cast<double>(returns);
-  return sweep.stamp + Nanoseconds(static_cast<int64_t>(std::llround(1e9 * mean)));
+  return sweep.stamp + nanoseconds(mean);
 }
 
 double median(std::vector<double> values) {

@@ -206,8 +206,7 @@ std::optional<PacketCapture::Packet> PacketCapture::read_enhanced(std::span<cons
   const auto seconds = static_cast<int64_t>(std::min<uint64_t>(ticks / whole, 9'000'000'000U));
   const double rest = static_cast<double>(ticks % whole) * from.tick;
   packet_.assign(body.begin() + 20, body.begin() + 20 + static_cast<std::ptrdiff_t>(size));
-  return Packet{.received = std::chrono::seconds(seconds + from.offset) +
-                            Nanoseconds(static_cast<int64_t>(std::llround(1e9 * rest))),
+  return Packet{.received = std::chrono::seconds(seconds + from.offset) + nanoseconds(rest),
                 .link = from.link,
                 .begin = at_,
                 .size = size};
