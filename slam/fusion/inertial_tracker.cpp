@@ -21,13 +21,11 @@ constexpr CovarianceModel kAlignmentModel{.kappa = 0.3,
                                           .sigma_unknown_rotation = 0.02};
 // Of poses that are fused: large surfaces do not count against them, since innovations tell how
 // large errors are.
-constexpr CovarianceModel kFusedModel{.kappa = 0.3,
-                                      .area = 0.016,
-                                      .most_sparse = 1.0,
-                                      .sigma_translation = 0.002,
-                                      .sigma_rotation = 0.0003,
-                                      .sigma_unknown_translation = 0.1,
-                                      .sigma_unknown_rotation = 0.02};
+constexpr CovarianceModel kFusedModel = [] {
+  CovarianceModel model = kAlignmentModel;
+  model.most_sparse = 1.0;
+  return model;
+}();
 // Innovations have the prediction's errors besides.
 constexpr double kOwnShare = 0.5;
 constexpr int kLosses = 5;             // without a long time of fusion in between

@@ -68,7 +68,7 @@ std::optional<Rejection> UsualFit::rejection(const RegistrationResult& alignment
   if (agree) {
     return std::nullopt;
   }
-  if (held == Localizability::none) {
+  if (held == Localizability::none && alignments_ > 0) {
     return NotHeldAlong{};
   }
   if (alignments_ >= kUsual && alignment.overlap < kLeastShare * overlap_) {

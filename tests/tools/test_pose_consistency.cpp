@@ -16,9 +16,11 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kSweeps = 400;
+constexpr std::size_t kSweeps = 4000;
+constexpr double kMemory = 0.8825;  // from one error to the next: exp(-0.1 s / 0.8 s)
 
-/// A run on a curve, ten sweeps a second, whose poses err as their covariances say, times `factor`.
+/// A run on a curve, ten sweeps a second, whose poses err as their covariances say, times `factor`:
+/// alike, where they are a moment apart.
 /// The truth is given in another frame.
 struct Drive {
   RunReview review;
@@ -33,14 +35,15 @@ Drive drive(double factor) {
   const Eigen::Isometry3d T_world_map =
       Eigen::Translation3d(50.0, -20.0, 3.0) * Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY());
   Drive result;
+  Vector6d error = Vector6d::Zero();
   for (std::size_t i = 0; i < kSweeps; ++i) {
     const double t = 0.1 * static_cast<double>(i);
     const Nanoseconds stamp = std::chrono::milliseconds(100 * i);
     const Eigen::Isometry3d truth = Eigen::Translation3d(2.0 * t, std::sin(t), 0.1 * t) *
                                     Eigen::AngleAxisd(0.3 * t, Eigen::Vector3d::UnitZ());
-    Vector6d error = Vector6d::Zero();
     for (Eigen::Index k = 0; i > 0 && k < 6; ++k) {
-      error[k] = factor * sigma[k] * random.gaussian();
+      const double fresh = factor * sigma[k] * random.gaussian();
+      error[k] = kMemory * error[k] + std::sqrt(1.0 - kMemory * kMemory) * fresh;
     }
     SweepRecord record;
     record.stamp = stamp;
