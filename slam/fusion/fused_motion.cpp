@@ -96,10 +96,7 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     if (context.sure && result.innovation.nis > expected) {
       measurement->root_information *= std::sqrt(expected / result.innovation.nis);
     }
-    innovations_.push_back(result.innovation.nis / std::max(1.0, static_cast<double>(degrees)));
-    if (innovations_.size() > kUsual) {
-      innovations_.pop_front();
-    }
+    note(result.innovation);
     result.scale = error_scale();
   }
   const GraphEstimate fused = graph_.add(std::move(pending.readings), measurement);
@@ -112,6 +109,16 @@ FusedSweep FusedMotion::fuse(const RegistrationResult* alignment,
     ++sweeps_;
   }
   return result;
+}
+
+void FusedMotion::note(const Innovation& innovation) {
+  if (innovation.degrees == 0 || !std::isfinite(innovation.nis)) {
+    return;
+  }
+  innovations_.push_back(innovation.nis / innovation.degrees);
+  if (innovations_.size() > kUsual) {
+    innovations_.pop_front();
+  }
 }
 
 // The median of the last alignments', a degree of freedom; at least what covariances promise.

@@ -59,6 +59,7 @@ class FusedMotion {
     StateEstimate prediction;
   };
 
+  void note(const Innovation& innovation);
   double usual_innovation() const;
   double error_scale() const;
   std::optional<FailedCheck> failed_check(const StateEstimate& estimate,
