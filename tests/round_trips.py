@@ -4,9 +4,9 @@
 """Recordings to and fro between adit and the Python packages rosbags and mcap.
 
 Usage: round_trips.py ADIT [--folder FOLDER]. A simulated recording is written by the other programs in every container,
-version and compression that they know. `adit inspect` must find each topic with its type and number of messages in it, and
-`adit convert` must make of it, in each of its own forms, what the other programs read as the same messages: topic,
-type, stamp and content. Exits 1 where one differs, 2 where a package is missing: pip install rosbags mcap lz4 zstandard.
+version and compression that they know. `adit inspect` must find each topic with its type and number of messages in it,
+and `adit convert` must make of it, in each of its own forms, what the other programs read as the same messages: topic,
+type, stamp and content. Exits 1 where one differs, 2 where a package is missing (rosbags mcap lz4 zstandard).
 """
 
 import argparse
