@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 constexpr int kPoseDegrees = 6;
 // What a covariance may be wrong by: the squared error is half to twice what it says.
 constexpr double kFactor = 2.0;
