@@ -103,6 +103,16 @@ TEST(UsualFit, WithoutHabitsASearchIsBelieved) {
   EXPECT_FALSE(fits.rejection(fit(0.4), untrusted_far_away()));
 }
 
+TEST(UsualFit, ASearchThatEndsElsewhereMustBeHeldThere) {
+  RegistrationResult result = fit(0.94);
+  result.translation[0].localizability = Localizability::none;
+  EXPECT_TRUE(as<NotHeldAlong>(usual().rejection(result, untrusted_far_away())));
+  Prediction near = untrusted_far_away();
+  near.T_map_lidar = result.T_target_source;
+  EXPECT_FALSE(usual().rejection(result, near)) << "where it was expected";
+  EXPECT_FALSE(UsualFit().rejection(result, untrusted_far_away())) << "nothing is usual yet";
+}
+
 TEST(UsualFit, TwoPlacesThatFitAreNone) {
   RegistrationResult result = fit(0.94);
   result.competing_share = 0.95;

@@ -59,6 +59,24 @@ TEST(Verdict, ARunWhereEverythingIsHeldIsReliable) {
   EXPECT_TRUE(assessor.verdict().stretches.empty());
 }
 
+// Rings of the ground that hold a direction a little hold it wrongly.
+TEST(Verdict, AWeakDirectionThatIsVagueIsNotHeldWithoutAnImu) {
+  const auto trust = [](double sigma, bool inertial) {
+    Ride run;
+    RunAssessor assessor;
+    for (int i = 0; i < 30; ++i) {
+      SweepResult result = inertial ? Ride::fused(run.next(0.1)) : run.next(0.1);
+      result.registration.translation[0].localizability = Localizability::partial;
+      result.uncertainty.local(0, 0) = sigma * sigma;
+      assessor.add(result);
+    }
+    return assessor.verdict().trust;
+  };
+  EXPECT_EQ(trust(0.08, false), Trust::doubtful);
+  EXPECT_EQ(trust(0.03, false), Trust::reliable);
+  EXPECT_EQ(trust(0.08, true), Trust::reliable);
+}
+
 TEST(Verdict, ATunnelByLidarAloneIsDoubtfulWhereItIsAndLostWhereItIsLong) {
   Ride run;
   RunAssessor assessor;
