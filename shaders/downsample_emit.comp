@@ -68,7 +68,12 @@ void main() {
         (vec3(cell.sum_x, cell.sum_y, cell.sum_z) / float(cell.count) + 0.5) / 65536.0;
     const vec3 p = (floor(raw.xyz * push.inverse_cell) + mean) * push.cell;
     cloud[offset + k] = vec4(p, raw.w);
-    add_to_surface(surface_cell(p, push.inverse_surface_cell, push.level_factor),
-                   push.surface_mask);
+    const uint level = surface_level(p, push.level_factor);
+    for (uint wider = 0; wider < 2; ++wider) {
+      if (!add_to_surface(surface_cell_of_level(p, level + wider, push.inverse_surface_cell),
+                          push.surface_mask)) {
+        atomicAdd(counters.surface_failures, 1);
+      }
+    }
   }
 }

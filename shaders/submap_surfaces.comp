@@ -37,9 +37,9 @@ void main() {
       head = surfaces[3 * slot];
       probes += 1;
     }
-    const uint packed = head.x == key
-                            ? surface_of(head, surfaces[3 * slot + 1], surfaces[3 * slot + 2], ray)
-                            : no_surface();
+    const SurfaceMoments moments =
+        moments_of(head, surfaces[3 * slot + 1], surfaces[3 * slot + 2], vec3(0.0));
+    const uint packed = head.x == key ? surface_of(moments, ray, false) : no_surface();
     surface_cloud[i] = uvec4(point.xyz, packed);
   }
 }

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Estimates the surface at each point of the down-sampled cloud from the second moments of the
-// surface cell it lies in. One thread takes points strided over all threads. Written: the point
-// with its packed surface (normal towards the sensor, or direction, and class) in place of the
-// intensity.
+// surface cell it lies in; where that shows none, of the eight cells around the point, and then of
+// eight that are twice as wide. One thread takes points strided over all threads. Written: the
+// point with its packed surface (normal towards the sensor, or direction, and class) in place of
+// the intensity.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -20,30 +21,62 @@ layout(set = 0, binding = 1, scalar) readonly buffer Surfaces {
   uvec4 surfaces[];
 };  // GaussianCell: 3 each
 layout(set = 0, binding = 2, scalar) writeonly buffer Output { uvec4 surface_cloud[]; };
-layout(set = 0, binding = 3, scalar) buffer Counters { SweepCounters counters; };
+layout(set = 0, binding = 3, scalar) readonly buffer Counters { SweepCounters counters; };
 layout(set = 0, binding = 4) uniform utextureBuffer cloud_texels;
 layout(set = 0, binding = 5) uniform utextureBuffer surfaces_texels;
 layout(push_constant, scalar) uniform Push { SurfacePush push; };
+
+const uint kNoSlot = 0xffffffffu;
+
+// The slot of a cell, or kNoSlot.
+uint slot_of(uint key) {
+  uint slot = mix32(key) & push.surface_mask;
+  uint probes = 0;
+  uint owner = FETCH(surfaces, 3 * slot).x;
+  while (owner != key && owner != kFree && probes < kMaxProbes) {
+    slot = (slot + 1) & push.surface_mask;
+    owner = FETCH(surfaces, 3 * slot).x;
+    probes += 1;
+  }
+  return owner == key ? slot : kNoSlot;
+}
+
+SurfaceMoments moments_at(uint slot, ivec3 shift) {
+  return moments_of(FETCH(surfaces, 3 * slot), FETCH(surfaces, 3 * slot + 1),
+                    FETCH(surfaces, 3 * slot + 2), vec3(shift));
+}
+
+// The point's cell and those on the sides to which it lies nearer.
+uint surface_around(vec3 p, uint level) {
+  const SurfaceCellId id = surface_cell_of_level(p, level, push.inverse_surface_cell);
+  const ivec3 side = 2 * ivec3(greaterThanEqual(id.offset, uvec3(32768))) - 1;
+  SurfaceMoments sum = no_moments();
+  for (uint i = 0; i < 8; ++i) {
+    const ivec3 shift = side * ivec3(i & 1u, (i >> 1) & 1u, i >> 2);
+    const uint slot = slot_of(neighbour_of(id.key, shift));
+    if (slot != kNoSlot) {
+      sum = together(sum, moments_at(slot, shift));
+    }
+  }
+  return surface_of(sum, p, true);
+}
+
+bool is_none(uint packed) { return (packed >> 30) == kIsotropic; }
 
 void main() {
   const uint count = counters.cloud_points;
   const uint threads = gl_NumWorkGroups.x * kLocalSize;
   for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
     const vec3 p = uintBitsToFloat(FETCH(cloud, i).xyz);
-    const uint key = surface_cell(p, push.inverse_surface_cell, push.level_factor).key;
-    uint slot = mix32(key) & push.surface_mask;
-    uint probes = 0;
-    uvec4 head = FETCH(surfaces, 3 * slot);
-    while (head.x != key && head.x != kFree && probes < kMaxProbes) {
-      slot = (slot + 1) & push.surface_mask;
-      head = FETCH(surfaces, 3 * slot);
-      probes += 1;
+    const uint level = surface_level(p, push.level_factor);
+    const SurfaceCellId own = surface_cell_of_level(p, level, push.inverse_surface_cell);
+    const uint slot = slot_of(own.key);
+    uint packed = slot == kNoSlot ? no_surface() : surface_of(moments_at(slot, ivec3(0)), p, false);
+    if (is_none(packed)) {
+      packed = surface_around(p, level);
     }
-    uint packed = no_surface();
-    if (head.x != key) {
-      atomicAdd(counters.surface_failures, 1);
-    } else {
-      packed = surface_of(head, FETCH(surfaces, 3 * slot + 1), FETCH(surfaces, 3 * slot + 2), p);
+    if (is_none(packed)) {
+      packed = surface_around(p, level + 1);
     }
     surface_cloud[i] = uvec4(floatBitsToUint(p), packed);
   }

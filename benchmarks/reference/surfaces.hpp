@@ -5,9 +5,11 @@
 // submap_surface_cells.comp and submap_surfaces.comp where each point has a sensor of its own.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <span>
 #include <utility>
@@ -40,6 +42,8 @@ struct Surface {
       Eigen::Vector3d::Zero();  ///< ascending, in squares of the surface cell's edge
   int neighbours = 0;           ///< points of the surface cell, itself included
   double incidence = 0.0;       ///< cosine between the direction and the ray to the sensor
+  /// How near eigenvalues came to where they would have decided otherwise on the way here.
+  double margin = std::numeric_limits<double>::infinity();
 };
 
 /// Fewer points say nothing.
@@ -50,8 +54,12 @@ inline constexpr double kLineRatio = 0.02;
 inline constexpr double kSteep = 0.7;
 /// Cosine between a plane's normal and the ray, below which it is seen edge-on.
 inline constexpr double kEdgeOn = 0.174;
+/// First over second eigenvalue below which several cells together show a plane.
+inline constexpr double kThin = 0.02;
+/// And the cosine between its normal and the ray below which it is oblique enough.
+inline constexpr double kOblique = 0.5;
 
-/// The smallest level, 0 to 15, whose cells' size relative to level 0 is at least range *
+/// The smallest level, 0 to 14, whose cells' size relative to level 0 is at least range *
 /// 2.5 beam_spacing / edge of level 0, for a point at `p` from its sensor. Decided on squares in
 /// float32, in this order of operations, as the device does.
 inline int surface_level(const Eigen::Vector3f& p, const engine::PreprocessSettings& settings) {
@@ -61,7 +69,7 @@ inline int surface_level(const Eigen::Vector3f& p, const engine::PreprocessSetti
   const float squared = p.x() * p.x() + p.y() * p.y() + p.z() * p.z();
   const float ratio = squared * factor;
   int level = 0;
-  while (level < 15 && std::pow(4.0, level) < static_cast<double>(ratio)) {
+  while (level < 14 && std::pow(4.0, level) < static_cast<double>(ratio)) {
     ++level;
   }
   return level;
@@ -74,9 +82,10 @@ inline float inverse_surface_cell(const engine::PreprocessSettings& settings, in
          static_cast<float>(1U << static_cast<unsigned>(level));
 }
 
-/// Classifies the covariance of a point's neighbours; `ray` leads to it from its sensor.
+/// Classifies the covariance of a point's neighbours; `ray` leads to it from its sensor. Those of
+/// several cells (`wide`) show thin, oblique planes alone.
 inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& ray,
-                        int neighbours) {
+                        int neighbours, bool wide) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   Surface surface{.eigenvalues = solver.eigenvalues(), .neighbours = neighbours};
   const bool line = surface.eigenvalues[1] < kLineRatio * surface.eigenvalues[2];
@@ -85,12 +94,41 @@ inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d
     surface.direction = -surface.direction;
   }
   surface.incidence = -surface.direction.dot(ray) / ray.norm();
-  if (!line) {
+  const Eigen::Vector3d& e = surface.eigenvalues;
+  surface.margin = std::abs(e[1] - kLineRatio * e[2]);
+  // An angle turns into what its eigenvalue is apart from the next.
+  if (wide && !line) {
+    const double oblique = std::abs(surface.incidence - kOblique) * (e[1] - e[0]);
+    surface.margin = std::min({surface.margin, oblique, std::abs(e[0] - kThin * e[1])});
+  }
+  if (!line && (!wide || (e[0] < kThin * e[1] && surface.incidence < kOblique))) {
     surface.kind = surface.incidence > kEdgeOn ? SurfaceKind::plane : SurfaceKind::grazing;
-  } else if (std::abs(surface.direction.z()) > kSteep) {
+  } else if (line && !wide && std::abs(surface.direction.z()) > kSteep) {
     surface.kind = SurfaceKind::line;
   }
+  if (line && !wide) {
+    const double steepness = std::abs(std::abs(surface.direction.z()) - kSteep);
+    surface.margin = std::min(surface.margin, steepness * (e[2] - e[1]));
+  }
   return surface;
+}
+
+/// The surface that `neighbours` show together, in cells.
+inline Surface surface_among(std::span<const Eigen::Vector3d> neighbours,
+                             const Eigen::Vector3d& ray, bool wide) {
+  const auto n = static_cast<int>(neighbours.size());
+  if (n < kMinNeighbours) {
+    return {.neighbours = n};
+  }
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& neighbour : neighbours) {
+    mean += neighbour / n;
+  }
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& neighbour : neighbours) {
+    covariance += (neighbour - mean) * (neighbour - mean).transpose() / n;
+  }
+  return classify(covariance, ray, n, wide);
 }
 
 /// A point of a cloud, and where it lies from the sensor that saw it, m.
@@ -99,35 +137,68 @@ struct SeenPoint {
   Eigen::Vector3f ray = Eigen::Vector3f::Zero();
 };
 
-/// The surface at each point, from the points that share its cell and level.
+/// Points by the level and corner of surface cells that they lie in, in cells.
+using SurfaceCells = std::map<std::pair<int, Cell>, std::vector<Eigen::Vector3d>>;
+
+/// The point's cell of that level and those on the sides to which it lies nearer, together.
+inline Surface surface_around(const SurfaceCells& cells, const SeenPoint& point, int level,
+                              const engine::PreprocessSettings& settings) {
+  const float inverse_edge = inverse_surface_cell(settings, level);
+  const Cell own = cell_of(point.p, inverse_edge);
+  const Eigen::Vector3f scaled = point.p * inverse_edge;
+  Cell side{};
+  double from_the_middle = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double offset = static_cast<double>(scaled[axis] - std::floor(scaled[axis]));
+    side[static_cast<size_t>(axis)] = offset >= 0.5 ? 1 : -1;
+    from_the_middle = std::min(from_the_middle, std::abs(offset - 0.5));
+  }
+  std::vector<Eigen::Vector3d> neighbours;
+  for (int i = 0; i < 8; ++i) {
+    const Cell at = {own[0] + side[0] * (i & 1), own[1] + side[1] * (i >> 1 & 1),
+                     own[2] + side[2] * (i >> 2)};
+    if (const auto found = cells.find({level, at}); found != cells.end()) {
+      neighbours.insert(neighbours.end(), found->second.begin(), found->second.end());
+    }
+  }
+  Surface surface = surface_among(neighbours, point.ray.cast<double>(), true);
+  constexpr double kUndecided = 1e-4;
+  surface.margin = from_the_middle < kUndecided ? 0.0 : surface.margin;
+  return surface;
+}
+
+/// Where a surface is looked for.
+enum class SurfaceSearch {
+  own_cell,  ///< of keyframes' submaps: many sweeps fill a cell
+  wide,      ///< of a sweep, where that shows none: in eight around the point, then in wider ones
+};
+
+/// The surface at each point, from points in cells of its level; those of a sweep also lie in cells
+/// that are twice as wide.
 inline std::vector<Surface> surfaces(std::span<const SeenPoint> cloud,
-                                     const engine::PreprocessSettings& settings) {
-  std::map<std::pair<int, Cell>, std::vector<Eigen::Vector3d>> neighbourhoods;
-  std::vector<std::pair<int, Cell>> keys;
+                                     const engine::PreprocessSettings& settings,
+                                     SurfaceSearch search) {
+  const bool wide = search == SurfaceSearch::wide;
+  SurfaceCells cells;
   for (const SeenPoint& point : cloud) {
-    const int level = surface_level(point.ray, settings);
-    const float inverse_edge = inverse_surface_cell(settings, level);
-    keys.emplace_back(level, cell_of(point.p, inverse_edge));
-    neighbourhoods[keys.back()].push_back(point.p.cast<double>() *
-                                          static_cast<double>(inverse_edge));
+    const int own = surface_level(point.ray, settings);
+    for (int level = own; level <= own + (wide ? 1 : 0); ++level) {
+      const float inverse_edge = inverse_surface_cell(settings, level);
+      cells[{level, cell_of(point.p, inverse_edge)}].push_back(point.p.cast<double>() *
+                                                               static_cast<double>(inverse_edge));
+    }
   }
   std::vector<Surface> result;
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const std::vector<Eigen::Vector3d>& neighbours = neighbourhoods.at(keys[i]);
-    const auto n = static_cast<int>(neighbours.size());
-    if (n < kMinNeighbours) {
-      result.push_back({.neighbours = n});
-      continue;
+  for (const SeenPoint& point : cloud) {
+    const int level = surface_level(point.ray, settings);
+    const Cell own = cell_of(point.p, inverse_surface_cell(settings, level));
+    Surface surface = surface_among(cells.at({level, own}), point.ray.cast<double>(), false);
+    for (int more = 0; more < 2 && wide && surface.kind == SurfaceKind::isotropic; ++more) {
+      const double margin = surface.margin;
+      surface = surface_around(cells, point, level + more, settings);
+      surface.margin = std::min(surface.margin, margin);
     }
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& neighbour : neighbours) {
-      mean += neighbour / n;
-    }
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const Eigen::Vector3d& neighbour : neighbours) {
-      covariance += (neighbour - mean) * (neighbour - mean).transpose() / n;
-    }
-    result.push_back(classify(covariance, cloud[i].ray.cast<double>(), n));
+    result.push_back(surface);
   }
   return result;
 }

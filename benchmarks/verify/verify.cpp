@@ -65,17 +65,67 @@ double direction_bound(const Surface& surface) {
 }
 
 bool class_is_certain(const Surface& surface) {
-  if (surface.neighbours < reference::kMinNeighbours) {
-    return true;
+  return surface.margin > kCovarianceError &&
+         (!reference::is_plane(surface.kind) ||
+          std::abs(surface.incidence - reference::kEdgeOn) > direction_bound(surface));
+}
+
+Verdict compare_surfaces(std::span<const Surface> expected,
+                         std::span<const reference::SeenPoint> cloud,
+                         std::span<const gpu::uvec4> surface_cloud) {
+  Verdict verdict;
+  Complaints complaints(verdict);
+  if (surface_cloud.size() != cloud.size()) {
+    complaints.add("points", "expected ", cloud.size(), ", found ", surface_cloud.size());
+    return verdict;
   }
-  const Eigen::Vector3d& e = surface.eigenvalues;
-  if (std::abs(e[1] - reference::kLineRatio * e[2]) <= kCovarianceError) {
-    return false;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const gpu::uvec4& packed = surface_cloud[i];
+    if (packed.x != std::bit_cast<uint32_t>(cloud[i].p.x()) ||
+        packed.y != std::bit_cast<uint32_t>(cloud[i].p.y()) ||
+        packed.z != std::bit_cast<uint32_t>(cloud[i].p.z())) {
+      complaints.add("position", i, " is not the cloud's");
+    }
+    const Surface& surface = expected[i];
+    const SurfacePoint found = reference::decode(packed);
+    if (!class_is_certain(surface)) {
+      verdict.worst["classes that rounding decides"] += 1.0;
+      continue;
+    }
+    if (found.kind != surface.kind) {
+      verdict.worst["wrong classes"] += 1.0;
+      complaints.add("class", i, " of ", surface.neighbours, " neighbours: expected ",
+                     static_cast<uint32_t>(surface.kind), ", found ",
+                     static_cast<uint32_t>(found.kind));
+      continue;
+    }
+    const double bound = direction_bound(surface);
+    const bool ball =
+        !is_line(surface) && surface.eigenvalues[0] > kFlattest * surface.eigenvalues[1];
+    if (found.kind == SurfaceKind::isotropic || bound > kUselessBound || ball) {
+      verdict.worst["without a direction"] += 1.0;
+      continue;
+    }
+    verdict.worst[is_plane(found.kind) ? "normals compared" : "lines compared"] += 1.0;
+    const double angle = std::atan2(found.direction.cross(surface.direction).norm(),
+                                    std::abs(found.direction.dot(surface.direction)));
+    if (!(angle <= bound)) {
+      complaints.add("direction", i, ": ", angle * kDegreesPerRadian, " degrees off, bound ",
+                     bound * kDegreesPerRadian, ", eigenvalues ", surface.eigenvalues.transpose(),
+                     " of ", surface.neighbours, " neighbours");
+    }
+    const Eigen::Vector3d ray = cloud[i].ray.cast<double>().normalized();
+    if (found.direction.dot(ray) > bound) {
+      complaints.add("side", i, ": points away from the sensor");
+    }
+    note(verdict, "direction error, fraction of bound", angle / bound);
+    note(verdict,
+         bound < 0.5 / kDegreesPerRadian
+             ? "direction error where the bound is below 0.5 degrees, degrees"
+             : "direction error elsewhere, degrees",
+         angle * kDegreesPerRadian);
   }
-  if (reference::is_plane(surface.kind)) {
-    return std::abs(surface.incidence - reference::kEdgeOn) > direction_bound(surface);
-  }
-  return std::abs(std::abs(surface.direction.z()) - reference::kSteep) > direction_bound(surface);
+  return verdict;
 }
 
 }  // namespace
@@ -154,65 +204,16 @@ Verdict verify_deskew(std::span<const Point> raw, std::span<const Eigen::Vector3
 
 Verdict verify_surfaces(const engine::PreprocessSettings& settings, std::span<const Point> cloud,
                         std::span<const gpu::uvec4> surface_cloud) {
-  return verify_surfaces(settings, reference::seen_from_origin(cloud), surface_cloud);
+  const std::vector<reference::SeenPoint> seen = reference::seen_from_origin(cloud);
+  return compare_surfaces(reference::surfaces(seen, settings, reference::SurfaceSearch::wide), seen,
+                          surface_cloud);
 }
 
 Verdict verify_surfaces(const engine::PreprocessSettings& settings,
                         std::span<const reference::SeenPoint> cloud,
                         std::span<const gpu::uvec4> surface_cloud) {
-  Verdict verdict;
-  Complaints complaints(verdict);
-  if (surface_cloud.size() != cloud.size()) {
-    complaints.add("points", "expected ", cloud.size(), ", found ", surface_cloud.size());
-    return verdict;
-  }
-  const std::vector<Surface> expected = reference::surfaces(cloud, settings);
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const gpu::uvec4& packed = surface_cloud[i];
-    if (packed.x != std::bit_cast<uint32_t>(cloud[i].p.x()) ||
-        packed.y != std::bit_cast<uint32_t>(cloud[i].p.y()) ||
-        packed.z != std::bit_cast<uint32_t>(cloud[i].p.z())) {
-      complaints.add("position", i, " is not the cloud's");
-    }
-    const Surface& surface = expected[i];
-    const SurfacePoint found = reference::decode(packed);
-    if (!class_is_certain(surface)) {
-      verdict.worst["classes that rounding decides"] += 1.0;
-      continue;
-    }
-    if (found.kind != surface.kind) {
-      verdict.worst["wrong classes"] += 1.0;
-      complaints.add("class", i, " of ", surface.neighbours, " neighbours: expected ",
-                     static_cast<uint32_t>(surface.kind), ", found ",
-                     static_cast<uint32_t>(found.kind));
-      continue;
-    }
-    const double bound = direction_bound(surface);
-    const bool ball =
-        !is_line(surface) && surface.eigenvalues[0] > kFlattest * surface.eigenvalues[1];
-    if (found.kind == SurfaceKind::isotropic || bound > kUselessBound || ball) {
-      verdict.worst["without a direction"] += 1.0;
-      continue;
-    }
-    verdict.worst[is_plane(found.kind) ? "normals compared" : "lines compared"] += 1.0;
-    const double angle = std::atan2(found.direction.cross(surface.direction).norm(),
-                                    std::abs(found.direction.dot(surface.direction)));
-    if (!(angle <= bound)) {
-      complaints.add("direction", i, ": ", angle * kDegreesPerRadian, " degrees off, bound ",
-                     bound * kDegreesPerRadian, ", eigenvalues ", surface.eigenvalues.transpose());
-    }
-    const Eigen::Vector3d ray = cloud[i].ray.cast<double>().normalized();
-    if (found.direction.dot(ray) > bound) {
-      complaints.add("side", i, ": points away from the sensor");
-    }
-    note(verdict, "direction error, fraction of bound", angle / bound);
-    note(verdict,
-         bound < 0.5 / kDegreesPerRadian
-             ? "direction error where the bound is below 0.5 degrees, degrees"
-             : "direction error elsewhere, degrees",
-         angle * kDegreesPerRadian);
-  }
-  return verdict;
+  return compare_surfaces(reference::surfaces(cloud, settings, reference::SurfaceSearch::own_cell),
+                          cloud, surface_cloud);
 }
 
 Verdict verify_merged(const reference::MergedClouds& expected,

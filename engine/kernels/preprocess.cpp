@@ -33,11 +33,11 @@ struct Layout {
 };
 
 // A raw point claims a cell at most: load 0.5 at most. A surface cell holds several points of the
-// down-sampled cloud; even if every raw point were alone in its voxel, the load would stay
-// moderate.
+// down-sampled cloud, each of which is in two; even if every raw point were alone in its voxel, the
+// load would stay moderate.
 Layout layout_of(uint32_t capacity, const LaunchShape& shape, Slice scratch) {
   const uint32_t cell_slots = std::bit_ceil(std::max(2 * capacity, 1024U));
-  const uint32_t surface_slots = std::bit_ceil(std::max(capacity / 2, 1024U));
+  const uint32_t surface_slots = std::bit_ceil(std::max(capacity, 1024U));
   Layout layout{};
   const auto take = [&](uint64_t bytes) {
     const Slice slice{scratch.buffer, scratch.offset + layout.bytes, bytes};

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/engine/self_test/self_test_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace adit::engine {
 namespace {
@@ -13,7 +13,8 @@ using Cell = std::array<int, 3>;
 
 constexpr double kCell = 0.25;          // m, r_input
 constexpr double kSurfaceCell = 0.625;  // m, 2.5 * r_input: all points are near enough for level 0
-constexpr int kPointsForANormal = 5;
+constexpr size_t kPointsForANormal = 5;
+constexpr double kLineRatio = 0.02;
 
 // Cells [begin, end) of a plane; along the normal one layer, begin[axis].
 struct Patch {
@@ -23,11 +24,12 @@ struct Patch {
   Cell end;
 };
 
-// No surface cell holds points of two patches, so that all points of one lie in a plane.
+// So far apart that surface cells that are taken together hold points of one patch: a plane.
 constexpr std::array kPatches = {
-    Patch{2, 1.0, {0, -2, -6}, {16, 12, -5}},   // floor, z = -1.45 m
-    Patch{0, -1.0, {16, -2, -3}, {17, 12, 7}},  // wall, x = 4.05 m
-    Patch{1, -1.0, {0, 12, -3}, {14, 13, 7}},   // wall, y = 3.05 m
+    Patch{2, 1.0, {0, -2, -6}, {16, 12, -5}},       // floor, z = -1.45 m
+    Patch{0, -1.0, {25, -2, -3}, {26, 12, 7}},      // wall, x = 6.3 m
+    Patch{1, -1.0, {0, 21, -3}, {14, 22, 7}},       // wall, y = 5.3 m
+    Patch{2, 1.0, {-12, -12, -6}, {-10, -10, -5}},  // so few points that they show no surface
 };
 
 // Places of a cell's points as fractions of its edge: along the normal and along the two other
@@ -71,6 +73,64 @@ void add_invalid_points(std::vector<gpu::vec4>& raw) {
                          {-20.0F, 1.0F, 3.0F, 9.0F}});
 }
 
+// The points of one patch show a plane unless they are few, or nearly on a line.
+bool shows_a_plane(const std::vector<std::array<double, 2>>& points) {
+  const auto n = static_cast<double>(points.size());
+  std::array<double, 2> mean{};
+  std::array<double, 3> products{};
+  for (const auto& [u, v] : points) {
+    mean = {mean[0] + u / n, mean[1] + v / n};
+    products = {products[0] + u * u / n, products[1] + u * v / n, products[2] + v * v / n};
+  }
+  const double uu = products[0] - mean[0] * mean[0];
+  const double uv = products[1] - mean[0] * mean[1];
+  const double vv = products[2] - mean[1] * mean[1];
+  const double half = std::hypot(0.5 * (uu - vv), uv);
+  const double middle = 0.5 * (uu + vv);
+  return points.size() >= kPointsForANormal && middle - half >= kLineRatio * (middle + half);
+}
+
+// Several cells together show what is seen at more than 60 degrees from its normal.
+bool is_oblique(const KnownPoint& point) {
+  double along = 0.0;
+  double squared = 0.0;
+  for (size_t k = 0; k < 3; ++k) {
+    along += point.normal[k] * point.centroid[k];
+    squared += point.centroid[k] * point.centroid[k];
+  }
+  return std::abs(along) < 0.5 * std::sqrt(squared);
+}
+
+// What surface_normals.comp takes together, along the patch: the points of a point's own cell, or
+// also those of the cells on the sides to which it lies nearer.
+std::vector<std::array<double, 2>> points_around(const KnownScene& scene, const KnownPoint& point,
+                                                 double edge, bool wide) {
+  Cell least{};
+  Cell most{};
+  for (size_t k = 0; k < 3; ++k) {
+    const double scaled = point.centroid[k] / edge;
+    const int own = static_cast<int>(std::floor(scaled));
+    const bool above = scaled - own >= 0.5;
+    least[k] = own - (wide && !above ? 1 : 0);
+    most[k] = own + (wide && above ? 1 : 0);
+  }
+  const auto axis = static_cast<size_t>(
+      std::find_if(point.normal.begin(), point.normal.end(), [](double n) { return n != 0.0; }) -
+      point.normal.begin());
+  std::vector<std::array<double, 2>> points;
+  for (const KnownPoint& other : scene.cloud) {
+    bool within = true;
+    for (size_t k = 0; k < 3; ++k) {
+      const int cell = static_cast<int>(std::floor(other.centroid[k] / edge));
+      within = within && cell >= least[k] && cell <= most[k];
+    }
+    if (within) {
+      points.push_back({other.centroid[(axis + 1) % 3], other.centroid[(axis + 2) % 3]});
+    }
+  }
+  return points;
+}
+
 }  // namespace
 
 KnownScene make_known_scene() {
@@ -83,12 +143,6 @@ KnownScene make_known_scene() {
     scene.valid_points += 1;
   };
 
-  std::map<Cell, int> neighbours;
-  const auto surface_cell = [](const std::array<double, 3>& p) {
-    return Cell{static_cast<int>(std::floor(p[0] / kSurfaceCell)),
-                static_cast<int>(std::floor(p[1] / kSurfaceCell)),
-                static_cast<int>(std::floor(p[2] / kSurfaceCell))};
-  };
   add_invalid_points(scene.raw);
   for_each_cell([&](const Patch& patch, const Cell& cell) {
     KnownPoint point;
@@ -100,7 +154,6 @@ KnownScene make_known_scene() {
     if (scene.cloud.size() % 40 == 0) {
       add_invalid_points(scene.raw);
     }
-    neighbours[surface_cell(point.centroid)] += 1;
     scene.cloud.push_back(point);
   });
   for (const size_t place : {size_t{2}, size_t{3}}) {
@@ -109,7 +162,10 @@ KnownScene make_known_scene() {
     });
   }
   for (KnownPoint& point : scene.cloud) {
-    point.plane = neighbours[surface_cell(point.centroid)] >= kPointsForANormal;
+    point.plane = shows_a_plane(points_around(scene, point, kSurfaceCell, false)) ||
+                  (is_oblique(point) &&
+                   (shows_a_plane(points_around(scene, point, kSurfaceCell, true)) ||
+                    shows_a_plane(points_around(scene, point, 2.0 * kSurfaceCell, true))));
   }
   return scene;
 }

@@ -48,7 +48,7 @@ uint surface_level(vec3 p, float level_factor) {
   precise float ratio = squared * level_factor;
   const uint bits = floatBitsToUint(max(ratio, 1.0));
   const uint ceil_log2 = (bits >> 23) - 127u + ((bits & 0x7fffffu) != 0u ? 1u : 0u);
-  return min((ceil_log2 + 1u) >> 1, 15u);
+  return min((ceil_log2 + 1u) >> 1, 14u);
 }
 
 struct SurfaceCellId {
@@ -67,8 +67,11 @@ SurfaceCellId surface_cell_of_level(vec3 p, uint level, float inverse_surface_ce
                        fixed_offset(scaled, corner));
 }
 
-SurfaceCellId surface_cell(vec3 p, float inverse_surface_cell, float level_factor) {
-  return surface_cell_of_level(p, surface_level(p, level_factor), inverse_surface_cell);
+// The key of the cell of the same level that lies `shift` cells away.
+uint neighbour_of(uint key, ivec3 shift) {
+  const uint packed = key - 1u;
+  const uvec3 corner = (uvec3(packed >> 18, packed >> 9, packed) + uvec3(shift)) & 511u;
+  return ((packed & 0x78000000u) | (corner.x << 18) | (corner.y << 9) | corner.z) + 1u;
 }
 
 #endif

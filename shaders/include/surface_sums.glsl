@@ -7,8 +7,8 @@
 #define ADIT_SURFACE_SUMS_GLSL
 #include "adit/shaders/include/surface.glsl"
 
-// A point that finds no slot is left out here; who asks for its surface counts it.
-void add_to_surface(SurfaceCellId id, uint mask) {
+// False where the point found no slot and is left out.
+bool add_to_surface(SurfaceCellId id, uint mask) {
   uint slot = mix32(id.key) & mask;
   uint probes = 0;
   bool found = false;
@@ -18,22 +18,22 @@ void add_to_surface(SurfaceCellId id, uint mask) {
     slot = found ? slot : (slot + 1) & mask;
     probes += 1;
   }
-  if (!found) {
-    return;
+  if (found) {
+    const uvec3 o = id.offset;
+    const uvec3 x = (o * o.x + 32768) >> 16;  // xx, xy, xz
+    const uvec3 y = (o * o.y + 32768) >> 16;  // xy, yy, yz
+    atomicAdd(surfaces[slot].count, 1);
+    atomicAdd(surfaces[slot].sum_x, o.x);
+    atomicAdd(surfaces[slot].sum_y, o.y);
+    atomicAdd(surfaces[slot].sum_z, o.z);
+    atomicAdd(surfaces[slot].xx, x.x);
+    atomicAdd(surfaces[slot].xy, x.y);
+    atomicAdd(surfaces[slot].xz, x.z);
+    atomicAdd(surfaces[slot].yy, y.y);
+    atomicAdd(surfaces[slot].yz, y.z);
+    atomicAdd(surfaces[slot].zz, (o.z * o.z + 32768) >> 16);
   }
-  const uvec3 o = id.offset;
-  const uvec3 x = (o * o.x + 32768) >> 16;  // xx, xy, xz
-  const uvec3 y = (o * o.y + 32768) >> 16;  // xy, yy, yz
-  atomicAdd(surfaces[slot].count, 1);
-  atomicAdd(surfaces[slot].sum_x, o.x);
-  atomicAdd(surfaces[slot].sum_y, o.y);
-  atomicAdd(surfaces[slot].sum_z, o.z);
-  atomicAdd(surfaces[slot].xx, x.x);
-  atomicAdd(surfaces[slot].xy, x.y);
-  atomicAdd(surfaces[slot].xz, x.z);
-  atomicAdd(surfaces[slot].yy, y.y);
-  atomicAdd(surfaces[slot].yz, y.z);
-  atomicAdd(surfaces[slot].zz, (o.z * o.z + 32768) >> 16);
+  return found;
 }
 
 #endif

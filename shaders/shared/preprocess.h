@@ -24,7 +24,8 @@ struct SweepCounters {
   uint valid_points;      // raw points left after NaN, no-return and range clipping
   uint cloud_points;      // points of the down-sampled cloud
   uint input_failures;    // raw points that found no slot: 0, or the table is too small
-  uint surface_failures;  // cloud points that found no surface cell: 0, or the table is too small
+  uint surface_failures;  // surface cells that found no slot for a point: 0, or the table is too
+                          // small
 };
 
 struct DownsamplePush {

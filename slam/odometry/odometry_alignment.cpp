@@ -23,7 +23,24 @@ constexpr double kAgainstInertia = 1.5;
 // A sweep in whose time the sensor moved less than this need not be de-skewed, m.
 constexpr double kNoticeable = 0.01;
 constexpr double kNoticeableTurn = 0.005;  // rad
-constexpr int kMostRounds = 4;
+// What is done again is done again until it stays within this. Each round leaves half of the
+// error: a sweep that is bent by a wrong velocity is off by what that makes of half its time.
+constexpr double kSettled = 0.001;       // m
+constexpr double kSettledTurn = 0.0005;  // rad
+constexpr int kMostRounds = 8;
+// What a velocity during the first sweep differs by from what the step to the second says: people
+// and cars, m/s, and rad/s where readings do not cover that sweep, or do.
+constexpr double kUnsteady = 0.25;
+constexpr double kUnsteadyTurn = 0.15;
+constexpr double kUnsteadyReadings = 0.02;
+
+/// Standard deviations of the velocity, m/s and rad/s.
+Vector6d unsteadiness(bool covered) {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(kUnsteady),
+      Eigen::Vector3d::Constant(covered ? kUnsteadyReadings : kUnsteadyTurn);
+  return sigma;
+}
 
 // The times of scopes outside any other, added up by name.
 void add_stages(const engine::Submission& submission, std::vector<StageTime>& stages) {
@@ -177,16 +194,24 @@ void Odometry::Impl::begin_again(Begun& second) {
   }
   const Eigen::Isometry3d T_map_first = motion.last()->pose;
   const double duration = duration_of(sweep);
+  const auto turn = inertial.turn(sweep.stamp, sweep.stamp + nanoseconds(duration));
   Vector6d used = Vector6d::Zero();
   for (int round = 0; round < kMostRounds && is_usable(result.registration.status); ++round) {
     Vector6d twist = se3_log(T_map_first.inverse() * result.registration.T_target_source) / elapsed;
-    // Recordings often begin with a sweep, and readings come later.
-    if (const auto turn = inertial.turn(sweep.stamp, sweep.stamp + nanoseconds(duration))) {
+    // Recordings often begin with a sweep, and readings come later: how it turned is the best
+    // guess until a step of sweeps that are hardly bent is known.
+    if (round == 0 && turn) {
       twist.tail<3>() = so3_log(*turn) / duration;
     }
     const Vector6d change = duration * (twist - used);
-    if (change.head<3>().norm() < kNoticeable && change.tail<3>().norm() < kNoticeableTurn) {
+    if (change.head<3>().norm() < (round == 0 ? kNoticeable : kSettled) &&
+        change.tail<3>().norm() < (round == 0 ? kNoticeableTurn : kSettledTurn)) {
       return;
+    }
+    if (round == 0) {
+      const bool covered =
+          inertial.turn(begins.stamp, begins.stamp + nanoseconds(duration)).has_value();
+      drift.begin_vaguely(0.5 * duration * unsteadiness(covered));
     }
     used = twist;
     submap.clear();

@@ -60,6 +60,10 @@ PoseUncertainty DriftModel::update(const Eigen::Isometry3d& T_map_lidar, const M
   return uncertainty;
 }
 
+void DriftModel::begin_vaguely(const Vector6d& sigma) {
+  drift_ += sigma.cwiseAbs2().asDiagonal();
+}
+
 PoseUncertainty DriftModel::restart(const Matrix6d& local) {
   drift_ += local;
   joined_ = 1;

@@ -42,6 +42,10 @@ class DriftModel {
   /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap.
   PoseUncertainty update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local, bool joins);
 
+  /// The first sweep, which holds the map, was bent by a velocity that was known to this: standard
+  /// deviations of what its pose lacks, [rho, phi], m and rad, lidar axes.
+  void begin_vaguely(const Vector6d& sigma);
+
   /// The submap starts anew at the last sweep: what that one lacks, all after it lack.
   PoseUncertainty restart(const Matrix6d& local);
 

@@ -3,8 +3,11 @@
 #include "adit/slam/odometry/verdict.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <ranges>
+
+#include <Eigen/Eigenvalues>
 
 #include "adit/slam/core/nav_state.hpp"
 
@@ -21,8 +24,11 @@ constexpr double kUnheldShare = 0.5;
 // Without an inertial sensor: what is held weakly, to no better than this, is not held.
 constexpr double kVague = 0.05;  // m
 constexpr double kUnheldShareInertial = 0.95;
-constexpr double kMoved = 0.3;           // m in a window: what is at rest needs no match
-constexpr double kMovedInertial = 1.0;   // m
+constexpr double kMoved = 0.3;          // m in a window: what is at rest needs no match
+constexpr double kMovedInertial = 1.0;  // m
+// What inertia carried is not in doubt where all of it together is known to this share of the whole
+// path.
+constexpr double kCarriedShare = 0.005;
 constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
 constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
 // A prediction alone is good for so long.
@@ -37,6 +43,10 @@ bool is_vague(const ObservedDirection& direction, const Matrix6d& covariance) {
   const Eigen::Vector3d& axis = direction.axis;
   return direction.localizability == Localizability::partial && !axis.isZero() &&
          axis.dot(covariance.topLeftCorner<3, 3>() * axis) > kVague * kVague;
+}
+
+bool is_carried(const DoubtfulStretch& stretch) {
+  return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved;
 }
 
 }  // namespace
@@ -67,8 +77,13 @@ std::string_view to_string(DoubtCause cause) {
   return "unknown";
 }
 
+UncertainPose RunAssessor::pose_of(const Seen& seen) {
+  return {.stamp = seen.stamp, .T_map_lidar = seen.T_map_lidar, .uncertainty = seen.uncertainty};
+}
+
 void RunAssessor::add(const SweepResult& result) {
-  Seen seen{.stamp = result.stamp, .T_map_lidar = result.T_map_lidar};
+  Seen seen{
+      .stamp = result.stamp, .T_map_lidar = result.T_map_lidar, .uncertainty = result.uncertainty};
   seen.aligned = result.state == OdometryState::tracking;
   seen.inertial = result.inertial.nav.has_value();
   const RegistrationResult& alignment = result.registration;
@@ -87,6 +102,7 @@ void RunAssessor::add(const SweepResult& result) {
   if (!recent_.empty()) {
     const Seen& before = recent_.back();
     seen.step = (seen.T_map_lidar.translation() - before.T_map_lidar.translation()).norm();
+    path_ += seen.step;
     alone_ = seen.aligned ? 0.0 : alone_ + seconds(seen.stamp - before.stamp);
   }
   ++count_;
@@ -127,7 +143,7 @@ void RunAssessor::look_for_unheld() {
   DoubtfulStretch& stretch = note(DoubtCause::unheld, kWindow);
   const Eigen::Vector3d& direction = recent_.back().direction;
   stretch.direction += stretch.direction.dot(direction) < 0.0 ? -direction : direction;
-  if (!stretch.inertial && stretch.distance > kLostAfter) {
+  if (stretch.alone > kLostAfter) {
     stretch.trust = Trust::lost;
   }
 }
@@ -166,11 +182,9 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
   if (same != stretches_.rend() && same->last + kApart >= first && cause != DoubtCause::new_start) {
     stretch = &*same;
   } else {
-    stretches_.push_back({.cause = cause,
-                          .first = first,
-                          .last = first,
-                          .begin = recent_[recent_.size() - sweeps].stamp,
-                          .inertial = true});
+    const Seen& begin = recent_[recent_.size() - sweeps];
+    stretches_.push_back({.cause = cause, .first = first, .last = first, .begin = begin.stamp});
+    begins_.push_back(pose_of(begin));
     stretch = &stretches_.back();
   }
   // What is new since it was noted last.
@@ -178,17 +192,29 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
   for (size_t i = 0; i < recent_.size(); ++i) {
     const size_t index = count_ - recent_.size() + i;
     if (index > stretch->last || (begins && index == first)) {
-      stretch->distance += index > first ? recent_[i].step : 0.0;
-      stretch->inertial = stretch->inertial && recent_[i].inertial;
+      const double step = index > first ? recent_[i].step : 0.0;
+      stretch->distance += step;
+      stretch->alone += recent_[i].inertial ? 0.0 : step;
     }
   }
   stretch->last = count_ - 1;
   stretch->end = recent_.back().stamp;
+  const UncertainPose& begin = begins_[static_cast<size_t>(stretch - stretches_.data())];
+  const Eigen::Matrix3d way =
+      motion_covariance(begin, pose_of(recent_.back())).topLeftCorner<3, 3>();
+  stretch->sigma = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(way).eigenvalues()[2]);
   return *stretch;
 }
 
 Verdict RunAssessor::verdict() const {
   Verdict verdict{.trust = Trust::reliable, .stretches = stretches_};
+  double carried = 0.0;  // m^2
+  for (const DoubtfulStretch& stretch : stretches_) {
+    carried += is_carried(stretch) ? stretch.sigma * stretch.sigma : 0.0;
+  }
+  if (std::sqrt(carried) < kCarriedShare * path_) {
+    std::erase_if(verdict.stretches, is_carried);
+  }
   for (DoubtfulStretch& stretch : verdict.stretches) {
     if (!stretch.direction.isZero()) {
       stretch.direction.normalize();

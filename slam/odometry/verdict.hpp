@@ -37,7 +37,9 @@ struct DoubtfulStretch {
   Nanoseconds begin{0};  ///< stamps of these two
   Nanoseconds end{0};
   double distance = 0.0;  ///< m, travelled in it by the estimate
-  bool inertial = false;  ///< an inertial sensor was fused in all of it
+  double alone = 0.0;     ///< m of that without an inertial sensor
+  /// m, of the way from its first sweep to its last, along what was held least: standard deviation.
+  double sigma = 0.0;
   /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
   /// turn alone.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
@@ -65,6 +67,7 @@ class RunAssessor {
     Nanoseconds stamp{0};
     Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
     double step = 0.0;  ///< m since the sweep before
+    PoseUncertainty uncertainty;
     bool aligned = false;
     bool unheld = false;
     bool inertial = false;
@@ -72,6 +75,7 @@ class RunAssessor {
     double innovation = 0.0;  ///< squared, per degree of freedom; negative: none
   };
 
+  static UncertainPose pose_of(const Seen& seen);
   void look_for_unheld();
   void look_for_contradiction();
   void look_for_prediction();
@@ -83,7 +87,9 @@ class RunAssessor {
   size_t aligned_ = 0;
   size_t since_aligned_ = 0;  ///< sweeps
   double alone_ = 0.0;        ///< s since the last aligned sweep
+  double path_ = 0.0;         ///< m
   std::vector<DoubtfulStretch> stretches_;
+  std::vector<UncertainPose> begins_;  ///< poses of the stretches' first sweeps
 };
 
 }  // namespace adit

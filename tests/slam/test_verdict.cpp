@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/odometry/verdict.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace adit {
@@ -94,7 +96,7 @@ TEST(Verdict, ATunnelByLidarAloneIsDoubtfulWhereItIsAndLostWhereItIsLong) {
   EXPECT_EQ(brief.last, 39U);
   EXPECT_EQ(brief.end, milliseconds(3900));
   EXPECT_NEAR(std::abs(brief.direction.x()), 1.0, 1e-12);
-  EXPECT_FALSE(brief.inertial);
+  EXPECT_NEAR(brief.alone, brief.distance, 1e-12);
   for (int i = 0; i < 30; ++i) {
     assessor.add(Ride::unheld(run.next(0.5)));
   }
@@ -122,12 +124,33 @@ TEST(Verdict, InertiaCarriesOverWhatIsBriefAndNotOverASecondOfIt) {
   }
   EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
   for (int i = 0; i < 12; ++i) {
-    assessor.add(Ride::fused(Ride::unheld(run.next())));
+    SweepResult sweep = Ride::fused(Ride::unheld(run.next()));
+    sweep.uncertainty.drift(0, 0) = 0.01 * i * i;
+    assessor.add(sweep);
   }
   const Verdict verdict = assessor.verdict();
   EXPECT_EQ(verdict.trust, Trust::doubtful);
   ASSERT_EQ(verdict.stretches.size(), 1U);
-  EXPECT_TRUE(verdict.stretches[0].inertial);
+  EXPECT_EQ(verdict.stretches[0].alone, 0.0);
+  EXPECT_NEAR(verdict.stretches[0].sigma, 1.1, 0.1);
+}
+
+// What inertia carried counts by how well it did, over the whole way.
+TEST(Verdict, WhatInertiaCarriedWellIsNotInDoubt) {
+  const auto trust = [](double sigma, int sweeps) {
+    Ride run;
+    RunAssessor assessor;
+    for (int i = 0; i < sweeps; ++i) {
+      const bool tunnel = i >= 20 && i < 60;
+      SweepResult sweep = Ride::fused(tunnel ? Ride::unheld(run.next(0.5)) : run.next(0.5));
+      sweep.uncertainty.drift(0, 0) = sigma * sigma * std::clamp(i - 20, 0, 40) / 40.0;
+      assessor.add(sweep);
+    }
+    return assessor.verdict().trust;
+  };
+  EXPECT_EQ(trust(0.1, 80), Trust::reliable);
+  EXPECT_EQ(trust(0.3, 80), Trust::doubtful);
+  EXPECT_EQ(trust(0.3, 200), Trust::reliable) << "it ends as a small share of the way";
 }
 
 TEST(Verdict, ASweepOrTwoThatCannotBeAlignedAreBridged) {
