@@ -27,8 +27,9 @@ constexpr double kUnheldShareInertial = 0.95;
 constexpr double kMoved = 0.3;          // m in a window: what is at rest needs no match
 constexpr double kMovedInertial = 1.0;  // m
 // What inertia carried is not in doubt where all of it together is known to this share of the whole
-// path.
-constexpr double kCarriedShare = 0.005;
+// path, three sigma of which are 1 %, and biases had so long to show.
+constexpr double kCarriedShare = 0.003;
+constexpr double kProven = 3.0;          // s
 constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
 constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
 // A prediction alone is good for so long.
@@ -46,7 +47,7 @@ bool is_vague(const ObservedDirection& direction, const Matrix6d& covariance) {
 }
 
 bool is_carried(const DoubtfulStretch& stretch) {
-  return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved;
+  return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved && stretch.fused > kProven;
 }
 
 }  // namespace
@@ -103,6 +104,7 @@ void RunAssessor::add(const SweepResult& result) {
     const Seen& before = recent_.back();
     seen.step = (seen.T_map_lidar.translation() - before.T_map_lidar.translation()).norm();
     path_ += seen.step;
+    seen.fused = seen.inertial ? before.fused + seconds(seen.stamp - before.stamp) : 0.0;
     alone_ = seen.aligned ? 0.0 : alone_ + seconds(seen.stamp - before.stamp);
   }
   ++count_;
@@ -183,7 +185,11 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
     stretch = &*same;
   } else {
     const Seen& begin = recent_[recent_.size() - sweeps];
-    stretches_.push_back({.cause = cause, .first = first, .last = first, .begin = begin.stamp});
+    stretches_.push_back({.cause = cause,
+                          .first = first,
+                          .last = first,
+                          .begin = begin.stamp,
+                          .fused = begin.fused});
     begins_.push_back(pose_of(begin));
     stretch = &stretches_.back();
   }
@@ -202,7 +208,9 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
   const UncertainPose& begin = begins_[static_cast<size_t>(stretch - stretches_.data())];
   const Eigen::Matrix3d way =
       motion_covariance(begin, pose_of(recent_.back())).topLeftCorner<3, 3>();
-  stretch->sigma = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(way).eigenvalues()[2]);
+  stretch->sigma =
+      std::max(stretch->sigma,
+               std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(way).eigenvalues()[2]));
   return *stretch;
 }
 

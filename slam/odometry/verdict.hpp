@@ -38,7 +38,8 @@ struct DoubtfulStretch {
   Nanoseconds end{0};
   double distance = 0.0;  ///< m, travelled in it by the estimate
   double alone = 0.0;     ///< m of that without an inertial sensor
-  /// m, of the way from its first sweep to its last, along what was held least: standard deviation.
+  double fused = 0.0;     ///< s that one had been fused without a break when it began
+  /// m, of the way since its first sweep, along what was held least: standard deviation, at most.
   double sigma = 0.0;
   /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
   /// turn alone.
@@ -71,6 +72,7 @@ class RunAssessor {
     bool aligned = false;
     bool unheld = false;
     bool inertial = false;
+    double fused = 0.0;  ///< s that an inertial sensor has been, without a break
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unheld, map frame
     double innovation = 0.0;  ///< squared, per degree of freedom; negative: none
   };

@@ -137,20 +137,21 @@ TEST(Verdict, InertiaCarriesOverWhatIsBriefAndNotOverASecondOfIt) {
 
 // What inertia carried counts by how well it did, over the whole way.
 TEST(Verdict, WhatInertiaCarriedWellIsNotInDoubt) {
-  const auto trust = [](double sigma, int sweeps) {
+  const auto trust = [](double sigma, int sweeps, int begin = 50) {
     Ride run;
     RunAssessor assessor;
     for (int i = 0; i < sweeps; ++i) {
-      const bool tunnel = i >= 20 && i < 60;
+      const bool tunnel = i >= begin && i < begin + 40;
       SweepResult sweep = Ride::fused(tunnel ? Ride::unheld(run.next(0.5)) : run.next(0.5));
-      sweep.uncertainty.drift(0, 0) = sigma * sigma * std::clamp(i - 20, 0, 40) / 40.0;
+      sweep.uncertainty.drift(0, 0) = sigma * sigma * std::clamp(i - begin, 0, 40) / 40.0;
       assessor.add(sweep);
     }
     return assessor.verdict().trust;
   };
-  EXPECT_EQ(trust(0.1, 80), Trust::reliable);
-  EXPECT_EQ(trust(0.3, 80), Trust::doubtful);
-  EXPECT_EQ(trust(0.3, 200), Trust::reliable) << "it ends as a small share of the way";
+  EXPECT_EQ(trust(0.1, 100), Trust::reliable);
+  EXPECT_EQ(trust(0.3, 100), Trust::doubtful);
+  EXPECT_EQ(trust(0.3, 250), Trust::reliable) << "it ends as a small share of the way";
+  EXPECT_EQ(trust(0.1, 100, 10), Trust::doubtful) << "biases had no time to show";
 }
 
 TEST(Verdict, ASweepOrTwoThatCannotBeAlignedAreBridged) {
