@@ -111,6 +111,38 @@ TEST_F(PreprocessKernels, NormalsAtAHundredMetresAreTheWalls) {
   RecordProperty("worst normal, degrees", std::to_string(worst * 57.3));
 }
 
+// Rings of a sensor with few beams are farther apart on the ground than its cells are wide.
+TEST_F(PreprocessKernels, RingsOnTheGroundShowItWhereACellHoldsOneOfThem) {
+  constexpr double kHeight = 1.8;
+  Random random(12);
+  std::vector<Point> raw;
+  for (int beam = 0; beam < 8; ++beam) {
+    const double elevation = (-15.0 + 2.0 * beam) / 57.29578;
+    for (int column = 0; column < 1800; ++column) {
+      const double azimuth = 2.0 * 3.14159265 * column / 1800.0;
+      const double range = -kHeight / std::sin(elevation) + 0.01 * random.gaussian();
+      raw.push_back({static_cast<float>(range * std::cos(elevation) * std::cos(azimuth)),
+                     static_cast<float>(range * std::cos(elevation) * std::sin(azimuth)),
+                     static_cast<float>(range * std::sin(elevation)), 0.0F});
+    }
+  }
+  const engine::PreprocessSettings settings{
+      .c_min = 0.5, .c_max = 100.0, .r_input = 0.2, .beam_spacing = 2.0 / 57.29578};
+  PreprocessRun run(context(), settings, raw);
+  run.run();
+  int near = 0;
+  int planes = 0;
+  for (const reference::SurfacePoint& point : reference::decode(run.surface_cloud())) {
+    if (point.p.norm() < 12.0) {
+      near += 1;
+      planes += reference::is_plane(point.kind) && point.direction.z() > 0.9986 ? 1 : 0;
+    }
+  }
+  RecordProperty("points within 12 m", near);
+  RecordProperty("on the ground", planes);
+  EXPECT_GT(planes, 0.95 * near);
+}
+
 TEST_F(PreprocessKernels, TwoRunsGiveTheSameBytesAndLeaveTheScratchClean) {
   for (const SweepCase& sweep : test::sweep_cases()) {
     SCOPED_TRACE(sweep.name);
