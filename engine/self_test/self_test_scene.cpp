@@ -15,6 +15,7 @@ constexpr double kCell = 0.25;          // m, r_input
 constexpr double kSurfaceCell = 0.625;  // m, 2.5 * r_input: all points are near enough for level 0
 constexpr size_t kPointsForANormal = 5;
 constexpr double kLineRatio = 0.02;
+constexpr double kOblique = 0.5;  // cosine of 60 degrees
 
 // Cells [begin, end) of a plane; along the normal one layer, begin[axis].
 struct Patch {
@@ -98,7 +99,7 @@ bool is_oblique(const KnownPoint& point) {
     along += point.normal[k] * point.centroid[k];
     squared += point.centroid[k] * point.centroid[k];
   }
-  return std::abs(along) < 0.5 * std::sqrt(squared);
+  return std::abs(along) < kOblique * std::sqrt(squared);
 }
 
 // What surface_normals.comp takes together, along the patch: the points of a point's own cell, or

@@ -189,6 +189,7 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
                           .first = first,
                           .last = first,
                           .begin = begin.stamp,
+                          .inertial = true,
                           .fused = begin.fused});
     begins_.push_back(pose_of(begin));
     stretch = &stretches_.back();
@@ -201,6 +202,7 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
       const double step = index > first ? recent_[i].step : 0.0;
       stretch->distance += step;
       stretch->alone += recent_[i].inertial ? 0.0 : step;
+      stretch->inertial = stretch->inertial && recent_[i].inertial;
     }
   }
   stretch->last = count_ - 1;

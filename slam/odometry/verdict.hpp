@@ -37,7 +37,8 @@ struct DoubtfulStretch {
   Nanoseconds begin{0};  ///< stamps of these two
   Nanoseconds end{0};
   double distance = 0.0;  ///< m, travelled in it by the estimate
-  double alone = 0.0;     ///< m of that without an inertial sensor
+  bool inertial = false;  ///< an inertial sensor was fused in all of it
+  double alone = 0.0;     ///< m, travelled in it without one
   double fused = 0.0;     ///< s that one had been fused without a break when it began
   /// m, of the way since its first sweep, along what was held least: standard deviation, at most.
   double sigma = 0.0;

@@ -266,6 +266,8 @@ TEST_F(PreprocessKernels, PointsWithoutASurfaceCellAreCounted) {
   Verdict surfaces = test::verify_surfaces(kNarrow, run.cloud(), run.surface_cloud());
   EXPECT_GT(surfaces.worst["normals compared"], 0.0);
   EXPECT_GT(run.counters().surface_failures, 0U);
+  EXPECT_LE(surfaces.worst["wrong classes"], run.counters().surface_failures);
+  RecordProperty("wrong classes", std::to_string(surfaces.worst["wrong classes"]));
   RecordProperty("surface failures", std::to_string(run.counters().surface_failures));
 }
 

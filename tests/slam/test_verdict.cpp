@@ -96,6 +96,7 @@ TEST(Verdict, ATunnelByLidarAloneIsDoubtfulWhereItIsAndLostWhereItIsLong) {
   EXPECT_EQ(brief.last, 39U);
   EXPECT_EQ(brief.end, milliseconds(3900));
   EXPECT_NEAR(std::abs(brief.direction.x()), 1.0, 1e-12);
+  EXPECT_FALSE(brief.inertial);
   EXPECT_NEAR(brief.alone, brief.distance, 1e-12);
   for (int i = 0; i < 30; ++i) {
     assessor.add(Ride::unheld(run.next(0.5)));
@@ -131,8 +132,25 @@ TEST(Verdict, InertiaCarriesOverWhatIsBriefAndNotOverASecondOfIt) {
   const Verdict verdict = assessor.verdict();
   EXPECT_EQ(verdict.trust, Trust::doubtful);
   ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_TRUE(verdict.stretches[0].inertial);
   EXPECT_EQ(verdict.stretches[0].alone, 0.0);
   EXPECT_NEAR(verdict.stretches[0].sigma, 1.1, 0.1);
+}
+
+// A stretch without a way has none without an inertial sensor either.
+TEST(Verdict, WhereTheSensorStandsNobodyCarriesItWithoutAnImu) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(run.next(0.0));
+  }
+  for (int i = 0; i < 15; ++i) {
+    assessor.add(Ride::coasting(run.next(0.0)));
+  }
+  const Verdict verdict = assessor.verdict();
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_EQ(verdict.stretches[0].cause, DoubtCause::predicted);
+  EXPECT_FALSE(verdict.stretches[0].inertial);
 }
 
 // What inertia carried counts by how well it did, over the whole way.
