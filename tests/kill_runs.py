@@ -4,8 +4,9 @@
 """Kills `adit run` at random moments and looks at the map that is left.
 
 Usage: kill_runs.py ADIT [--kills N] [--seed S] [--sweeps N] [--folder FOLDER]. Each map must open, pass `adit check`,
-hold every keyframe that sweeps.csv says has ended, and hold of them what an undisturbed run holds. Exits 1 where one
-does not.
+hold every keyframe that sweeps.csv says has ended, and hold of them what an undisturbed run holds. `adit run --continue`
+must then end with the bytes of an undisturbed run; every third one is killed, and every third interrupted (Ctrl-C),
+before it comes to that. Exits 1 where one of this does not hold.
 """
 
 import argparse
@@ -41,21 +42,20 @@ def ended_keyframes(table):
     return max(count - 1, 0)
 
 
-def kill_once(arguments, recording, out, delay):
-    """True where the run was killed before it had ended."""
-    shutil.rmtree(out, ignore_errors=True)
-    run = subprocess.Popen([arguments.adit, "run", recording, "-o", out, *SETTINGS], stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL)
+def end_after(command, delay, how):
+    """True where the command was ended by the signal before it had ended by itself."""
+    run = subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         run.wait(delay)
         return False
     except subprocess.TimeoutExpired:
-        run.send_signal(signal.SIGKILL)
+        run.send_signal(how)
         run.wait()
         return True
 
 
-def complaints(arguments, out, expected):
+def complaints(arguments, out, expected, interrupted=False):
+    """The submap that grew when a run was interrupted is stored as it was then."""
     map_file = out / "map.adit"
     if not map_file.exists():
         return ["there is no map, but a keyframe has ended"] if ended_keyframes(out / "sweeps.csv") else []
@@ -67,9 +67,31 @@ def complaints(arguments, out, expected):
     ended = ended_keyframes(out / "sweeps.csv")
     if stored < ended:
         found.append(f"{ended} keyframes have ended, {stored} are stored")
-    if submaps_of(arguments.adit, map_file) != expected[:stored]:
+    whole = max(stored - interrupted, 0)
+    if submaps_of(arguments.adit, map_file)[:whole] != expected[:whole]:
         found.append("its submaps are not those of an undisturbed run")
     return found
+
+
+def can_go_on(adit, out):
+    """False where the run was killed before its map had a session."""
+    map_file = out / "map.adit"
+    return map_file.exists() and bool(json.loads(output_of([adit, "info", map_file, "--json"]))["sessions"])
+
+
+def contents(adit, out):
+    """What a run leaves, by name; its map as text."""
+    files = {name: (out / name).read_bytes() for name in ("trajectory.tum", "odometry.tum", "online.tum")}
+    return files | {"map.adit": output_of([adit, "export", out / "map.adit", "--dump"])}
+
+
+def differences_of_continued(arguments, out, whole):
+    command = [arguments.adit, "run", "-o", out, "--continue", "--quiet", "--no-map"]
+    run = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        return [f"--continue: {run.stdout}{run.stderr}"]
+    found = contents(arguments.adit, out)
+    return [f"after --continue {name} is not that of an undisturbed run" for name in whole if found[name] != whole[name]]
 
 
 def main():
@@ -90,18 +112,29 @@ def main():
         output_of([arguments.adit, "run", recording, "-o", whole, *SETTINGS])
         duration = time.monotonic() - start
         expected = submaps_of(arguments.adit, whole / "map.adit")
+        everything = contents(arguments.adit, whole)
         chance = random.Random(arguments.seed)
-        killed, with_keyframes, failures = 0, 0, 0
+        killed, with_keyframes, continued, failures = 0, 0, 0, 0
+        again = [arguments.adit, "run", "-o", out, "--continue", "--quiet", "--no-map"]
         for number in range(arguments.kills):
             delay = chance.uniform(0.0, duration)
-            killed += kill_once(arguments, recording, out, delay)
+            shutil.rmtree(out, ignore_errors=True)
+            killed += end_after([arguments.adit, "run", recording, "-o", out, *SETTINGS], delay, signal.SIGKILL)
             with_keyframes += ended_keyframes(out / "sweeps.csv") > 0
-            for complaint in complaints(arguments, out, expected):
+            found = complaints(arguments, out, expected)
+            if can_go_on(arguments.adit, out):
+                continued += 1
+                if number % 3 > 0:
+                    how = (signal.SIGKILL, signal.SIGINT)[number % 3 - 1]
+                    end_after(again, chance.uniform(0.0, duration), how)
+                    found += complaints(arguments, out, expected, how == signal.SIGINT)
+                found += differences_of_continued(arguments, out, everything)
+            for complaint in found:
                 failures += 1
                 print(f"kill {number} after {delay:.3f} s: {complaint}")
         print(f"{killed} of {arguments.kills} runs of {duration:.1f} s killed, {with_keyframes} with a keyframe that "
-              f"had ended; an undisturbed run has {len(expected)}; {failures} complaints")
-        return 1 if failures or killed == 0 or len(expected) < 3 else 0
+              f"had ended; an undisturbed run has {len(expected)}; {continued} gone on with; {failures} complaints")
+        return 1 if failures or killed == 0 or continued == 0 or len(expected) < 3 else 0
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 # Compiled or linked in: header-only libraries, the C++ and Fortran runtimes, Ceres and what it needs.
 linked=(libceres-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libgfortran-12-dev
   libstdc++6)
-for package in libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libvulkan-dev "${linked[@]}"; do
+for package in libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libxxhash-dev libvulkan-dev "${linked[@]}"; do
   add_license "$package"
 done
 for text in GPL-3 LGPL-2.1 Apache-2.0; do # which those files refer to

@@ -51,6 +51,7 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
 }
 
 void Mapper::finish() {
+  store_->begin_end();
   if (open_) {
     freeze();
     open_.reset();

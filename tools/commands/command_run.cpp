@@ -18,6 +18,7 @@
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/run/run_map.hpp"
 #include "adit/tools/run/run_map_page.hpp"
 #include "adit/tools/run/run_mapping.hpp"
@@ -50,9 +51,50 @@ void check_options(const RunCommandOptions& options) {
   if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
     throw UsageError("--high-rate-smoothing needs --high-rate.");
   }
-  if (options.start < 0 || options.count.value_or(1) < 1) {
+  if (options.start.value_or(0) < 0 || options.count.value_or(1) < 1) {
     throw UsageError("--start must be at least 0, --count at least 1.");
   }
+}
+
+/// The map that --continue goes on with.
+EarlierRun run_to_continue(const RunCommandOptions& options) {
+  const ConfigSource& config = options.config;
+  if (options.from || config.file || !config.preset.empty() || !config.overrides.empty() ||
+      config.metadata || options.topic || options.start || options.count) {
+    throw UsageError(
+        "--continue goes on with the settings and the sweeps that the map was begun with; leave "
+        "out what chooses others. --from MAP maps the recording of a map with other settings.");
+  }
+  const std::filesystem::path map = RunFiles(options.output).database;
+  std::error_code unknown;
+  if (!std::filesystem::exists(map, unknown)) {
+    throw UsageError("--continue: " + options.output.string() +
+                     " holds no map.adit to go on with. Leave it out to begin one.");
+  }
+  EarlierRun earlier = earlier_run(map);
+  if (earlier.progress.edited) {
+    throw InputError(map, {},
+                     "it was made by an older adit, or written to since its run (by adit loops, "
+                     "optimize or recover)",
+                     "To go on with it would undo that; map anew into another folder");
+  }
+  return earlier;
+}
+
+/// What a map says of its run, where the options do not say it.
+RunCommandOptions completed(RunCommandOptions options, const EarlierRun& earlier) {
+  if (options.recording.empty()) {
+    options.recording = earlier.recording;
+  }
+  options.config.kept = KeptConfig{.origin = earlier.map, .toml = earlier.session.configuration};
+  if (!options.topic) {
+    options.topic = earlier.topic;
+  }
+  if (!options.start && !options.count) {
+    options.start = earlier.first_sweep;
+    options.count = earlier.sweeps;
+  }
+  return options;
 }
 
 /// The sweeps to map, and where they come from.
@@ -66,7 +108,7 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
                           const std::optional<std::string>& name) {
   const std::size_t topic = sweep_topic(recording, options.recording, name);
   const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
-  const auto start = static_cast<std::size_t>(options.start);
+  const auto start = static_cast<std::size_t>(options.start.value_or(0));
   if (size == 0) {
     throw InputError(options.recording, {}, "no whole sweep is left in it",
                      "`adit inspect` tells what is damaged");
@@ -129,7 +171,8 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
           .device_requested = requested_device(options.device.device),
           .software_fallback = context.software_fallback(),
           .memory_budget_bytes = options.device.max_vram_bytes,
-          .validation = options.device.validation};
+          .validation = options.device.validation,
+          .continued = options.continues};
 }
 
 /// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
@@ -151,7 +194,7 @@ void replace_text_file(const std::filesystem::path& file, const std::string& tex
 
 /// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
 /// it had ended before.
-RunOutcome map_and_close(const Mapping& mapping, const RunMap* map, const RunDescription& run) {
+RunOutcome map_and_close(const Mapping& mapping, RunMap* map, const RunDescription& run) {
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   outcome.result = map_recording(mapping);
@@ -163,6 +206,9 @@ RunOutcome map_and_close(const Mapping& mapping, const RunMap* map, const RunDes
     }
     if (outcome.result.map) {
       map->write_trajectory();
+      if (outcome.result.end == RunEnd::completed) {
+        map->set_complete();
+      }
     }
     if (mapping.statistics.sweeps() > 0) {
       write_map_page(RunFiles(run.output), mapping.outputs.page_cloud(),
@@ -219,9 +265,25 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
   return outcome.validation_messages.empty() ? 0 : 1;
 }
 
-int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
+int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   const StopSignal stop;  // from the start: opening a recording or a device takes a while
-  check_options(options);
+  check_options(given);
+  std::optional<EarlierRun> continued;
+  RunCommandOptions options = given;
+  if (given.continues) {
+    continued = run_to_continue(given);
+    if (continued->progress.complete) {
+      err << "adit run: " << continued->map.string()
+          << " is complete, its recording was mapped to the end; there is nothing to go on with"
+          << std::endl;
+      return 0;
+    }
+    options = completed(given, *continued);
+  } else if (given.from) {
+    options = completed(given, earlier_run(*given.from));
+  } else if (given.recording.empty()) {
+    throw UsageError("RECORDING is missing: name a file or a folder to map.");
+  }
   const bool replaces_a_run = check_output_folder(options.recording, options.output);
   const Config config = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
@@ -247,16 +309,26 @@ int run(const RunCommandOptions& options, std::ostream& out, std::ostream& err) 
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
   SlamOptions wanted{.inertial = imu_topic.has_value()};
 
-  require_free_map(options.output);
+  std::optional<RunMap> map;
+  if (continued) {
+    map.emplace(description, *continued);
+    if (!options.quiet) {
+      err << "note: what " << continued->map.string()
+          << " holds is done again and compared; from where it ends it grows\n";
+    }
+  } else {
+    require_free_map(options.output);
+  }
   // The summary first: from here on the folder tells of this run, whatever ends it.
   replace_text_file(files.summary,
                     running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
   if (replaces_a_run) {
-    remove_earlier_run(options.output);
+    remove_earlier_run(options.output, continued ? EarlierMap::keep : EarlierMap::remove);
   }
-  std::optional<RunMap> map;
   if (config.mapping.enabled) {
-    map.emplace(description);
+    if (!map) {
+      map.emplace(description);
+    }
     wanted.map = &map->store();
     wanted.session = map->session();
   }
@@ -352,13 +424,13 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "  adit run drive/ -o out\n"
       "  adit run drive.mcap --topic /points -o out\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
-      "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n\n"
+      "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n"
+      "  adit run -o out --continue\n"
+      "  adit run --from out/map.adit -o finer --set mapping.r_submap=0.1\n\n"
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
       "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
-  command.option("recording", options->recording, "File or folder to map")
-      .required()
-      .value_name("RECORDING");
+  command.option("recording", options->recording, "File or folder to map").value_name("RECORDING");
   command.option("-o,--output", options->output, "Folder for the results; made if need be")
       .required()
       .value_name("OUT");
@@ -383,6 +455,13 @@ void add_run_command(Command app, std::function<void(int)> done) {
       .value_name("NAME");
   command.option("--start", options->start, "First sweep, counted from 0").value_name("N");
   command.option("--count", options->count, "Sweeps at most").value_name("N");
+  command.flag("--continue", options->continues,
+               "Go on with OUT/map.adit where a run was stopped or killed: its recording, settings "
+               "and sweeps");
+  command
+      .option("--from", options->from,
+              "Map the recording of this map again, with its settings where no others are given")
+      .value_name("MAP");
   command.flag("--strict", options->strict,
                "Exit 1 unless the run's verdict is reliable; the results are written all the "
                "same");

@@ -21,20 +21,22 @@ namespace adit {
 class Command;
 
 struct RunCommandOptions {
-  std::filesystem::path recording;
+  std::filesystem::path recording;  ///< empty: that of the map that is gone on with or begun from
   std::filesystem::path output;
   ConfigSource config{};
   DeviceOptions device{};
   MapOptions map{};
   HighRateOptions high_rate{};
   std::optional<std::string> topic{};  ///< the sweeps' topic; none: the only one
-  int64_t start = 0;                   ///< the first sweep, counted from 0
+  std::optional<int64_t> start{};      ///< the first sweep, counted from 0; none: the first of all
   std::optional<int64_t> count{};      ///< none: to the end
-  bool strict = false;                 ///< anything but a reliable run is a failure
-  bool strict_input = false;           ///< the first damage ends the run
-  bool json = false;                   ///< summary.json on `out` instead of the table
-  bool quiet = false;                  ///< errors alone
-  bool stage_table = false;            ///< the table with every stage
+  bool continues = false;              ///< the output's map is gone on with
+  std::optional<std::filesystem::path> from{};  ///< a map whose recording and settings to take
+  bool strict = false;                          ///< anything but a reliable run is a failure
+  bool strict_input = false;                    ///< the first damage ends the run
+  bool json = false;                            ///< summary.json on `out` instead of the table
+  bool quiet = false;                           ///< errors alone
+  bool stage_table = false;                     ///< the table with every stage
 };
 
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "adit/tools/containers/unpacked_file.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -86,6 +87,34 @@ class SqliteDatabase {
   Mode mode_;
   std::vector<std::unique_ptr<UnpackedFile>> copies_;  // outlive the connection
   std::unique_ptr<sqlite3, Closer> database_;
+};
+
+/// All that is done while it lives is kept once commit() has returned, or not at all.
+class SqliteTransaction {
+ public:
+  explicit SqliteTransaction(const SqliteDatabase& database) : database_(database) {
+    database_.execute("BEGIN IMMEDIATE");
+  }
+  ~SqliteTransaction() {
+    if (!committed_) {
+      try {
+        database_.execute("ROLLBACK");
+      } catch (const FileError&) {
+        // SQLite has rolled back by itself, as it does on a full disk.
+      }
+    }
+  }
+  SqliteTransaction(const SqliteTransaction&) = delete;
+  SqliteTransaction& operator=(const SqliteTransaction&) = delete;
+
+  void commit() {
+    database_.execute("COMMIT");
+    committed_ = true;
+  }
+
+ private:
+  const SqliteDatabase& database_;
+  bool committed_ = false;
 };
 
 }  // namespace adit

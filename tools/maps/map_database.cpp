@@ -19,7 +19,8 @@ constexpr int64_t kApplication = 0x61646974;  // "adit": what the file says it b
 
 constexpr const char* kTables =
     "CREATE TABLE sessions(id INTEGER PRIMARY KEY, name TEXT NOT NULL, configuration TEXT NOT "
-    "NULL);"
+    "NULL, steps INTEGER NOT NULL DEFAULT 0, ending INTEGER NOT NULL DEFAULT 0,"
+    " complete INTEGER NOT NULL DEFAULT 0, edited INTEGER NOT NULL DEFAULT 0);"
     "CREATE TABLE provenance(session INTEGER NOT NULL REFERENCES sessions(id), key TEXT NOT NULL,"
     " value TEXT NOT NULL, PRIMARY KEY(session, key)) WITHOUT ROWID;"
     "CREATE TABLE keyframes(id INTEGER PRIMARY KEY, session INTEGER NOT NULL REFERENCES "
@@ -42,6 +43,16 @@ constexpr const char* kTables =
     " through REAL NOT NULL DEFAULT 0, figure REAL NOT NULL DEFAULT 0);"
     "CREATE VIRTUAL TABLE places USING rtree(keyframe, min_x, max_x, min_y, max_y, min_z, max_z);";
 
+// What the end of a run changes, as it was before.
+constexpr const char* kTablesOfTheEnd =
+    "CREATE TABLE end_keyframes(id INTEGER PRIMARY KEY, fixed INTEGER NOT NULL, pose BLOB NOT "
+    "NULL);"
+    "CREATE TABLE end_edges(id INTEGER PRIMARY KEY, status INTEGER NOT NULL);"
+    "CREATE TABLE end_candidates(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL,"
+    " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
+    " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL, rms REAL NOT NULL,"
+    " correction REAL NOT NULL, turn REAL NOT NULL, through REAL NOT NULL, figure REAL NOT NULL);";
+
 // What schema 1 lacks.
 constexpr const char* kToSchema2 =
     "ALTER TABLE candidates ADD COLUMN rms REAL NOT NULL DEFAULT 0;"
@@ -50,33 +61,12 @@ constexpr const char* kToSchema2 =
     "ALTER TABLE candidates ADD COLUMN through REAL NOT NULL DEFAULT 0;"
     "ALTER TABLE candidates ADD COLUMN figure REAL NOT NULL DEFAULT 0;";
 
-/// All that is done while it lives is kept once commit() has returned, or not at all.
-class Transaction {
- public:
-  explicit Transaction(const SqliteDatabase& database) : database_(database) {
-    database_.execute("BEGIN IMMEDIATE");
-  }
-  ~Transaction() {
-    if (!committed_) {
-      try {
-        database_.execute("ROLLBACK");
-      } catch (const FileError&) {
-        // SQLite has rolled back by itself, as it does on a full disk.
-      }
-    }
-  }
-  Transaction(const Transaction&) = delete;
-  Transaction& operator=(const Transaction&) = delete;
-
-  void commit() {
-    database_.execute("COMMIT");
-    committed_ = true;
-  }
-
- private:
-  const SqliteDatabase& database_;
-  bool committed_ = false;
-};
+// What schema 2 lacks. Who made such a map cannot go on with it.
+constexpr const char* kToSchema3 =
+    "ALTER TABLE sessions ADD COLUMN steps INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE sessions ADD COLUMN ending INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE sessions ADD COLUMN complete INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE sessions ADD COLUMN edited INTEGER NOT NULL DEFAULT 1;";
 
 int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement = database.prepare("PRAGMA " + name);
@@ -162,8 +152,9 @@ MapDatabase::~MapDatabase() {
 
 void MapDatabase::create_tables() {
   database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
-  Transaction transaction(database_);
+  SqliteTransaction transaction(database_);
   database_.execute(kTables);
+  database_.execute(kTablesOfTheEnd);
   database_.execute("PRAGMA application_id = " + std::to_string(kApplication));
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
@@ -171,17 +162,22 @@ void MapDatabase::create_tables() {
 
 // A map of an older schema is brought to this one by its first writer.
 void MapDatabase::migrate() {
-  if (pragma(database_, "user_version") >= kMapSchema) {
+  const int64_t schema = pragma(database_, "user_version");
+  if (schema >= kMapSchema) {
     return;
   }
-  Transaction transaction(database_);
-  database_.execute(kToSchema2);
+  SqliteTransaction transaction(database_);
+  if (schema < 2) {
+    database_.execute(kToSchema2);
+  }
+  database_.execute(kToSchema3);
+  database_.execute(kTablesOfTheEnd);
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }
 
 SessionId MapDatabase::add_session(const MapSession& session) {
-  Transaction transaction(database_);
+  SqliteTransaction transaction(database_);
   SqliteStatement insert =
       database_.prepare("INSERT INTO sessions(name, configuration) VALUES(?, ?) RETURNING id");
   insert.bind(1, session.name).bind(2, session.configuration).step();
@@ -198,7 +194,7 @@ SessionId MapDatabase::add_session(const MapSession& session) {
 
 void MapDatabase::store(const KeyframeRecord& record) {
   const MapKeyframe& keyframe = record.keyframe;
-  Transaction transaction(database_);
+  SqliteTransaction transaction(database_);
   database_.prepare("INSERT INTO keyframes VALUES(?, ?, ?, ?, ?, ?)")
       .bind(1, keyframe.id)
       .bind(2, keyframe.session)
@@ -231,11 +227,12 @@ void MapDatabase::store(const KeyframeRecord& record) {
   for (const LoopCandidate& candidate : record.candidates) {
     insert(candidate);
   }
+  count_step();
   transaction.commit();
 }
 
 void MapDatabase::revise(const MapRevision& revision) {
-  Transaction transaction(database_);
+  SqliteTransaction transaction(database_);
   for (const PoseEdge& edge : revision.edges) {
     insert(edge);
   }
@@ -257,6 +254,7 @@ void MapDatabase::revise(const MapRevision& revision) {
     move.reset();
     place(node.id, node.T_map_node);
   }
+  count_step();
   transaction.commit();
 }
 

@@ -20,11 +20,19 @@
 namespace adit {
 
 /// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 2;
+inline constexpr int64_t kMapSchema = 3;
 
 enum class MapAccess {
   read,   ///< any number, also beside a writer
   write,  ///< one at a time; makes the file where there is none
+};
+
+/// How far the run that fills a session has come.
+struct SessionProgress {
+  int64_t steps = 0;      ///< calls of store() and revise() before begin_end()
+  bool ending = false;    ///< begin_end() was called
+  bool complete = false;  ///< the run has reached the end of its recording
+  bool edited = false;    ///< something else has written to the map since the run began
 };
 
 class MapDatabase final : public MapStore {
@@ -42,6 +50,16 @@ class MapDatabase final : public MapStore {
   SessionId add_session(const MapSession& session) override;
   void store(const KeyframeRecord& record) override;
   void revise(const MapRevision& revision) override;
+  void begin_end() override;
+
+  /// What is written from now on belongs to the run of that session, and counts as its steps. What
+  /// is written without a run is an edit of the map.
+  void begin_run(SessionId session) { run_ = session; }
+  /// The map is as it was before begin_end(); nothing where that was not called.
+  void take_end_back(SessionId session);
+  void set_complete(SessionId session);
+  SessionProgress progress(SessionId session) const;
+  const std::filesystem::path& file() const { return database_.path(); }
 
   std::vector<MapSession> sessions() const override;
   std::vector<MapKeyframe> keyframes() const override;
@@ -70,6 +88,7 @@ class MapDatabase final : public MapStore {
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
+  void count_step();
   std::vector<PoseEdge> edges() const;
   MapSession session_at(const SqliteStatement& row) const;
   MapKeyframe keyframe_at(const SqliteStatement& row) const;
@@ -78,6 +97,7 @@ class MapDatabase final : public MapStore {
 
   std::optional<WriterLock> lock_;
   SqliteDatabase database_;
+  std::optional<SessionId> run_;
 };
 
 }  // namespace adit

@@ -127,10 +127,12 @@ bool check_output_folder(const fs::path& recording, const fs::path& folder) {
   return false;
 }
 
-void remove_earlier_run(const fs::path& folder) {
+void remove_earlier_run(const fs::path& folder, EarlierMap map) {
+  const std::string database = RunFiles(folder).database.string();
   for (const fs::path& file : result_files(folder)) {
     std::error_code unknown;
-    if (!fs::is_directory(file, unknown)) {
+    const bool kept = map == EarlierMap::keep && file.string().starts_with(database);
+    if (!kept && !fs::is_directory(file, unknown)) {
       remove_file(file);
     }
   }

@@ -23,8 +23,13 @@ bool is_run(const std::filesystem::path& folder);
 bool check_output_folder(const std::filesystem::path& recording,
                          const std::filesystem::path& folder);
 
+enum class EarlierMap {
+  remove,
+  keep,  ///< map.adit and its log
+};
+
 /// Removes the files that an earlier run and its evaluation wrote, all but summary.json. Other
 /// files stay. Throws OutputError where one cannot be removed.
-void remove_earlier_run(const std::filesystem::path& folder);
+void remove_earlier_run(const std::filesystem::path& folder, EarlierMap map = EarlierMap::remove);
 
 }  // namespace adit

@@ -290,7 +290,7 @@ Config parse_config(const std::string& toml, const fs::path& origin) {
 }
 
 Config load_config(const ConfigSource& source) {
-  Config config;
+  Config config = source.kept ? parse_config(source.kept->toml, source.kept->origin) : Config{};
   Origins origins;
   if (!source.preset.empty()) {
     apply_preset(source.preset, config);

@@ -15,12 +15,20 @@
 
 namespace adit {
 
-/// Where a configuration comes from: defaults, then the preset, the file and the overrides.
+/// A whole configuration that is kept somewhere.
+struct KeptConfig {
+  std::filesystem::path origin;  ///< for messages
+  std::string toml;
+};
+
+/// Where a configuration comes from: defaults or one that is kept, then the preset, the file and
+/// the overrides.
 struct ConfigSource {
   std::optional<std::filesystem::path> file;
   std::vector<std::string> overrides;     ///< "section.key=value", the last one of a key wins
   std::string preset{};                   ///< a name in presets.hpp; empty: none
   std::optional<std::string> metadata{};  ///< recording.metadata; none: as the others say
+  std::optional<KeptConfig> kept{};       ///< in place of the defaults
 };
 
 /// Reads and validates. Throws InputError with line and column for what the file says, UsageError

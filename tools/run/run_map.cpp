@@ -9,34 +9,11 @@
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/maps/writer_lock.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-
-MapSession session_of(const RunDescription& run) {
-  std::error_code unknown;
-  const auto bytes = fs::file_size(run.recording, unknown);
-  MapSession session{.name = run.recording.filename().string(),
-                     .configuration = to_toml(run.config),
-                     .provenance = {{"adit", std::string(version())},
-                                    {"device", run.device.name},
-                                    {"driver", run.device.driver},
-                                    {"driver version", run.device.driver_version},
-                                    {"recording", run.recording.string()},
-                                    {"recording kind", run.recording_description},
-                                    {"recording sweeps", std::to_string(run.recording_sweeps)},
-                                    {"topic", run.topic},
-                                    {"first sweep", std::to_string(run.range.first)},
-                                    {"sweeps", std::to_string(run.range.count)}}};
-  if (!unknown) {
-    session.provenance.emplace_back("recording bytes", std::to_string(bytes));
-  }
-  return session;
-}
 
 /// The whole file or none of it.
 void replace_trajectory(const fs::path& file, TrajectoryFormat format,
@@ -63,7 +40,17 @@ void require_free_map(const fs::path& folder) {
 RunMap::RunMap(const RunDescription& run)
     : files_(run.output),
       database_(files_.database, MapAccess::write),
-      session_(database_.add_session(session_of(run))) {}
+      session_(database_.add_session(session_of(run))) {
+  database_.begin_run(session_);
+}
+
+RunMap::RunMap(const RunDescription& run, const EarlierRun& earlier)
+    : files_(run.output),
+      database_(files_.database, MapAccess::write),
+      session_(earlier.session.id) {
+  require_same(earlier, session_of(run));
+  continued_.emplace(database_, session_);
+}
 
 void RunMap::write_trajectory() const {
   std::error_code error;

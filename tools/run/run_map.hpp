@@ -5,8 +5,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
+#include "adit/tools/maps/continued_map.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/run/run_summary.hpp"
 
 namespace adit {
@@ -14,13 +17,20 @@ namespace adit {
 /// Throws LockedError where another process writes to the folder's map.
 void require_free_map(const std::filesystem::path& folder);
 
-/// A map that a run fills. Nothing of an earlier one may be left in its place.
+/// A map that a run fills.
 class RunMap {
  public:
+  /// Nothing of an earlier one may be left in its place.
   explicit RunMap(const RunDescription& run);
+  /// Goes on with the map of an earlier run. Throws InputError where it cannot.
+  RunMap(const RunDescription& run, const EarlierRun& earlier);
+  RunMap(const RunMap&) = delete;
+  RunMap& operator=(const RunMap&) = delete;
 
-  MapStore& store() { return database_; }
+  MapStore& store() { return continued_ ? static_cast<MapStore&>(*continued_) : database_; }
   SessionId session() const { return session_; }
+  /// The recording was mapped to its end: there is nothing left to go on with.
+  void set_complete() { database_.set_complete(session_); }
   /// trajectory.tum and trajectory.kitti of the final map, in place of what was known as the run
   /// went on, which online.tum keeps. Throws OutputError.
   void write_trajectory() const;
@@ -29,6 +39,7 @@ class RunMap {
   RunFiles files_;
   MapDatabase database_;
   SessionId session_;
+  std::optional<ContinuedMap> continued_;
 };
 
 }  // namespace adit

@@ -28,6 +28,7 @@ ordered_json describe_run(const RunDescription& run, std::string_view status,
   json["device"]["requested"] = run.device_requested;
   json["device"]["software_fallback"] = run.software_fallback;
   json["device"]["memory_budget_bytes"] = run.memory_budget_bytes;
+  json["continued"] = run.continued;
   json["configuration"] = to_json(run.config);
   return json;
 }

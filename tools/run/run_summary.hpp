@@ -38,6 +38,7 @@ struct RunDescription {
   bool software_fallback = false;
   uint64_t memory_budget_bytes = 0;  ///< 0: no limit
   bool validation = false;
+  bool continued = false;  ///< an earlier run's map is gone on with
 };
 
 /// What is known after the last.

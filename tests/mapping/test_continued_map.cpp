@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/maps/continued_map.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/mapping/map_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+using test::dump_of;
+using test::record;
+
+constexpr NodeId kKeyframes = 6;
+
+/// What a run does to its map: keyframes with their edges, then candidates, an edge that is taken
+/// back, and an end that moves all poses and adds a last keyframe.
+void run_up_to(MapStore& store, SessionId session, NodeId keyframes) {
+  for (NodeId id = 0; id < keyframes; ++id) {
+    store.store(record(id, session));
+    LoopCandidate candidate;
+    candidate.id = id + 1;
+    candidate.to = id;
+    store.revise({.candidates = {candidate}});
+  }
+}
+
+void end_run(MapStore& store, SessionId session, NodeId keyframes) {
+  store.begin_end();
+  store.store(record(keyframes, session));
+  LoopCandidate judged;
+  judged.id = 1;
+  judged.verdict = CandidateVerdict::rejected;
+  judged.reason = "nobody agrees";
+  MapRevision revision{.candidates = {judged}, .statuses = {{1, EdgeStatus::revoked}}};
+  for (NodeId id = 0; id <= keyframes; ++id) {
+    revision.poses.push_back(
+        {.id = id, .T_map_node = test::step(10.0 * static_cast<double>(id), 0.5)});
+  }
+  store.revise(revision);
+}
+
+class ContinuedMapTest : public testing::Test {
+ protected:
+  ContinuedMapTest() {
+    MapDatabase map(folder_ / "whole.adit", MapAccess::write);
+    const SessionId session = test::add_session(map);
+    map.begin_run(session);
+    run_up_to(map, session, kKeyframes);
+    end_run(map, session, kKeyframes);
+    whole_ = dump_of(map);
+    steps_ = map.progress(session).steps;
+  }
+
+  /// A map whose run has stored so many keyframes, and has ended by itself or was killed.
+  fs::path begun(NodeId keyframes, bool ended) {
+    fs::path file = folder_ / ("begun" + std::to_string(keyframes) + (ended ? "e" : "") + ".adit");
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    map.begin_run(session);
+    run_up_to(map, session, keyframes);
+    if (ended) {
+      end_run(map, session, keyframes);
+    }
+    return file;
+  }
+
+  const test::TemporaryFolder folder_;
+  std::string whole_;
+  int64_t steps_ = 0;
+};
+
+TEST_F(ContinuedMapTest, EndsAsAnUndisturbedRunDoes) {
+  EXPECT_EQ(steps_, 2 * kKeyframes) << "what the end does is no step";
+  for (const bool ended : {false, true}) {
+    for (NodeId stored = 0; stored <= kKeyframes; ++stored) {
+      MapDatabase map(begun(stored, ended), MapAccess::write);
+      EXPECT_EQ(map.progress(1).ending, ended);
+      ContinuedMap continued(map, 1);
+      EXPECT_EQ(continued.caught_up(), stored == 0);
+      run_up_to(continued, 1, kKeyframes);
+      EXPECT_TRUE(continued.caught_up());
+      end_run(continued, 1, kKeyframes);
+      EXPECT_EQ(dump_of(map), whole_) << stored << (ended ? ", ended" : ", killed");
+      EXPECT_EQ(map.progress(1).steps, steps_);
+      EXPECT_FALSE(map.progress(1).edited);
+      EXPECT_TRUE(map.check().empty());
+      EXPECT_EQ(map.submaps_within({-1e3, -1e3, -1e3}, {1e3, 1e3, 1e3}).size(), kKeyframes + 1U);
+    }
+  }
+}
+
+TEST_F(ContinuedMapTest, StaysAsItIsWhereTheSecondRunEndsBeforeTheFirstDid) {
+  for (const bool ended : {false, true}) {
+    MapDatabase map(begun(4, ended), MapAccess::write);
+    const std::string before = dump_of(map);
+    ContinuedMap continued(map, 1);
+    run_up_to(continued, 1, 2);
+    end_run(continued, 1, 2);
+    EXPECT_EQ(dump_of(map), before);
+    EXPECT_EQ(map.progress(1).steps, 8);
+  }
+}
+
+TEST_F(ContinuedMapTest, RefusesWhatTheFirstRunHasNotMade) {
+  MapDatabase map(begun(4, true), MapAccess::write);
+  const std::string before = dump_of(map);
+  const auto refused = [&](const KeyframeRecord& other) {
+    ContinuedMap continued(map, 1);
+    run_up_to(continued, 1, 1);
+    try {
+      continued.store(other);
+    } catch (const InputError& error) {
+      return error.place() == "keyframe 1";
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(record(1, 1)));
+  KeyframeRecord other = record(1, 1);
+  other.submap.chunks[2][77] ^= std::byte{1};
+  EXPECT_TRUE(refused(other));
+  other = record(1, 1);
+  other.keyframe.stamp += Nanoseconds(1);
+  EXPECT_TRUE(refused(other));
+  other = record(1, 1);
+  other.keyframe.covariance(2, 2) += 1e-12;
+  EXPECT_TRUE(refused(other));
+  EXPECT_EQ(dump_of(map), before);
+}
+
+TEST_F(ContinuedMapTest, AnEditOfTheMapIsKnown) {
+  const fs::path file = begun(4, true);
+  EXPECT_FALSE(MapDatabase(file, MapAccess::read).progress(1).edited);
+  MapDatabase(file, MapAccess::write).revise({.statuses = {{0, EdgeStatus::revoked}}});
+  EXPECT_TRUE(MapDatabase(file, MapAccess::read).progress(1).edited);
+  EXPECT_THROW(static_cast<void>(MapDatabase(file, MapAccess::read).progress(7)), InputError);
+}
+
+}  // namespace
+}  // namespace adit

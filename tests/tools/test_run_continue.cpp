@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `adit run --continue` and `adit run --from`.
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/run/earlier_run.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ran {
+  int code = 0;
+  std::string err;
+};
+
+Ran ran(const RunCommandOptions& options) {
+  std::ostringstream out;
+  std::ostringstream err;
+  const int code = run_command(options, out, err);
+  return {code, err.str()};
+}
+
+std::string dump_of(const fs::path& file) {
+  std::string text;
+  MapDatabase(file, MapAccess::read).dump([&](std::string_view line) {
+    text += std::string(line) + "\n";
+  });
+  return text;
+}
+
+class RunContinue : public testing::Test {
+ protected:
+  RunContinue() : recording_(test::small_recording(folder_.path(), 8).recording) {
+    first_.recording = recording_;
+    first_.output = folder_ / "out";
+    first_.map.enabled = false;
+    first_.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true",
+                               "keyframe.delta_trans=0.05"};
+    EXPECT_EQ(ran(first_).code, 0);
+  }
+
+  RunCommandOptions continuing() const {
+    RunCommandOptions options;
+    options.output = folder_ / "out";
+    options.map.enabled = false;
+    options.continues = true;
+    return options;
+  }
+  /// As a run leaves it that was interrupted behind its last sweep.
+  void make_incomplete() const {
+    const SqliteDatabase raw(map(), SqliteDatabase::Mode::update);
+    raw.execute("UPDATE sessions SET complete = 0");
+  }
+  fs::path map() const { return folder_ / "out/map.adit"; }
+
+  const test::TemporaryFolder folder_;
+  fs::path recording_;
+  RunCommandOptions first_;
+};
+
+TEST_F(RunContinue, WhatIsCompleteStaysAsItIs) {
+  const std::string before = test::content(map());
+  const Ran again = ran(continuing());
+  EXPECT_EQ(again.code, 0);
+  EXPECT_NE(again.err.find("is complete"), std::string::npos) << again.err;
+  EXPECT_EQ(test::content(map()), before);
+}
+
+TEST_F(RunContinue, ARunThatWasStoppedEndsAsOneThatWasNot) {
+  const std::string whole = dump_of(map());
+  const std::string poses = test::content(folder_ / "out/trajectory.tum");
+  make_incomplete();
+  const Ran again = ran(continuing());
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_NE(again.err.find("from where it ends it grows"), std::string::npos) << again.err;
+  EXPECT_EQ(dump_of(map()), whole);
+  EXPECT_EQ(test::content(folder_ / "out/trajectory.tum"), poses);
+  EXPECT_TRUE(earlier_run(map()).progress.complete);
+  EXPECT_TRUE(test::json_of(folder_ / "out/summary.json").at("continued"));
+}
+
+TEST_F(RunContinue, AnotherRecordingIsRefusedAndTheMapStays) {
+  make_incomplete();
+  const std::string before = dump_of(map());
+  const fs::path sweep = recording_ / "velodyne/000003.bin";
+  {
+    std::fstream file(sweep, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(40);
+    file.put('\7');
+  }
+  const Ran again = ran(continuing());
+  EXPECT_EQ(again.code, 1);
+  EXPECT_NE(again.err.find("recording fingerprint"), std::string::npos) << again.err;
+  EXPECT_EQ(dump_of(map()), before);
+}
+
+TEST_F(RunContinue, AMapThatWasEditedIsRefused) {
+  make_incomplete();
+  MapDatabase(map(), MapAccess::write).revise({});
+  const Ran again = ran(continuing());
+  EXPECT_EQ(again.code, 1);
+  EXPECT_NE(again.err.find("written to since its run"), std::string::npos) << again.err;
+}
+
+TEST_F(RunContinue, WhatChoosesOtherSettingsOrHasNoMapIsAUsageError) {
+  RunCommandOptions other = continuing();
+  other.config.overrides = {"mapping.loops=false"};
+  EXPECT_EQ(ran(other).code, 2);
+  other = continuing();
+  other.start = 2;
+  EXPECT_EQ(ran(other).code, 2);
+  other = continuing();
+  other.output = folder_ / "elsewhere";
+  const Ran none = ran(other);
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.err.find("holds no map.adit"), std::string::npos) << none.err;
+  EXPECT_EQ(ran(RunCommandOptions{.recording = {}, .output = folder_ / "x"}).code, 2);
+}
+
+TEST_F(RunContinue, FromAMapTakesItsRecordingAndSettings) {
+  RunCommandOptions options;
+  options.output = folder_ / "finer";
+  options.map.enabled = false;
+  options.from = map();
+  options.config.overrides = {"mapping.r_submap=0.125"};
+  const Ran again = ran(options);
+  EXPECT_EQ(again.code, 0) << again.err;
+  const EarlierRun made = earlier_run(folder_ / "finer/map.adit");
+  EXPECT_EQ(made.recording, recording_);
+  const Config config = parse_config(made.session.configuration, made.map);
+  EXPECT_EQ(config.mapping.r_submap, 0.125);
+  EXPECT_EQ(config.keyframe.delta_trans, 0.05) << "as the map says";
+  EXPECT_EQ(test::content(folder_ / "finer/odometry.tum"),
+            test::content(folder_ / "out/odometry.tum"));
+}
+
+TEST_F(RunContinue, DifferencesAreNamed) {
+  const EarlierRun earlier = earlier_run(map());
+  MapSession now = earlier.session;
+  EXPECT_NO_THROW(require_same(earlier, now));
+  now.configuration += "\n[keyframe]\nodd = 1.0\n";
+  for (auto& [key, value] : now.provenance) {
+    value += key == "device" || key == "recording" ? " of another kind" : "";
+  }
+  try {
+    require_same(earlier, now);
+    FAIL() << "they differ";
+  } catch (const InputError& error) {
+    EXPECT_NE(error.found().find("device: "), std::string::npos) << error.found();
+    EXPECT_NE(error.found().find("the setting keyframe.odd = 1.0"), std::string::npos);
+    EXPECT_EQ(error.found().find("recording:"), std::string::npos) << "it may have been moved";
+  }
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a map tells of the run that made it: for runs that go on with it, and for runs that map its
+// recording again.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/run/run_summary.hpp"
+
+namespace adit {
+
+/// Where a map comes from; sessions keep it.
+MapSession session_of(const RunDescription& run);
+
+struct EarlierRun {
+  std::filesystem::path map;
+  MapSession session;
+  SessionProgress progress;
+  std::filesystem::path recording;
+  std::string topic;        ///< the sweeps'
+  int64_t first_sweep = 0;  ///< of the recording
+  int64_t sweeps = 0;       ///< from there on
+};
+
+/// Throws InputError: no map, one of several recordings, one that does not say where it comes from.
+EarlierRun earlier_run(const std::filesystem::path& map);
+
+/// Throws InputError where the run could not go on with the earlier one's map, with all that
+/// differs.
+void require_same(const EarlierRun& earlier, const MapSession& now);
+
+}  // namespace adit

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace adit {
+
+/// What tells a file, or a folder with all in it, from another one without reading all of it.
+struct Fingerprint {
+  std::string hash;    ///< XXH3, 128 bits, hexadecimal
+  uint64_t bytes = 0;  ///< size of all files
+};
+
+/// Of names, sizes and contents; of a file beyond 16 MiB 1 MiB at each of sixteen places. Throws
+/// InputError where a file cannot be read.
+Fingerprint fingerprint(const std::filesystem::path& path);
+
+}  // namespace adit
