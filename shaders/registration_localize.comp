@@ -21,8 +21,8 @@ const float kAgree = 0.94;   // cos 20 degrees, between the two normals
 const float kShare = 0.174;  // cos 80 degrees: a normal has a share in a direction
 const float kPlanar = 0.9;   // largest eigenvalue of the voxel's mean normal outer product
 // A direction is not held at all by less than this, or this part of the matches: what wrong normals
-// can make up in a smooth tunnel.
-const float kNone = 8.0;
+// can make up in a smooth tunnel, or rings on grass.
+const float kNone = 13.0;
 const float kNoneOf = 1e-3;
 // And it is held in full by this, but small clouds need no more than a part of their matches, and
 // large ones no less than another.
