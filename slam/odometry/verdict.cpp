@@ -27,9 +27,8 @@ constexpr double kUnheldShareInertial = 0.95;
 constexpr double kMoved = 0.3;          // m in a window: what is at rest needs no match
 constexpr double kMovedInertial = 1.0;  // m
 // What inertia carried is not in doubt where all of it together is known to this share of the whole
-// path, three sigma of which are 1 %, and biases had so long to show.
+// path, three sigma of which are 1 %.
 constexpr double kCarriedShare = 0.003;
-constexpr double kProven = 3.0;          // s
 constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
 constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
 // A prediction alone is good for so long.
@@ -47,7 +46,7 @@ bool is_vague(const ObservedDirection& direction, const Matrix6d& covariance) {
 }
 
 bool is_carried(const DoubtfulStretch& stretch) {
-  return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved && stretch.fused > kProven;
+  return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved;
 }
 
 }  // namespace
@@ -104,7 +103,6 @@ void RunAssessor::add(const SweepResult& result) {
     const Seen& before = recent_.back();
     seen.step = (seen.T_map_lidar.translation() - before.T_map_lidar.translation()).norm();
     path_ += seen.step;
-    seen.fused = seen.inertial ? before.fused + seconds(seen.stamp - before.stamp) : 0.0;
     alone_ = seen.aligned ? 0.0 : alone_ + seconds(seen.stamp - before.stamp);
   }
   ++count_;
@@ -185,12 +183,7 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
     stretch = &*same;
   } else {
     const Seen& begin = recent_[recent_.size() - sweeps];
-    stretches_.push_back({.cause = cause,
-                          .first = first,
-                          .last = first,
-                          .begin = begin.stamp,
-                          .inertial = true,
-                          .fused = begin.fused});
+    stretches_.push_back({.cause = cause, .first = first, .last = first, .begin = begin.stamp});
     begins_.push_back(pose_of(begin));
     stretch = &stretches_.back();
   }
@@ -202,7 +195,7 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
       const double step = index > first ? recent_[i].step : 0.0;
       stretch->distance += step;
       stretch->alone += recent_[i].inertial ? 0.0 : step;
-      stretch->inertial = stretch->inertial && recent_[i].inertial;
+      stretch->fused += recent_[i].inertial ? 1U : 0U;
     }
   }
   stretch->last = count_ - 1;

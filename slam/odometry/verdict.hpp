@@ -37,9 +37,8 @@ struct DoubtfulStretch {
   Nanoseconds begin{0};  ///< stamps of these two
   Nanoseconds end{0};
   double distance = 0.0;  ///< m, travelled in it by the estimate
-  bool inertial = false;  ///< an inertial sensor was fused in all of it
+  size_t fused = 0;       ///< sweeps of it in which an inertial sensor was fused
   double alone = 0.0;     ///< m, travelled in it without one
-  double fused = 0.0;     ///< s that one had been fused without a break when it began
   /// m, of the way since its first sweep, along what was held least: standard deviation, at most.
   double sigma = 0.0;
   /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
@@ -47,6 +46,9 @@ struct DoubtfulStretch {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   /// contradicted: the median of the squared innovations per degree of freedom; about 1 is right.
   double innovation = 0.0;
+
+  /// An inertial sensor was fused in most of it.
+  bool inertial() const { return 2 * fused > last - first + 1; }
 };
 
 /// What a run is worth: as much as its worst stretch.
@@ -73,7 +75,6 @@ class RunAssessor {
     bool aligned = false;
     bool unheld = false;
     bool inertial = false;
-    double fused = 0.0;  ///< s that an inertial sensor has been, without a break
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unheld, map frame
     double innovation = 0.0;  ///< squared, per degree of freedom; negative: none
   };

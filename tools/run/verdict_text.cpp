@@ -23,7 +23,7 @@ std::string cause_text(const DoubtfulStretch& stretch) {
       return (d.isZero() ? "it turned about what no match held"
                          : fmt::format("no match held it along ({:.2f}, {:.2f}, {:.2f}) of the map",
                                        d.x(), d.y(), d.z())) +
-             (stretch.inertial
+             (stretch.inertial()
                   ? fmt::format(", the IMU alone did, to {:.2f} m (one sigma); loops or GNSS would "
                                 "tell",
                                 stretch.sigma)
@@ -31,7 +31,7 @@ std::string cause_text(const DoubtfulStretch& stretch) {
                     "or use a sensor that sees farther");
     case DoubtCause::predicted:
       return std::string("no sweep could be aligned: ") +
-             (stretch.inertial ? "the IMU alone carried it" : "its last velocity carried it on") +
+             (stretch.inertial() ? "the IMU alone carried it" : "its last velocity carried it on") +
              "; `adit inspect` tells whether the recording is damaged there";
     case DoubtCause::contradicted:
       return fmt::format(
@@ -84,7 +84,7 @@ ordered_json to_json(const Verdict& verdict, Nanoseconds start) {
          {"first_sweep", stretch.first},
          {"last_sweep", stretch.last},
          {"distance_m", stretch.distance},
-         {"imu_fused", stretch.inertial},
+         {"imu_fused", stretch.inertial()},
          {"sigma_m", stretch.sigma},
          {"direction_map", d.isZero() ? ordered_json() : ordered_json{d.x(), d.y(), d.z()}},
          {"innovation_squared_per_degree",
