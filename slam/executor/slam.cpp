@@ -22,7 +22,8 @@ class OfflineSlam final : public Slam {
         odometry_(context, config),
         context_(&context),
         map_(options.map),
-        session_(options.session) {
+        session_(options.session),
+        submap_bytes_(options.submap_bytes) {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
@@ -118,7 +119,7 @@ class OfflineSlam final : public Slam {
     if (mapper_) {
       return;
     }
-    mapper_.emplace(*context_, odometry_.config(), *map_, session_);
+    mapper_.emplace(*context_, odometry_.config(), *map_, session_, submap_bytes_);
     for (const SweepResult& result : before_map_) {
       static_cast<void>(mapper_->add(Sweep{}, result, {}));
     }
@@ -144,6 +145,7 @@ class OfflineSlam final : public Slam {
   engine::Context* context_;
   MapStore* map_;
   SessionId session_;
+  uint64_t submap_bytes_;
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::optional<HighRateStream> high_rate_;

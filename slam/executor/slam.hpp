@@ -62,6 +62,7 @@ struct SlamOptions {
   /// Where a map is kept, and whose share of it this is; null: no map is made. Outlives the Slam.
   MapStore* map = nullptr;
   SessionId session = 0;
+  uint64_t submap_bytes = kSubmapBytes;  ///< of stored submaps that stay in memory
 };
 
 class Slam {

@@ -94,8 +94,9 @@ OptimizedGraph optimize_with_loops(PoseGraph graph) {
   return optimized;
 }
 
-LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store)
-    : store_(&store),
+LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
+                       uint64_t submap_bytes)
+    : submaps_(store, submap_bytes),
       search_(search_settings(config)),
       voting_{.lumps = kLumps},
       verifier_(context, config) {}
@@ -106,12 +107,12 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   const NodeId newest = graph.nodes().back().id;
   reaches_.push_back(reach_of(submap));
   const std::vector<LoopPlace> places = find_loop_places(graph, newest, reaches_, search_);
-  std::vector<KeyframeSubmap> submaps;
+  std::vector<std::shared_ptr<const KeyframeSubmap>> submaps;
   submaps.reserve(places.size());
   std::vector<LoopQuestion> questions;
   for (const LoopPlace& place : places) {
-    submaps.push_back(decode(store_->submap(place.node)));
-    questions.push_back({.from = &submaps.back(),
+    submaps.push_back(submaps_.get(place.node));
+    questions.push_back({.from = submaps.back().get(),
                          .T_from_to = place.T_node_newest,
                          .covariance = place.covariance});
   }

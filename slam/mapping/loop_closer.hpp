@@ -11,6 +11,7 @@
 #include "adit/slam/mapping/loop_voting.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/mapping/submap_cache.hpp"
 
 namespace adit {
 
@@ -42,8 +43,9 @@ struct PendingLoop {
 /// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
 class LoopCloser {
  public:
-  /// What the constructor is given must outlive it.
-  LoopCloser(engine::Context& context, const Config& config, const MapStore& store);
+  /// What the constructor is given must outlive it. Submaps of up to `submap_bytes` stay in memory.
+  LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
+             uint64_t submap_bytes);
 
   /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are
   /// held.
@@ -76,7 +78,7 @@ class LoopCloser {
   void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
 
-  const MapStore* store_;
+  SubmapCache submaps_;
   LoopSearchSettings search_;
   LoopVotingSettings voting_;
   LoopVerifier verifier_;

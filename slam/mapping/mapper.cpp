@@ -13,7 +13,8 @@
 
 namespace adit {
 
-Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session)
+Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
+               uint64_t submap_bytes)
     : context_(&context),
       config_(config),
       store_(&store),
@@ -23,7 +24,7 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       clouds_(context, config.preprocess),
       aligner_(context, submap_alignment_settings(config)) {
   if (config.mapping.loops) {
-    loops_.emplace(context, config, store);
+    loops_.emplace(context, config, store, submap_bytes);
   }
 }
 

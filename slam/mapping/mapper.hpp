@@ -44,8 +44,10 @@ struct MapReport {
 /// is really done makes no difference to any result.
 class Mapper {
  public:
-  /// What the constructor is given must outlive it; `config` must have passed validate().
-  Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session);
+  /// What the constructor is given must outlive it; `config` must have passed validate(). Stored
+  /// submaps of up to `submap_bytes` stay in memory.
+  Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
+         uint64_t submap_bytes = kSubmapBytes);
 
   /// The sweep belongs to a new keyframe, if its result says so, or else to the last one. `cloud`
   /// is its down-sampled cloud, lidar axes. What the store throws comes through.

@@ -144,6 +144,19 @@ TEST_F(RunContinue, FromAMapTakesItsRecordingAndSettings) {
             test::content(folder_ / "out/odometry.tum"));
 }
 
+TEST_F(RunContinue, TooLittleMemoryIsAUsageErrorAndEnoughIsReported) {
+  RunCommandOptions options = first_;
+  options.output = folder_ / "little";
+  options.max_ram_bytes = uint64_t{40} << 20U;
+  EXPECT_EQ(ran(options).code, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "little/summary.json"));
+  options.max_ram_bytes = uint64_t{1} << 40U;
+  EXPECT_EQ(ran(options).code, 0);
+  const nlohmann::json json = test::json_of(folder_ / "little/summary.json");
+  EXPECT_EQ(json.at("memory").at("max_ram_bytes"), uint64_t{1} << 40U);
+  EXPECT_GT(json.at("memory").at("resident_peak_bytes"), uint64_t{1} << 20U);
+}
+
 TEST_F(RunContinue, DifferencesAreNamed) {
   const EarlierRun earlier = earlier_run(map());
   MapSession now = earlier.session;

@@ -14,10 +14,13 @@
 #include <gtest/gtest.h>
 
 #include "adit/engine/error.hpp"
+#include "adit/slam/mapping/submap_cache.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/resident_memory.hpp"
 #include "adit/tools/support/stop_signal.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -71,7 +74,8 @@ class MapRecording : public testing::Test {
  protected:
   MappingResult map(const Recording& recording, SweepRange range,
                     const std::function<SweepResult(const Sweep&)>& place = test::placed,
-                    Arrivals arrivals = Arrivals::as_they_come) {
+                    Arrivals arrivals = Arrivals::as_they_come,
+                    const MemoryLimit* memory = nullptr) {
     RunOutputs outputs(folder_.path(), {});
     Progress progress(notes_, ProgressStyle::none, "mapping", range.count);
     PlacedAsTold slam(place, arrivals);
@@ -80,6 +84,7 @@ class MapRecording : public testing::Test {
                                           .range = range,
                                           .slam = slam,
                                           .stop = [] { return StopSignal::received() != 0; },
+                                          .memory = memory,
                                           .outputs = outputs,
                                           .statistics = statistics_,
                                           .progress = progress});
@@ -103,6 +108,47 @@ TEST_F(MapRecording, TakesEverySweepOfTheRangeInOrder) {
   EXPECT_EQ(result.reason, "");
   EXPECT_EQ(read, (std::vector<std::size_t>{3, 4, 5, 6}));
   EXPECT_EQ(written(), 4U);
+}
+
+TEST_F(MapRecording, EndsWhereMoreMemoryIsResidentThanMayBe) {
+  constexpr uint64_t kMebibyte = uint64_t{1} << 20U;
+  const MemoryLimit limit(resident_bytes() + 16 * kMebibyte, 0);
+  std::vector<char> taken;
+  test::MemoryRecording recording(10, [&](std::size_t index) {
+    if (index == 4) {
+      taken.resize(64 * kMebibyte, 'x');
+    }
+  });
+  const MappingResult result =
+      map(recording, {.first = 0, .count = 10}, test::placed, Arrivals::as_they_come, &limit);
+  EXPECT_EQ(result.end, RunEnd::memory_limit);
+  EXPECT_NE(result.reason.find("after 5 sweeps"), std::string::npos) << result.reason;
+  EXPECT_EQ(written(), 5U);
+  EXPECT_FALSE(taken.empty());
+}
+
+TEST_F(MapRecording, WithoutALimitOrFarBelowItNothingEnds) {
+  test::MemoryRecording recording(10, [](std::size_t) {});
+  for (const uint64_t most : {uint64_t{0}, uint64_t{1} << 50U}) {
+    const MemoryLimit limit(most, 0);
+    EXPECT_FALSE(limit.exceeded());
+    EXPECT_EQ(
+        map(recording, {.first = 0, .count = 10}, test::placed, Arrivals::as_they_come, &limit).end,
+        RunEnd::completed);
+    EXPECT_EQ(limit.submap_bytes(), kSubmapBytes);
+  }
+}
+
+TEST(MemoryLimit, LessThanIsNeededIsAUsageError) {
+  try {
+    const MemoryLimit limit(uint64_t{3} << 20U, uint64_t{100} << 20U);
+    FAIL() << "nothing runs in so little";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("100 MiB to work in"), std::string::npos);
+  }
+  const MemoryLimit limit(resident_bytes() + (uint64_t{120} << 20U), uint64_t{100} << 20U);
+  EXPECT_GT(limit.submap_bytes(), uint64_t{24} << 20U);
+  EXPECT_LT(limit.submap_bytes(), uint64_t{32} << 20U);
 }
 
 TEST_F(MapRecording, DamagedSweepEndsTheRunAndKeepsWhatCameBefore) {

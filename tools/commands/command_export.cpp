@@ -12,16 +12,18 @@
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/drawing/map_picture.hpp"
 #include "adit/tools/maps/dense_cloud.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/maps/tiled_cloud.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
-#include "adit/tools/results/map_thinning.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/memory_limit.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -93,25 +95,38 @@ std::size_t write_poses(const MapDatabase& map, const ExportCommandOptions& opti
   return poses.size();
 }
 
-/// Submap by submap: memory holds one of them, and with a resolution the voxels that are taken.
-template <class Writer>
-uint64_t write_cloud(const MapDatabase& map, const ExportCommandOptions& options) {
-  Writer writer(*options.output);
-  std::optional<MapThinning> thinning;
-  if (options.resolution) {
-    thinning.emplace(*options.resolution);
+// What an export needs besides the program: the voxels of a tile, a submap, a sweep.
+constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
+
+void require_within(const MemoryLimit& memory, const fs::path& output) {
+  if (memory.exceeded()) {
+    throw OutputError(output, output.string() + ": not completed: " + memory.text() +
+                                  ". Allow more, or choose a coarser --resolution.");
   }
-  std::vector<Point> points;
-  for (const MapKeyframe& keyframe : map.keyframes()) {
-    points.clear();
-    for (const SubmapPoint& point : load_submap(map, keyframe.id, options.map).points) {
-      const Eigen::Vector3d p = keyframe.T_map_keyframe * point.position();
-      if (!thinning || thinning->take(p)) {
-        const Eigen::Vector3f single = p.cast<float>();
-        points.push_back({.x = single.x(), .y = single.y(), .z = single.z()});
+}
+
+/// Submap by submap, or tile by tile: memory does not grow with the map.
+template <class Writer>
+uint64_t write_cloud(const MapDatabase& map, const ExportCommandOptions& options,
+                     const MemoryLimit& memory) {
+  Writer writer(*options.output);
+  if (options.resolution) {
+    visit_thinned_cloud(map, *options.resolution, memory.submap_bytes(),
+                        [&](std::span<const Point> points) {
+                          writer.write(points);
+                          require_within(memory, *options.output);
+                        });
+  } else {
+    std::vector<Point> points;
+    for (const MapKeyframe& keyframe : map.keyframes()) {
+      points.clear();
+      for (const SubmapPoint& point : load_submap(map, keyframe.id, options.map).points) {
+        const Eigen::Vector3f p = (keyframe.T_map_keyframe * point.position()).cast<float>();
+        points.push_back({.x = p.x(), .y = p.y(), .z = p.z()});
       }
+      writer.write(points);
+      require_within(memory, *options.output);
     }
-    writer.write(points);
   }
   writer.close();
   return writer.count();
@@ -138,7 +153,7 @@ struct DenseCloud {
 /// Sweep by sweep: memory holds one of them.
 template <class Writer>
 DenseCloud write_dense(const MapDatabase& map, const ExportCommandOptions& options,
-                       std::ostream& err) {
+                       const MemoryLimit& memory, std::ostream& err) {
   const std::vector<MapSession> sessions = map.sessions();
   if (sessions.size() != 1) {
     throw InputError(options.map, {}, "it holds " + std::to_string(sessions.size()) + " sessions",
@@ -168,6 +183,7 @@ DenseCloud write_dense(const MapDatabase& map, const ExportCommandOptions& optio
       writer->write(placed_points(sweep, *stretch));
       ++cloud.sweeps;
       progress.update(cloud.sweeps, 0);
+      require_within(memory, *options.output);
     } else {
       ++cloud.without_pose;
     }
@@ -193,23 +209,25 @@ std::string written(const DenseCloud& cloud) {
   return text;
 }
 
-constexpr double kPictureVoxel = 0.1;  // m, finer than the cells of most pictures
+// Voxels of a picture: finer than its cells, of which there are a few hundred a side.
+constexpr double kFinestOfPicture = 0.1;  // m
+constexpr double kVoxelsAPicture = 1000.0;
 
 /// The points of all submaps, thinned, with sweeps and loops over them. Returns the keyframes.
-std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& options) {
+std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& options,
+                          const MemoryLimit& memory) {
   std::vector<Point> points;
-  MapThinning thinning(kPictureVoxel);
   PictureGraph drawn;
   for (const MapKeyframe& keyframe : map.keyframes()) {
     drawn.keyframes.emplace_back(keyframe.T_map_keyframe.translation().head<2>());
-    for (const SubmapPoint& point : load_submap(map, keyframe.id, options.map).points) {
-      const Eigen::Vector3d p = keyframe.T_map_keyframe * point.position();
-      if (thinning.take(p)) {
-        const Eigen::Vector3f single = p.cast<float>();
-        points.push_back({.x = single.x(), .y = single.y(), .z = single.z()});
-      }
-    }
   }
+  const Eigen::AlignedBox3d extent = map.extent();
+  const double widest = extent.isEmpty() ? 0.0 : extent.sizes().head<2>().maxCoeff();
+  visit_thinned_cloud(map, std::max(kFinestOfPicture, widest / kVoxelsAPicture),
+                      memory.submap_bytes(), [&](std::span<const Point> tile) {
+                        points.insert(points.end(), tile.begin(), tile.end());
+                        require_within(memory, *options.output);
+                      });
   const PoseGraph graph = map.graph();
   const auto place = [&](NodeId id) -> Eigen::Vector2d {
     return graph.nodes()[graph.index_of(id)].T_map_node.translation().head<2>();
@@ -240,6 +258,7 @@ std::size_t write_dump(const MapDatabase& map, const fs::path& path) {
 
 int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
+  const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
   const MapDatabase map(options.map, MapAccess::read);
   std::string wrote;
   if (options.dump && !options.output) {
@@ -249,10 +268,11 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   if (options.dump) {
     wrote = fmt::format("{} lines", write_dump(map, *options.output));
   } else if (!options.dense.empty()) {
-    wrote = written(options.dense == "ply" ? write_dense<TimedPlyWriter>(map, options, err)
-                                           : write_dense<TimedPcdWriter>(map, options, err));
+    wrote =
+        written(options.dense == "ply" ? write_dense<TimedPlyWriter>(map, options, memory, err)
+                                       : write_dense<TimedPcdWriter>(map, options, memory, err));
   } else if (options.picture) {
-    wrote = fmt::format("{} keyframes", write_picture(map, options));
+    wrote = fmt::format("{} keyframes", write_picture(map, options, memory));
   } else if (!options.trajectory.empty()) {
     wrote = fmt::format("{} poses", write_poses(map, options));
   } else if (!options.graph.empty()) {
@@ -260,8 +280,8 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
     write_g2o(*options.output, graph);
     wrote = fmt::format("{} nodes, {} edges", graph.nodes().size(), graph.edges().size());
   } else {
-    const uint64_t points = options.cloud == "ply" ? write_cloud<PlyWriter>(map, options)
-                                                   : write_cloud<PcdWriter>(map, options);
+    const uint64_t points = options.cloud == "ply" ? write_cloud<PlyWriter>(map, options, memory)
+                                                   : write_cloud<PcdWriter>(map, options, memory);
     wrote = fmt::format("{} points", points);
   }
   out << "wrote  " << options.output->string() << " (" << wrote << ")\n";
@@ -309,6 +329,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       .value_name("REC");
   command.option("--resolution", options->resolution, "One point of the cloud a voxel of this (m)")
       .value_name("M");
+  add_max_ram_option(command, options->max_ram_bytes);
   command.flag("--picture", options->picture,
                "The map from above with its graph, path, scale and legend, as SVG");
   command.flag("--dump", options->dump,

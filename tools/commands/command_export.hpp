@@ -26,6 +26,7 @@ struct ExportCommandOptions {
   std::optional<double> resolution{};                ///< m, one point of the cloud a voxel
   bool picture = false;
   bool dump = false;
+  uint64_t max_ram_bytes = 0;  ///< that may be resident; 0: no limit
 };
 
 /// Returns the exit code: 0 done, 1 the map cannot be read or the file not written, 2 usage.

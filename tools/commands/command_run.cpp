@@ -15,10 +15,12 @@
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/wanted_run.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
+#include "adit/tools/run/memory_limit.hpp"
 #include "adit/tools/run/run_map.hpp"
 #include "adit/tools/run/run_map_page.hpp"
 #include "adit/tools/run/run_mapping.hpp"
@@ -27,6 +29,7 @@
 #include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/resident_memory.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -35,67 +38,6 @@ namespace {
 
 // A file name need not be UTF-8, JSON must be.
 constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
-
-void check_options(const RunCommandOptions& options) {
-  const MapOptions& map = options.map;
-  if (map.resolution && !(*map.resolution >= 1e-3 && *map.resolution <= 1e3)) {
-    throw UsageError("--map-resolution: must be between 0.001 and 1000 m.");
-  }
-  if (map.resolution && !map.enabled) {
-    throw UsageError("--map-resolution and --no-map exclude each other.");
-  }
-  const HighRateOptions& high_rate = options.high_rate;
-  if (!(high_rate.smoothing >= 0.0 && high_rate.smoothing <= 10.0)) {
-    throw UsageError("--high-rate-smoothing: must be between 0 and 10 s.");
-  }
-  if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
-    throw UsageError("--high-rate-smoothing needs --high-rate.");
-  }
-  if (options.start.value_or(0) < 0 || options.count.value_or(1) < 1) {
-    throw UsageError("--start must be at least 0, --count at least 1.");
-  }
-}
-
-/// The map that --continue goes on with.
-EarlierRun run_to_continue(const RunCommandOptions& options) {
-  const ConfigSource& config = options.config;
-  if (options.from || config.file || !config.preset.empty() || !config.overrides.empty() ||
-      config.metadata || options.topic || options.start || options.count) {
-    throw UsageError(
-        "--continue goes on with the settings and the sweeps that the map was begun with; leave "
-        "out what chooses others. --from MAP maps the recording of a map with other settings.");
-  }
-  const std::filesystem::path map = RunFiles(options.output).database;
-  std::error_code unknown;
-  if (!std::filesystem::exists(map, unknown)) {
-    throw UsageError("--continue: " + options.output.string() +
-                     " holds no map.adit to go on with. Leave it out to begin one.");
-  }
-  EarlierRun earlier = earlier_run(map);
-  if (earlier.progress.edited) {
-    throw InputError(map, {},
-                     "it was made by an older adit, or written to since its run (by adit loops, "
-                     "optimize or recover)",
-                     "To go on with it would undo that; map anew into another folder");
-  }
-  return earlier;
-}
-
-/// What a map says of its run, where the options do not say it.
-RunCommandOptions completed(RunCommandOptions options, const EarlierRun& earlier) {
-  if (options.recording.empty()) {
-    options.recording = earlier.recording;
-  }
-  options.config.kept = KeptConfig{.origin = earlier.map, .toml = earlier.session.configuration};
-  if (!options.topic) {
-    options.topic = earlier.topic;
-  }
-  if (!options.start && !options.count) {
-    options.start = earlier.first_sweep;
-    options.count = earlier.sweeps;
-  }
-  return options;
-}
 
 /// The sweeps to map, and where they come from.
 struct SweepChoice {
@@ -149,6 +91,10 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
   return config;
 }
 
+// What a run needs besides what is there before its first sweep: buffers of the device, the rolling
+// submap and two keyframes' submaps, for sweeps of up to some 130 000 points.
+constexpr uint64_t kWorkingBytes = uint64_t{192} << 20U;
+
 constexpr const char* kMountingIsAssumed =
     "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
     "(imu.T_imu_lidar; "
@@ -171,6 +117,7 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
           .device_requested = requested_device(options.device.device),
           .software_fallback = context.software_fallback(),
           .memory_budget_bytes = options.device.max_vram_bytes,
+          .max_ram_bytes = options.max_ram_bytes,
           .validation = options.device.validation,
           .continued = options.continues};
 }
@@ -267,22 +214,14 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
 
 int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   const StopSignal stop;  // from the start: opening a recording or a device takes a while
-  check_options(given);
-  std::optional<EarlierRun> continued;
-  RunCommandOptions options = given;
-  if (given.continues) {
-    continued = run_to_continue(given);
-    if (continued->progress.complete) {
-      err << "adit run: " << continued->map.string()
-          << " is complete, its recording was mapped to the end; there is nothing to go on with"
-          << std::endl;
-      return 0;
-    }
-    options = completed(given, *continued);
-  } else if (given.from) {
-    options = completed(given, earlier_run(*given.from));
-  } else if (given.recording.empty()) {
-    throw UsageError("RECORDING is missing: name a file or a folder to map.");
+  const WantedRun chosen = wanted_run(given);
+  const RunCommandOptions& options = chosen.options;
+  const std::optional<EarlierRun>& continued = chosen.continued;
+  if (continued && continued->progress.complete) {
+    err << "adit run: " << continued->map.string()
+        << " is complete, its recording was mapped to the end; there is nothing to go on with"
+        << std::endl;
+    return 0;
   }
   const bool replaces_a_run = check_output_folder(options.recording, options.output);
   const Config config = load_config(options.config);
@@ -307,7 +246,8 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     err << software_note(context.device()) << std::endl;
   }
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
-  SlamOptions wanted{.inertial = imu_topic.has_value()};
+  const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
+  SlamOptions wanted{.inertial = imu_topic.has_value(), .submap_bytes = memory.submap_bytes()};
 
   std::optional<RunMap> map;
   if (continued) {
@@ -357,6 +297,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
                                       .imu_topic = imu_topic,
                                       .slam = *slam,
                                       .stop = [] { return StopSignal::received() != 0; },
+                                      .memory = &memory,
                                       .outputs = outputs,
                                       .high_rate = high_rate ? &*high_rate : nullptr,
                                       .statistics = statistics,
@@ -370,6 +311,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     err << kMountingIsAssumed;
   }
   outcome.device_peak_bytes = context.memory_peak();
+  outcome.resident_peak_bytes = peak_resident_bytes();
   outcome.validation_messages = context.validation_messages();
 
   int code = judge(outcome, statistics, sweeps.range.count, err);
@@ -406,6 +348,15 @@ void add_device_options(Command command, DeviceOptions& device) {
                "Check every Vulkan call and barrier (slow); a complaint is a failure");
 }
 
+void add_max_ram_option(Command command, uint64_t& bytes) {
+  command
+      .option("--max-ram", bytes,
+              "Most memory to be resident, a software device's included, e.g. 1GiB; below what is "
+              "needed: exit 2")
+      .bytes()
+      .value_name("SIZE");
+}
+
 void add_run_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<RunCommandOptions>();
   const Command command = app.add_command("run", "Map a recording: trajectory, map and summary");
@@ -437,6 +388,7 @@ void add_run_command(Command app, std::function<void(int)> done) {
   add_config_options(command, options->config);
   add_metadata_option(command, options->config);
   add_device_options(command, options->device);
+  add_max_ram_option(command, options->max_ram_bytes);
   command.flag("--profile", options->stage_table, "Print a table of the time of every stage");
   command
       .option("--map-resolution", options->map.resolution,

@@ -32,6 +32,7 @@ struct RunCommandOptions {
   std::optional<int64_t> count{};      ///< none: to the end
   bool continues = false;              ///< the output's map is gone on with
   std::optional<std::filesystem::path> from{};  ///< a map whose recording and settings to take
+  uint64_t max_ram_bytes = 0;                   ///< that may be resident; 0: no limit
   bool strict = false;                          ///< anything but a reliable run is a failure
   bool strict_input = false;                    ///< the first damage ends the run
   bool json = false;                            ///< summary.json on `out` instead of the table
@@ -45,6 +46,9 @@ int run_command(const RunCommandOptions& options, std::ostream& out, std::ostrea
 
 /// Adds --device, --max-vram and --validation.
 void add_device_options(Command command, DeviceOptions& device);
+
+/// Adds --max-ram.
+void add_max_ram_option(Command command, uint64_t& bytes);
 
 /// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
 /// gets the exit code.

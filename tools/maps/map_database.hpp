@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/tools/containers/sqlite_database.hpp"
 #include "adit/tools/maps/writer_lock.hpp"
@@ -69,6 +71,9 @@ class MapDatabase final : public MapStore {
   std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override;
   std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                      const Eigen::Vector3d& upper) const override;
+
+  /// The box around all submaps, map frame, m; empty where there is none.
+  Eigen::AlignedBox3d extent() const;
 
   /// One row each; nothing where there is none of that number. Edges are counted from 1 here.
   std::optional<MapSession> session(SessionId id) const;

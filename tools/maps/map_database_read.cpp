@@ -262,6 +262,17 @@ std::vector<NodeId> MapDatabase::submaps_within(const Eigen::Vector3d& lower,
   return found;
 }
 
+Eigen::AlignedBox3d MapDatabase::extent() const {
+  SqliteStatement read = database_.prepare(
+      "SELECT count(*), min(min_x), min(min_y), min(min_z), max(max_x), max(max_y), max(max_z)"
+      " FROM places");
+  if (!read.step() || read.integer(0) == 0) {
+    return {};
+  }
+  return {Eigen::Vector3d(read.real(1), read.real(2), read.real(3)),
+          Eigen::Vector3d(read.real(4), read.real(5), read.real(6))};
+}
+
 std::vector<std::string> MapDatabase::check() const {
   std::vector<std::string> problems;
   const auto attempt = [&](const auto& action) {

@@ -12,7 +12,7 @@ namespace {
 
 /// What `read` gives, with the file's name where it is damaged.
 template <class Read>
-KeyframeSubmap named(const std::filesystem::path& file, NodeId keyframe, const Read& read) {
+auto named(const std::filesystem::path& file, NodeId keyframe, const Read& read) {
   try {
     return read();
   } catch (const SubmapDamaged& damage) {
@@ -37,6 +37,11 @@ std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesyst
 KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe,
                            const std::filesystem::path& file) {
   return named(file, keyframe, [&] { return decode(map.submap(keyframe)); });
+}
+
+std::shared_ptr<const KeyframeSubmap> load_submap(SubmapCache& cache, NodeId keyframe,
+                                                  const std::filesystem::path& file) {
+  return named(file, keyframe, [&] { return cache.get(keyframe); });
 }
 
 KeyframeSubmap load_sweeps(const MapStore& map, NodeId keyframe,

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/mapping/keyframe_submap.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/submap_cache.hpp"
 
 namespace adit {
 
@@ -15,8 +17,11 @@ namespace adit {
 /// InputError where a submap is damaged.
 std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file);
 
-/// A stored submap, and one without its points. Throw InputError where it is damaged.
+/// A stored submap, the same from a cache, and one without its points. Throw InputError where it is
+/// damaged.
 KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);
+std::shared_ptr<const KeyframeSubmap> load_submap(SubmapCache& cache, NodeId keyframe,
+                                                  const std::filesystem::path& file);
 KeyframeSubmap load_sweeps(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);
 
 }  // namespace adit

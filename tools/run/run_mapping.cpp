@@ -168,8 +168,15 @@ MappingResult map_events(const Mapping& mapping) {
       write_results(mapping, done);
       return {};
     }
+    const bool is_sweep = std::holds_alternative<Sweep>(event->value);
     add(mapping, std::move(*event), done);
     write_results(mapping, done);
+    if (is_sweep && mapping.memory != nullptr && mapping.memory->exceeded()) {
+      return {RunEnd::memory_limit, mapping.memory->text() + " after " +
+                                        std::to_string(done.sweeps) +
+                                        " sweeps. Allow more, or leave out what grows with the "
+                                        "map: --map-resolution"};
+    }
   }
   // Behind the last sweep that could be counted, a recording that was cut off says so.
   while (reaches_the_end(mapping) && !mapping.stop() && events->next()) {
@@ -191,6 +198,8 @@ std::string_view to_string(RunEnd end) {
       return "output_error";
     case RunEnd::device_error:
       return "device_error";
+    case RunEnd::memory_limit:
+      return "memory_limit";
   }
   return "unknown";
 }

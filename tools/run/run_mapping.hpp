@@ -16,6 +16,7 @@
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/memory_limit.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/support/progress.hpp"
 
@@ -28,6 +29,7 @@ enum class RunEnd {
   input_error,   ///< a sweep could not be read
   output_error,  ///< a result could not be written
   device_error,  ///< the device or its memory failed
+  memory_limit,  ///< more memory was needed than it was allowed
 };
 std::string_view to_string(RunEnd end);
 
@@ -50,7 +52,8 @@ struct Mapping {
   SweepRange range;
   std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
   Slam& slam;
-  std::function<bool()> stop;  ///< asked before each event is read
+  std::function<bool()> stop;           ///< asked before each event is read
+  const MemoryLimit* memory = nullptr;  ///< none: no limit
   RunOutputs& outputs;
   HighRateOutput* high_rate = nullptr;  ///< none: not asked for
   RunStatistics& statistics;

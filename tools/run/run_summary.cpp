@@ -150,6 +150,8 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                            const RunStatistics& statistics) {
   ordered_json json = describe_run(run, to_string(outcome.result.end), outcome.result.reason);
   json["device"]["memory_peak_bytes"] = outcome.device_peak_bytes;
+  json["memory"] = {{"max_ram_bytes", run.max_ram_bytes},
+                    {"resident_peak_bytes", outcome.resident_peak_bytes}};
   json["sweeps"] = describe_sweeps(statistics);
   json["sweeps"]["deskewed"] = statistics.deskewed();
   if (const auto start = statistics.first_stamp()) {

@@ -36,7 +36,8 @@ struct RunDescription {
   engine::DeviceInfo device;
   std::string device_requested;  ///< empty: nothing was asked for
   bool software_fallback = false;
-  uint64_t memory_budget_bytes = 0;  ///< 0: no limit
+  uint64_t memory_budget_bytes = 0;  ///< of the device; 0: no limit
+  uint64_t max_ram_bytes = 0;        ///< that may be resident; 0: no limit
   bool validation = false;
   bool continued = false;  ///< an earlier run's map is gone on with
 };
@@ -48,6 +49,7 @@ struct RunOutcome {
       0.0;  ///< s, mapping alone, from the first sweep's reading to the last one's writing
   uint64_t map_points = 0;
   uint64_t device_peak_bytes = 0;
+  uint64_t resident_peak_bytes = 0;             ///< of the process; 0: not told
   std::optional<HighRateStatistics> high_rate;  ///< none: not asked for
   std::vector<std::string> validation_messages;
 };

@@ -115,6 +115,9 @@ std::string stage_table(const RunStatistics& statistics) {
   return text;
 }
 
+double in_mebibytes(uint64_t bytes) {
+  return static_cast<double>(bytes) / (1024.0 * 1024.0);
+}
 }  // namespace
 
 std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
@@ -148,8 +151,12 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
-          fmt::format("; {:.1f} MiB at most\n",
-                      static_cast<double>(outcome.device_peak_bytes) / (1024.0 * 1024.0));
+          fmt::format("; {:.1f} MiB at most\n", in_mebibytes(outcome.device_peak_bytes));
+  text += fmt::format("memory   {:.0f} MiB resident at most",
+                      in_mebibytes(outcome.resident_peak_bytes));
+  text += run.max_ram_bytes == 0
+              ? "\n"
+              : fmt::format(" of {:.0f} MiB (--max-ram)\n", in_mebibytes(run.max_ram_bytes));
   text += "wrote    " + (outcome.result.map ? files.database.string() + "\n         " : "") +
           files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
           files.sweeps.string() + "\n";

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/wanted_run.hpp"
+
+#include <system_error>
+
+#include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+void check_options(const RunCommandOptions& options) {
+  const MapOptions& map = options.map;
+  if (map.resolution && !(*map.resolution >= 1e-3 && *map.resolution <= 1e3)) {
+    throw UsageError("--map-resolution: must be between 0.001 and 1000 m.");
+  }
+  if (map.resolution && !map.enabled) {
+    throw UsageError("--map-resolution and --no-map exclude each other.");
+  }
+  const HighRateOptions& high_rate = options.high_rate;
+  if (!(high_rate.smoothing >= 0.0 && high_rate.smoothing <= 10.0)) {
+    throw UsageError("--high-rate-smoothing: must be between 0 and 10 s.");
+  }
+  if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
+    throw UsageError("--high-rate-smoothing needs --high-rate.");
+  }
+  if (options.start.value_or(0) < 0 || options.count.value_or(1) < 1) {
+    throw UsageError("--start must be at least 0, --count at least 1.");
+  }
+}
+
+/// The map that --continue goes on with.
+EarlierRun run_to_continue(const RunCommandOptions& options) {
+  const ConfigSource& config = options.config;
+  if (options.from || config.file || !config.preset.empty() || !config.overrides.empty() ||
+      config.metadata || options.topic || options.start || options.count) {
+    throw UsageError(
+        "--continue goes on with the settings and the sweeps that the map was begun with; leave "
+        "out what chooses others. --from MAP maps the recording of a map with other settings.");
+  }
+  const std::filesystem::path map = RunFiles(options.output).database;
+  std::error_code unknown;
+  if (!std::filesystem::exists(map, unknown)) {
+    throw UsageError("--continue: " + options.output.string() +
+                     " holds no map.adit to go on with. Leave it out to begin one.");
+  }
+  EarlierRun earlier = earlier_run(map);
+  if (earlier.progress.edited) {
+    throw InputError(map, {},
+                     "it was made by an older adit, or written to since its run (by adit loops, "
+                     "optimize or recover)",
+                     "To go on with it would undo that; map anew into another folder");
+  }
+  return earlier;
+}
+
+/// What a map says of its run, where the options do not say it.
+RunCommandOptions completed(RunCommandOptions options, const EarlierRun& earlier) {
+  if (options.recording.empty()) {
+    options.recording = earlier.recording;
+  }
+  options.config.kept = KeptConfig{.origin = earlier.map, .toml = earlier.session.configuration};
+  if (!options.topic) {
+    options.topic = earlier.topic;
+  }
+  if (!options.start && !options.count) {
+    options.start = earlier.first_sweep;
+    options.count = earlier.sweeps;
+  }
+  return options;
+}
+
+}  // namespace
+
+WantedRun wanted_run(const RunCommandOptions& given) {
+  check_options(given);
+  if (given.continues) {
+    const EarlierRun earlier = run_to_continue(given);
+    return {.options = completed(given, earlier), .continued = earlier};
+  }
+  if (given.from) {
+    return {.options = completed(given, earlier_run(*given.from)), .continued = {}};
+  }
+  if (given.recording.empty()) {
+    throw UsageError("RECORDING is missing: name a file or a folder to map.");
+  }
+  return {.options = given, .continued = {}};
+}
+
+}  // namespace adit

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/run/earlier_run.hpp"
+
+namespace adit {
+
+/// What `adit run` is to do, once its options are put together with what a map tells of the run
+/// that made it.
+struct WantedRun {
+  RunCommandOptions options;
+  std::optional<EarlierRun> continued;  ///< whose map is gone on with
+};
+
+/// Throws UsageError where options do not fit together or a recording is missing, and InputError
+/// for a map that cannot be gone on with.
+WantedRun wanted_run(const RunCommandOptions& given);
+
+}  // namespace adit

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace adit {
+
+/// Holds a command to an amount of memory that is resident (--max-ram). On software devices that is
+/// the device's memory, too.
+class MemoryLimit {
+ public:
+  /// Made when what does not grow is there: program, device, recording. `most_bytes` 0: no limit.
+  /// Throws UsageError where less than `working_bytes` would be left.
+  MemoryLimit(uint64_t most_bytes, uint64_t working_bytes);
+
+  /// What submaps in memory may take of it.
+  uint64_t submap_bytes() const;
+  /// More is resident than may be, also after what is free was given back to the system.
+  bool exceeded() const;
+  /// "--max-ram 300 MiB: ... are resident", for people.
+  std::string text() const;
+
+ private:
+  uint64_t most_;
+  uint64_t at_start_;
+};
+
+}  // namespace adit
