@@ -233,6 +233,7 @@ TEST(Program, DemoMapsEvaluatesAndSaysWhereToLook) {
   const Answer answer = call({"demo", "-o", out.c_str(), "--duration", "3"});
   ASSERT_EQ(answer.code, 0) << answer.err;
   EXPECT_NE(answer.out.find("bound 0.03 m: good"), std::string::npos) << answer.out;
+  EXPECT_NE(answer.out.find("no place was seen twice"), std::string::npos) << answer.out;
   for (const char* file :
        {"trajectory.tum", "map.ply", "summary.json", "mine.mcap", "mine.truth.tum", "map.svg",
         "evaluation.svg", "mine.scene.png", "evaluation.html"}) {

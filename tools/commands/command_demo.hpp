@@ -19,7 +19,7 @@ inline constexpr double kDemoErrorBound = 0.03;
 
 struct DemoCommandOptions {
   std::filesystem::path output = "adit-demo";
-  double duration = 30.0;  ///< s of the simulated recording
+  double duration = 64.0;  ///< s of the simulated recording
   DeviceOptions device;
   bool quiet = false;  ///< errors alone
 };
