@@ -75,21 +75,14 @@ void check_before(const SimulationFiles& files, const DemoCommandOptions& option
   }
 }
 
-/// What is made of the final map: a picture with its graph, and its points.
-void export_map(const fs::path& folder, std::ostream& err) {
-  std::ostringstream said;
+void draw_map(const fs::path& folder, std::ostream& err) {
   ExportCommandOptions picture;
   picture.map = RunFiles(folder).database;
   picture.output = folder / "map.svg";
   picture.picture = true;
-  ExportCommandOptions cloud;
-  cloud.map = picture.map;
-  cloud.output = RunFiles(folder).map;
-  cloud.cloud = "ply";
-  for (const ExportCommandOptions& wanted : {picture, cloud}) {
-    if (export_command(wanted, said, err) != 0) {
-      throw OutputError(*wanted.output, wanted.output->string() + ": see above.");
-    }
+  std::ostringstream said;
+  if (export_command(picture, said, err) != 0) {
+    throw OutputError(*picture.output, picture.output->string() + ": see above.");
   }
 }
 
@@ -148,7 +141,6 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
   run.output = options.output;
   run.device = options.device;
   run.quiet = options.quiet;
-  run.map.enabled = false;  // that of the final map is written afterwards
   run.config.overrides = {"mapping.enabled=true", "mapping.loops=true"};
   const int code = run_command(run, out, err);
   if (code != 0) {
@@ -159,7 +151,7 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
       evaluate(read_trajectory(RunFiles(options.output).odometry), truth, {});
   const RunEvaluation found = evaluate_run(options.output, &truth, {});
   const Evaluation& map = found.truth->evaluation;
-  export_map(options.output, err);
+  draw_map(options.output, err);
   write_text_file(options.output / "evaluation.svg", plot_evaluation(map, "adit demo"));
   write_page(found, options.output / "evaluation.html");
   const bool good = map.ate.rmse <= kDemoErrorBound;

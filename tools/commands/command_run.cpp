@@ -152,7 +152,7 @@ RunOutcome map_and_close(const Mapping& mapping, RunMap* map, const RunDescripti
       mapping.high_rate->close();
     }
     if (outcome.result.map) {
-      map->write_trajectory();
+      map->write_final(mapping.outputs.map_parts());
       if (outcome.result.end == RunEnd::completed) {
         map->set_complete();
       }

@@ -134,6 +134,8 @@ void RunOutputs::write_map(const SweepResult& keyframe) {
   }
   map_->write(points_);
   map_->flush();
+  map_parts_.push_back(
+      {.stamp = keyframe.stamp, .T_map_lidar = keyframe.T_map_lidar, .points = points_.size()});
 }
 
 void RunOutputs::close() {

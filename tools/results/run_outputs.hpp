@@ -16,6 +16,7 @@
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/results/map_thinning.hpp"
 #include "adit/tools/results/page_cloud.hpp"
+#include "adit/tools/results/placed_cloud.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 
@@ -67,6 +68,8 @@ class RunOutputs {
   /// Keyframes' clouds, thinned, for a page; empty without a map.
   const PageCloud& page_cloud() const { return page_cloud_; }
   uint64_t map_points() const { return map_ ? map_->count() : 0; }
+  /// What map.ply is made of, with the poses of the odometry; empty without one.
+  const std::vector<CloudPart>& map_parts() const { return map_parts_; }
 
  private:
   void write_map(const SweepResult& keyframe);
@@ -78,6 +81,7 @@ class RunOutputs {
   std::optional<SweepTableWriter> sweeps_;
   std::optional<PlyWriter> map_;
   std::optional<MapThinning> thinning_;
+  std::vector<CloudPart> map_parts_;
   PageCloud page_cloud_;
   uint32_t poses_ = 0;         ///< written
   std::vector<Point> points_;  ///< points of the current keyframe, map frame

@@ -52,7 +52,7 @@ RunMap::RunMap(const RunDescription& run, const EarlierRun& earlier)
   continued_.emplace(database_, session_);
 }
 
-void RunMap::write_trajectory() const {
+void RunMap::write_final(std::span<const CloudPart> parts) const {
   std::error_code error;
   fs::copy_file(files_.tum, files_.online, fs::copy_options::overwrite_existing, error);
   if (error) {
@@ -62,6 +62,9 @@ void RunMap::write_trajectory() const {
   const std::vector<StampedPose> poses = map_trajectory(database_, files_.database);
   replace_trajectory(files_.tum, TrajectoryFormat::tum, poses);
   replace_trajectory(files_.kitti, TrajectoryFormat::kitti, poses);
+  if (!parts.empty()) {
+    place_again(files_.map, parts, poses);
+  }
 }
 
 }  // namespace adit

@@ -6,9 +6,11 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "adit/tools/maps/continued_map.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/results/placed_cloud.hpp"
 #include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/run/run_summary.hpp"
 
@@ -32,8 +34,9 @@ class RunMap {
   /// The recording was mapped to its end: there is nothing left to go on with.
   void set_complete() { database_.set_complete(session_); }
   /// trajectory.tum and trajectory.kitti of the final map, in place of what was known as the run
-  /// went on, which online.tum keeps. Throws OutputError.
-  void write_trajectory() const;
+  /// went on, which online.tum keeps; and the parts of map.ply where the final map has them. Throws
+  /// OutputError.
+  void write_final(std::span<const CloudPart> parts) const;
 
  private:
   RunFiles files_;
