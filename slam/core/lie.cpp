@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 
 namespace adit {
@@ -161,6 +162,11 @@ Matrix6d adjoint(const Eigen::Isometry3d& pose) {
   result.topRightCorner<3, 3>() = skew(pose.translation()) * pose.linear();
   result.bottomRightCorner<3, 3>() = pose.linear();
   return result;
+}
+
+Matrix6d symmetric_inverse(const Matrix6d& matrix) {
+  const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
+  return 0.5 * (inverse + inverse.transpose());
 }
 
 Eigen::Isometry3d pose_of(const std::array<double, 7>& numbers) {

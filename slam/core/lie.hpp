@@ -47,6 +47,10 @@ Eigen::Isometry3d retract(const Eigen::Isometry3d& pose, const Vector6d& xi);
 /// Adjoint for [rho, phi]: T Exp(xi) T^-1 = Exp(Ad(T) xi).
 Matrix6d adjoint(const Eigen::Isometry3d& pose);
 
+/// Of a symmetric positive definite matrix, symmetric to the last bit: a covariance of an
+/// information matrix, and the other way round.
+Matrix6d symmetric_inverse(const Matrix6d& matrix);
+
 /// The pose that is written x y z qx qy qz qw; the quaternion is normalised.
 Eigen::Isometry3d pose_of(const std::array<double, 7>& numbers);
 /// The numbers that pose_of() reads.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/keyframe_edge.hpp"
 
-#include <Eigen/Cholesky>
+#include "adit/slam/core/lie.hpp"
 
 namespace adit {
 namespace {
@@ -17,11 +17,6 @@ constexpr double kAlike = 25.0;
 // Nothing is known better than this.
 constexpr double kLeastSigmaTranslation = 1e-3;  // m
 constexpr double kLeastSigmaRotation = 1e-4;     // rad
-
-Matrix6d symmetric_inverse(const Matrix6d& matrix) {
-  const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
-  return 0.5 * (inverse + inverse.transpose());
-}
 
 Matrix6d information_of(Matrix6d covariance) {
   covariance.diagonal().head<3>().array() += kLeastSigmaTranslation * kLeastSigmaTranslation;

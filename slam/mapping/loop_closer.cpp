@@ -21,7 +21,6 @@ constexpr double kLumps = 4.0;
 constexpr RobustLoss kOdometryKernel{.kernel = Kernel::pseudo_huber, .width = 1.0};
 constexpr NodeId kQueue = 5;        // keyframes
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
-constexpr double kFirstRms = 0.05;  // m, before there is any
 
 LoopSearchSettings search_settings(const Config& config) {
   return {.lumps = kLumps,
@@ -45,16 +44,11 @@ double reach_of(const KeyframeSubmap& submap) {
   return ranges.empty() ? 0.0 : median(std::move(ranges));
 }
 
-Matrix6d information_of(const Matrix6d& covariance) {
-  const Matrix6d inverse = covariance.inverse();
-  return 0.5 * (inverse + inverse.transpose());
-}
-
 PoseEdge edge_of(const LoopHypothesis& loop) {
   return {.from = loop.from,
           .to = loop.to,
           .T_from_to = loop.T_from_to,
-          .information = information_of(loop.covariance),
+          .information = symmetric_inverse(loop.covariance),
           .kind = EdgeKind::loop};
 }
 

@@ -34,6 +34,9 @@ OptimizedGraph optimize_with_loops(PoseGraph graph);
 /// are taken back.
 inline constexpr double kLoopReview = 22.5;
 
+/// What alignments of submaps are expected to leave, where none has shown it yet: rms, m.
+inline constexpr double kFirstRms = 0.05;
+
 /// A candidate on its way to a verdict.
 struct PendingLoop {
   LoopHypothesis loop;

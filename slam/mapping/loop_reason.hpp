@@ -23,8 +23,9 @@ enum class LoopReason {
   few_votes,           ///< figure: later keyframes that agree
   review,              ///< did not fit any more after an optimisation; figure: chi squared
   by_hand,             ///< somebody has revoked it
+  added_by_hand,       ///< no reason against it: somebody has added it
 };
-inline constexpr std::size_t kLoopReasons = static_cast<std::size_t>(LoopReason::by_hand) + 1;
+inline constexpr std::size_t kLoopReasons = static_cast<std::size_t>(LoopReason::added_by_hand) + 1;
 /// The enumerator's name.
 std::string_view to_string(LoopReason reason);
 

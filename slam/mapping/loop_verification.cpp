@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <optional>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "adit/slam/core/lie.hpp"
 #include "adit/slam/mapping/free_space.hpp"
 #include "adit/slam/mapping/submap_alignment.hpp"
 #include "adit/slam/registration/competing_poses.hpp"
@@ -49,11 +49,6 @@ bool all_held(const RegistrationResult& result) {
   return result.status == RegistrationStatus::converged &&
          std::ranges::all_of(result.translation, full) &&
          std::ranges::all_of(result.rotation, full);
-}
-
-Matrix6d symmetric_inverse(const Matrix6d& matrix) {
-  const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
-  return 0.5 * (inverse + inverse.transpose());
 }
 
 void refuse(LoopVerification& verdict, LoopReason reason, double figure) {
@@ -122,6 +117,8 @@ std::string_view to_string(LoopReason reason) {
       return "review";
     case LoopReason::by_hand:
       return "by_hand";
+    case LoopReason::added_by_hand:
+      return "added_by_hand";
   }
   return "unknown";
 }

@@ -94,8 +94,9 @@ class MapStore {
   virtual void store(const KeyframeRecord& record) = 0;
   /// As a whole or not at all.
   virtual void revise(const MapRevision& revision) = 0;
-  /// What follows ends the map; a run that goes on with it later takes that back first.
-  virtual void begin_end() = 0;
+  /// What follows ends the map, whose last sweep has that stamp; a run that goes on with it later
+  /// takes that back first.
+  virtual void begin_end(Nanoseconds last_sweep) = 0;
 
   virtual std::vector<MapSession> sessions() const = 0;
   virtual std::vector<MapKeyframe> keyframes() const = 0;

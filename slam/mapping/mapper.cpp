@@ -47,15 +47,15 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                 .T_odom_lidar = result.T_map_lidar,
                 .cloud = believed ? cloud : std::span<const Point>(),
                 .gravity_odom = result.inertial.gravity_map});
+  last_sweep_ = result.stamp;
   ++report_.sweeps;
   return {.keyframe = open_->id, .T_map_lidar = T_map_odom_ * result.T_map_lidar};
 }
 
 void Mapper::finish() {
-  store_->begin_end();
+  store_->begin_end(last_sweep_);
   if (open_) {
     freeze();
-    open_.reset();
   }
   take_effect(std::numeric_limits<NodeId>::max());
   if (loops_) {
@@ -66,26 +66,28 @@ void Mapper::finish() {
   report_.components = connected_components(graph_).components.size();
 }
 
+// Whatever fails on the way, it is open no more: its sweeps have left the builder.
 void Mapper::freeze() {
   const auto start = std::chrono::steady_clock::now();
+  const Open open = *std::exchange(open_, std::nullopt);
   const FrozenSubmap frozen = builder_.freeze(beam_spacing_);
   const KeyframeSubmap& submap = frozen.submap;
   const Eigen::Isometry3d T_map_keyframe = T_map_odom_ * frozen.T_odom_keyframe;
   const Eigen::Isometry3d& T_keyframe_lidar = submap.sweeps.front().T_keyframe_lidar;
-  store_->store({.keyframe = {.id = open_->id,
+  store_->store({.keyframe = {.id = open.id,
                               .session = session_,
                               .stamp = submap.sweeps.front().stamp,
                               .T_map_keyframe = T_map_keyframe,
-                              .covariance = in_keyframe_axes(open_->lidar.uncertainty.in_map(),
+                              .covariance = in_keyframe_axes(open.lidar.uncertainty.in_map(),
                                                              T_keyframe_lidar)},
                  .submap = encode(submap)});
-  graph_.add_node({.id = open_->id, .T_map_node = T_map_keyframe});
+  graph_.add_node({.id = open.id, .T_map_node = T_map_keyframe});
   T_odom_keyframes_.push_back(frozen.T_odom_keyframe);
 
   const SurfaceCloud cloud = make_surface_cloud(*context_, submap);
-  if (last_ && !open_->detached) {
+  if (last_ && !open.detached) {
     due_.push_back(
-        {.at = open_->id + config_.mapping.delay, .edge = tie(*last_, *open_, frozen, cloud)});
+        {.at = open.id + config_.mapping.delay, .edge = tie(*last_, open, frozen, cloud)});
   }
   if (loops_) {
     std::vector<PendingLoop> found = loops_->find(known_graph(), submap, cloud);
@@ -94,8 +96,8 @@ void Mapper::freeze() {
     }
   }
   const bool has_points = cloud.size > 0;
-  last_.emplace(Frozen{.id = open_->id,
-                       .lidar = open_->lidar,
+  last_.emplace(Frozen{.id = open.id,
+                       .lidar = open.lidar,
                        .T_odom_keyframe = frozen.T_odom_keyframe,
                        .target = has_points
                                      ? clouds_.make_target(cloud, aligner_.settings().method,
@@ -105,7 +107,7 @@ void Mapper::freeze() {
   ++report_.keyframes;
   report_.points += submap.points.size();
   report_.lost_points += frozen.lost_points;
-  take_effect(open_->id);
+  take_effect(open.id);
   report_.keyframe_ms.push_back(
       std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
 }

@@ -104,6 +104,7 @@ class Mapper {
   std::deque<Due> due_;
   std::optional<LoopCloser> loops_;
   NodeId next_ = 0;
+  Nanoseconds last_sweep_{0};  ///< its stamp
   MapReport report_;
 };
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 
@@ -14,9 +15,24 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::dump_of;
-using test::record;
 
 constexpr NodeId kKeyframes = 6;
+
+/// A keyframe of so many sweeps, a second each ten of them.
+KeyframeRecord record(NodeId id, SessionId session, int sweeps = 10) {
+  KeyframeRecord record = test::record(id, session);
+  KeyframeSubmap submap;
+  submap.r_submap = 0.25;
+  for (int i = 0; i < sweeps; ++i) {
+    submap.sweeps.push_back({.stamp = Nanoseconds(1000 * id + 100 * i), .merged = true});
+  }
+  for (int32_t i = 0; i < 50; ++i) {
+    submap.points.push_back({.place = {i, static_cast<int32_t>(id), 7}});
+  }
+  record.keyframe.stamp = submap.sweeps.front().stamp;
+  record.submap = encode(submap);
+  return record;
+}
 
 /// What a run does to its map: keyframes with their edges, then candidates, an edge that is taken
 /// back, and an end that moves all poses and adds a last keyframe.
@@ -30,9 +46,9 @@ void run_up_to(MapStore& store, SessionId session, NodeId keyframes) {
   }
 }
 
-void end_run(MapStore& store, SessionId session, NodeId keyframes) {
-  store.begin_end();
-  store.store(record(keyframes, session));
+void end_run(MapStore& store, SessionId session, NodeId keyframes, int sweeps = 10) {
+  store.begin_end(Nanoseconds(1000 * keyframes + 100 * (sweeps - 1)));
+  store.store(record(keyframes, session, sweeps));
   LoopCandidate judged;
   judged.id = 1;
   judged.verdict = CandidateVerdict::rejected;
@@ -58,14 +74,14 @@ class ContinuedMapTest : public testing::Test {
   }
 
   /// A map whose run has stored so many keyframes, and has ended by itself or was killed.
-  fs::path begun(NodeId keyframes, bool ended) {
+  fs::path begun(NodeId keyframes, bool ended, int sweeps = 4) {
     fs::path file = folder_ / ("begun" + std::to_string(keyframes) + (ended ? "e" : "") + ".adit");
     MapDatabase map(file, MapAccess::write);
     const SessionId session = test::add_session(map);
     map.begin_run(session);
     run_up_to(map, session, keyframes);
     if (ended) {
-      end_run(map, session, keyframes);
+      end_run(map, session, keyframes, sweeps);
     }
     return file;
   }
@@ -107,6 +123,52 @@ TEST_F(ContinuedMapTest, StaysAsItIsWhereTheSecondRunEndsBeforeTheFirstDid) {
   }
 }
 
+// Steps are coarser than sweeps: all steps may have come again, and not all sweeps.
+TEST_F(ContinuedMapTest, AnEndStaysUntilItsLastSweepHasComeAgain) {
+  for (const NodeId stored : {0, 3}) {
+    const fs::path file = begun(stored, true, 7);
+    {
+      MapDatabase map(file, MapAccess::write);
+      const std::string before = dump_of(map);
+      ContinuedMap continued(map, 1);
+      run_up_to(continued, 1, stored);
+      ASSERT_TRUE(continued.caught_up());
+      end_run(continued, 1, stored, 6);  // a sweep less than the first run
+      EXPECT_EQ(dump_of(map), before) << stored;
+    }
+    MapDatabase map(file, MapAccess::write);
+    ContinuedMap continued(map, 1);
+    run_up_to(continued, 1, stored);
+    end_run(continued, 1, stored, 8);
+    const std::vector<MapKeyframe> keyframes = map.keyframes();
+    ASSERT_EQ(keyframes.size(), static_cast<std::size_t>(stored) + 1);
+    EXPECT_EQ(decode(map.submap(stored)).sweeps.size(), 8U);
+    EXPECT_TRUE(map.check().empty());
+  }
+}
+
+TEST_F(ContinuedMapTest, AnEndIsTakenBackTogetherWithTheFirstNewStep) {
+  MapDatabase map(begun(3, true), MapAccess::write);
+  const std::string before = dump_of(map);
+  ContinuedMap continued(map, 1);
+  run_up_to(continued, 1, 3);
+  EXPECT_THROW(continued.store(record(2, 1)), FileError) << "there is a keyframe of that number";
+  EXPECT_EQ(dump_of(map), before);
+  EXPECT_TRUE(map.progress(1).ending);
+}
+
+TEST_F(ContinuedMapTest, WhatIsRefusedLastLeavesTheMapToo) {
+  MapDatabase map(begun(4, true), MapAccess::write);
+  const std::string before = dump_of(map);
+  ContinuedMap continued(map, 1);
+  run_up_to(continued, 1, 3);
+  KeyframeRecord other = record(3, 1);
+  other.keyframe.stamp += Nanoseconds(1);
+  EXPECT_THROW(continued.store(other), InputError);
+  end_run(continued, 1, 4);
+  EXPECT_EQ(dump_of(map), before);
+}
+
 TEST_F(ContinuedMapTest, RefusesWhatTheFirstRunHasNotMade) {
   MapDatabase map(begun(4, true), MapAccess::write);
   const std::string before = dump_of(map);
@@ -122,7 +184,7 @@ TEST_F(ContinuedMapTest, RefusesWhatTheFirstRunHasNotMade) {
   };
   EXPECT_FALSE(refused(record(1, 1)));
   KeyframeRecord other = record(1, 1);
-  other.submap.chunks[2][77] ^= std::byte{1};
+  other.submap.chunks.back().back() ^= std::byte{1};
   EXPECT_TRUE(refused(other));
   other = record(1, 1);
   other.keyframe.stamp += Nanoseconds(1);

@@ -196,6 +196,18 @@ TEST(MapDatabase, SaysWhatAFileIsThatIsNoMap) {
             std::string::npos);
 }
 
+TEST(MapDatabase, AFileWhoseRunWasStoppedBeforeItHadBegunIsToldAndCanBeBegun) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  { SqliteDatabase(file, SqliteDatabase::Mode::update).execute("PRAGMA journal_mode = WAL"); }
+  EXPECT_NE(
+      error_of([&] { MapDatabase map(file, MapAccess::read); }).find("stopped before it had begun"),
+      std::string::npos);
+  MapDatabase map(file, MapAccess::write);
+  EXPECT_EQ(test::add_session(map), 1);
+  EXPECT_TRUE(map.check().empty());
+}
+
 TEST(MapDatabase, RefusesANewerSchemaAndLeavesItAsItIs) {
   const test::TemporaryFolder folder;
   const fs::path file = folder / "map.adit";

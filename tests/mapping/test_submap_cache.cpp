@@ -115,9 +115,27 @@ TEST_F(SubmapsInMemory, ACloudInTilesIsThatOfTheWholeMap) {
   }
 }
 
+TEST_F(SubmapsInMemory, PlacesThatCannotBeAreToldAtOnce) {
+  const SqliteDatabase raw(folder_ / "map.adit", SqliteDatabase::Mode::update);
+  const auto visit = [&] { visit_thinned_cloud(map_, 0.1, size_, [](std::span<const Point>) {}); };
+  raw.execute("UPDATE places SET max_x = 1e30 WHERE keyframe = 3");
+  EXPECT_THROW(visit(), InputError);
+  raw.execute("DELETE FROM places WHERE keyframe = 3");
+  EXPECT_THROW(visit(), InputError);
+}
+
+// A keyframe far away costs no more than one nearby.
+TEST_F(SubmapsInMemory, NothingIsAskedOfTheRoomBetweenFarPlaces) {
+  map_.revise({.poses = {{.id = 7, .T_map_node = test::step(5e6, -7e6)}}});
+  std::size_t points = 0;
+  visit_thinned_cloud(map_, 0.5, size_,
+                      [&](std::span<const Point> tile) { points += tile.size(); });
+  EXPECT_GT(points, 10'000U);
+}
+
 TEST_F(SubmapsInMemory, AnEmptyMapHasNoTiles) {
   const MapDatabase empty(folder_ / "empty.adit", MapAccess::write);
-  EXPECT_TRUE(empty.extent().isEmpty());
+  EXPECT_TRUE(empty.boxes().empty());
   visit_thinned_cloud(empty, 0.1, 1000, [](std::span<const Point>) { FAIL(); });
 }
 

@@ -75,7 +75,7 @@ TEST(Program, UnknownOptionNamesTheNearestEvenWhereSomethingElseIsMissing) {
 }
 
 TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
-  expect_usage_error({"run"}, "recording is required");
+  expect_usage_error({"run"}, "--output is required");
   expect_usage_error({"run", "drive"}, "--output is required");
   expect_usage_error({"config", "--set", "submap.l=4", "submap.l=5"}, "not expected: submap.l=5");
   expect_usage_error({"run", "drive", "-o", "out", "--start", "-1"}, "--start must be at least 0");

@@ -89,6 +89,30 @@ TEST_F(RunContinue, ARunThatWasStoppedEndsAsOneThatWasNot) {
   EXPECT_TRUE(test::json_of(folder_ / "out/summary.json").at("continued"));
 }
 
+// From the comparison up to the exit code: nothing of it may end the process.
+TEST_F(RunContinue, AMapThatTheRunDoesNotMakeIsToldAndStays) {
+  make_incomplete();
+  {
+    const SqliteDatabase raw(map(), SqliteDatabase::Mode::update);
+    raw.execute("UPDATE keyframes SET stamp_ns = stamp_ns + 1 WHERE id = 1");
+  }
+  const std::string before = dump_of(map());
+  const Ran again = ran(continuing());
+  EXPECT_EQ(again.code, 1);
+  EXPECT_NE(again.err.find("keyframe 1: it is not what this run makes"), std::string::npos)
+      << again.err;
+  EXPECT_EQ(dump_of(map()), before);
+  EXPECT_EQ(test::json_of(folder_ / "out/summary.json").at("status"), "input_error");
+}
+
+TEST_F(RunContinue, TheMapShowsThatTheFolderIsARunsWhereTheSummaryIsGone) {
+  make_incomplete();
+  fs::remove(folder_ / "out/summary.json");
+  const Ran again = ran(continuing());
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_TRUE(earlier_run(map()).progress.complete);
+}
+
 TEST_F(RunContinue, AnotherRecordingIsRefusedAndTheMapStays) {
   make_incomplete();
   const std::string before = dump_of(map());

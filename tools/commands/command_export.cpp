@@ -221,7 +221,10 @@ std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& op
   for (const MapKeyframe& keyframe : map.keyframes()) {
     drawn.keyframes.emplace_back(keyframe.T_map_keyframe.translation().head<2>());
   }
-  const Eigen::AlignedBox3d extent = map.extent();
+  Eigen::AlignedBox3d extent;
+  for (const auto& [id, box] : map.boxes()) {
+    extent.extend(box);
+  }
   const double widest = extent.isEmpty() ? 0.0 : extent.sizes().head<2>().maxCoeff();
   visit_thinned_cloud(map, std::max(kFinestOfPicture, widest / kVoxelsAPicture),
                       memory.submap_bytes(), [&](std::span<const Point> tile) {

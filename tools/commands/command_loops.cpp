@@ -12,11 +12,16 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
+#include "adit/slam/mapping/loop_by_hand.hpp"
 #include "adit/slam/mapping/loop_closer.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/run/config_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -25,7 +30,7 @@ namespace {
 /// What a change by hand has done to the map.
 struct Changed {
   int64_t id = 0;
-  EdgeStatus status = EdgeStatus::active;
+  std::string what;  ///< revoked, restored, added
   double cost_before = 0.0;
   double cost_after = 0.0;
   double moved = 0.0;  ///< m, that keyframe which moved most
@@ -84,10 +89,30 @@ std::vector<LoopCandidate> with_residuals(std::vector<LoopCandidate> candidates,
   return candidates;
 }
 
+/// How far an optimisation moves the keyframe that it moves most, m.
+double farthest_moved(const PoseGraph& graph, const std::vector<Eigen::Isometry3d>& poses) {
+  double moved = 0.0;
+  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
+    moved = std::max(moved,
+                     (poses[i].translation() - graph.nodes()[i].T_map_node.translation()).norm());
+  }
+  return moved;
+}
+
+OptimizedGraph optimized_or_throw(const PoseGraph& graph, const std::filesystem::path& map) {
+  OptimizedGraph optimized = optimize_with_loops(graph);
+  if (optimized.report.termination == Termination::failed) {
+    throw InputError(map, {}, "its graph could not be optimised: " + optimized.report.message,
+                     "Nothing was changed");
+  }
+  return optimized;
+}
+
 Changed change(const LoopsCommandOptions& options) {
   const bool revoke = options.revoke.has_value();
+  const EdgeStatus status = revoke ? EdgeStatus::revoked : EdgeStatus::active;
   Changed changed{.id = revoke ? *options.revoke : options.restore.value_or(0),
-                  .status = revoke ? EdgeStatus::revoked : EdgeStatus::active};
+                  .what = revoke ? "revoked" : "restored"};
   MapDatabase map(options.map, MapAccess::write);
   std::vector<LoopCandidate> candidates = map.candidates();
   LoopCandidate& candidate =
@@ -98,24 +123,125 @@ Changed change(const LoopsCommandOptions& options) {
 
   PoseGraph graph = map.graph();
   const std::size_t edge = edge_of(graph, candidate, options.map);
-  graph.set_status(edge, changed.status);
-  const OptimizedGraph optimized = optimize_with_loops(graph);
-  if (optimized.report.termination == Termination::failed) {
-    throw InputError(options.map, {},
-                     "its graph could not be optimised: " + optimized.report.message,
-                     "Nothing was changed");
-  }
+  graph.set_status(edge, status);
+  const OptimizedGraph optimized = optimized_or_throw(graph, options.map);
   changed.cost_before = optimized.report.cost_before;
   changed.cost_after = optimized.report.cost_after;
-  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
-    changed.moved = std::max(
-        changed.moved,
-        (optimized.poses[i].translation() - graph.nodes()[i].T_map_node.translation()).norm());
-  }
+  changed.moved = farthest_moved(graph, optimized.poses);
   const std::vector<LoopCandidate> records =
       with_residuals(candidates, graph, optimized.report, options.map);
   graph.set_poses(optimized.poses);
-  map.revise({.candidates = records, .statuses = {{edge, changed.status}}, .poses = graph.nodes()});
+  map.revise({.candidates = records, .statuses = {{edge, status}}, .poses = graph.nodes()});
+  return changed;
+}
+
+MapKeyframe keyframe_of(const MapDatabase& map, int64_t id) {
+  const std::optional<MapKeyframe> keyframe = map.keyframe(id);
+  if (!keyframe) {
+    throw UsageError("--add: the map has no keyframe " + std::to_string(id) +
+                     ". `adit export MAP --trajectory csv` lists those it has.");
+  }
+  return *keyframe;
+}
+
+/// The two keyframes, the earlier one first, and how they lie.
+LoopByHand loop_to_add(const MapDatabase& map, const LoopsCommandOptions& options) {
+  LoopByHand loop{.from = options.add[0], .to = options.add[1]};
+  static_cast<void>(keyframe_of(map, loop.from));
+  static_cast<void>(keyframe_of(map, loop.to));
+  if (loop.from == loop.to) {
+    throw UsageError("--add: a loop leads from one keyframe to another one.");
+  }
+  if (!options.guess.empty()) {
+    Eigen::Isometry3d guess(
+        Eigen::AngleAxisd(options.guess[3] / kDegreesPerRadian, Eigen::Vector3d::UnitZ()));
+    guess.translation() = Eigen::Vector3d(options.guess[0], options.guess[1], options.guess[2]);
+    loop.guess = guess;
+  }
+  if (loop.from > loop.to) {
+    std::swap(loop.from, loop.to);
+    loop.guess = loop.guess ? std::optional(loop.guess->inverse()) : std::nullopt;
+  }
+  const std::vector<LoopCandidate> candidates = map.candidates();
+  const auto known = std::ranges::find_if(candidates, [&](const LoopCandidate& candidate) {
+    return candidate.from == loop.from && candidate.to == loop.to &&
+           (candidate.verdict == CandidateVerdict::accepted ||
+            candidate.verdict == CandidateVerdict::revoked);
+  });
+  if (known != candidates.end()) {
+    throw UsageError("--add: loop " + std::to_string(known->id) + " is between the two, and " +
+                     name_of(known->verdict) + ".");
+  }
+  return loop;
+}
+
+[[noreturn]] void refuse_to_add(const LoopsCommandOptions& options, const std::string& reason) {
+  throw InputError(options.map, {}, "there is no loop as it was said: " + reason,
+                   "Nothing was changed. docs/theory/loops.md says what the reasons mean; --guess "
+                   "X Y Z YAW tells how the second keyframe lies, seen from the first");
+}
+
+LoopVerification verified(const MapDatabase& map, const LoopByHand& loop,
+                          const LoopsCommandOptions& options) {
+  const std::optional<MapSession> session = map.session(keyframe_of(map, loop.from).session);
+  const Config config = session ? parse_config(session->configuration, options.map) : Config{};
+  DeviceSession device(options.device);
+  try {
+    return verify_by_hand(device.context(), config, map, loop);
+  } catch (const NoGuess& none) {
+    throw UsageError("--add: " + std::string(none.what()) + "; --guess X Y Z YAW is needed.");
+  } catch (const SubmapDamaged& damage) {
+    throw InputError(options.map, {}, "a submap is damaged: " + std::string(damage.what()),
+                     "`adit check` says which");
+  }
+}
+
+Changed add(const LoopsCommandOptions& options) {
+  MapDatabase map(options.map, MapAccess::write);
+  const LoopByHand loop = loop_to_add(map, options);
+  const LoopVerification verdict = verified(map, loop, options);
+  if (verdict.reason != LoopReason::none) {
+    refuse_to_add(options,
+                  std::string(to_string(verdict.reason)) + fmt::format(" {:.3g}", verdict.figure));
+  }
+  PoseGraph graph = map.graph();
+  const PoseEdge edge{.from = loop.from,
+                      .to = loop.to,
+                      .T_from_to = verdict.T_from_to,
+                      .information = symmetric_inverse(verdict.covariance),
+                      .kind = EdgeKind::loop};
+  graph.add_edge(edge);
+  const OptimizedGraph optimized = optimized_or_throw(graph, options.map);
+  const std::optional<EdgeResult>& residual = optimized.report.edges.back();
+  if (!residual || residual->chi2 > kLoopReview) {
+    refuse_to_add(options, "it contradicts the rest of the graph, chi squared " +
+                               fmt::format("{:.3g}", residual ? residual->chi2 : 0.0));
+  }
+  std::vector<LoopCandidate> candidates = map.candidates();
+  int64_t id = 1;
+  for (const LoopCandidate& candidate : candidates) {
+    id = std::max(id, candidate.id + 1);
+  }
+  candidates.push_back({.id = id,
+                        .from = loop.from,
+                        .to = loop.to,
+                        .T_from_to = verdict.T_from_to,
+                        .overlap = verdict.overlap,
+                        .verdict = CandidateVerdict::accepted,
+                        .reason = std::string(to_string(LoopReason::added_by_hand)),
+                        .rms = verdict.rms,
+                        .correction = verdict.correction,
+                        .turn = verdict.turn,
+                        .through = verdict.through});
+  const Changed changed{.id = id,
+                        .what = "added",
+                        .cost_before = optimized.report.cost_before,
+                        .cost_after = optimized.report.cost_after,
+                        .moved = farthest_moved(graph, optimized.poses)};
+  const std::vector<LoopCandidate> records =
+      with_residuals(candidates, graph, optimized.report, options.map);
+  graph.set_poses(optimized.poses);
+  map.revise({.edges = {edge}, .candidates = records, .poses = graph.nodes()});
   return changed;
 }
 
@@ -130,10 +256,9 @@ std::string text_of(const LoopsCommandOptions& options,
                     const std::optional<Changed>& changed) {
   std::string text;
   if (changed) {
-    text +=
-        fmt::format("{}   loop {}; cost {:.6g}, now {:.6g}; keyframes moved by up to {:.3f} m\n",
-                    changed->status == EdgeStatus::revoked ? "revoked" : "restored", changed->id,
-                    changed->cost_before, changed->cost_after, changed->moved);
+    text += fmt::format(
+        "{}   loop {}; cost {:.6g}, now {:.6g}; keyframes moved by up to {:.3f} m\n", changed->what,
+        changed->id, changed->cost_before, changed->cost_after, changed->moved);
   }
   if (candidates.empty()) {
     return text + options.map.string() +
@@ -156,7 +281,8 @@ std::string json_of(const LoopsCommandOptions& options,
   nlohmann::ordered_json json = {{"map", options.map.string()}};
   if (changed) {
     json["changed"] = {{"id", changed->id},
-                       {"status", changed->status == EdgeStatus::revoked ? "revoked" : "active"},
+                       {"status", changed->what == "revoked" ? "revoked" : "active"},
+                       {"what", changed->what},
                        {"cost_before", changed->cost_before},
                        {"cost_after", changed->cost_after},
                        {"moved_m", changed->moved}};
@@ -181,14 +307,20 @@ std::string json_of(const LoopsCommandOptions& options,
 }
 
 int run(const LoopsCommandOptions& options, std::ostream& out) {
-  if (options.revoke && options.restore) {
-    throw UsageError("--revoke and --restore exclude each other.");
+  const bool adds = !options.add.empty();
+  if (static_cast<int>(options.revoke.has_value()) + static_cast<int>(options.restore.has_value()) +
+          static_cast<int>(adds) >
+      1) {
+    throw UsageError("--revoke, --restore and --add exclude each other.");
+  }
+  if (!options.guess.empty() && !adds) {
+    throw UsageError("--guess needs --add.");
   }
   std::optional<Changed> changed;
-  if (options.revoke || options.restore) {
+  if (options.revoke || options.restore || adds) {
     // A writer would make the file where there is none.
     static_cast<void>(MapDatabase(options.map, MapAccess::read));
-    changed = change(options);
+    changed = adds ? add(options) : change(options);
   }
   const std::vector<LoopCandidate> candidates =
       MapDatabase(options.map, MapAccess::read).candidates();
@@ -204,21 +336,33 @@ int loops_command(const LoopsCommandOptions& options, std::ostream& out, std::os
 }
 
 void add_loops_command(Command app, std::function<void(int)> done) {
-  const Command command =
-      app.add_command("loops", "List the loops of a map with verdicts and reasons; revoke one");
+  const Command command = app.add_command(
+      "loops", "List the loops of a map with verdicts and reasons; revoke, add one");
   const auto options = std::make_shared<LoopsCommandOptions>();
   command.footer(
       "MAP is what `adit run` leaves as OUT/map.adit; loops are looked for with mapping.loops.\n"
       "--revoke takes an accepted loop back and optimises the map without it, --restore undoes "
-      "that.\n\n"
+      "that.\n--add verifies a loop between two keyframes on the device as a run does, and lets it "
+      "in if "
+      "it holds.\n\n"
       "Examples:\n"
       "  adit loops out/map.adit\n"
       "  adit loops out/map.adit --revoke 17\n"
+      "  adit loops out/map.adit --add 3 118 --guess 1.5 0 0 170\n"
       "  adit loops out/map.adit --json\n\n"
       "Exit codes: 0 done, 1 no map that can be read or written, 2 usage, or no such loop.");
   command.option("map", options->map, "The map").required().value_name("MAP");
   command.option("--revoke", options->revoke, "Take an accepted loop back").value_name("ID");
   command.option("--restore", options->restore, "Let it in again").value_name("ID");
+  command.option("--add", options->add, "Let a loop between these keyframes in, if there is one")
+      .values(2, 2)
+      .value_name("A B");
+  command
+      .option("--guess", options->guess,
+              "How B lies, seen from A: metres and degrees; else as the map has it")
+      .values(4, 4)
+      .value_name("X Y Z YAW");
+  add_device_options(command, options->device);
   command.flag("--json", options->json, "Print JSON instead of text");
   command.action(
       [options, done = std::move(done)] { done(loops_command(*options, std::cout, std::cerr)); });

@@ -9,6 +9,9 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
+#include <vector>
+
+#include "adit/tools/run/device_session.hpp"
 
 namespace adit {
 
@@ -18,12 +21,15 @@ struct LoopsCommandOptions {
   std::filesystem::path map{};
   std::optional<int64_t> revoke{};   ///< an accepted loop that is to be taken back
   std::optional<int64_t> restore{};  ///< one that was
+  std::vector<int64_t> add{};        ///< two keyframes between which there is a loop, or nothing
+  std::vector<double> guess{};       ///< how they lie: x, y, z (m), yaw (degrees), or nothing
+  DeviceOptions device{};            ///< that verifies it
   bool json = false;
 };
 
-/// Lists the candidates of a map; revokes or restores one of them first, and optimises the map
-/// anew. Returns the exit code: 0 done, 1 the file is no map that can be read or written, 2 no such
-/// loop.
+/// Lists the candidates of a map; revokes or restores one of them first, or adds one, and optimises
+/// the map anew. Returns the exit code: 0 done, 1 the file is no map that can be read or written,
+/// or what was to be added is none, 2 no such loop or keyframe.
 int loops_command(const LoopsCommandOptions& options, std::ostream& out, std::ostream& err);
 
 /// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`

@@ -28,6 +28,8 @@
 #include "adit/tools/run/run_summary.hpp"
 #include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/resident_memory.hpp"
 #include "adit/tools/support/stop_signal.hpp"
@@ -125,16 +127,11 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
 /// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
 /// then it is written over the old one, whose space it fits into as a rule.
 void replace_text_file(const std::filesystem::path& file, const std::string& text) {
-  const std::filesystem::path draft = file.string() + ".part";
-  std::error_code error;
   try {
-    write_text_file(draft, text);
-    std::filesystem::rename(draft, file, error);
+    Draft draft(file);
+    write_text_file(draft.path(), text);
+    draft.take_its_place();
   } catch (const OutputError&) {
-    error = std::make_error_code(std::errc::no_space_on_device);
-  }
-  if (error) {
-    std::filesystem::remove(draft, error);
     write_text_file(file, text);
   }
 }
@@ -153,17 +150,16 @@ RunOutcome map_and_close(const Mapping& mapping, RunMap* map, const RunDescripti
     }
     if (outcome.result.map) {
       map->write_final(mapping.outputs.map_parts());
-      if (outcome.result.end == RunEnd::completed) {
-        map->set_complete();
-      }
     }
     if (mapping.statistics.sweeps() > 0) {
       write_map_page(RunFiles(run.output), mapping.outputs.page_cloud(),
                      run.recording.filename().string());
     }
-  } catch (const OutputError& error) {
+  } catch (const FileError& error) {
     if (outcome.result.end == RunEnd::completed) {
-      outcome.result = {RunEnd::output_error, error.what()};
+      const bool input = dynamic_cast<const InputError*>(&error) != nullptr;
+      outcome.result.end = input ? RunEnd::input_error : RunEnd::output_error;
+      outcome.result.reason = error.what();
     }
   }
   outcome.map_points = mapping.outputs.map_points();
@@ -212,18 +208,35 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_
   return outcome.validation_messages.empty() ? 0 : 1;
 }
 
+/// What is known of a run that has nothing left to do: as if it had ended now.
+int tell_of_complete_run(const EarlierRun& run, const RunCommandOptions& options, std::ostream& out,
+                         std::ostream& err) {
+  if (!options.quiet) {
+    err << "adit run: " << run.map.string()
+        << " is complete, its recording was mapped to the end; there is nothing to go on with"
+        << std::endl;
+  }
+  const std::string summary = read_text_file(RunFiles(options.output).summary);
+  if (options.json) {
+    out << summary << std::flush;
+  }
+  const auto json = nlohmann::json::parse(summary, nullptr, false);
+  const std::string state =
+      json.is_object() ? json.value(nlohmann::json::json_pointer("/verdict/state"), "") : "";
+  return options.strict && state != to_string(Trust::reliable) ? 1 : 0;
+}
+
 int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   const StopSignal stop;  // from the start: opening a recording or a device takes a while
   const WantedRun chosen = wanted_run(given);
   const RunCommandOptions& options = chosen.options;
   const std::optional<EarlierRun>& continued = chosen.continued;
   if (continued && continued->progress.complete) {
-    err << "adit run: " << continued->map.string()
-        << " is complete, its recording was mapped to the end; there is nothing to go on with"
-        << std::endl;
-    return 0;
+    return tell_of_complete_run(*continued, given, out, err);
   }
-  const bool replaces_a_run = check_output_folder(options.recording, options.output);
+  // A map that is gone on with shows that the folder is a run's.
+  const bool replaces_a_run =
+      continued.has_value() || check_output_folder(options.recording, options.output);
   const Config config = load_config(options.config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
   const SweepChoice sweeps = choose_sweeps(
@@ -249,9 +262,13 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
   SlamOptions wanted{.inertial = imu_topic.has_value(), .submap_bytes = memory.submap_bytes()};
 
+  std::optional<MapSession> origin;
+  if (config.mapping.enabled) {
+    origin = session_of(description);
+  }
   std::optional<RunMap> map;
   if (continued) {
-    map.emplace(description, *continued);
+    map.emplace(description, *origin, *continued);
     if (!options.quiet) {
       err << "note: what " << continued->map.string()
           << " holds is done again and compared; from where it ends it grows\n";
@@ -267,7 +284,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   }
   if (config.mapping.enabled) {
     if (!map) {
-      map.emplace(description);
+      map.emplace(description, *origin);
     }
     wanted.map = &map->store();
     wanted.session = map->session();
@@ -324,6 +341,9 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end
+  if (map && outcome.result.map && outcome.result.end == RunEnd::completed) {
+    map->set_complete();  // last of all: there is nothing left to go on with
+  }
   if (options.json) {
     out << summary << std::flush;
   } else if (!options.quiet && statistics.sweeps() > 0) {

@@ -46,7 +46,7 @@ EarlierRun run_to_continue(const RunCommandOptions& options) {
                      " holds no map.adit to go on with. Leave it out to begin one.");
   }
   EarlierRun earlier = earlier_run(map);
-  if (earlier.progress.edited) {
+  if (!earlier.progress.complete && earlier.progress.edited) {
     throw InputError(map, {},
                      "it was made by an older adit, or written to since its run (by adit loops, "
                      "optimize or recover)",
@@ -55,19 +55,42 @@ EarlierRun run_to_continue(const RunCommandOptions& options) {
   return earlier;
 }
 
-/// What a map says of its run, where the options do not say it.
-RunCommandOptions completed(RunCommandOptions options, const EarlierRun& earlier) {
-  if (options.recording.empty()) {
-    options.recording = earlier.recording;
+/// The recording that the map says it is of, unless another one is named.
+std::filesystem::path recording_of(const RunCommandOptions& options, const EarlierRun& earlier) {
+  if (!options.recording.empty()) {
+    return options.recording;
   }
+  std::error_code unknown;
+  if (!std::filesystem::exists(earlier.recording, unknown)) {
+    throw InputError(earlier.map, {},
+                     "its recording " + earlier.recording.string() + " is not there",
+                     "Name it: adit run RECORDING ...");
+  }
+  return earlier.recording;
+}
+
+/// As the earlier run was.
+RunCommandOptions continuing(RunCommandOptions options, const EarlierRun& earlier) {
+  options.recording = recording_of(options, earlier);
   options.config.kept = KeptConfig{.origin = earlier.map, .toml = earlier.session.configuration};
-  if (!options.topic) {
-    options.topic = earlier.topic;
+  options.topic = earlier.topic;
+  options.start = earlier.first_sweep;
+  options.count = earlier.sweeps;
+  return options;
+}
+
+/// With the settings of the map, and of its recording the same sweeps, where nothing else is said.
+RunCommandOptions repeating(RunCommandOptions options, const EarlierRun& earlier) {
+  Config config = parse_config(earlier.session.configuration, earlier.map);
+  if (options.recording.empty()) {
+    config.recording.sweep_topic = earlier.topic;
+    if (!options.start && !options.count) {
+      options.start = earlier.first_sweep;
+      options.count = earlier.sweeps;
+    }
   }
-  if (!options.start && !options.count) {
-    options.start = earlier.first_sweep;
-    options.count = earlier.sweeps;
-  }
+  options.recording = recording_of(options, earlier);
+  options.config.kept = KeptConfig{.origin = earlier.map, .toml = to_toml(config)};
   return options;
 }
 
@@ -77,10 +100,11 @@ WantedRun wanted_run(const RunCommandOptions& given) {
   check_options(given);
   if (given.continues) {
     const EarlierRun earlier = run_to_continue(given);
-    return {.options = completed(given, earlier), .continued = earlier};
+    return {.options = earlier.progress.complete ? given : continuing(given, earlier),
+            .continued = earlier};
   }
   if (given.from) {
-    return {.options = completed(given, earlier_run(*given.from)), .continued = {}};
+    return {.options = repeating(given, earlier_run(*given.from)), .continued = {}};
   }
   if (given.recording.empty()) {
     throw UsageError("RECORDING is missing: name a file or a folder to map.");

@@ -22,7 +22,7 @@ class ContinuedMap final : public MapStore {
   /// Throws InputError where it is not what the earlier run has stored.
   void store(const KeyframeRecord& record) override;
   void revise(const MapRevision& revision) override;
-  void begin_end() override;
+  void begin_end(Nanoseconds last_sweep) override;
 
   /// The run has come to where the earlier one stopped.
   bool caught_up() const { return replayed_ == stored_; }
@@ -43,14 +43,15 @@ class ContinuedMap final : public MapStore {
 
  private:
   bool skips();
-  void compare(const KeyframeRecord& record) const;
+  bool is_stored(const KeyframeRecord& record) const;
 
   MapDatabase* map_;
   SessionId session_;
   int64_t stored_;
   int64_t replayed_ = 0;
-  bool stopped_early_ = false;  ///< the run has ended before it came to where the earlier one was
-  bool begun_ = false;          ///< what the earlier run's end changed is taken back
+  /// The last sweep that the earlier run's end has stored, where it came to an end.
+  std::optional<Nanoseconds> last_stored_;
+  bool stays_ = false;  ///< whatever comes, the map stays as it is
 };
 
 }  // namespace adit

@@ -104,7 +104,17 @@ SqliteDatabase open_map(const fs::path& file, MapAccess access) {
                                    : SqliteDatabase(file, SqliteDatabase::Mode::update);
 }
 
+/// A file that nothing was stored in: its writer was killed before.
+bool is_blank(const SqliteDatabase& database) {
+  SqliteStatement tables = database.prepare("SELECT count(*) FROM sqlite_schema");
+  return pragma(database, "application_id") == 0 && tables.step() && tables.integer(0) == 0;
+}
+
 void require_map(const SqliteDatabase& database, const fs::path& file) {
+  if (is_blank(database)) {
+    throw InputError(file, {}, "it holds nothing: its run was stopped before it had begun",
+                     "Start the run again");
+  }
   if (pragma(database, "application_id") != kApplication) {
     throw InputError(file, {}, "it is an SQLite database but no map",
                      "Name a map that `adit run` has made");
@@ -129,7 +139,7 @@ MapDatabase::MapDatabase(const fs::path& file, MapAccess access, int64_t max_pag
     if (max_pages > 0) {
       database_.execute("PRAGMA max_page_count = " + std::to_string(max_pages));
     }
-    if (pragma(database_, "application_id") == 0 && pragma(database_, "page_count") == 0) {
+    if (is_blank(database_)) {
       create_tables();
     }
     require_map(database_, file);
@@ -195,6 +205,7 @@ SessionId MapDatabase::add_session(const MapSession& session) {
 void MapDatabase::store(const KeyframeRecord& record) {
   const MapKeyframe& keyframe = record.keyframe;
   SqliteTransaction transaction(database_);
+  prepare_step();
   database_.prepare("INSERT INTO keyframes VALUES(?, ?, ?, ?, ?, ?)")
       .bind(1, keyframe.id)
       .bind(2, keyframe.session)
@@ -229,10 +240,12 @@ void MapDatabase::store(const KeyframeRecord& record) {
   }
   count_step();
   transaction.commit();
+  takes_back_ = begins_end_ = false;
 }
 
 void MapDatabase::revise(const MapRevision& revision) {
   SqliteTransaction transaction(database_);
+  prepare_step();
   for (const PoseEdge& edge : revision.edges) {
     insert(edge);
   }
@@ -256,6 +269,7 @@ void MapDatabase::revise(const MapRevision& revision) {
   }
   count_step();
   transaction.commit();
+  takes_back_ = begins_end_ = false;
 }
 
 void MapDatabase::insert(const PoseEdge& edge) {

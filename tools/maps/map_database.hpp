@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,13 +53,15 @@ class MapDatabase final : public MapStore {
   SessionId add_session(const MapSession& session) override;
   void store(const KeyframeRecord& record) override;
   void revise(const MapRevision& revision) override;
-  void begin_end() override;
+  /// In the transaction of the next step.
+  void begin_end(Nanoseconds last_sweep) override;
 
   /// What is written from now on belongs to the run of that session, and counts as its steps. What
   /// is written without a run is an edit of the map.
   void begin_run(SessionId session) { run_ = session; }
-  /// The map is as it was before begin_end(); nothing where that was not called.
-  void take_end_back(SessionId session);
+  /// With the next step of its run the map is, but for that, as it was before begin_end(), if that
+  /// was ever called.
+  void take_end_back() { takes_back_ = true; }
   void set_complete(SessionId session);
   SessionProgress progress(SessionId session) const;
   const std::filesystem::path& file() const { return database_.path(); }
@@ -72,8 +75,8 @@ class MapDatabase final : public MapStore {
   std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                      const Eigen::Vector3d& upper) const override;
 
-  /// The box around all submaps, map frame, m; empty where there is none.
-  Eigen::AlignedBox3d extent() const;
+  /// The boxes around submaps, map frame, m, as the index of places has them.
+  std::map<NodeId, Eigen::AlignedBox3d> boxes() const;
 
   /// One row each; nothing where there is none of that number. Edges are counted from 1 here.
   std::optional<MapSession> session(SessionId id) const;
@@ -93,6 +96,7 @@ class MapDatabase final : public MapStore {
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
+  void prepare_step();
   void count_step();
   std::vector<PoseEdge> edges() const;
   MapSession session_at(const SqliteStatement& row) const;
@@ -103,6 +107,8 @@ class MapDatabase final : public MapStore {
   std::optional<WriterLock> lock_;
   SqliteDatabase database_;
   std::optional<SessionId> run_;
+  bool takes_back_ = false;  ///< with the next step
+  bool begins_end_ = false;
 };
 
 }  // namespace adit

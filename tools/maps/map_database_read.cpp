@@ -262,15 +262,16 @@ std::vector<NodeId> MapDatabase::submaps_within(const Eigen::Vector3d& lower,
   return found;
 }
 
-Eigen::AlignedBox3d MapDatabase::extent() const {
-  SqliteStatement read = database_.prepare(
-      "SELECT count(*), min(min_x), min(min_y), min(min_z), max(max_x), max(max_y), max(max_z)"
-      " FROM places");
-  if (!read.step() || read.integer(0) == 0) {
-    return {};
+std::map<NodeId, Eigen::AlignedBox3d> MapDatabase::boxes() const {
+  std::map<NodeId, Eigen::AlignedBox3d> boxes;
+  SqliteStatement rows =
+      database_.prepare("SELECT keyframe, min_x, min_y, min_z, max_x, max_y, max_z FROM places");
+  while (rows.step()) {
+    boxes.emplace(rows.integer(0),
+                  Eigen::AlignedBox3d(Eigen::Vector3d(rows.real(1), rows.real(2), rows.real(3)),
+                                      Eigen::Vector3d(rows.real(4), rows.real(5), rows.real(6))));
   }
-  return {Eigen::Vector3d(read.real(1), read.real(2), read.real(3)),
-          Eigen::Vector3d(read.real(4), read.real(5), read.real(6))};
+  return boxes;
 }
 
 std::vector<std::string> MapDatabase::check() const {

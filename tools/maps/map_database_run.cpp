@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What a map knows of the run that fills it: how far it has come, and what its end has changed.
-#include <set>
-
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_records.hpp"
 
@@ -49,29 +47,26 @@ void MapDatabase::count_step() {
   }
 }
 
-void MapDatabase::begin_end() {
-  if (!run_) {
-    return;
-  }
-  SqliteTransaction transaction(database_);
-  database_.execute(kRememberAll);
-  database_.prepare("UPDATE sessions SET ending = 1 WHERE id = ?").bind(1, *run_).step();
-  transaction.commit();
+// Of a map that nobody runs, what is written is no end.
+void MapDatabase::begin_end(Nanoseconds) {
+  begins_end_ = run_.has_value();
 }
 
-void MapDatabase::take_end_back(SessionId session) {
-  if (!progress(session).ending) {
-    return;
+// In the transaction of the step itself, so that no end is lost before there is more than it had.
+void MapDatabase::prepare_step() {
+  if (takes_back_ && run_ && progress(*run_).ending) {
+    database_.execute(kTakeBack);
+    for (const MapKeyframe& keyframe : keyframes()) {
+      place(keyframe.id, keyframe.T_map_keyframe);
+    }
+    database_.prepare("UPDATE sessions SET ending = 0, complete = 0 WHERE id = ?")
+        .bind(1, *run_)
+        .step();
   }
-  SqliteTransaction transaction(database_);
-  database_.execute(kTakeBack);
-  for (const MapKeyframe& keyframe : keyframes()) {
-    place(keyframe.id, keyframe.T_map_keyframe);
+  if (begins_end_) {
+    database_.execute(kRememberAll);
+    database_.prepare("UPDATE sessions SET ending = 1 WHERE id = ?").bind(1, *run_).step();
   }
-  database_.prepare("UPDATE sessions SET ending = 0, complete = 0 WHERE id = ?")
-      .bind(1, session)
-      .step();
-  transaction.commit();
 }
 
 void MapDatabase::set_complete(SessionId session) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "adit/slam/mapping/submap_cache.hpp"
@@ -31,10 +33,15 @@ int64_t floor_divided(int64_t number, int64_t by) {
   return number / by - static_cast<int64_t>(number % by < 0);
 }
 
+// Beyond this a box is no box of what a sensor has seen.
+constexpr double kFarthest = 1e8;  // m
+constexpr double kLargest = 1e4;   // m
+
+/// Ordered by rows.
 struct Tile {
-  int64_t x = 0;
   int64_t y = 0;
-  bool operator==(const Tile&) const = default;
+  int64_t x = 0;
+  auto operator<=>(const Tile&) const = default;
 };
 
 class Tiles {
@@ -44,24 +51,32 @@ class Tiles {
         resolution_(resolution),
         across_(voxels_across(resolution)),
         cache_(map, submap_bytes) {
+    const std::map<NodeId, Eigen::AlignedBox3d> boxes = map.boxes();
     for (const MapKeyframe& keyframe : map.keyframes()) {
+      const auto box = boxes.find(keyframe.id);
+      if (box == boxes.end() || !is_possible(box->second)) {
+        throw InputError(map.file(), {},
+                         "submap " + std::to_string(keyframe.id) +
+                             " has no place, or none that is "
+                             "possible",
+                         "`adit check` says what else is wrong");
+      }
       poses_.emplace(keyframe.id, keyframe.T_map_keyframe);
+      const Tile first = tile_of(box->second.min() - Eigen::Vector3d::Constant(kMargin));
+      const Tile last = tile_of(box->second.max() + Eigen::Vector3d::Constant(kMargin));
+      for (Tile tile = first; tile.y <= last.y; ++tile.y) {
+        for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
+          submaps_[tile].push_back(keyframe.id);
+        }
+      }
     }
   }
 
   void visit(const std::function<void(std::span<const Point>)>& take) {
-    const Eigen::AlignedBox3d extent = map_->extent();
-    if (extent.isEmpty()) {
-      return;
-    }
-    const Tile first = tile_of(extent.min() - Eigen::Vector3d::Constant(kMargin));
-    const Tile last = tile_of(extent.max() + Eigen::Vector3d::Constant(kMargin));
-    for (Tile tile = first; tile.y <= last.y; ++tile.y) {
-      for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
-        const std::vector<Point>& points = points_of(tile, extent);
-        if (!points.empty()) {
-          take(points);
-        }
+    for (const auto& [tile, ids] : submaps_) {
+      const std::vector<Point>& points = points_of(tile, ids);
+      if (!points.empty()) {
+        take(points);
       }
     }
   }
@@ -71,20 +86,19 @@ class Tiles {
     return static_cast<int64_t>(std::floor(coordinate / resolution_));
   }
   Tile tile_of(const Eigen::Vector3d& point) const {
-    return {floor_divided(voxel_of(point.x()), across_),
-            floor_divided(voxel_of(point.y()), across_)};
+    return {.y = floor_divided(voxel_of(point.y()), across_),
+            .x = floor_divided(voxel_of(point.x()), across_)};
   }
 
-  const std::vector<Point>& points_of(const Tile& tile, const Eigen::AlignedBox3d& extent) {
+  static bool is_possible(const Eigen::AlignedBox3d& box) {
+    return (box.min().array().abs() < kFarthest).all() &&
+           (box.max().array().abs() < kFarthest).all() && (box.sizes().array() < kLargest).all();
+  }
+
+  const std::vector<Point>& points_of(const Tile& tile, const std::vector<NodeId>& ids) {
     points_.clear();
     MapThinning thinning(resolution_);
-    const double edge = resolution_ * static_cast<double>(across_);
-    const Eigen::Vector3d lower(edge * static_cast<double>(tile.x) - kMargin,
-                                edge * static_cast<double>(tile.y) - kMargin,
-                                extent.min().z() - kMargin);
-    const Eigen::Vector3d upper(lower.x() + edge + 2.0 * kMargin, lower.y() + edge + 2.0 * kMargin,
-                                extent.max().z() + kMargin);
-    for (const NodeId id : map_->submaps_within(lower, upper)) {
+    for (const NodeId id : ids) {
       const auto submap = load_submap(cache_, id, map_->file());
       const Eigen::Isometry3d& T_map_keyframe = poses_.at(id);
       for (const SubmapPoint& point : submap->points) {
@@ -103,7 +117,8 @@ class Tiles {
   int64_t across_;  ///< voxels
   SubmapCache cache_;
   std::map<NodeId, Eigen::Isometry3d> poses_;
-  std::vector<Point> points_;  ///< of the tile that was visited last
+  std::map<Tile, std::vector<NodeId>> submaps_;  ///< that reach into them, in the order of ids
+  std::vector<Point> points_;                    ///< of the tile that was visited last
 };
 
 }  // namespace

@@ -4,12 +4,12 @@
 
 #include <fstream>
 #include <string>
-#include <system_error>
 #include <unordered_map>
 #include <vector>
 
 #include "adit/tools/clouds/ply_writer.hpp"
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 namespace {
@@ -46,13 +46,16 @@ void place_again(const fs::path& ply, std::span<const CloudPart> parts,
                                ": holds fewer points than were written; something else has "
                                "changed it. Its points are where the odometry saw them.");
   }
-  const fs::path draft = ply.string() + ".part";
-  PlyWriter after(draft);
+  Draft draft(ply);
+  PlyWriter after(draft.path());
   std::vector<Point> points;
   for (const CloudPart& part : parts) {
     points.resize(part.points);
     before.read(reinterpret_cast<char*>(points.data()),
                 static_cast<std::streamsize>(points.size() * sizeof(Point)));
+    if (!before) {
+      throw OutputError(ply, ply.string() + ": cannot be read again.");
+    }
     const auto place = places.find(part.stamp.count());
     if (place != places.end()) {
       const Eigen::Isometry3d moved = *place->second * part.T_map_lidar.inverse();
@@ -65,11 +68,7 @@ void place_again(const fs::path& ply, std::span<const CloudPart> parts,
     after.write(points);
   }
   after.close();
-  std::error_code error;
-  fs::rename(draft, ply, error);
-  if (error) {
-    throw OutputError(ply, ply.string() + ": cannot be written: " + error.message() + ".");
-  }
+  draft.take_its_place();
 }
 
 }  // namespace adit

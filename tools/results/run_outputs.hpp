@@ -67,6 +67,8 @@ class RunOutputs {
 
   /// Keyframes' clouds, thinned, for a page; empty without a map.
   const PageCloud& page_cloud() const { return page_cloud_; }
+  /// Memory grows with the map, for the voxels that its points are thinned by.
+  bool thins() const { return thinning_.has_value(); }
   uint64_t map_points() const { return map_ ? map_->count() : 0; }
   /// What map.ply is made of, with the poses of the odometry; empty without one.
   const std::vector<CloudPart>& map_parts() const { return map_parts_; }

@@ -63,25 +63,30 @@ std::vector<std::string> settings_of(const std::string& toml) {
 
 MapSession session_of(const RunDescription& run) {
   const Fingerprint print = fingerprint(run.recording);
-  return {.name = run.recording.filename().string(),
-          .configuration = to_toml(run.config),
-          .provenance = {{"adit", std::string(version())},
-                         {"device", run.device.name},
-                         {"driver", run.device.driver},
-                         {"driver version", run.device.driver_version},
-                         {std::string(kRecording), run.recording.string()},
-                         {"recording kind", run.recording_description},
-                         {"recording bytes", std::to_string(print.bytes)},
-                         {"recording fingerprint", print.hash},
-                         {"recording sweeps", std::to_string(run.recording_sweeps)},
-                         {"topic", run.topic},
-                         {"first sweep", std::to_string(run.range.first)},
-                         {"sweeps", std::to_string(run.range.count)}}};
+  return {
+      .name = run.recording.filename().string(),
+      .configuration = to_toml(run.config),
+      .provenance = {{"adit", std::string(version())},
+                     {"device", run.device.name},
+                     {"driver", run.device.driver},
+                     {"driver version", run.device.driver_version},
+                     {std::string(kRecording), std::filesystem::absolute(run.recording).string()},
+                     {"recording kind", run.recording_description},
+                     {"recording bytes", std::to_string(print.bytes)},
+                     {"recording fingerprint", print.hash},
+                     {"recording sweeps", std::to_string(run.recording_sweeps)},
+                     {"topic", run.topic},
+                     {"first sweep", std::to_string(run.range.first)},
+                     {"sweeps", std::to_string(run.range.count)}}};
 }
 
 EarlierRun earlier_run(const std::filesystem::path& map) {
   const MapDatabase database(map, MapAccess::read);
   const std::vector<MapSession> sessions = database.sessions();
+  if (sessions.empty()) {
+    throw InputError(map, {}, "it holds nothing: its run was stopped before it had begun",
+                     "Start the run again");
+  }
   if (sessions.size() != 1) {
     throw InputError(map, {},
                      "it is made of " + std::to_string(sessions.size()) + " recordings, not of one",

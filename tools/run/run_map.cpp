@@ -9,6 +9,7 @@
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/maps/writer_lock.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 namespace {
@@ -18,13 +19,9 @@ namespace fs = std::filesystem;
 /// The whole file or none of it.
 void replace_trajectory(const fs::path& file, TrajectoryFormat format,
                         const std::vector<StampedPose>& poses) {
-  const fs::path draft = file.string() + ".part";
-  write_trajectory(draft, format, poses);
-  std::error_code error;
-  fs::rename(draft, file, error);
-  if (error) {
-    throw OutputError(file, file.string() + ": cannot be written: " + error.message() + ".");
-  }
+  Draft draft(file);
+  write_trajectory(draft.path(), format, poses);
+  draft.take_its_place();
 }
 
 }  // namespace
@@ -37,18 +34,18 @@ void require_free_map(const fs::path& folder) {
   }
 }
 
-RunMap::RunMap(const RunDescription& run)
+RunMap::RunMap(const RunDescription& run, const MapSession& session)
     : files_(run.output),
       database_(files_.database, MapAccess::write),
-      session_(database_.add_session(session_of(run))) {
+      session_(database_.add_session(session)) {
   database_.begin_run(session_);
 }
 
-RunMap::RunMap(const RunDescription& run, const EarlierRun& earlier)
+RunMap::RunMap(const RunDescription& run, const MapSession& session, const EarlierRun& earlier)
     : files_(run.output),
       database_(files_.database, MapAccess::write),
       session_(earlier.session.id) {
-  require_same(earlier, session_of(run));
+  require_same(earlier, session);
   continued_.emplace(database_, session_);
 }
 

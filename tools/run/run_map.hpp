@@ -23,9 +23,9 @@ void require_free_map(const std::filesystem::path& folder);
 class RunMap {
  public:
   /// Nothing of an earlier one may be left in its place.
-  explicit RunMap(const RunDescription& run);
+  RunMap(const RunDescription& run, const MapSession& session);
   /// Goes on with the map of an earlier run. Throws InputError where it cannot.
-  RunMap(const RunDescription& run, const EarlierRun& earlier);
+  RunMap(const RunDescription& run, const MapSession& session, const EarlierRun& earlier);
   RunMap(const RunMap&) = delete;
   RunMap& operator=(const RunMap&) = delete;
 

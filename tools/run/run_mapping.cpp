@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "adit/engine/error.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tools/run/inertial_text.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -172,10 +173,10 @@ MappingResult map_events(const Mapping& mapping) {
     add(mapping, std::move(*event), done);
     write_results(mapping, done);
     if (is_sweep && mapping.memory != nullptr && mapping.memory->exceeded()) {
-      return {RunEnd::memory_limit, mapping.memory->text() + " after " +
-                                        std::to_string(done.sweeps) +
-                                        " sweeps. Allow more, or leave out what grows with the "
-                                        "map: --map-resolution"};
+      return {RunEnd::memory_limit,
+              mapping.memory->text() + " after " + std::to_string(done.sweeps) +
+                  " sweeps. Allow more" +
+                  (mapping.outputs.thins() ? "; without --map-resolution less is needed" : "")};
     }
   }
   // Behind the last sweep that could be counted, a recording that was cut off says so.
@@ -211,6 +212,8 @@ MappingResult caught(const std::function<MappingResult()>& body) {
     return body();
   } catch (const InputError& error) {
     return {RunEnd::input_error, error.what()};
+  } catch (const SubmapDamaged& damage) {
+    return {RunEnd::input_error, "a stored submap of the map " + std::string(damage.what())};
   } catch (const OutputError& error) {
     return {RunEnd::output_error, error.what()};
   } catch (const engine::Error& error) {

@@ -56,65 +56,78 @@ class Hash {
   std::unique_ptr<XXH3_state_t, FreeState> state_;
 };
 
-[[noreturn]] void fail(const fs::path& file) {
-  throw InputError(file, {}, "it cannot be read", "Check that it exists and may be read");
-}
+constexpr int kDeepest = 8;  // folders in folders: links may lead round
 
-/// A file that shrinks while it is read has another hash.
-void add_content(Hash& hash, const fs::path& file, uint64_t size) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    fail(file);
-  }
-  std::vector<char> piece(kPiece);
-  const bool whole = size <= kPlaces * kPiece;
-  const uint64_t pieces = whole ? (size + kPiece - 1) / kPiece : kPlaces;
-  for (uint64_t i = 0; i < pieces; ++i) {
-    const uint64_t offset = whole ? i * kPiece : (size - kPiece) / (kPlaces - 1) * i;
-    stream.seekg(static_cast<std::streamoff>(offset));
-    stream.read(piece.data(), static_cast<std::streamsize>(kPiece));
-    if (stream.bad()) {
-      fail(file);
+struct Part {
+  fs::path path;
+  std::string name;  ///< in the folder
+  uint64_t size = 0;
+};
+
+/// What can be read of a piece of the parts one after the other.
+void add_piece(Hash& hash, const std::vector<Part>& parts, uint64_t offset, uint64_t size) {
+  std::vector<char> bytes;
+  for (const Part& part : parts) {
+    if (offset < part.size && size > 0) {
+      bytes.resize(std::min(size, part.size - offset));
+      std::ifstream stream(part.path, std::ios::binary);
+      stream.seekg(static_cast<std::streamoff>(offset));
+      stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      hash.add(std::string_view(
+          bytes.data(), static_cast<std::size_t>(std::max<std::streamsize>(0, stream.gcount()))));
+      size -= bytes.size();
+      offset = part.size;
     }
-    hash.add(std::string_view(piece.data(), static_cast<std::size_t>(stream.gcount())));
-    stream.clear();
+    offset -= std::min(offset, part.size);
   }
 }
 
-std::vector<fs::path> files_below(const fs::path& folder) {
-  std::vector<fs::path> files;
+std::vector<Part> parts_of(const fs::path& path) {
+  std::vector<Part> parts;
   std::error_code error;
-  fs::recursive_directory_iterator at(folder, error);
+  if (!fs::is_directory(path, error)) {
+    parts.push_back({.path = path, .name = {}, .size = fs::file_size(path, error)});
+    if (error) {
+      throw InputError(path, {}, "it cannot be read: " + error.message(),
+                       "Check that it exists and may be read");
+    }
+    return parts;
+  }
+  constexpr auto kOptions = fs::directory_options::follow_directory_symlink |
+                            fs::directory_options::skip_permission_denied;
+  fs::recursive_directory_iterator at(path, kOptions, error);
   for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     std::error_code unknown;
+    if (at.depth() >= kDeepest) {
+      at.disable_recursion_pending();
+    }
     if (at->is_regular_file(unknown)) {
-      files.push_back(at->path());
+      parts.push_back({.path = at->path(),
+                       .name = at->path().lexically_relative(path).generic_string(),
+                       .size = at->file_size(unknown)});
     }
   }
-  if (error) {
-    fail(folder);
-  }
-  std::ranges::sort(files);
-  return files;
+  std::ranges::sort(parts, {}, &Part::name);
+  return parts;
 }
 
 }  // namespace
 
 Fingerprint fingerprint(const fs::path& path) {
-  std::error_code unknown;
-  const bool folder = fs::is_directory(path, unknown);
+  const std::vector<Part> parts = parts_of(path);
   Hash hash;
   Fingerprint result;
-  for (const fs::path& file : folder ? files_below(path) : std::vector{path}) {
-    std::error_code error;
-    const uint64_t size = fs::file_size(file, error);
-    if (error) {
-      fail(file);
+  for (const Part& part : parts) {
+    hash.add(part.name);
+    hash.add(&part.size, sizeof part.size);
+    result.bytes += part.size;
+  }
+  if (result.bytes <= kPlaces * kPiece) {
+    add_piece(hash, parts, 0, result.bytes);
+  } else {
+    for (uint64_t i = 0; i < kPlaces; ++i) {
+      add_piece(hash, parts, (result.bytes - kPiece) * i / (kPlaces - 1), kPiece);
     }
-    hash.add(folder ? file.lexically_relative(path).generic_string() : std::string());
-    hash.add(&size, sizeof size);
-    add_content(hash, file, size);
-    result.bytes += size;
   }
   result.hash = hash.text();
   return result;

@@ -14,8 +14,9 @@ struct Fingerprint {
   uint64_t bytes = 0;  ///< size of all files
 };
 
-/// Of names, sizes and contents; of a file beyond 16 MiB 1 MiB at each of sixteen places. Throws
-/// InputError where a file cannot be read.
+/// Of names, sizes and contents; beyond 16 MiB of 1 MiB at each of sixteen places. Folders that may
+/// not be read count for nothing, files that may not for their size. Throws InputError where there
+/// is no such file.
 Fingerprint fingerprint(const std::filesystem::path& path);
 
 }  // namespace adit

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
@@ -73,6 +74,22 @@ void OutputFile::close() {
   errno = 0;
   if (std::fclose(std::exchange(file_, nullptr)) != 0) {
     fail("cannot close it");
+  }
+}
+
+Draft::Draft(std::filesystem::path file)
+    : file_(std::move(file)), path_(file_.string() + ".part") {}
+
+Draft::~Draft() {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
+
+void Draft::take_its_place() {
+  std::error_code error;
+  std::filesystem::rename(path_, file_, error);
+  if (error) {
+    throw OutputError(file_, file_.string() + ": cannot be written: " + error.message() + ".");
   }
 }
 

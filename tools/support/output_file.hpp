@@ -47,6 +47,24 @@ class OutputFile {
   std::FILE* file_ = nullptr;
 };
 
+/// FILE.part, which takes FILE's place once it is whole. Where it does not come to that it is
+/// removed: it would keep a full disk full.
+class Draft {
+ public:
+  explicit Draft(std::filesystem::path file);
+  ~Draft();
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Throws OutputError.
+  void take_its_place();
+
+ private:
+  std::filesystem::path file_;
+  std::filesystem::path path_;
+};
+
 /// Writes a whole text file. Throws OutputError.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 

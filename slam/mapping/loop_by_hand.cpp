@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/loop_by_hand.hpp"
+
+#include <vector>
+
+#include "adit/slam/core/units.hpp"
+#include "adit/slam/mapping/loop_closer.hpp"
+#include "adit/slam/mapping/relative_covariance.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
+
+namespace adit {
+namespace {
+
+// How well somebody knows how two places lie to each other: one sigma.
+constexpr double kGuessedPosition = 1.0;                   // m
+constexpr double kGuessedAngle = 5.0 / kDegreesPerRadian;  // rad
+
+/// As the graph has it, as a loop search would ask.
+LoopQuestion asked_of(const PoseGraph& graph, NodeId from, NodeId to) {
+  const std::size_t at = graph.index_of(to);
+  const auto known = relative_places(graph, from)[at];
+  if (!known) {
+    throw NoGuess("no edges lead from keyframe " + std::to_string(from) + " to " +
+                  std::to_string(to));
+  }
+  const Eigen::Isometry3d& T_map_from = graph.nodes()[graph.index_of(from)].T_map_node;
+  return {.T_from_to = T_map_from.inverse() * graph.nodes()[at].T_map_node,
+          .covariance = known->covariance};
+}
+
+Matrix6d guessed_covariance() {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(kGuessedPosition), Eigen::Vector3d::Constant(kGuessedAngle);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+}  // namespace
+
+LoopVerification verify_by_hand(engine::Context& context, const Config& config,
+                                const MapStore& store, const LoopByHand& loop) {
+  LoopQuestion question = loop.guess ? LoopQuestion{.T_from_to = *loop.guess}
+                                     : asked_of(store.graph(), loop.from, loop.to);
+  // A person is no more certain than that, whatever the graph says.
+  question.covariance =
+      loop.guess ? guessed_covariance() : Matrix6d(question.covariance + guessed_covariance());
+  const KeyframeSubmap from = decode(store.submap(loop.from));
+  const KeyframeSubmap to = decode(store.submap(loop.to));
+  question.from = &from;
+  // The configuration may leave lengths to the first sweep; submaps have theirs.
+  Config known = config;
+  if (known.preprocess.r_input == 0.0) {
+    known.preprocess.r_input = from.r_submap;
+  }
+  known = with_lengths(known, known.preprocess.r_input);
+  LoopVerifier verifier(context, known);
+  const SurfaceCloud cloud = make_surface_cloud(context, to);
+  return verifier.verify(to, cloud, std::span(&question, 1), kFirstRms).front();
+}
+
+}  // namespace adit
