@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "adit/slam/inertial/imu_rest.hpp"
 #include "adit/slam/inertial/imu_start.hpp"
@@ -18,12 +20,47 @@ constexpr double kDriftAccel = 0.1;  // m/s²
 constexpr double kGravityTolerance = 0.5;
 constexpr double kLeastScale = 0.7;      // less of gravity is no error of scale but another unit
 constexpr double kAccelBiasSigma = 0.1;  // m/s², across gravity
+// Spikes among readings at rest: so many times as far from their median as half of all are, and no
+// more than this share.
+constexpr double kFarFromOthers = 10.0;
+constexpr double kFewSpikes = 0.1;
 
 ImuStart refused(ImuStartStatus status, const ImuStartReason& reason) {
   ImuStart start;
   start.status = status;
   start.reason = reason;
   return start;
+}
+
+/// Without the few that are far from all others: the first spikes come before it is known what is
+/// usual, and pass. All of them where they are more than a few.
+std::vector<ImuSample> without_spikes(std::span<const ImuSample> samples) {
+  const auto median = [&](const auto& value_of) {
+    std::vector<double> values;
+    std::ranges::transform(samples, std::back_inserter(values), value_of);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  };
+  Eigen::Vector3d gyro;
+  Eigen::Vector3d accel;
+  for (int k = 0; k < 3; ++k) {
+    gyro[k] = median([&](const ImuSample& one) { return one.angular_velocity[k]; });
+    accel[k] = median([&](const ImuSample& one) { return one.linear_acceleration[k]; });
+  }
+  const auto turned = [&](const ImuSample& one) { return (one.angular_velocity - gyro).norm(); };
+  const auto pushed = [&](const ImuSample& one) {
+    return (one.linear_acceleration - accel).norm();
+  };
+  const double most_turned = kFarFromOthers * median(turned);
+  const double most_pushed = kFarFromOthers * median(pushed);
+  std::vector<ImuSample> kept;
+  std::ranges::copy_if(samples, std::back_inserter(kept), [&](const ImuSample& one) {
+    return turned(one) <= most_turned && pushed(one) <= most_pushed;
+  });
+  const bool few = static_cast<double>(samples.size() - kept.size()) <=
+                   kFewSpikes * static_cast<double>(samples.size());
+  return few ? kept : std::vector<ImuSample>(samples.begin(), samples.end());
 }
 
 }  // namespace
@@ -66,7 +103,10 @@ std::vector<ImuSample> with_accel_scale(std::span<const ImuSample> samples, doub
   return scaled;
 }
 
-ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise) {
+ImuStart start_at_rest(std::span<const ImuSample> all_samples, const ImuNoise& noise) {
+  const std::vector<ImuSample> kept =
+      all_samples.empty() ? std::vector<ImuSample>() : without_spikes(all_samples);
+  const std::span<const ImuSample> samples(kept);
   const double duration =
       samples.empty() ? 0.0 : seconds(samples.back().stamp - samples.front().stamp);
   if (samples.size() < kFewest || duration < kShortest) {

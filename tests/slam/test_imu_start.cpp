@@ -61,6 +61,24 @@ TEST(ImuStart, WhatGravityIsTooLongOrTooShortByIsABiasOfTheAccelerometer) {
   }
 }
 
+TEST(ImuStart, FewSpikesDoNotHideThatItRestsAndManyDo) {
+  const ImuStart clean = start_at_rest(at_rest(2.0), kNoise);
+  ASSERT_EQ(clean.status, ImuStartStatus::at_rest);
+  for (const auto& [every, rests] : {std::pair{20, true}, std::pair{5, false}}) {
+    std::vector<ImuSample> samples = at_rest(2.0);
+    for (std::size_t i = 3; i < samples.size(); i += static_cast<std::size_t>(every)) {
+      samples[i].angular_velocity.y() += 7.0;
+      samples[i].linear_acceleration.z() -= 60.0;
+    }
+    const ImuStart start = start_at_rest(samples, kNoise);
+    EXPECT_EQ(start.status == ImuStartStatus::at_rest, rests) << every;
+    if (rests) {
+      EXPECT_LT((start.bias.gyro - clean.bias.gyro).norm(), 1e-3);
+      EXPECT_LT(angle_between(start.up_body, clean.up_body), 1e-3);
+    }
+  }
+}
+
 TEST(ImuStart, AnAccelerometerInGIsUnderstood) {
   const ImuStart start = start_at_rest(at_rest(2.0, 1.0 / kStandardGravity), kNoise);
   ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
