@@ -87,9 +87,12 @@ def contents(adit, out):
     return files | {"map.adit": output_of([adit, "export", out / "map.adit", "--dump"])}
 
 
+def continuing(adit, out):
+    return [str(adit), "run", "-o", str(out), "--continue", "--quiet", "--no-map"]
+
+
 def differences_of_continued(arguments, out, whole):
-    command = [arguments.adit, "run", "-o", out, "--continue", "--quiet", "--no-map"]
-    run = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
+    run = subprocess.run(continuing(arguments.adit, out), capture_output=True, text=True, check=False)
     if run.returncode != 0:
         return [f"--continue: {run.stdout}{run.stderr}"]
     found = contents(arguments.adit, out)
@@ -117,7 +120,6 @@ def main():
         everything = contents(arguments.adit, whole)
         chance = random.Random(arguments.seed)
         killed, with_keyframes, continued, failures = 0, 0, 0, 0
-        again = [arguments.adit, "run", "-o", out, "--continue", "--quiet", "--no-map"]
         for number in range(arguments.kills):
             delay = chance.uniform(0.0, duration)
             shutil.rmtree(out, ignore_errors=True)
@@ -128,7 +130,7 @@ def main():
                 continued += 1
                 if number % 3 > 0:
                     how = (signal.SIGKILL, signal.SIGINT)[number % 3 - 1]
-                    end_after(again, chance.uniform(0.0, duration), how)
+                    end_after(continuing(arguments.adit, out), chance.uniform(0.0, duration), how)
                     found += complaints(arguments, out, expected, how == signal.SIGINT)
                 found += differences_of_continued(arguments, out, everything)
             for complaint in found:

@@ -28,6 +28,22 @@
 
 namespace adit::test {
 
+/// What a command has done: its exit code, and what it has printed.
+struct Ran {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+/// Runs a command on its options.
+template <class Command, class Options>
+Ran ran(Command command, const Options& options) {
+  std::ostringstream out;
+  std::ostringstream err;
+  const int code = command(options, out, err);
+  return {code, out.str(), err.str()};
+}
+
 inline std::string content(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::ostringstream text;

@@ -10,23 +10,17 @@
 
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Ran {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
+using test::Ran;
 
 Ran ran(const LoopsCommandOptions& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = loops_command(options, out, err);
-  return {code, out.str(), err.str()};
+  return test::ran(loops_command, options);
 }
 
 /// Six keyframes 10 m apart by the odometry, the last of which a loop has 1 m nearer.

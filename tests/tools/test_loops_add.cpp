@@ -17,17 +17,10 @@
 namespace adit {
 namespace {
 
-struct Ran {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
+using test::Ran;
 
 Ran ran(const LoopsCommandOptions& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = loops_command(options, out, err);
-  return {code, out.str(), err.str()};
+  return test::ran(loops_command, options);
 }
 
 class LoopsAdd : public testing::Test {

@@ -27,22 +27,10 @@ namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
+using test::Ran;
+using test::ran;
 
 constexpr std::size_t kSweeps = 12;
-
-struct Ran {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
-
-template <class Command, class Options>
-Ran ran(Command command, const Options& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = command(options, out, err);
-  return {code, out.str(), err.str()};
-}
 
 /// The recording is mapped once for all tests; each has a copy of the map.
 class MapCommands : public testing::Test {

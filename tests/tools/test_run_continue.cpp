@@ -3,10 +3,10 @@
 //
 // `adit run --continue` and `adit run --from`.
 #include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_run.hpp"
@@ -18,24 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Ran {
-  int code = 0;
-  std::string err;
-};
+using test::Ran;
 
 Ran ran(const RunCommandOptions& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = run_command(options, out, err);
-  return {code, err.str()};
+  return test::ran(run_command, options);
 }
 
 std::string dump_of(const fs::path& file) {
-  std::string text;
-  MapDatabase(file, MapAccess::read).dump([&](std::string_view line) {
-    text += std::string(line) + "\n";
-  });
-  return text;
+  return test::dump_of(MapDatabase(file, MapAccess::read));
 }
 
 class RunContinue : public testing::Test {
