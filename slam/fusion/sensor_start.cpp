@@ -41,7 +41,30 @@ StatePrior prior_of(const SensorStart& start) {
   sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.005),
       Eigen::Vector3d::Constant(how.velocity_sigma), how.bias_sigma.gyro, how.bias_sigma.accel,
       Eigen::Vector2d::Constant(how.gravity_sigma);
-  return independent_prior(start.state, sigma);
+  const StatePrior independent = independent_prior(start.state, sigma);
+  if (!how.rest_sigma) {
+    return independent;
+  }
+  StateQuadratic known;
+  known.h = independent.root.transpose() * independent.root;
+  const NavState& state = start.state;
+  const Eigen::Vector3d mean =
+      state.bias.accel - state.T_map_body.linear().transpose() * state.gravity_map;
+  const StateFactor<3> rest = rest_factor(mean, state, *how.rest_sigma);
+  known.h += rest.by_state.transpose() * rest.by_state;
+  return prior_from(start.state, known);
+}
+
+StateFactor<3> rest_factor(const Eigen::Vector3d& reading, const NavState& state, double sigma) {
+  const Eigen::Matrix3d& R = state.T_map_body.linear();
+  const Eigen::Vector3d& gravity = state.gravity_map;
+  const Eigen::Vector3d force = reading - state.bias.accel;
+  StateFactor<3> factor;
+  factor.residual = (R * force + gravity) / sigma;
+  factor.by_state.block<3, 3>(0, kRotationAt) = -R * skew(force) / sigma;
+  factor.by_state.block<3, 3>(0, kAccelBiasAt) = -R / sigma;
+  factor.by_state.block<3, 2>(0, kGravityAt) = -skew(gravity) * across(gravity) / sigma;
+  return factor;
 }
 
 StartAttempt try_start(const StartCollection& collected, const InertialReadings& readings,

@@ -45,6 +45,10 @@ struct SensorStart {
   ImuStart how;
 };
 
+/// What the accelerometer's mean at rest (m/s², body) tells of attitude, bias and gravity together:
+/// R_map_body (reading - b_a) + g = 0 to `sigma` m/s².
+StateFactor<3> rest_factor(const Eigen::Vector3d& reading, const NavState& state, double sigma);
+
 /// The prior that the sliding graph begins with.
 StatePrior prior_of(const SensorStart& start);
 

@@ -105,6 +105,9 @@ struct ImuStart {
   Eigen::Vector3d gravity_map = Eigen::Vector3d(0.0, 0.0, -kStandardGravity);
   Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();
   double velocity_sigma = 0.0;  ///< m/s
+  /// At rest only, m/s²: how well gravity and bias together explain the readings. Neither is known
+  /// as well by itself: a tilt looks like a bias.
+  std::optional<double> rest_sigma{};
   ImuBias bias;
   ImuBias bias_sigma;  ///< standard deviations, each axis
 };

@@ -153,6 +153,7 @@ ImuStart start_at_rest(std::span<const ImuSample> all_samples, const ImuNoise& n
   // An unseen bias of the accelerometer across gravity tilts it.
   start.gravity_sigma = kAccelBiasSigma / kStandardGravity;
   start.velocity_sigma = 0.01;
+  start.rest_sigma = std::hypot(start.velocity_sigma / duration, noise.accel / std::sqrt(duration));
   const double white = noise.gyro / std::sqrt(duration);
   start.bias_sigma.gyro.setConstant(std::hypot(white, noise.gyro_walk * std::sqrt(duration)) +
                                     1e-4);

@@ -19,12 +19,16 @@ constexpr double kBeyondUsual = 6.0;
 constexpr double kHarmlessTurn = 0.3;   // rad/s
 constexpr double kHarmlessForce = 0.3;  // share of the usual force
 
-constexpr std::size_t kMostWaiting = 4;  // none came back: it is the motion that has changed
+constexpr std::size_t kMostWaiting = 5;  // none came back: it is the motion that has changed
 constexpr int kFirst = 20;               // readings until it is known what is usual
 // A reading agrees with the one before if it is this much nearer than that was to its own.
 constexpr double kAgrees = 0.5;
 // A spike is as far from both neighbours as from what would be there without it, up to this.
 constexpr double kAlone = 0.7;
+// Spikes in a row on one side of one of the six numbers, while the others are as usual: a blow
+// moves several.
+constexpr std::size_t kLongestBurst = 3;
+constexpr int kCalm = 2;  // readings before them that passed at once
 
 }  // namespace
 
@@ -62,13 +66,35 @@ bool ReadingGate::has_changed() const {
   return waiting_.size() > kMostWaiting || passed_ < kFirst;
 }
 
+std::optional<int> ReadingGate::lone_jump(const ImuSample& usual, const ImuSample& one) const {
+  const Scales scales = jumps();
+  Eigen::Matrix<double, 6, 1> off;
+  off << (one.angular_velocity - usual.angular_velocity) / scales.turn,
+      (one.linear_acceleration - usual.linear_acceleration) / scales.force;
+  Eigen::Index axis = 0;
+  if ((off.array().abs() > 1.0).count() != 1) {
+    return std::nullopt;
+  }
+  off.cwiseAbs().maxCoeff(&axis);
+  return static_cast<int>(axis + 1) * (off(axis) > 0.0 ? 1 : -1);
+}
+
+bool ReadingGate::may_be_burst() const {
+  const std::optional<int> jump = lone_jump(*last_, waiting_.back());
+  const auto other = std::find_if(waiting_.rbegin(), waiting_.rend(), [&](const ImuSample& one) {
+    return lone_jump(*last_, one) != jump;
+  });
+  return calm_ >= kCalm && jump &&
+         static_cast<std::size_t>(other - waiting_.rbegin()) <= kLongestBurst;
+}
+
 bool ReadingGate::is_settled() const {
   const std::size_t count = waiting_.size();
   const ImuSample& newest = waiting_.back();
   if (!last_ || has_changed() || distance(*last_, newest) <= static_cast<double>(count)) {
     return true;
   }
-  if (count == 1) {
+  if (count == 1 || may_be_burst()) {
     return false;
   }
   const ImuSample& middle = waiting_[count - 2];
@@ -81,12 +107,28 @@ bool ReadingGate::is_spike(std::size_t waiting) const {
   if (!last_ || has_changed() || waiting + 1 == waiting_.size()) {
     return false;
   }
+  const auto usual = [&](std::size_t i) {
+    return interpolate(*last_, waiting_.back(), waiting_[i].stamp);
+  };
+  const auto jump = [&](std::size_t i) { return lone_jump(usual(i), waiting_[i]); };
+  // In a row only between readings that are as usual: a mount that rings swings from side to side.
+  const bool calm = calm_ >= kCalm && distance(*last_, waiting_.back()) <= 1.0;
+  const std::optional<int> own = calm ? jump(waiting) : std::nullopt;
+  std::size_t first = waiting;
+  std::size_t last = waiting;
+  while (own && first > 0 && jump(first - 1) == own) {
+    --first;
+  }
+  while (own && last + 2 < waiting_.size() && jump(last + 1) == own) {
+    ++last;
+  }
   const ImuSample& one = waiting_[waiting];
-  const ImuSample& before = waiting == 0 ? *last_ : waiting_[waiting - 1];
-  const ImuSample& after = waiting_[waiting + 1];
-  const double off = distance(one, interpolate(*last_, waiting_.back(), one.stamp));
-  return off > 1.0 && sticks_out(before, one, after) && distance(before, one) >= kAlone * off &&
-         distance(one, after) >= kAlone * off;
+  const ImuSample& before = first == 0 ? *last_ : waiting_[first - 1];
+  const ImuSample& after = waiting_[last + 1];
+  const auto off = [&](std::size_t i) { return distance(waiting_[i], usual(i)); };
+  return last - first < kLongestBurst && off(waiting) > 1.0 && sticks_out(before, one, after) &&
+         distance(before, waiting_[first]) >= kAlone * off(first) &&
+         distance(waiting_[last], after) >= kAlone * off(last);
 }
 
 void ReadingGate::learn(const ImuSample& passed) {
@@ -120,6 +162,7 @@ std::vector<GatedReading> ReadingGate::pass(const ImuSample& reading) {
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     known.push_back({waiting_[i], is_spike(i) ? std::optional(ImuArrival::spike) : std::nullopt});
   }
+  calm_ = waiting_.size() == 1 ? calm_ + 1 : 0;
   waiting_.clear();
   for (const GatedReading& one : known) {
     if (!one.dropped) {

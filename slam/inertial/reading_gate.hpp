@@ -40,7 +40,8 @@ class UsualValue {
 /// Keeps damaged readings of an inertial sensor out (docs/theory/inertial.md, section 6). A reading
 /// about as far from the one before as readings usually are passes at once. One that jumps waits
 /// for the next: where they go on from it, as after a shock or a step, all pass in their order;
-/// where they go on from the one before it, it was a spike.
+/// where they go on from the one before it, it was a spike. So were up to three in a row, if only
+/// one of the six numbers jumped, there at once and back at once.
 class ReadingGate {
  public:
   explicit ReadingGate(const ReadingLimits& limits) : limits_(limits) {}
@@ -59,6 +60,10 @@ class ReadingGate {
   double distance(const ImuSample& a, const ImuSample& b) const;
   /// Whether the way there and the way on lead to the same side.
   bool sticks_out(const ImuSample& before, const ImuSample& one, const ImuSample& after) const;
+  /// Which of the six numbers jumps (1 to 6) and to which side (sign), where it is only one.
+  std::optional<int> lone_jump(const ImuSample& usual, const ImuSample& one) const;
+  /// Whether those that wait last could be spikes in a row.
+  bool may_be_burst() const;
   /// Nothing can be called a jump: what is usual is not known yet, or the motion has changed.
   bool has_changed() const;
   /// Whether the last that waits tells what the others are.
@@ -72,6 +77,7 @@ class ReadingGate {
   UsualValue force_{0.5};          ///< m/s²: gravity, in the sensor's unit
   std::optional<ImuSample> last_;  ///< that passed
   int passed_ = 0;
+  int calm_ = 0;                    ///< passed at once, in a row
   std::vector<ImuSample> waiting_;  ///< in the order they came
 };
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/support/numerical_jacobian.hpp"
 #include "adit/tests/support/simulated_imu.hpp"
 
 namespace adit {
@@ -94,6 +95,40 @@ TEST(StartAfterGap, GravityBiasesAndUnitAreThoseFromBefore) {
   const StatePrior prior = prior_of(start);
   EXPECT_NEAR(prior.root(kVelocityAt, kVelocityAt), 1.0 / 0.3, 1e-6);
   EXPECT_NEAR(prior.root(kGyroBiasAt, kGyroBiasAt), 1.0 / 0.005, 1e-6);
+}
+
+TEST(RestFactor, JacobianIsThatOfDifferences) {
+  const NavState state = test::hand_held_motion().state(0.4);
+  const Eigen::Vector3d reading(0.7, -0.4, 9.6);
+  const auto residual = [&](const StateVector& delta) {
+    return rest_factor(reading, retract(state, delta), 0.02).residual;
+  };
+  const Eigen::Matrix<double, 3, kStateSize> numerical =
+      test::numerical_jacobian<3, kStateSize>(residual);
+  EXPECT_LE((rest_factor(reading, state, 0.02).by_state - numerical).norm(),
+            1e-7 * numerical.norm());
+}
+
+// A tilt and a bias are each unknown, and what they do together is known to a centimetre per second
+// and second.
+TEST(PriorOfAStart, AtRestTiltAndBiasAreKnownTogether) {
+  const test::WavyMotion motion = at_rest();
+  const auto attempt = try_start(collected(motion, 11), kept(motion, 1.1), kNoise, std::nullopt);
+  const auto* start = std::get_if<SensorStart>(&attempt);
+  ASSERT_NE(start, nullptr);
+  const StatePrior prior = prior_of(*start);
+  EXPECT_TRUE(prior.offset.isZero(1e-9));
+  const StateMatrix covariance = (prior.root.transpose() * prior.root).inverse();
+  const StateFactor<3> rest =
+      rest_factor(start->state.bias.accel -
+                      start->state.T_map_body.linear().transpose() * start->state.gravity_map,
+                  start->state, 1.0);
+  EXPECT_LE(rest.residual.norm(), 1e-9);
+  const Eigen::Matrix3d together = rest.by_state * covariance * rest.by_state.transpose();
+  EXPECT_LE(std::sqrt(together(0, 0)), 0.02);
+  EXPECT_LE(std::sqrt(together(1, 1)), 0.02);
+  EXPECT_GE(std::sqrt(covariance(kAccelBiasAt, kAccelBiasAt)), 0.06);
+  EXPECT_GE(std::sqrt(covariance(kGravityAt, kGravityAt)), 0.006);
 }
 
 TEST(StartCollection, KeepsTheNewestInARow) {
