@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Voxel down-sampling, pass 3 of 3: writes one point a cell (its centroid; intensity of the cell's
-// first point), in the order of the raw points, and frees the cell for the next sweep. The same
-// parts and threads as in pass 2. Each new point is also added to the surface cell that
-// surface_normals.comp will ask.
+// first point, and its place where the sums may have overflowed), in the order of the raw points,
+// and frees the cell for the next sweep. The same parts and threads as in pass 2. Each new point is
+// also added to the surface cell that surface_normals.comp will ask.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -66,7 +66,11 @@ void main() {
     cells[first.x] = InputCell(kFree, 0, 0, 0, 0, 0);
     const vec3 mean =
         (vec3(cell.sum_x, cell.sum_y, cell.sum_z) / float(cell.count) + 0.5) / 65536.0;
-    const vec3 p = (floor(raw.xyz * push.inverse_cell) + mean) * push.cell;
+    vec3 p = (floor(raw.xyz * push.inverse_cell) + mean) * push.cell;
+    if (cell.count > kMostCellPoints) {
+      p = raw.xyz;
+      atomicAdd(counters.crowded_cells, 1);
+    }
     cloud[offset + k] = vec4(p, raw.w);
     const uint level = surface_level(p, push.level_factor);
     for (uint wider = 0; wider < 2; ++wider) {

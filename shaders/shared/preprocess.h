@@ -10,7 +10,8 @@ namespace adit::gpu {
 #endif
 
 // One cell of the down-sampling grid while it is being filled. Sums are offsets from the cell's
-// corner in 1/65536 of its edge: integers, so that any order of addition gives the same bits.
+// corner in 1/65536 of its edge: integers, so that any order of addition gives the same bits. At
+// most kMostCellPoints of them for certain: beyond, the cell's first point stands for it.
 struct InputCell {
   uint owner;           // 1 + index of the raw point that claimed the slot; kFree: free
   uint inverted_first;  // the largest ~index of its points: the smallest index, its place in the
@@ -26,6 +27,7 @@ struct SweepCounters {
   uint input_failures;    // raw points that found no slot: 0, or the table is too small
   uint surface_failures;  // surface cells that found no slot for a point: 0, or the table is too
                           // small
+  uint crowded_cells;     // with more raw points than their sums hold for certain
 };
 
 struct DownsamplePush {

@@ -32,7 +32,8 @@ TEST(KernelLayouts, PreprocessStructsAreTheSameInCppAndGlsl) {
                                {{"valid_points", offsetof(SweepCounters, valid_points)},
                                 {"cloud_points", offsetof(SweepCounters, cloud_points)},
                                 {"input_failures", offsetof(SweepCounters, input_failures)},
-                                {"surface_failures", offsetof(SweepCounters, surface_failures)}});
+                                {"surface_failures", offsetof(SweepCounters, surface_failures)},
+                                {"crowded_cells", offsetof(SweepCounters, crowded_cells)}});
   using gpu::DownsamplePush;
   expect_layout<DownsamplePush>("DownsamplePush",
                                 {{"point_count", offsetof(DownsamplePush, point_count)},

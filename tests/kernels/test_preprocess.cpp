@@ -170,24 +170,29 @@ TEST_F(PreprocessKernels, OrderOfThePointsChangesOnlyTheOrderOfTheCloud) {
   }
 }
 
-TEST_F(PreprocessKernels, MillionIdenticalPointsAreOneCell) {
-  // A cell's sums hold 65 535 points for certain. Beyond that a centroid is no mean any more, but
-  // it stays in its cell, the same in every run.
-  const Point point{-3.21F, 2.34F, 1.23F, 5.0F};
-  const SweepCase sweep{"a million identical points",
-                        {.c_min = 0.5, .c_max = 100.0, .r_input = 0.25, .beam_spacing = 0.01},
-                        std::vector<Point>(1'000'000, point)};
-  PreprocessRun run(context(), sweep.settings, sweep.raw);
-  run.run();
-  EXPECT_EQ(run.counters().valid_points, 1'000'000U);
-  EXPECT_EQ(run.counters().input_failures, 0U);
-  const std::vector<Point> cloud = run.cloud();
-  ASSERT_EQ(cloud.size(), 1U);
-  EXPECT_EQ(cloud[0].intensity, point.intensity);
-  EXPECT_EQ(reference::cell_of({cloud[0].x, cloud[0].y, cloud[0].z}, 4.0F),
-            reference::cell_of({point.x, point.y, point.z}, 4.0F));
-  run.run();
-  EXPECT_TRUE(same_bytes(run.cloud(), cloud));
+// A cell's sums hold 65 535 points for certain. Beyond that the first point stands for it, the same
+// in every run, and it is counted.
+TEST_F(PreprocessKernels, ACellWithMorePointsThanItsSumsHoldIsCounted) {
+  for (const size_t count : {65'536UL, 140'000UL, 1'000'000UL}) {
+    SCOPED_TRACE(count);
+    // Near the upper corner, where the sums are largest, and one elsewhere.
+    std::vector<Point> raw(count, Point{3.2499F, 2.2499F, 1.2499F, 5.0F});
+    raw[0] = {3.12F, 2.13F, 1.14F, 7.0F};
+    raw.push_back({-3.21F, 2.34F, 1.23F, 2.0F});
+    const SweepCase sweep{"a crowded cell",
+                          {.c_min = 0.5, .c_max = 100.0, .r_input = 0.25, .beam_spacing = 0.01},
+                          raw};
+    PreprocessRun run(context(), sweep.settings, sweep.raw);
+    run.run();
+    const Verdict verdict =
+        test::verify_downsample(sweep.settings, sweep.raw, run.counters(), run.cloud());
+    EXPECT_TRUE(verdict.passed()) << verdict.text();
+    EXPECT_EQ(run.counters().crowded_cells, 1U);
+    const std::vector<Point> cloud = run.cloud();
+    run.run();
+    EXPECT_TRUE(same_bytes(run.cloud(), cloud));
+    EXPECT_EQ(run.counters().crowded_cells, 1U) << "of one sweep, not of all";
+  }
 }
 
 TEST_F(PreprocessKernels, FullCellsKeepTheirMean) {

@@ -87,6 +87,7 @@ TEST(RunStatistics, CountsDistanceStatesAndTimes) {
   SweepResult bad = failed(RegistrationStatus::too_little_overlap);
   bad.T_map_lidar.translation() = Eigen::Vector3d(2.0, 3.0, 4.0);  // 5 m beside the last one
   bad.lost_points = 3;
+  bad.crowded_voxels = 2;
   const auto failure = statistics.add(3, recording.read(3), bad, {});
   ASSERT_TRUE(failure);
   EXPECT_EQ(failure->index, 3U);
@@ -95,6 +96,7 @@ TEST(RunStatistics, CountsDistanceStatesAndTimes) {
   EXPECT_EQ(statistics.sweeps(), 4U);
   EXPECT_EQ(statistics.keyframes(), 3U);
   EXPECT_EQ(statistics.lost_points(), 3U);
+  EXPECT_EQ(statistics.crowded_voxels(), 2U);
   EXPECT_NEAR(statistics.distance(), 7.0, 1e-12);
   EXPECT_EQ(statistics.count(OdometryState::initializing), 1U);
   EXPECT_EQ(statistics.count(OdometryState::tracking), 2U);

@@ -94,6 +94,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   assessor_.add(result);
   keyframes_ += result.keyframe ? 1 : 0;
   lost_points_ += static_cast<std::size_t>(result.lost_points);
+  crowded_voxels_ += static_cast<std::size_t>(result.crowded_voxels);
   ++states_[static_cast<std::size_t>(result.state)];
 
   const std::array by_stage{times.read, times.host, times.wait, times.write};

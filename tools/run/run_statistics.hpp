@@ -94,6 +94,8 @@ class RunStatistics {
   /// Points of all sweeps that found no place on the device (SweepResult::lost_points); 0 is
   /// normal.
   std::size_t lost_points() const { return lost_points_; }
+  /// Voxels of all sweeps that too many raw points fell into (SweepResult::crowded_voxels).
+  std::size_t crowded_voxels() const { return crowded_voxels_; }
   const std::vector<SweepFailure>& failures() const { return failures_; }
   double distance() const { return distance_; }  ///< m, along the estimated path
   double recorded_seconds() const;               ///< s between the first and the last stamp
@@ -115,6 +117,7 @@ class RunStatistics {
   std::size_t deskewed_ = 0;
   std::size_t keyframes_ = 0;
   std::size_t lost_points_ = 0;
+  std::size_t crowded_voxels_ = 0;
   std::array<std::size_t, 4> states_{};
   std::array<std::size_t, 7> statuses_{};
   std::vector<SweepFailure> failures_;

@@ -39,6 +39,7 @@ ordered_json describe_sweeps(const RunStatistics& statistics) {
   json["failed"] = statistics.failures().size();
   json["keyframes"] = statistics.keyframes();
   json["lost_points"] = statistics.lost_points();
+  json["crowded_voxels"] = statistics.crowded_voxels();
   for (const OdometryState state : kOdometryStates) {
     json["states"][std::string(to_string(state))] = statistics.count(state);
   }

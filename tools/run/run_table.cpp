@@ -28,6 +28,12 @@ std::string counts(const RunStatistics& statistics) {
   if (statistics.lost_points() > 0) {
     text += fmt::format("; {} points found no place on the device", statistics.lost_points());
   }
+  if (statistics.crowded_voxels() > 0) {
+    text += fmt::format(
+        "; {} times a voxel held more than 65535 raw points, the first of which stands for it: a "
+        "smaller preprocess.r_input keeps their mean",
+        statistics.crowded_voxels());
+  }
   return text;
 }
 
