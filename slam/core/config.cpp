@@ -88,6 +88,8 @@ void check_preprocess(Checks& checks, const PreprocessConfig& p) {
 
 void check_registration(Checks& checks, const Config& config) {
   const RegistrationConfig& r = config.registration;
+  checks.holds(r.method == "vgicp" || r.method == "ndt", "registration.method",
+               "is '" + r.method + "'; must be vgicp or ndt");
   checks.between("registration.r_align", r.r_align, 0.05, 50.0, "m");
   checks.require(r.r_align >= config.preprocess.r_input, "registration.r_align", r.r_align,
                  than("at least", "preprocess.r_input", config.preprocess.r_input));
@@ -193,14 +195,16 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
 
 }  // namespace
 
-Config with_lengths(Config config, double r_input) {
+Config with_lengths(const Config& stated, double r_input) {
+  Config config = stated;
   PreprocessConfig& p = config.preprocess;
   RegistrationConfig& r = config.registration;
   const bool derived = r.r_align == 0.0;
   if (p.r_input == 0.0) {
-    p.r_input = r.r_align > 0.0 ? std::min(r_input, 0.5 * r.r_align) : r_input;
+    p.r_input = derived ? r_input : std::min(r_input, 0.5 * r.r_align);
   }
-  r.r_align = r.r_align == 0.0 ? 2.0 * p.r_input : r.r_align;
+  const double cells = r.method == "ndt" ? 4.0 : 2.0;
+  r.r_align = derived ? cells * p.r_input : r.r_align;
   r.d_max = r.d_max == 0.0 ? r.r_align : r.d_max;
   p.surface_size = p.surface_size == 0.0 ? 2.5 * p.r_input : p.surface_size;
   config.mapping.r_submap = config.mapping.r_submap == 0.0 ? p.r_input : config.mapping.r_submap;

@@ -103,8 +103,9 @@ struct ImuConfig {
   }
 };
 
-/// Alignment of a sweep with the submap (VGICP).
+/// Alignment of a sweep with the submap, and of consecutive keyframes' submaps.
 struct RegistrationConfig {
+  std::string method = "vgicp";
   double r_align = 0.0;  ///< m; 0: derived
   double d_max = 0.0;    ///< m; 0: derived
   int max_iterations = 60;
@@ -115,8 +116,12 @@ struct RegistrationConfig {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
+    field("method", self.method, "",
+          "vgicp: points with their surfaces to those of voxels; ndt: points to the voxels' "
+          "Gaussians (needs larger voxels, and knows less of weak directions)");
     field("r_align", self.r_align, "m",
-          "voxel size of the submap's Gaussian voxel map; 0: twice preprocess.r_input");
+          "voxel size of the submap's Gaussian voxel map; 0: twice preprocess.r_input, with ndt "
+          "four times");
     field("d_max", self.d_max, "m", "matches farther apart than this are not used; 0: r_align");
     field("max_iterations", self.max_iterations, "", "Gauss-Newton iterations at most");
     field("translation_epsilon", self.translation_epsilon, "m",
@@ -221,7 +226,7 @@ inline constexpr double kUsualInput = 0.25;
 /// The configuration with every length that it leaves at 0 filled in: preprocess.r_input with this
 /// one (m), the others from it. With a voxel size that was derived preprocess.c_max is at most what
 /// voxels that small reach.
-Config with_lengths(Config config, double r_input = kUsualInput);
+Config with_lengths(const Config& config, double r_input = kUsualInput);
 
 /// The first setting that makes no sense: its dotted name and what would.
 struct ConfigProblem {

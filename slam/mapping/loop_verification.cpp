@@ -129,7 +129,7 @@ LoopVerifier::LoopVerifier(engine::Context& context, const Config& config,
       settings_(settings),
       r_align_(config.registration.r_align),
       clouds_(context, config.preprocess),
-      aligner_(context, submap_alignment_settings(config)) {}
+      aligner_(context, submap_alignment_settings(config, RegistrationMethod::vgicp)) {}
 
 std::vector<LoopVerification> LoopVerifier::verify(const KeyframeSubmap& to,
                                                    const SurfaceCloud& cloud,

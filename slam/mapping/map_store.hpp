@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,20 @@ enum class CandidateVerdict {
   rejected,
   revoked,  ///< accepted once; its edge is revoked
 };
+/// The enumerator's name.
+constexpr std::string_view to_string(CandidateVerdict verdict) {
+  switch (verdict) {
+    case CandidateVerdict::waiting:
+      return "waiting";
+    case CandidateVerdict::accepted:
+      return "accepted";
+    case CandidateVerdict::rejected:
+      return "rejected";
+    case CandidateVerdict::revoked:
+      return "revoked";
+  }
+  return "unknown";
+}
 
 /// A place that might have been seen before, and what became of that.
 struct LoopCandidate {

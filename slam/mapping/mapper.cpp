@@ -22,7 +22,7 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       beam_spacing_(config.preprocess.beam_spacing),
       builder_(context, config.preprocess, config.mapping.r_submap),
       clouds_(context, config.preprocess),
-      aligner_(context, submap_alignment_settings(config)) {
+      aligner_(context, submap_alignment_settings(config, method_of(config.registration))) {
   if (config.mapping.loops) {
     loops_.emplace(context, config, store, submap_bytes);
   }

@@ -7,12 +7,15 @@
 
 namespace adit {
 
-/// How two submaps are aligned, consecutive ones and those of a loop: limits are those of sweeps.
-inline AlignmentSettings submap_alignment_settings(const Config& config) {
+/// How two submaps are aligned: limits are those of sweeps. Consecutive ones by the method that is
+/// set; those of a loop by VGICP, which knows what its matches do not hold.
+inline AlignmentSettings submap_alignment_settings(const Config& config,
+                                                   RegistrationMethod method) {
   const RegistrationConfig& registration = config.registration;
-  return {.method = RegistrationMethod::vgicp,
-          .neighbours = 1,
-          .robust = RobustKernel::cauchy,
+  const bool ndt = method == RegistrationMethod::ndt;
+  return {.method = method,
+          .neighbours = ndt ? 7 : 1,
+          .robust = ndt ? RobustKernel::none : RobustKernel::cauchy,
           .d_max = registration.d_max,
           .max_iterations = registration.max_iterations,
           .translation_epsilon = registration.translation_epsilon,

@@ -53,6 +53,13 @@ constexpr uint64_t kMapCountersAt = kProgressBackAt + engine::align_slice(kProgr
 constexpr double kRobustWidth = 1.0;
 constexpr double kFictitious = 0.5;  // information of a VGICP match in every direction
 
+engine::RegistrationOptions options_of(RegistrationMethod method) {
+  if (method == RegistrationMethod::ndt) {
+    return {.method = gpu::kNdt, .neighbours = 7};
+  }
+  return {.robust = gpu::kCauchy};
+}
+
 // The alignment from an untrusted prediction must match this many times as many points as the
 // search's to be accepted instead. A sensor at rest sees its own scan pattern again, so that no
 // motion matches nearly as many as the true one; a search that went astray matches far fewer.
@@ -95,7 +102,8 @@ RegistrationResult best_of(const std::vector<RegistrationResult>& found) {
 
 Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
     : config_(config),
-      kernels_(context, {.robust = gpu::kCauchy}),
+      method_(method_of(config)),
+      kernels_(context, options_of(method_)),
       upload_(
           context.make_buffer(kStateAt + kStateBytes, engine::Memory::upload, "alignment start")),
       jobs_(context.make_buffer(kLevels * kJobStride, engine::Memory::device, "alignment jobs")),
@@ -153,6 +161,8 @@ void Aligner::record_starts(engine::Recorder& recorder, const Prediction& predic
 void Aligner::record_jobs(engine::Recorder& recorder, size_t level,
                           const engine::VoxelMapView& target, double d_max,
                           engine::Slice counters) {
+  const NdtScore score =
+      method_ == RegistrationMethod::ndt ? ndt_score(target.voxel_size) : NdtScore{.weight = 1.0};
   const gpu::RegistrationJob job{.source_begin = 0,
                                  .source_count = 0,
                                  .target_begin = 0,
@@ -163,8 +173,8 @@ void Aligner::record_jobs(engine::Recorder& recorder, size_t level,
                                  .max_squared = static_cast<float>(d_max * d_max),
                                  .wide_squared = 0.0F,
                                  .wide_iterations = 0,
-                                 .score_weight = 1.0F,
-                                 .score_exponent = 0.0F,
+                                 .score_weight = static_cast<float>(score.weight),
+                                 .score_exponent = static_cast<float>(score.exponent),
                                  .viewpoint = {},
                                  .unused0 = 0};
   const uint32_t count = std::max(starts_, 1U);
@@ -231,7 +241,8 @@ RegistrationResult Aligner::read_result(int source_points, const Submap& submap)
                                 (search ? kProgressStride : 0) + sizeof(gpu::RegistrationHeader);
     return read_registration({reinterpret_cast<const gpu::RegistrationState*>(states)[k],
                               reinterpret_cast<const gpu::RegistrationProgress*>(progress)[k]},
-                             source_points, kFictitious, config_);
+                             source_points,
+                             method_ == RegistrationMethod::vgicp ? kFictitious : 0.0, config_);
   };
   RegistrationResult result = read(false, 0);
   if (starts_ > 0) {

@@ -9,12 +9,13 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/odometry/motion_model.hpp"
 #include "adit/slam/odometry/submap.hpp"
+#include "adit/slam/registration/alignment_clouds.hpp"
 #include "adit/slam/registration/registration.hpp"
 
 namespace adit {
 
-/// Aligns a sweep's cloud with the submap on the device: VGICP from the predicted pose, and from
-/// each of the places to search from coarse voxels down to fine ones: the best one counts, and
+/// Aligns a sweep's cloud with the submap on the device: VGICP or NDT from the predicted pose, and
+/// from each of the places to search from coarse voxels down to fine ones: the best one counts, and
 /// tells how well the best other place fits.
 class Aligner {
  public:
@@ -45,6 +46,7 @@ class Aligner {
                    double d_max, engine::Slice counters);
 
   RegistrationConfig config_;
+  RegistrationMethod method_;
   engine::RegistrationKernels kernels_;
   engine::Buffer upload_;    ///< jobs of all levels, starts, initial states
   engine::Buffer jobs_;      ///< all levels, with the number of points that the device knows

@@ -12,8 +12,27 @@ constexpr int kTrustedAfter = 2;
 // Nobody moves at constant velocity for longer than this.
 constexpr double kLongestExtrapolation = 1.0;  // s
 constexpr double kLongestGuess = 5.0;          // s
+// Along what matches hold, and along what few of them do.
+constexpr double kHardlyMoves = 0.5;        // m/s
+constexpr double kHardlyMovesPartly = 1.0;  // m/s
 
 }  // namespace
+
+bool hardly_moves(const RegistrationResult& alignment, const StampedPose& from,
+                  const StampedPose& to) {
+  const double elapsed = std::max(seconds(to.stamp - from.stamp), 1e-3);
+  const Eigen::Vector3d velocity =
+      to.pose.linear().transpose() * (to.pose.translation() - from.pose.translation()) / elapsed;
+  double held = 0.0;
+  double partly = 0.0;
+  for (const ObservedDirection& direction : alignment.translation) {
+    const double along = direction.axis.dot(velocity);
+    held += direction.localizability == Localizability::full ? along * along : 0.0;
+    partly += direction.localizability == Localizability::partial ? along * along : 0.0;
+  }
+  return held < kHardlyMoves * kHardlyMoves &&
+         held + partly < kHardlyMovesPartly * kHardlyMovesPartly;
+}
 
 Prediction MotionModel::predict(Nanoseconds stamp) const {
   if (!last_) {

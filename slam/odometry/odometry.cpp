@@ -14,11 +14,6 @@
 #include "adit/slam/registration/beam_spacing.hpp"
 
 namespace adit {
-namespace {
-
-constexpr double kHardlyMoves = 0.5;  // m/s
-
-}  // namespace
 
 std::string_view to_string(OdometryState state) {
   switch (state) {
@@ -152,8 +147,7 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   }
   // A sensor that hardly moves and whose readings are quiet is at rest: a velocity of directions
   // that no match holds would be noise, and feed on itself.
-  if (last && motion.speed() < kHardlyMoves &&
-      inertial.is_quiet_between(last->stamp, sweep.stamp)) {
+  if (last && hardly_moved && inertial.is_quiet_between(last->stamp, sweep.stamp)) {
     expected.prediction.T_map_lidar = last->pose;
   }
   expected.steady = expected.prediction.T_map_lidar;
@@ -214,6 +208,7 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
 
   if (aligned) {
     failures_in_a_row = 0;
+    hardly_moved = motion.last() && hardly_moves(result.registration, *motion.last(), pose);
     motion.update(pose, true);
     joined = submap.wants(pose.pose);
     if (joined) {

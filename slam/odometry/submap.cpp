@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "adit/engine/context.hpp"
+#include "adit/slam/registration/alignment_clouds.hpp"
 #include "adit/slam/registration/registration.hpp"
 
 namespace adit {
@@ -36,7 +37,8 @@ uint32_t densest(uint32_t points, double voxel_size, double r_input) {
 
 Submap::Submap(engine::Context& context, const Config& config)
     : context_(&context),
-      kernels_(context),
+      kernels_(context, content_for(method_of(config.registration))),
+      finish_(finish_for(method_of(config.registration))),
       config_(config.submap),
       voxel_size_(with_lengths(config).registration.r_align),
       r_input_(with_lengths(config).preprocess.r_input),
@@ -57,6 +59,24 @@ void Submap::use_table(uint32_t slots) {
   table_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(slots),
                                  engine::Memory::device, "submap voxel map");
   view_ = {.table = *table_, .counters = counters_, .voxel_size = voxel_size_};
+  finished_.reset();
+  if (finish_) {
+    finished_ = context_->make_buffer(engine::VoxelMapKernels::table_bytes(slots),
+                                      engine::Memory::device, "submap Gaussians");
+  }
+}
+
+void Submap::record_finish(engine::Recorder& recorder, const engine::VoxelMapView& map,
+                           std::optional<engine::Buffer>& finished) {
+  if (!finish_) {
+    return;
+  }
+  if (!finished) {
+    finished = context_->make_buffer(map.table.bytes, engine::Memory::device, "submap Gaussians");
+  }
+  recorder.barrier();
+  kernels_.record_finish(recorder, map, *finish_, *finished);
+  recorder.barrier();
 }
 
 void Submap::clear() {
@@ -116,6 +136,7 @@ void Submap::record_update(engine::Recorder& recorder) {
   pending_ = false;
   if (rebuild_) {
     record_rebuild(recorder);
+    record_finish(recorder, view_, finished_);
     return;
   }
   if (clouds_.size() > static_cast<size_t>(config_.l)) {
@@ -127,6 +148,7 @@ void Submap::record_update(engine::Recorder& recorder) {
     clouds_.pop_front();
   }
   add_to_map(recorder, clouds_.back());
+  record_finish(recorder, view_, finished_);
 }
 
 void Submap::record_rebuild(engine::Recorder& recorder) {
@@ -173,7 +195,9 @@ engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double fa
     room -= fullest;
     kernels_.record_add(recorder, view, cloud->surface_cloud, points, cloud->T_submap_lidar);
   }
-  return view;
+  record_finish(recorder, view, coarse_finished_);
+  return finish_ ? engine::VoxelMapView{*coarse_finished_, coarse_counters_, view.voxel_size}
+                 : view;
 }
 
 uint32_t Submap::note_counters(const gpu::VoxelMapCounters& counters) {

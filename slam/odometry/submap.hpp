@@ -55,7 +55,10 @@ class Submap {
   /// After a submission that failed: the voxel map may hold anything.
   void invalidate() { rebuild_ = true; }
 
-  const engine::VoxelMapView& voxel_map() const { return view_; }
+  /// As alignments read it: with NDT the Gaussians, else the sums.
+  engine::VoxelMapView voxel_map() const {
+    return finish_ ? engine::VoxelMapView{*finished_, counters_, voxel_size_} : view_;
+  }
   /// Frame of the voxel map: T_map_submap.
   const Eigen::Isometry3d& pose() const { return T_map_submap_; }
 
@@ -70,9 +73,12 @@ class Submap {
   void record_rebuild(engine::Recorder& recorder);
   void use_table(uint32_t slots);
   void add_to_map(engine::Recorder& recorder, Cloud& cloud);
+  void record_finish(engine::Recorder& recorder, const engine::VoxelMapView& map,
+                     std::optional<engine::Buffer>& finished);
 
   engine::Context* context_;
   engine::VoxelMapKernels kernels_;
+  std::optional<engine::FinishSettings> finish_;  ///< what the method makes of the sums
   SubmapConfig config_;
   double voxel_size_;
   double r_input_;          ///< m; a cloud has a point a voxel of this size
@@ -87,6 +93,8 @@ class Submap {
 
   std::optional<engine::Buffer> table_;  ///< memory of view_; made at the first rebuild
   std::optional<engine::Buffer> coarse_table_;
+  std::optional<engine::Buffer> finished_;  ///< as long as the tables
+  std::optional<engine::Buffer> coarse_finished_;
   engine::Buffer counters_;
   engine::Buffer coarse_counters_;
   engine::VoxelMapView view_;

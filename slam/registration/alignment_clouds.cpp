@@ -19,11 +19,24 @@ constexpr engine::FinishSettings kGaussians = {
     .min_points = 6, .least_ratio = 0.01, .least_sigma = 0.01};
 constexpr engine::FinishSettings kPlanes = {.min_points = 1};
 
-bool has_moments(RegistrationMethod method) {
-  return method == RegistrationMethod::ndt || method == RegistrationMethod::ndt_to_ndt;
+}  // namespace
+
+RegistrationMethod method_of(const RegistrationConfig& config) {
+  return config.method == "ndt" ? RegistrationMethod::ndt : RegistrationMethod::vgicp;
 }
 
-}  // namespace
+engine::VoxelContent content_for(RegistrationMethod method) {
+  const bool gaussians =
+      method == RegistrationMethod::ndt || method == RegistrationMethod::ndt_to_ndt;
+  return gaussians ? engine::VoxelContent::moments : engine::VoxelContent::surfaces;
+}
+
+std::optional<engine::FinishSettings> finish_for(RegistrationMethod method) {
+  if (method == RegistrationMethod::vgicp) {
+    return std::nullopt;
+  }
+  return content_for(method) == engine::VoxelContent::moments ? kGaussians : kPlanes;
+}
 
 std::string_view to_string(RegistrationMethod method) {
   switch (method) {
@@ -104,7 +117,8 @@ AlignmentTarget AlignmentClouds::make_target(const SurfaceCloud& cloud, Registra
 AlignmentTarget::Level AlignmentClouds::make_level(const SurfaceCloud& cloud,
                                                    RegistrationMethod method, double voxel_size,
                                                    uint32_t& voxels) {
-  const engine::VoxelMapKernels& kernels = has_moments(method) ? moments_ : surfaces_;
+  const engine::VoxelMapKernels& kernels =
+      content_for(method) == engine::VoxelContent::moments ? moments_ : surfaces_;
   const auto table_of = [&](uint32_t slots) {
     return context_->make_buffer(engine::VoxelMapKernels::table_bytes(slots),
                                  engine::Memory::device, "voxel map");
@@ -129,10 +143,10 @@ AlignmentTarget::Level AlignmentClouds::make_level(const SurfaceCloud& cloud,
   const engine::VoxelMapView map{
       .table = level.table, .counters = counters_, .voxel_size = voxel_size};
   build(kernels, cloud, map);
-  if (method != RegistrationMethod::vgicp) {
+  if (const std::optional<engine::FinishSettings> finish = finish_for(method)) {
     engine::Buffer finished = table_of(slots);
     engine::Recorder recorder = context_->make_recorder();
-    kernels.record_finish(recorder, map, has_moments(method) ? kGaussians : kPlanes, finished);
+    kernels.record_finish(recorder, map, *finish, finished);
     context_->submit(std::move(recorder)).wait();
     level.table = std::move(finished);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,11 @@ enum class RegistrationMethod {
   ndt_to_ndt,      ///< Gaussians to Gaussians (Stoyanov et al., IJRR 2012): coarse and very fast
 };
 std::string_view to_string(RegistrationMethod method);
+/// The method that a setting names.
+RegistrationMethod method_of(const RegistrationConfig& config);
+/// What voxels have to gather for it, and what is made of that; VGICP reads the sums themselves.
+engine::VoxelContent content_for(RegistrationMethod method);
+std::optional<engine::FinishSettings> finish_for(RegistrationMethod method);
 
 /// A cloud on the device: down-sampled, with the surface at each point. Coordinates on the device
 /// are float32 about `origin`.

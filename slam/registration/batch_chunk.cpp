@@ -16,23 +16,6 @@ namespace {
 constexpr double kCoarseTranslationEpsilon = 5e-3;  // m
 constexpr double kCoarseRotationEpsilon = 1e-3;     // rad
 
-constexpr double kOutliers = 0.55;  // part of the points that NDT's score takes for outliers
-
-// Constants of Magnusson's score for a cell size r (m): a Gaussian and a uniform floor.
-struct Score {
-  double d1 = 0.0;
-  double d2 = 0.0;
-};
-
-Score score_of(double r) {
-  const double c1 = 10.0 * (1.0 - kOutliers);
-  const double c2 = kOutliers / (r * r * r);
-  const double d3 = -std::log(c2);
-  const double d1 = -std::log(c1 + c2) - d3;
-  const double d2 = -2.0 * std::log((-std::log(c1 * std::exp(-0.5) + c2) - d3) / d1);
-  return {d1, d2};
-}
-
 bool is_gaussian(RegistrationMethod method) {
   return method == RegistrationMethod::ndt || method == RegistrationMethod::ndt_to_ndt;
 }
@@ -60,7 +43,7 @@ gpu::RegistrationJob job_of(const AlignmentPair& pair, size_t level, const Align
                             uint32_t wide_iterations) {
   const AlignmentTarget::Level& target = pair.target->levels[level];
   const bool finest = level + 1 == pair.target->levels.size();
-  const Score score = score_of(target.voxel_size);
+  const NdtScore score = ndt_score(target.voxel_size);
   const bool gaussian = is_gaussian(s.method);
   const Eigen::Vector3f viewpoint = (pair.target->viewpoint - pair.target->origin).cast<float>();
   return {.source_begin = static_cast<uint32_t>(source_at / sizeof(gpu::uvec4)),
@@ -73,8 +56,8 @@ gpu::RegistrationJob job_of(const AlignmentPair& pair, size_t level, const Align
           .max_squared = squared(finest ? s.d_max : target.voxel_size),
           .wide_squared = squared(std::max(s.d_max_wide, s.d_max)),
           .wide_iterations = finest ? wide_iterations : 0,
-          .score_weight = gaussian ? static_cast<float>(-score.d1 * score.d2) : 1.0F,
-          .score_exponent = gaussian ? static_cast<float>(0.5 * score.d2) : 0.0F,
+          .score_weight = gaussian ? static_cast<float>(score.weight) : 1.0F,
+          .score_exponent = gaussian ? static_cast<float>(score.exponent) : 0.0F,
           .viewpoint = {viewpoint.x(), viewpoint.y(), viewpoint.z()},
           .unused0 = 0};
 }

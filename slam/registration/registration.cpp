@@ -63,6 +63,8 @@ Eigen::Isometry3d from_device(const gpu::mat3x4& rows) {
 
 namespace {
 
+constexpr double kOutliers = 0.55;  // part of the points that NDT's score takes for outliers
+
 Matrix6d symmetric(const float* upper) {
   Matrix6d m;
   for (int i = 0; i < 6; ++i) {
@@ -167,6 +169,15 @@ gpu::RegistrationState initial_state(const Eigen::Isometry3d& guess,
     }
   }
   return state;
+}
+
+NdtScore ndt_score(double voxel_size) {
+  const double c1 = 10.0 * (1.0 - kOutliers);
+  const double c2 = kOutliers / (voxel_size * voxel_size * voxel_size);
+  const double d3 = -std::log(c2);
+  const double d1 = -std::log(c1 + c2) - d3;
+  const double d2 = -2.0 * std::log((-std::log(c1 * std::exp(-0.5) + c2) - d3) / d1);
+  return {.weight = -d1 * d2, .exponent = 0.5 * d2};
 }
 
 RegistrationResult read_registration(const DeviceAlignment& device, int source_points,

@@ -115,6 +115,14 @@ Eigen::Isometry3d from_device(const gpu::mat3x4& rows);
 gpu::RegistrationState initial_state(const Eigen::Isometry3d& guess,
                                      const Matrix6d& prior_information);
 
+/// What a match counts in NDT, by Magnusson's score (2009, equation 6.8) for voxels of an edge (m):
+/// `weight` exp(-`exponent` d²) at the Mahalanobis distance d.
+struct NdtScore {
+  double weight = 0.0;
+  double exponent = 0.0;
+};
+NdtScore ndt_score(double voxel_size);
+
 /// What the device left of one alignment.
 struct DeviceAlignment {
   const gpu::RegistrationState& state;

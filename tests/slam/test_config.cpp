@@ -33,6 +33,7 @@ std::vector<BadSetting> bad_settings() {
        "less than preprocess.c_max (0.6)"},
       {"preprocess.beam_spacing", [](Config& c) { c.preprocess.beam_spacing = 0.001; }, "rad"},
       {"preprocess.surface_size", [](Config& c) { c.preprocess.surface_size = -1; }, "m"},
+      {"registration.method", [](Config& c) { c.registration.method = "icp"; }, "vgicp or ndt"},
       {"registration.r_align",
        [](Config& c) { c.registration.r_align = 0.2, c.preprocess.r_input = 0.25; },
        "at least preprocess.r_input ("},
@@ -162,6 +163,12 @@ TEST(Lengths, ThatAreLeftOpenFollowFromTheVoxelSizeOfTheInput) {
   EXPECT_EQ(near.registration.r_align, 0.1);
   EXPECT_NEAR(near.preprocess.c_max, 41.1, 1e-9) << "as far as the keys of such voxels reach";
   EXPECT_FALSE(validate(near).has_value());
+}
+
+TEST(Lengths, GaussiansNeedLargerVoxels) {
+  Config ndt;
+  ndt.registration.method = "ndt";
+  EXPECT_EQ(with_lengths(ndt).registration.r_align, 1.0);
 }
 
 TEST(Lengths, ThatAreStatedStayAndTheOthersFollowThem) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -22,6 +23,35 @@ Vector6d twist(double x, double y, double z, double rx, double ry, double rz) {
 /// Where a body is that moves with a constant twist (m/s, rad/s) from the identity at time 0.
 StampedPose pose_at(const Vector6d& velocity, Nanoseconds stamp) {
   return {stamp, se3_exp(std::chrono::duration<double>(stamp).count() * velocity)};
+}
+
+// 0.1 s, with z up: the floor holds z, a wall x, and nothing, or little, holds y.
+TEST(HardlyMoves, CountsWhatMatchesHold) {
+  RegistrationResult alignment;
+  for (int k = 0; k < 3; ++k) {
+    alignment.translation.at(static_cast<size_t>(k)) = {.axis = Eigen::Vector3d::Unit(k),
+                                                        .localizability = Localizability::full};
+  }
+  // Turned by 90 degrees: the map's x is the sensor's -y.
+  const Eigen::Matrix3d turned =
+      Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto moved = [&](const Eigen::Vector3d& velocity_lidar) {
+    StampedPose from{milliseconds(1000)};
+    from.pose.linear() = turned;
+    StampedPose to = from;
+    to.stamp += milliseconds(100);
+    to.pose.translation() = turned * (0.1 * velocity_lidar);
+    return hardly_moves(alignment, from, to);
+  };
+  EXPECT_TRUE(moved({0.3, 0.3, 0.0}));
+  EXPECT_FALSE(moved({0.0, 0.6, 0.0}));
+  alignment.translation[1].localizability = Localizability::partial;
+  EXPECT_TRUE(moved({0.0, 0.9, 0.0}));
+  EXPECT_FALSE(moved({0.0, 1.1, 0.0}));
+  EXPECT_FALSE(moved({0.6, 0.0, 0.0}));
+  alignment.translation[1].localizability = Localizability::none;
+  EXPECT_TRUE(moved({0.0, 7.0, 0.0}));
+  EXPECT_FALSE(moved({0.0, 7.0, 0.6}));
 }
 
 /// A model that has seen a start and aligned sweeps at these times, in ms.

@@ -66,6 +66,14 @@ RegistrationResult read(const Outcome& state, int source_points,
   return read_registration({state, state}, source_points, 0.0, config);
 }
 
+// Magnusson 2009, equation 6.8, for 55 % outliers; worked out by hand for voxels of 1 m.
+TEST(Registration, ScoreOfNdt) {
+  const NdtScore score = ndt_score(1.0);
+  EXPECT_NEAR(score.weight, 0.9603, 5e-4);
+  EXPECT_NEAR(score.exponent, 0.21656, 5e-5);
+  EXPECT_GT(ndt_score(2.0).exponent, 0.0);
+}
+
 TEST(Registration, APoseGoesToTheDeviceAndBackWithinFloatRounding) {
   const Eigen::Isometry3d back = from_device(to_device(some_pose()));
   EXPECT_LE((back.matrix() - some_pose().matrix()).norm(), 2e-6);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
@@ -30,7 +31,9 @@ class LoopsCommand : public testing::Test {
     MapDatabase map(map_, MapAccess::write);
     const SessionId session = test::add_session(map);
     for (NodeId id = 0; id < 6; ++id) {
-      map.store(test::record(id, session));
+      KeyframeRecord record = test::record(id, session);
+      record.submap = encode(wall());
+      map.store(record);
     }
     const PoseEdge loop = test::edge(0, 5, test::step(49.0), 400.0);
     map.revise({.edges = {loop},
@@ -50,6 +53,23 @@ class LoopsCommand : public testing::Test {
                                              .verdict = CandidateVerdict::rejected,
                                              .reason = "too_little_overlap",
                                              .figure = 0.12}}});
+  }
+
+  static KeyframeSubmap wall() {
+    KeyframeSubmap submap;
+    submap.r_submap = 0.25;
+    submap.sweeps.emplace_back();
+    for (int i = 0; i < 200; ++i) {
+      submap.points.push_back({.place = {20 * i, 3000, 10 * i}});
+    }
+    return submap;
+  }
+
+  Ran shown_on(const fs::path& page) const {
+    LoopsCommandOptions options;
+    options.map = map_;
+    options.html = page;
+    return ran(options);
   }
 
   double x_of_last() const {
@@ -72,6 +92,37 @@ TEST_F(LoopsCommand, ListsTheLedgerAsATableAndAsJson) {
   EXPECT_EQ(json.at("loops")[0].at("verdict"), "accepted");
   EXPECT_EQ(json.at("loops")[1].at("reason"), "too_little_overlap");
   EXPECT_EQ(json.at("loops")[1].at("figure"), 0.12);
+}
+
+TEST_F(LoopsCommand, ShowsThemAsAPage) {
+  const fs::path page = folder_ / "loops.html";
+  const Ran shown = shown_on(page);
+  EXPECT_EQ(shown.code, 0) << shown.err;
+  EXPECT_NE(shown.out.find("look at  " + page.string()), std::string::npos) << shown.out;
+  const std::string html = test::content(page);
+  // The odometry alone has the two 50 m apart, the loop 49 m.
+  for (const char* part :
+       {"Loop 1: keyframes 0 and 5, accepted", "after 50 m the odometry alone is 1.000 m",
+        "Loop 2: keyframes 1 and 5, rejected: too_little_overlap (0.12)", "1 accepted",
+        "1 rejected", "where they were aligned", "data:image/png;base64,iVBORw0KGgo"}) {
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(html.find("nan"), std::string::npos);
+  EXPECT_EQ(html.find("inf "), std::string::npos);
+  const Ran nowhere = shown_on(folder_ / "missing" / "loops.html");
+  EXPECT_EQ(nowhere.code, 1);
+  EXPECT_NE(nowhere.err.find("loops.html"), std::string::npos) << nowhere.err;
+  {
+    MapDatabase map(map_, MapAccess::write);
+    map.store(test::record(6, 1));
+    LoopCandidate candidate;
+    candidate.id = 3;
+    candidate.to = 6;
+    map.revise({.candidates = {candidate}});
+  }
+  const Ran spoiled = shown_on(page);
+  EXPECT_EQ(spoiled.code, 1);
+  EXPECT_NE(spoiled.err.find("a submap is damaged"), std::string::npos) << spoiled.err;
 }
 
 TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {

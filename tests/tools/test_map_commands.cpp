@@ -232,7 +232,7 @@ TEST_F(MapCommands, ExportSaysWhatIsMissing) {
   says({.trajectory = "tum"}, "-o FILE");
   says({.output = map_, .graph = "g2o"}, "cannot be written over");
   says({.output = folder_ / "x", .graph = "g2o", .recording = recording_}, "needs --dense");
-  says({.output = folder_ / "x.png", .picture = true}, "name it *.svg");
+  says({.output = folder_ / "x.jpg", .picture = true}, "name it *.svg or *.png");
   says({.output = folder_ / "x", .graph = "g2o", .resolution = 1.0}, "needs --cloud");
   says({.output = folder_ / "x", .cloud = "ply", .resolution = 0.0}, "between 0.001");
 }

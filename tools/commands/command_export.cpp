@@ -48,8 +48,10 @@ void check_options(const ExportCommandOptions& options) {
   if (options.resolution && options.cloud.empty()) {
     throw UsageError("--resolution needs --cloud.");
   }
-  if (options.picture && options.output->extension() != ".svg") {
-    throw UsageError("-o " + options.output->string() + ": pictures are SVG files; name it *.svg.");
+  if (options.picture && options.output->extension() != ".svg" &&
+      options.output->extension() != ".png") {
+    throw UsageError("-o " + options.output->string() +
+                     ": pictures are SVG or PNG files; name it *.svg or *.png.");
   }
   if (options.resolution && !(*options.resolution >= 1e-3 && *options.resolution <= 1e3)) {
     throw UsageError("--resolution: must be between 0.001 and 1000 m.");
@@ -242,8 +244,10 @@ std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& op
                              .revoked = edge.status == EdgeStatus::revoked});
     }
   }
+  const bool png = options.output->extension() == ".png";
   write_text_file(*options.output, map_picture(points, map_trajectory(map, options.map),
-                                               options.map.filename().string(), drawn));
+                                               options.map.filename().string(), drawn,
+                                               png ? PictureFormat::png : PictureFormat::svg));
   return drawn.keyframes.size();
 }
 
@@ -307,7 +311,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out/map.adit --graph g2o -o graph.g2o\n"
       "  adit export out/map.adit --cloud pcd --resolution 0.1 -o cloud.pcd\n"
       "  adit export out/map.adit --dense ply -o dense.ply\n"
-      "  adit export out/map.adit --picture -o map.svg\n"
+      "  adit export out/map.adit --picture -o map.png\n"
       "  adit export out/map.adit --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
   command.option("map", options->map, "The map").required().value_name("MAP");
@@ -333,8 +337,9 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.option("--resolution", options->resolution, "One point of the cloud a voxel of this (m)")
       .value_name("M");
   add_max_ram_option(command, options->max_ram_bytes);
-  command.flag("--picture", options->picture,
-               "The map from above with its graph, path, scale and legend, as SVG");
+  command.flag(
+      "--picture", options->picture,
+      "The map from above with its graph, path, scale and legend: SVG, or PNG by FILE's end");
   command.flag("--dump", options->dump,
                "All content as text, for comparing; to the standard output without -o");
   command.action(

@@ -20,8 +20,10 @@
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/evaluation/loops_page.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -36,20 +38,6 @@ struct Changed {
   double moved = 0.0;  ///< m, that keyframe which moved most
 };
 
-std::string name_of(CandidateVerdict verdict) {
-  switch (verdict) {
-    case CandidateVerdict::waiting:
-      return "waiting";
-    case CandidateVerdict::accepted:
-      return "accepted";
-    case CandidateVerdict::rejected:
-      return "rejected";
-    case CandidateVerdict::revoked:
-      return "revoked";
-  }
-  return "unknown";
-}
-
 LoopCandidate& find(std::vector<LoopCandidate>& candidates, int64_t id, CandidateVerdict expected) {
   const auto found = std::ranges::find(candidates, id, &LoopCandidate::id);
   if (found == candidates.end()) {
@@ -57,8 +45,9 @@ LoopCandidate& find(std::vector<LoopCandidate>& candidates, int64_t id, Candidat
                      ". `adit loops MAP` lists those it has.");
   }
   if (found->verdict != expected) {
-    throw UsageError("loop " + std::to_string(id) + " is " + name_of(found->verdict) +
-                     "; only what is " + name_of(expected) + " can be " +
+    throw UsageError("loop " + std::to_string(id) + " is " +
+                     std::string(to_string(found->verdict)) + "; only what is " +
+                     std::string(to_string(expected)) + " can be " +
                      (expected == CandidateVerdict::accepted ? "revoked." : "restored."));
   }
   return *found;
@@ -170,7 +159,7 @@ LoopByHand loop_to_add(const MapDatabase& map, const LoopsCommandOptions& option
   });
   if (known != candidates.end()) {
     throw UsageError("--add: loop " + std::to_string(known->id) + " is between the two, and " +
-                     name_of(known->verdict) + ".");
+                     std::string(to_string(known->verdict)) + ".");
   }
   return loop;
 }
@@ -179,6 +168,10 @@ LoopByHand loop_to_add(const MapDatabase& map, const LoopsCommandOptions& option
   throw InputError(options.map, {}, "there is no loop as it was said: " + reason,
                    "Nothing was changed. docs/theory/loops.md says what the reasons mean; --guess "
                    "X Y Z YAW tells how the second keyframe lies, seen from the first");
+}
+
+InputError damaged(const std::filesystem::path& map, const SubmapDamaged& damage) {
+  return {map, {}, "a submap is damaged: " + std::string(damage.what()), "`adit check` says which"};
 }
 
 LoopVerification verified(const MapDatabase& map, const LoopByHand& loop,
@@ -191,8 +184,7 @@ LoopVerification verified(const MapDatabase& map, const LoopByHand& loop,
   } catch (const NoGuess& none) {
     throw UsageError("--add: " + std::string(none.what()) + "; --guess X Y Z YAW is needed.");
   } catch (const SubmapDamaged& damage) {
-    throw InputError(options.map, {}, "a submap is damaged: " + std::string(damage.what()),
-                     "`adit check` says which");
+    throw damaged(options.map, damage);
   }
 }
 
@@ -267,8 +259,8 @@ std::string text_of(const LoopsCommandOptions& options,
   text += "    id    from      to  verdict   overlap  correction           chi2  reason\n";
   for (const LoopCandidate& one : candidates) {
     text += fmt::format("{:6}  {:6}  {:6}  {:<8}  {:7.2f}  {:6.3f} m {:4.1f} deg  {:7.2f}  {}\n",
-                        one.id, one.from, one.to, name_of(one.verdict), one.overlap, one.correction,
-                        one.turn * kDegreesPerRadian, one.chi2, reason_of(one));
+                        one.id, one.from, one.to, to_string(one.verdict), one.overlap,
+                        one.correction, one.turn * kDegreesPerRadian, one.chi2, reason_of(one));
   }
   const auto accepted =
       std::ranges::count(candidates, CandidateVerdict::accepted, &LoopCandidate::verdict);
@@ -292,7 +284,7 @@ std::string json_of(const LoopsCommandOptions& options,
     json["loops"].push_back({{"id", one.id},
                              {"from", one.from},
                              {"to", one.to},
-                             {"verdict", name_of(one.verdict)},
+                             {"verdict", std::string(to_string(one.verdict))},
                              {"reason", one.reason},
                              {"figure", one.figure},
                              {"overlap", one.overlap},
@@ -304,6 +296,14 @@ std::string json_of(const LoopsCommandOptions& options,
                              {"chi2", one.chi2}});
   }
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string page_of(const MapDatabase& map) {
+  try {
+    return loops_page(map);
+  } catch (const SubmapDamaged& damage) {
+    throw damaged(map.file(), damage);
+  }
 }
 
 int run(const LoopsCommandOptions& options, std::ostream& out) {
@@ -322,10 +322,16 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
     static_cast<void>(MapDatabase(options.map, MapAccess::read));
     changed = adds ? add(options) : change(options);
   }
-  const std::vector<LoopCandidate> candidates =
-      MapDatabase(options.map, MapAccess::read).candidates();
+  const MapDatabase map(options.map, MapAccess::read);
+  const std::vector<LoopCandidate> candidates = map.candidates();
+  if (options.html) {
+    write_text_file(*options.html, page_of(map));
+  }
   out << (options.json ? json_of(options, candidates, changed)
                        : text_of(options, candidates, changed));
+  if (options.html && !options.json) {
+    out << "look at  " << options.html->string() << "\n";
+  }
   return 0;
 }
 
@@ -337,7 +343,7 @@ int loops_command(const LoopsCommandOptions& options, std::ostream& out, std::os
 
 void add_loops_command(Command app, std::function<void(int)> done) {
   const Command command = app.add_command(
-      "loops", "List the loops of a map with verdicts and reasons; revoke, add one");
+      "loops", "List and show the loops of a map with verdicts and reasons; revoke, add one");
   const auto options = std::make_shared<LoopsCommandOptions>();
   command.footer(
       "MAP is what `adit run` leaves as OUT/map.adit; loops are looked for with mapping.loops.\n"
@@ -347,6 +353,7 @@ void add_loops_command(Command app, std::function<void(int)> done) {
       "it holds.\n\n"
       "Examples:\n"
       "  adit loops out/map.adit\n"
+      "  adit loops out/map.adit --html loops.html\n"
       "  adit loops out/map.adit --revoke 17\n"
       "  adit loops out/map.adit --add 3 118 --guess 1.5 0 0 170\n"
       "  adit loops out/map.adit --json\n\n"
@@ -362,6 +369,10 @@ void add_loops_command(Command app, std::function<void(int)> done) {
               "How B lies, seen from A: metres and degrees; else as the map has it")
       .values(4, 4)
       .value_name("X Y Z YAW");
+  command
+      .option("--html", options->html,
+              "Write a page that shows each loop: its submaps upon each other, before and after")
+      .value_name("FILE");
   add_device_options(command, options->device);
   command.flag("--json", options->json, "Print JSON instead of text");
   command.action(

@@ -24,6 +24,7 @@ struct LoopsCommandOptions {
   std::vector<int64_t> add{};        ///< two keyframes between which there is a loop, or nothing
   std::vector<double> guess{};       ///< how they lie: x, y, z (m), yaw (degrees), or nothing
   DeviceOptions device{};            ///< that verifies it
+  std::optional<std::filesystem::path> html{};  ///< a page that shows them
   bool json = false;
 };
 

@@ -15,6 +15,7 @@
 
 #include "adit/tools/drawing/map_page_script.hpp"
 #include "adit/tools/drawing/markup.hpp"
+#include "adit/tools/support/base64.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -45,25 +46,6 @@ constexpr std::string_view kBody = R"(<canvas id="view"></canvas>
 <button id="above">from above</button> <button id="reset">reset</button></p><p id="problem"></p></header>
 <aside><dl id="told" hidden></dl><p>trajectory: <span id="states"></span></p><small>Drag turns, shift-drag shifts, the wheel zooms; click the trajectory for its sweep.</small></aside>
 )";
-
-template <class T>
-std::string base64(std::span<const T> values) {
-  constexpr std::string_view kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto bytes = std::as_bytes(values);
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      three = three << 8U | (i + k < bytes.size() ? static_cast<uint32_t>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k <= bytes.size() ? kLetters[(three >> (18U - 6U * k)) & 63U] : '=';
-    }
-  }
-  return text;
-}
 
 /// A number that JSON can hold; null else.
 ordered_json number(double value, double unit) {
@@ -117,9 +99,9 @@ ordered_json json_of(std::span<const PagePoint> points, std::size_t stride) {
   }
   return {{"low", {box.min().x(), box.min().y(), box.min().z()}},
           {"step", step},
-          {"places", base64<uint16_t>(places)},
-          {"sweeps", base64<uint16_t>(poses)},
-          {"intensity", base64<uint8_t>(intensity)}};
+          {"places", base64(std::as_bytes(std::span(places)))},
+          {"sweeps", base64(std::as_bytes(std::span(poses)))},
+          {"intensity", base64(std::as_bytes(std::span(intensity)))}};
 }
 
 std::string replaced(std::string text, std::string_view what, const std::string& by) {

@@ -8,11 +8,12 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <sstream>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "adit/tools/drawing/image_canvas.hpp"
 #include "adit/tools/drawing/svg.hpp"
 
 namespace adit {
@@ -107,14 +108,15 @@ struct Layout {
   Eigen::Vector2d size;
 };
 
-/// One path element a colour: each run of cells is a horizontal stroke.
-std::string cells(const Raster& raster, const Layout& layout, std::pair<float, float> heights) {
+std::vector<CellRuns> runs_of(const Raster& raster, std::pair<float, float> heights) {
   const auto color_of = [low = heights.first, high = heights.second](float z) {
     const float share = (z - low) / (high - low) * static_cast<float>(kRamp.size());
     return static_cast<std::size_t>(
         std::clamp(share, 0.0F, static_cast<float>(kRamp.size()) - 1.0F));
   };
-  std::array<std::ostringstream, kRamp.size()> strokes;
+  std::vector<CellRuns> colors;
+  std::ranges::transform(kRamp, std::back_inserter(colors),
+                         [](std::string_view color) { return CellRuns{.color = color}; });
   for (std::size_t row = 0; row < raster.rows; ++row) {
     const float* line = &raster.top[row * raster.columns];
     for (std::size_t column = 0; column < raster.columns;) {
@@ -127,21 +129,13 @@ std::string cells(const Raster& raster, const Layout& layout, std::pair<float, f
       while (column < raster.columns && line[column] != kEmpty && color_of(line[column]) == color) {
         ++column;
       }
-      strokes[color] << 'M' << start << ' ' << row << ".5h" << column - start;
+      colors[color].runs.push_back({.column = start, .row = row, .count = column - start});
     }
   }
-  std::string text =
-      "<g shape-rendering=\"crispEdges\" stroke-width=\"1.2\" transform=\"translate(" +
-      tick_label(layout.corner.x(), 0.01) + " " + tick_label(layout.corner.y(), 0.01) + ") scale(" +
-      tick_label(layout.scale, 1e-5) + ")\">\n";
-  for (std::size_t color = 0; color < kRamp.size(); ++color) {
-    text +=
-        "<path stroke=\"" + std::string(kRamp[color]) + "\" d=\"" + strokes[color].str() + "\"/>\n";
-  }
-  return text + "</g>\n";
+  return colors;
 }
 
-void draw_axes(SvgDocument& svg, const Raster& raster, const Layout& layout) {
+void draw_axes(Canvas& canvas, const Raster& raster, const Layout& layout) {
   const Eigen::Vector2d high =
       raster.low + raster.cell * Eigen::Vector2d(static_cast<double>(raster.columns),
                                                  static_cast<double>(raster.rows));
@@ -156,72 +150,75 @@ void draw_axes(SvgDocument& svg, const Raster& raster, const Layout& layout) {
   };
   each(0, [&](double x) {
     const double px = layout(raster.place({x, raster.low.y()})).x();
-    svg.line({px, end.y()}, {px, end.y() + 5.0}, {.color = kAxisColor});
-    svg.text({px, end.y() + 21.0}, tick_label(x, step),
-             {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+    canvas.line({px, end.y()}, {px, end.y() + 5.0}, {.color = kAxisColor});
+    canvas.text({px, end.y() + 21.0}, tick_label(x, step),
+                {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
   });
   each(1, [&](double y) {
     const double py = layout(raster.place({raster.low.x(), y})).y();
-    svg.line({layout.corner.x() - 5.0, py}, {layout.corner.x(), py}, {.color = kAxisColor});
-    svg.text({layout.corner.x() - 9.0, py + 4.0}, tick_label(y, step),
-             {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::end});
+    canvas.line({layout.corner.x() - 5.0, py}, {layout.corner.x(), py}, {.color = kAxisColor});
+    canvas.text({layout.corner.x() - 9.0, py + 4.0}, tick_label(y, step),
+                {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::end});
   });
-  svg.rectangle(layout.corner, layout.size, {.color = kAxisColor});
-  svg.text({0.5 * (layout.corner.x() + end.x()), end.y() + 46.0}, "x (m)",
-           {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
-  svg.text({15.0, 0.5 * (layout.corner.y() + end.y())}, "y (m)",
-           {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle, .upwards = true});
+  canvas.rectangle(layout.corner, layout.size, {.color = kAxisColor});
+  canvas.text({0.5 * (layout.corner.x() + end.x()), end.y() + 46.0}, "x (m)",
+              {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
+  canvas.text({15.0, 0.5 * (layout.corner.y() + end.y())}, "y (m)",
+              {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle, .upwards = true});
 }
 
 /// What the colours stand for, and the path.
-void draw_legend(SvgDocument& svg, std::pair<float, float> heights, const PictureGraph& graph) {
+void draw_legend(Canvas& canvas, const std::optional<std::pair<float, float>>& heights,
+                 const PictureGraph& graph) {
   constexpr double kSwatch = 16.0;  // px
   /// Returns how far to go on to the right.
   const auto entry = [&](double left, double base, const std::string& words, auto&& symbol) {
     symbol(left, base - 5.0);
-    svg.text({left + 32.0, base}, words, {.size = 14.0, .color = kAxisColor});
+    canvas.text({left + 32.0, base}, words, {.size = 14.0, .color = kAxisColor});
     return 32.0 + text_width(words, 14.0) + 16.0;
   };
   double x = kLeft;
   double y = 56.0;
-  const std::string low = "height " + tick_label(heights.first, 0.1) + " m";
-  svg.text({x, y}, low, {.size = 14.0, .color = kAxisColor});
-  x += text_width(low, 14.0) + 10.0;
-  for (const std::string_view color : kRamp) {
-    svg.square({x + 0.5 * kSwatch, y - 5.0}, kSwatch, color, {.color = color});
-    x += kSwatch;
+  if (heights) {
+    const std::string low = "height " + tick_label(heights->first, 0.1) + " m";
+    canvas.text({x, y}, low, {.size = 14.0, .color = kAxisColor});
+    x += text_width(low, 14.0) + 10.0;
+    for (const std::string_view color : kRamp) {
+      canvas.square({x + 0.5 * kSwatch, y - 5.0}, kSwatch, color, {.color = color});
+      x += kSwatch;
+    }
+    canvas.text({x + 8.0, y}, tick_label(heights->second, 0.1) + " m and higher",
+                {.size = 14.0, .color = kAxisColor});
+    x = kLeft;
+    y = 84.0;
   }
-  svg.text({x + 8.0, y}, tick_label(heights.second, 0.1) + " m and higher",
-           {.size = 14.0, .color = kAxisColor});
-  x = kLeft;
-  y = 84.0;
   x += entry(x, y, "path", [&](double at, double middle) {
-    svg.line({at, middle}, {at + 24.0, middle}, {.color = kPathColor, .width = 3.0});
+    canvas.line({at, middle}, {at + 24.0, middle}, {.color = kPathColor, .width = 3.0});
   });
   x += entry(x, y, "start", [&](double at, double middle) {
-    svg.circle({at + 20.0, middle}, 5.5, kGoodColor, {.color = "#ffffff", .width = 1.2});
+    canvas.circle({at + 20.0, middle}, 5.5, kGoodColor, {.color = "#ffffff", .width = 1.2});
   });
   x += entry(x, y, "end", [&](double at, double middle) {
-    svg.square({at + 20.0, middle}, 10.0, kBadColor, {.color = "#ffffff", .width = 1.2});
+    canvas.square({at + 20.0, middle}, 10.0, kBadColor, {.color = "#ffffff", .width = 1.2});
   });
   if (!graph.keyframes.empty()) {
     x += entry(x, y, "keyframe", [&](double at, double middle) {
-      svg.circle({at + 20.0, middle}, kKeyframeRadius, "#ffffff", {.color = kPathColor});
+      canvas.circle({at + 20.0, middle}, kKeyframeRadius, "#ffffff", {.color = kPathColor});
     });
   }
   if (std::ranges::any_of(graph.loops, std::logical_not(), &PictureGraph::Link::revoked)) {
     x += entry(x, y, "loop", [&](double at, double middle) {
-      svg.line({at, middle}, {at + 24.0, middle}, kLoopStroke);
+      canvas.line({at, middle}, {at + 24.0, middle}, kLoopStroke);
     });
   }
   if (std::ranges::any_of(graph.loops, &PictureGraph::Link::revoked)) {
     entry(x, y, "revoked", [&](double at, double middle) {
-      svg.line({at, middle}, {at + 24.0, middle}, kRevokedStroke);
+      canvas.line({at, middle}, {at + 24.0, middle}, kRevokedStroke);
     });
   }
 }
 
-void draw_path(SvgDocument& svg, const Raster& raster, const Layout& layout,
+void draw_path(Canvas& canvas, const Raster& raster, const Layout& layout,
                std::span<const StampedPose> path) {
   std::vector<Eigen::Vector2d> points;
   for (const StampedPose& pose : path) {
@@ -230,53 +227,64 @@ void draw_path(SvgDocument& svg, const Raster& raster, const Layout& layout,
   if (points.empty()) {
     return;
   }
-  svg.polyline(points, {.color = "#ffffff", .width = 5.0});  // an edge against cells of any colour
-  svg.polyline(points, {.color = kPathColor, .width = 2.5});
-  svg.circle(points.front(), 6.0, kGoodColor, {.color = "#ffffff", .width = 1.5});
-  svg.square(points.back(), 11.0, kBadColor, {.color = "#ffffff", .width = 1.5});
+  canvas.polyline(points,
+                  {.color = "#ffffff", .width = 5.0});  // an edge against cells of any colour
+  canvas.polyline(points, {.color = kPathColor, .width = 2.5});
+  canvas.circle(points.front(), 6.0, kGoodColor, {.color = "#ffffff", .width = 1.5});
+  canvas.square(points.back(), 11.0, kBadColor, {.color = "#ffffff", .width = 1.5});
 }
 
-void draw_graph(SvgDocument& svg, const Raster& raster, const Layout& layout,
+void draw_graph(Canvas& canvas, const Raster& raster, const Layout& layout,
                 const PictureGraph& graph) {
   for (const PictureGraph::Link& loop : graph.loops) {
-    svg.line(layout(raster.place(loop.from)), layout(raster.place(loop.to)),
-             loop.revoked ? kRevokedStroke : kLoopStroke);
+    canvas.line(layout(raster.place(loop.from)), layout(raster.place(loop.to)),
+                loop.revoked ? kRevokedStroke : kLoopStroke);
   }
   for (const Eigen::Vector2d& keyframe : graph.keyframes) {
-    svg.circle(layout(raster.place(keyframe)), kKeyframeRadius, "#ffffff", {.color = kPathColor});
+    canvas.circle(layout(raster.place(keyframe)), kKeyframeRadius, "#ffffff",
+                  {.color = kPathColor});
   }
 }
 
-void draw_scale_bar(SvgDocument& svg, const Raster& raster, const Layout& layout) {
+void draw_scale_bar(Canvas& canvas, const Raster& raster, const Layout& layout) {
   const double metres = layout.size.x() / layout.scale * raster.cell;
   const double length = round_length(std::max(metres, 0.1) / 4.0);
   const double right = layout.corner.x() + layout.size.x() - 14.0;
   const double left = right - length / raster.cell * layout.scale;
   const double y = layout.corner.y() + layout.size.y() - 14.0;
   for (const auto& [color, width] : {std::pair{"#ffffff", 6.0}, std::pair{"#000000", 2.0}}) {
-    svg.line({left, y}, {right, y}, {.color = color, .width = width});
+    canvas.line({left, y}, {right, y}, {.color = color, .width = width});
   }
-  svg.text({0.5 * (left + right), y - 8.0}, tick_label(length, length) + " m",
-           {.size = 14.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
+  canvas.text({0.5 * (left + right), y - 8.0}, tick_label(length, length) + " m",
+              {.size = 14.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
 }
 
 }  // namespace
 
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
-                        const std::string& title, const PictureGraph& graph) {
+                        const std::string& title, const PictureGraph& graph, PictureFormat format) {
   const Raster raster = rasterize(points, path);
   const Layout layout(raster);
   const std::pair<float, float> heights = height_range(raster);
   const double width =
       std::max(kLeft + layout.size.x() + kRight, graph.keyframes.empty() ? 480.0 : 700.0);
-  SvgDocument svg(width, kTop + layout.size.y() + kBottom);
-  svg.text({kLeft, 28.0}, title, {.size = 18.0, .bold = true});
-  draw_legend(svg, heights, graph);
-  svg.raw(cells(raster, layout, heights));
-  draw_axes(svg, raster, layout);
-  draw_path(svg, raster, layout, path);
-  draw_graph(svg, raster, layout, graph);
-  draw_scale_bar(svg, raster, layout);
+  const double height = kTop + layout.size.y() + kBottom;
+  const auto draw = [&](Canvas& canvas) {
+    canvas.text({kLeft, 28.0}, title, {.size = 18.0, .bold = true});
+    draw_legend(canvas, points.empty() ? std::nullopt : std::optional(heights), graph);
+    canvas.cells(runs_of(raster, heights), layout.corner, layout.scale);
+    draw_axes(canvas, raster, layout);
+    draw_path(canvas, raster, layout, path);
+    draw_graph(canvas, raster, layout, graph);
+    draw_scale_bar(canvas, raster, layout);
+  };
+  if (format == PictureFormat::png) {
+    ImageCanvas image(width, height);
+    draw(image);
+    return png_bytes(image.image());
+  }
+  SvgDocument svg(width, height);
+  draw(svg);
   return svg.str();
 }
 

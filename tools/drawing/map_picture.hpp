@@ -23,11 +23,14 @@ struct PictureGraph {
   std::vector<Link> loops{};
 };
 
-/// A map seen from above as an SVG file: each cell coloured by the highest point in it, the path
-/// and the graph over it, title, legend, axes and scale bar; light or dark as the reader prefers. x
-/// to the right, y up. At most a few hundred cells a side, so the file is small whatever the map.
+enum class PictureFormat { svg, png };
+
+/// A map seen from above as a file of that format: each cell coloured by the highest point in it,
+/// the path and the graph over it, title, legend, axes and scale bar; an SVG is light or dark as
+/// the reader prefers. x to the right, y up. At most a few hundred cells a side, so the file is
+/// small whatever the map.
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
-                        const std::string& title = "Map from above",
-                        const PictureGraph& graph = {});
+                        const std::string& title = "Map from above", const PictureGraph& graph = {},
+                        PictureFormat format = PictureFormat::svg);
 
 }  // namespace adit

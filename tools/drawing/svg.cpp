@@ -169,6 +169,23 @@ void SvgDocument::text(const Eigen::Vector2d& at, std::string_view text, const S
   body_ += ">" + escape_markup(text) + "</text>\n";
 }
 
+// One path a colour: each run of cells is a horizontal stroke.
+void SvgDocument::cells(std::span<const CellRuns> runs, const Eigen::Vector2d& corner,
+                        double scale) {
+  body_ += "<g shape-rendering=\"crispEdges\" stroke-width=\"1.2\" transform=\"translate(" +
+           tick_label(corner.x(), 0.01) + " " + tick_label(corner.y(), 0.01) + ") scale(" +
+           tick_label(scale, 1e-5) + ")\">\n";
+  for (const CellRuns& color : runs) {
+    body_ += "<path stroke=\"" + std::string(color.color) + "\" d=\"";
+    for (const CellRun& run : color.runs) {
+      body_ += "M" + std::to_string(run.column) + " " + std::to_string(run.row) + ".5h" +
+               std::to_string(run.count);
+    }
+    body_ += "\"/>\n";
+  }
+  body_ += "</g>\n";
+}
+
 std::string SvgDocument::str() const {
   return head_ + body_ + "</svg>\n";
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,25 +56,60 @@ struct SvgFont {
   bool halo = false;     ///< an edge of the ground, to stand out from lines
 };
 
+/// A horizontal run of cells of a raster: `count` from (column, row) on.
+struct CellRun {
+  std::size_t column = 0;
+  std::size_t row = 0;
+  std::size_t count = 0;
+};
+
+/// Cells of one colour.
+struct CellRuns {
+  std::string_view color;
+  std::vector<CellRun> runs{};
+};
+
+/// What a picture is drawn on. Coordinates in px, x right, y down.
+class Canvas {
+ public:
+  virtual ~Canvas() = default;
+
+  virtual void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                    const SvgStroke& stroke) = 0;
+  virtual void polyline(std::span<const Eigen::Vector2d> points, const SvgStroke& stroke) = 0;
+  virtual void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
+                         const SvgStroke& stroke) = 0;
+  virtual void circle(const Eigen::Vector2d& center, double radius, std::string_view fill,
+                      const SvgStroke& stroke) = 0;
+  /// About its centre.
+  virtual void square(const Eigen::Vector2d& center, double side, std::string_view fill,
+                      const SvgStroke& stroke) = 0;
+  virtual void text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font) = 0;
+  /// Cells of `scale` px, the first of which has its corner at `corner`.
+  virtual void cells(std::span<const CellRuns> runs, const Eigen::Vector2d& corner,
+                     double scale) = 0;
+};
+
 /// A drawing on white, put together element by element; on black for readers who prefer dark pages
 /// and whose program knows style sheets. Coordinates in px, x right, y down.
-class SvgDocument {
+class SvgDocument final : public Canvas {
  public:
   SvgDocument(double width, double height);
 
-  void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const SvgStroke& stroke);
+  void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+            const SvgStroke& stroke) override;
 
   /// Points nearer than a third of a pixel to the one before are left out.
-  void polyline(std::span<const Eigen::Vector2d> points, const SvgStroke& stroke);
+  void polyline(std::span<const Eigen::Vector2d> points, const SvgStroke& stroke) override;
   void polygon(std::span<const Eigen::Vector2d> points, std::string_view fill, double opacity);
   void rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
-                 const SvgStroke& stroke);
+                 const SvgStroke& stroke) override;
   void circle(const Eigen::Vector2d& center, double radius, std::string_view fill,
-              const SvgStroke& stroke);
-  /// About its centre.
+              const SvgStroke& stroke) override;
   void square(const Eigen::Vector2d& center, double side, std::string_view fill,
-              const SvgStroke& stroke);
-  void text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font);
+              const SvgStroke& stroke) override;
+  void text(const Eigen::Vector2d& at, std::string_view text, const SvgFont& font) override;
+  void cells(std::span<const CellRuns> runs, const Eigen::Vector2d& corner, double scale) override;
 
   /// Text from `at` in lines that end before `right`. Returns the height of what it took.
   double paragraph(const Eigen::Vector2d& at, std::string_view text, double right,

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "adit/tools/simulator/image_text.hpp"
+#include "adit/tools/drawing/image_text.hpp"
 #include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/scene_view.hpp"
 

@@ -9,13 +9,11 @@
 
 #include <Eigen/Geometry>
 
-#include "adit/tools/simulator/png_writer.hpp"
+#include "adit/tools/drawing/png_writer.hpp"
 #include "adit/tools/simulator/ray_scene.hpp"
 #include "adit/tools/simulator/scene.hpp"
 
 namespace adit {
-
-using Color = std::array<uint8_t, 3>;
 
 inline constexpr Color kSkyColor{214, 226, 238};
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/tools/simulator/image_text.hpp"
+#include "adit/tools/drawing/image_text.hpp"
 #include "adit/tools/simulator/parallel.hpp"
 #include "adit/tools/simulator/scene_view.hpp"
 

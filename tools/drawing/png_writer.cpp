@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/simulator/png_writer.hpp"
+#include "adit/tools/drawing/png_writer.hpp"
 
 #include <png.h>
 
@@ -11,7 +11,7 @@
 
 namespace adit {
 
-void write_png(const std::filesystem::path& file, const Image& image) {
+std::string png_bytes(const Image& image) {
   png_image head{};
   head.version = PNG_IMAGE_VERSION;
   head.width = static_cast<png_uint_32>(image.width);
@@ -25,7 +25,11 @@ void write_png(const std::filesystem::path& file, const Image& image) {
     throw std::bad_alloc();
   }
   bytes.resize(size);
-  write_text_file(file, bytes);
+  return bytes;
+}
+
+void write_png(const std::filesystem::path& file, const Image& image) {
+  write_text_file(file, png_bytes(image));
 }
 
 }  // namespace adit

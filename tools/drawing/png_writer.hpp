@@ -5,9 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace adit {
+
+using Color = std::array<uint8_t, 3>;  ///< red, green, blue
 
 /// A picture, row by row from the top.
 struct Image {
@@ -16,15 +19,20 @@ struct Image {
         height(height_px),
         pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {}
 
-  std::array<uint8_t, 3>& at(int x, int y) {
-    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                  static_cast<std::size_t>(x)];
+  Color& at(int x, int y) { return pixels[index(x, y)]; }
+  const Color& at(int x, int y) const { return pixels[index(x, y)]; }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
   }
 
-  int width;                                   ///< px
-  int height;                                  ///< px
-  std::vector<std::array<uint8_t, 3>> pixels;  ///< red, green, blue
+  int width;   ///< px
+  int height;  ///< px
+  std::vector<Color> pixels;
 };
+
+/// The picture as PNG: all bytes of such a file.
+std::string png_bytes(const Image& image);
 
 /// Writes the picture as PNG. Throws OutputError.
 void write_png(const std::filesystem::path& file, const Image& image);

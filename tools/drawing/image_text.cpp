@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/simulator/image_text.hpp"
+#include "adit/tools/drawing/image_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ struct Glyph {
   std::array<uint8_t, kRows> rows;
 };
 
-constexpr std::array<Glyph, 46> kGlyphs = {{
+constexpr std::array<Glyph, 47> kGlyphs = {{
     {' ', {{0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00}}},
     {'%', {{0x19, 0x19, 0x02, 0x04, 0x08, 0x13, 0x13}}},
     {'(', {{0x02, 0x04, 0x08, 0x08, 0x08, 0x04, 0x02}}},
@@ -47,6 +47,7 @@ constexpr std::array<Glyph, 46> kGlyphs = {{
     {'8', {{0x0e, 0x11, 0x11, 0x0e, 0x11, 0x11, 0x0e}}},
     {'9', {{0x0e, 0x11, 0x11, 0x0f, 0x01, 0x02, 0x0c}}},
     {':', {{0x00, 0x0c, 0x0c, 0x00, 0x0c, 0x0c, 0x00}}},
+    {'_', {{0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x1f}}},
     {'a', {{0x00, 0x00, 0x0e, 0x01, 0x0f, 0x11, 0x0f}}},
     {'b', {{0x10, 0x10, 0x1e, 0x11, 0x11, 0x11, 0x1e}}},
     {'c', {{0x00, 0x00, 0x0e, 0x10, 0x10, 0x11, 0x0e}}},
@@ -76,7 +77,9 @@ constexpr std::array<Glyph, 46> kGlyphs = {{
 }};
 
 const Glyph* glyph_of(char letter) {
-  const auto* found = std::ranges::find(kGlyphs, letter, &Glyph::letter);
+  const bool capital = letter >= 'A' && letter <= 'Z';
+  const auto* found = std::ranges::find(
+      kGlyphs, capital ? static_cast<char>(letter - 'A' + 'a') : letter, &Glyph::letter);
   return found == kGlyphs.end() ? nullptr : found;
 }
 
@@ -84,6 +87,10 @@ const Glyph* glyph_of(char letter) {
 
 int text_width_px(std::string_view text) {
   return static_cast<int>(text.size()) * (kColumns + 1) * kLetterDot;
+}
+
+int text_height_px() {
+  return kRows * kLetterDot;
 }
 
 void fill(Image& image, const Vector2i& corner, const Vector2i& size, const Color& color) {

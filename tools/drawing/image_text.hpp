@@ -9,19 +9,19 @@
 
 #include <Eigen/Core>
 
-#include "adit/tools/simulator/png_writer.hpp"
-#include "adit/tools/simulator/scene_view.hpp"
+#include "adit/tools/drawing/png_writer.hpp"
 
 namespace adit {
 
 /// Pixels that a dot of a letter takes across.
 inline constexpr int kLetterDot = 2;
 
-/// How wide a text becomes (px).
+/// How wide a text becomes (px), and how high any is.
 int text_width_px(std::string_view text);
+int text_height_px();
 
-/// Lower-case letters, digits and some signs; others are blanks. `at` is the upper left corner.
-/// What lies beyond the image is left out.
+/// Letters, all as small ones, digits and some signs; others are blanks. `at` is the upper left
+/// corner. What lies beyond the image is left out.
 void write_text(Image& image, const Eigen::Vector2i& at, std::string_view text, const Color& color);
 
 /// A filled rectangle, cut at the image's edges.
