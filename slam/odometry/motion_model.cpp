@@ -12,9 +12,7 @@ constexpr int kTrustedAfter = 2;
 // Nobody moves at constant velocity for longer than this.
 constexpr double kLongestExtrapolation = 1.0;  // s
 constexpr double kLongestGuess = 5.0;          // s
-// Along what matches hold, and along what few of them do.
-constexpr double kHardlyMoves = 0.5;        // m/s
-constexpr double kHardlyMovesPartly = 1.0;  // m/s
+constexpr double kHardlyMovesPartly = 1.0;     // m/s, along what few matches hold
 
 }  // namespace
 

@@ -11,8 +11,10 @@
 
 namespace adit {
 
-/// Less than 0.5 m/s along the directions that the alignment's matches hold, 1 m/s along those that
-/// few do; where no match holds a direction, a motion along it is noise.
+inline constexpr double kHardlyMoves = 0.5;  // m/s
+
+/// Less than kHardlyMoves along the directions that the alignment's matches hold, 1 m/s along those
+/// that few do; where no match holds a direction, a motion along it is noise.
 bool hardly_moves(const RegistrationResult& alignment, const StampedPose& from,
                   const StampedPose& to);
 
@@ -29,6 +31,7 @@ class MotionModel {
   /// with. (With the last motion's alone an error of the twist would come back with the opposite
   /// sign at each sweep, undamped: docs/theory/inertial.md, section 7.)
   Vector6d deskewing_twist() const { return 0.5 * (velocity_ + velocity_before_); }
+  double speed() const { return velocity_.head<3>().norm(); }  ///< m/s, of the last motion
   /// Where it goes on from; none before the first sweep.
   const std::optional<StampedPose>& last() const { return last_; }
 

@@ -147,7 +147,8 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   }
   // A sensor that hardly moves and whose readings are quiet is at rest: a velocity of directions
   // that no match holds would be noise, and feed on itself.
-  if (last && hardly_moved && inertial.is_quiet_between(last->stamp, sweep.stamp)) {
+  at_rest = last && hardly_moved && inertial.is_quiet_between(last->stamp, sweep.stamp);
+  if (at_rest) {
     expected.prediction.T_map_lidar = last->pose;
   }
   expected.steady = expected.prediction.T_map_lidar;
@@ -208,8 +209,10 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
 
   if (aligned) {
     failures_in_a_row = 0;
-    hardly_moved = motion.last() && hardly_moves(result.registration, *motion.last(), pose);
+    // Once at rest, it is that until matches hold a motion.
+    const bool slides = at_rest && hardly_moves(result.registration, *motion.last(), pose);
     motion.update(pose, true);
+    hardly_moved = slides || motion.speed() < kHardlyMoves;
     joined = submap.wants(pose.pose);
     if (joined) {
       submap.push(points, pose.pose);

@@ -83,7 +83,8 @@ struct Odometry::Impl {
   Matrix6d coasting = Matrix6d::Zero();  ///< covariance of predictions in a row
   bool joined = false;                   ///< the last sweep's cloud, the submap
   std::optional<Begun> begun;            ///< a sweep that is on the device
-  bool hardly_moved = true;              ///< from the last sweep but one to the last
+  bool hardly_moved = false;             ///< from the last sweep but one to the last
+  bool at_rest = false;                  ///< the sensor was, when the last sweep was expected
   int failures_in_a_row = 0;
   std::optional<Sweep> first;  ///< began the first submap; until the second came
   std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
