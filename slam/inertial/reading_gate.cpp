@@ -19,7 +19,7 @@ constexpr double kBeyondUsual = 6.0;
 constexpr double kHarmlessTurn = 0.3;   // rad/s
 constexpr double kHarmlessForce = 0.3;  // share of the usual force
 
-constexpr std::size_t kMostWaiting = 5;  // none came back: it is the motion that has changed
+constexpr std::size_t kMostWaiting = 4;  // none came back: it is the motion that has changed
 constexpr int kFirst = 20;               // readings until it is known what is usual
 // A reading agrees with the one before if it is this much nearer than that was to its own.
 constexpr double kAgrees = 0.5;

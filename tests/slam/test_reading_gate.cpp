@@ -109,6 +109,24 @@ TEST(ReadingGate, OfAJoltThatRingsAtMostOneInTenIsLost) {
   EXPECT_LE(pass(samples).spikes.size(), 4U);
 }
 
+// What a mount that is hit and swings at 40 Hz (`adit simulate --fault shock`) reads, x, y, z.
+TEST(ReadingGate, OfABlowOnTheMountAtMostOneReadingIsLost) {
+  const std::vector<Eigen::Vector3d> blow = {
+      {-50.1, 37.6, -63.8}, {22.3, -17.3, 29.5},  {56.2, -42.9, 73.1}, {-8.7, 6.3, -10.6},
+      {-48.3, 36.3, -61.6}, {-12.2, 8.8, -14.9},  {26.4, -20.3, 34.7}, {17.5, -13.6, 23.3},
+      {-8.6, 6.2, -10.5},   {-13.8, 10.0, -17.0}, {-1.6, 0.8, -1.2},   {6.0, -4.9, 8.5},
+      {2.8, -2.4, 4.2},     {-2.3, 1.3, -2.2},    {-2.8, 1.7, -2.8}};
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    for (const double size : {0.6, 1.0, 1.5}) {
+      Samples samples = waved(seed, 1.0, 10.0);
+      for (std::size_t i = 0; i < blow.size(); ++i) {
+        samples[700 + 40 * seed + i].linear_acceleration += size * blow[i];
+      }
+      EXPECT_LE(pass(samples).spikes.size(), 1U) << "seed " << seed << " size " << size;
+    }
+  }
+}
+
 TEST(ReadingGate, NumbersBeyondAnySensorAreImpossible) {
   Samples samples = waved(1);
   samples[0].angular_velocity.x() = 1e200;
