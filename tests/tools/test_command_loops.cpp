@@ -125,6 +125,18 @@ TEST_F(LoopsCommand, ShowsThemAsAPage) {
   EXPECT_NE(spoiled.err.find("a submap is damaged"), std::string::npos) << spoiled.err;
 }
 
+TEST_F(LoopsCommand, ALoopToAKeyframeThatIsMissingIsDamage) {
+  LoopCandidate candidate;
+  candidate.id = 3;
+  candidate.to = 99;
+  MapDatabase(map_, MapAccess::write).revise({.candidates = {candidate}});
+  const Ran shown = shown_on(folder_ / "loops.html");
+  EXPECT_EQ(shown.code, 1);
+  EXPECT_NE(shown.err.find("loop 3 ties keyframes 0 and 99, and one of them is missing"),
+            std::string::npos)
+      << shown.err;
+}
+
 TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {
   const Ran revoked = ran({.map = map_, .revoke = 1});
   EXPECT_EQ(revoked.code, 0) << revoked.err;

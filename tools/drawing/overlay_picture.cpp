@@ -21,9 +21,9 @@ constexpr double kFewWalls = 0.1;  // of the points
 constexpr uint8_t kFirst = 1;
 constexpr uint8_t kSecond = 2;
 // By which of the two are there; told apart with any kind of colour vision.
-constexpr std::array<std::array<uint8_t, 3>, 4> kColors{
+constexpr std::array<Color, 4> kColors{
     {{255, 255, 255}, {86, 156, 214}, {232, 132, 60}, {30, 20, 60}}};
-constexpr std::array<uint8_t, 3> kRule{150, 150, 150};
+constexpr Color kRule{150, 150, 150};
 
 bool has_walls(const OverlayCloud& cloud) {
   return static_cast<double>(cloud.walls.size()) >

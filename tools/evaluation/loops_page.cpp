@@ -20,6 +20,7 @@
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/overlay_picture.hpp"
 #include "adit/tools/support/base64.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {
@@ -223,6 +224,14 @@ std::string loops_page(const MapDatabase& map) {
   const std::vector<LoopCandidate> loops = map.candidates();
   const PoseGraph graph = map.graph();
   const std::map<NodeId, ChainPlace> places = chain_places(graph);
+  for (const LoopCandidate& loop : loops) {
+    if (!graph.contains(loop.from) || !graph.contains(loop.to)) {
+      throw InputError(map.file(), {},
+                       fmt::format("loop {} ties keyframes {} and {}, and one of them is missing",
+                                   loop.id, loop.from, loop.to),
+                       "The map is damaged: `adit check` says what else is wrong");
+    }
+  }
   SubmapCache submaps(map, kSubmapBytes);
   const std::string name = map.file().string();
   std::string body =
