@@ -125,6 +125,10 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
   const double scale = r.coordinate_scale.value_or(1.0);
   checks.require(scale > 0.0 && scale <= 1000.0, "recording.coordinate_scale", scale,
                  "the metres that a step of one stands for: above 0, 1000 at most");
+  checks.require(
+      r.spin_rate == 0.0 || (std::abs(r.spin_rate) >= 1.0 && std::abs(r.spin_rate) <= 100.0),
+      "recording.spin_rate", r.spin_rate, "0, or of 1 to 100 turns a second");
+  checks.between("recording.beam_elevation", r.beam_elevation, -0.2, 0.2, "rad");
   constexpr double kLongest = 4e9;  // s; a clock that counts from its start is 1.7e9 s behind
   checks.between("recording.sweep_time_offset", r.sweep_time_offset, -kLongest, kLongest, "s");
   checks.between("recording.imu_time_offset", r.imu_time_offset, -kLongest, kLongest, "s");

@@ -15,6 +15,8 @@ struct RecordingConfig {
   std::optional<std::string> metadata{};
   std::optional<double> point_time_unit{};   ///< s
   std::optional<double> coordinate_scale{};  ///< m
+  double spin_rate = 0.0;                    ///< Hz
+  double beam_elevation = 0.0;               ///< rad
   double sweep_time_offset = 0.0;            ///< s
   double imu_time_offset = 0.0;              ///< s
   double accelerometer_scale = 1.0;          ///< m/s² of a step of one
@@ -36,6 +38,14 @@ struct RecordingConfig {
     field("coordinate_scale", self.coordinate_scale, "m",
           "what one step of the coordinates of points is, such as 0.001; not given: they are "
           "metres, and integers are refused");
+    field(
+        "spin_rate", self.spin_rate, "Hz",
+        "turns a second of a scanner whose points have no times, about its z axis, negative where "
+        "it turns clockwise seen from above: each point gets its time from its azimuth, in a turn "
+        "that begins and ends behind the scanner, and whose stamp is that of its middle; 0: points "
+        "without times are taken to be of one moment");
+    field("beam_elevation", self.beam_elevation, "rad",
+          "added to the elevation of each point, for scanners whose calibration is off");
     field("sweep_time_offset", self.sweep_time_offset, "s", "added to the times of sweeps");
     field("imu_time_offset", self.imu_time_offset, "s", "added to the times of IMU samples");
     field("accelerometer_scale", self.accelerometer_scale, "",

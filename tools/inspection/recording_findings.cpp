@@ -254,7 +254,10 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
         "no_point_times",
         of(topic.events - s.with_times, topic.events) + " sweeps have no time per point",
         "motion within a sweep cannot be corrected",
-        "Record with a driver that writes them (a field time, t or timestamp)");
+        "Record with a driver that writes them (a field time, t or timestamp). A scanner that "
+        "turns "
+        "about its z axis, and whose sweeps nobody has corrected, can be told: "
+        "recording.spin_rate = -10 (turns a second, clockwise seen from above)");
   }
   if (const std::optional<Sector> sector = s.blocked_sector()) {
     findings.notice("blocked_sector",

@@ -3,6 +3,7 @@
 #include "adit/tools/run/configured_recording.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,35 @@
 
 namespace adit {
 namespace {
+
+// Times from azimuths (recording.spin_rate): the turn begins and ends at -x, half a turn before and
+// after the stamp. Points that are none get the stamp's.
+void add_times_of_turn(Sweep& sweep, double spin_rate) {
+  const double half = 0.5 / std::abs(spin_rate);  // s
+  sweep.times.reserve(sweep.points.size());
+  for (const Point& point : sweep.points) {
+    const double azimuth = std::atan2(point.y, point.x);
+    const double turns = std::isfinite(azimuth) ? azimuth / (2.0 * std::numbers::pi) : 0.0;
+    sweep.times.push_back(static_cast<float>(half + turns / spin_rate));
+  }
+  sweep.stamp -= nanoseconds(half);
+}
+
+// Each point turned upwards in the vertical plane that it lies in (recording.beam_elevation).
+void raise_beams(Sweep& sweep, double angle) {
+  const double cosine = std::cos(angle);
+  const double sine = std::sin(angle);
+  for (Point& point : sweep.points) {
+    const double level = std::hypot(point.x, point.y);
+    if (!(level > 0.0)) {
+      continue;
+    }
+    const double stretch = (cosine * level - sine * point.z) / level;
+    point.z = static_cast<float>(sine * level + cosine * point.z);
+    point.x = static_cast<float>(stretch * point.x);
+    point.y = static_cast<float>(stretch * point.y);
+  }
+}
 
 class CorrectedStream final : public EventStream {
  public:
@@ -56,6 +86,12 @@ class ConfiguredRecording final : public Recording {
 EventValue corrected(EventValue value, const RecordingConfig& config) {
   if (auto* sweep = std::get_if<Sweep>(&value)) {
     sweep->stamp += nanoseconds(config.sweep_time_offset);
+    if (config.spin_rate != 0.0 && sweep->times.empty()) {
+      add_times_of_turn(*sweep, config.spin_rate);
+    }
+    if (config.beam_elevation != 0.0) {
+      raise_beams(*sweep, config.beam_elevation);
+    }
   } else if (auto* sample = std::get_if<ImuSample>(&value)) {
     sample->stamp += nanoseconds(config.imu_time_offset);
     sample->linear_acceleration *= config.accelerometer_scale;

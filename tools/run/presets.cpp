@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -19,6 +20,8 @@ struct Preset {
   std::optional<std::string_view> imu_topic{};
   /// imu.T_imu_lidar; nothing where the recordings' own transforms, or the user, must tell it.
   std::optional<std::array<double, 7>> T_imu_lidar{};
+  double spin_rate = 0.0;       ///< Hz, recording.spin_rate
+  double beam_elevation = 0.0;  ///< rad, recording.beam_elevation
 };
 
 // Ouster sensors by their design: points in the frame of the lidar (os_lidar, gen. 1 drivers) or of
@@ -28,10 +31,16 @@ constexpr std::array<double, 7> kNewerCollege2021 = {0.014, -0.012, -0.015, 0.0,
 constexpr std::array<double, 7> kHilti2022 = {-0.001,      -0.00855, 0.055, 0.70710678,
                                               -0.70710678, 0.0,      0.0};
 
-constexpr std::array<Preset, 7> kPresets = {{
+// The calibration of KITTI's HDL-64E is off by 0.205 degrees (J.-E. Deschaud, "IMLS-SLAM", ICRA
+// 2018), and its turns last 103.7 ms (the stamps of raw drives).
+constexpr double kKittiElevation = 0.205 * std::numbers::pi / 180.0;
+constexpr double kKittiSpin = -9.64;
+
+constexpr std::array<Preset, 8> kPresets = {{
     {"hilti-2021", "/os_cloud_node/points", "/os_cloud_node/imu"},
     {"hilti-2022", "/hesai/pandar", "/alphasense/imu", kHilti2022},
-    {"kitti"},
+    {.name = "kitti", .beam_elevation = kKittiElevation},
+    {.name = "kitti-raw", .spin_rate = kKittiSpin, .beam_elevation = kKittiElevation},
     {"mulran"},
     {"newer-college", "/os1_cloud_node/points", "/os1_cloud_node/imu", kOusterLidar},
     {"newer-college-multi-camera", "/os_cloud_node/points", "/os_cloud_node/imu",
@@ -60,6 +69,8 @@ void apply_preset(const std::string& name, Config& config) {
   if (preset->T_imu_lidar) {
     config.imu.T_imu_lidar = preset->T_imu_lidar;
   }
+  config.recording.spin_rate = preset->spin_rate;
+  config.recording.beam_elevation = preset->beam_elevation;
 }
 
 }  // namespace adit
