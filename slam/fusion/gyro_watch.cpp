@@ -21,7 +21,7 @@ constexpr double kSweepPeriod = 0.11;     // s
 constexpr double kLeastClock = 0.008;  // s
 constexpr double kLeastTurn = 0.01;    // rad
 constexpr double kSigmas = 3.0;
-constexpr double kSigmasOfAccused = 2.0;  // where something is known to be wrong
+constexpr double kSigmasOfProven = 2.0;  // once clock or mounting were proven to be wrong
 constexpr double kFarOff = 0.35;          // rad
 constexpr int kMostCorrections = 4;
 // After a check that failed the sweeps are to tell what is wrong, without the sensor: for so many.
@@ -115,12 +115,13 @@ std::optional<GyroVerdict> GyroWatch::judge(const GyroCheck& check, const Sensor
   if (check.comparison && (of_frame || !fault)) {
     const bool proven =
         of_frame && is_known(*check.comparison, frame.T_body_lidar.linear().transpose());
-    const bool may = (proven || accused || corrections_ > 0) && corrections_ < kMostCorrections;
+    const bool corrected = proven || corrections_ > 0;
+    const bool may = (corrected || accused) && corrections_ < kMostCorrections;
     const auto done = correction(check, frame,
                                  {.clock = may || refine_clock_,
                                   .mounting = may || refine_mounting_,
                                   .least_clock = may && !timed ? kSweepPeriod : kLeastClock,
-                                  .sigmas = may ? kSigmasOfAccused : kSigmas});
+                                  .sigmas = may && corrected ? kSigmasOfProven : kSigmas});
     if (done) {
       corrections_ += may ? 1 : 0;
       trial_ = PredictsWorse{};

@@ -199,6 +199,16 @@ TEST(ReadingGate, SpikesInARowAreNoEvidenceForEachOther) {
   }
 }
 
+TEST(ReadingGate, SpikesInARowRightAfterAnotherAreDroppedToo) {
+  for (std::size_t between = 1; between <= 3; ++between) {
+    Samples samples = waved(3);
+    samples[800].angular_velocity.y() = -6.3;
+    samples[801 + between].linear_acceleration.x() = -51.0;
+    samples[802 + between].linear_acceleration.x() = -136.0;
+    EXPECT_EQ(pass(samples).spikes.size(), 3U) << between << " good readings between them";
+  }
+}
+
 // Whatever lasts longer, moves several axes, or is not there at once, the sensor felt.
 TEST(ReadingGate, ABlowIsNoBurst) {
   Samples samples = waved(4, 1.0, 5.0);
