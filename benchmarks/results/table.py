@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the README's table of benchmarks from the JSON files beside this script.
+"""Makes the table of benchmarks in benchmarks/README.md from the JSON files beside this script.
 
-Usage: table.py [--write]. Prints the table; --write puts it into README.md between its marks.
+Usage: table.py [--write]. Prints the table; --write puts it into that file between its marks.
 """
 
 import json
@@ -11,7 +11,7 @@ import pathlib
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-README = HERE.parent.parent / "README.md"
+README = HERE.parent / "README.md"
 BEGIN = "<!-- benchmarks: begin -->\n"
 END = "<!-- benchmarks: end -->\n"
 # Case, size, and what it is for people.

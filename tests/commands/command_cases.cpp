@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "adit/tests/commands/small_room.hpp"
+#include "adit/tools/commands/command_align.hpp"
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
@@ -80,7 +81,8 @@ std::string no_number(const std::string& told) {
 }  // namespace
 
 std::string_view to_string(FuzzedCommand command) {
-  constexpr std::array<std::string_view, 4> kNames = {"inspect", "run", "convert", "evaluate"};
+  constexpr std::array<std::string_view, 5> kNames = {"inspect", "run", "convert", "evaluate",
+                                                      "align"};
   return kNames[static_cast<std::size_t>(command)];
 }
 
@@ -89,7 +91,8 @@ CommandCases::CommandCases(engine::Context& context)
   formats_ = write_healthy_recordings(folder_ / "formats", events_);
   std::ostringstream told;
   RunCommandOptions options;
-  options.recording = write_messages(folder_ / "drive", "mcap", 0, events_).path();
+  drive_ = write_messages(folder_ / "drive", "mcap", 0, events_).path();
+  options.recording = drive_;
   options.output = run_;
   options.device.opened = context_;
   if (run_command(options, told, told) != 0) {
@@ -200,14 +203,45 @@ int CommandCases::evaluate(const fs::path& recording, Dice& dice, std::ostream& 
   return evaluate_command(options, told, told);
 }
 
+int CommandCases::align(const std::string& cloud, const fs::path& folder, Dice& dice,
+                        std::ostream& told) const {
+  AlignCommandOptions options;
+  options.device.opened = context_;
+  options.json = dice.one_in(2);
+  const std::string healthy = drive_.string() + "@" + std::to_string(dice.below(kSweeps));
+  if (dice.one_in(3)) {
+    std::string list = healthy + " " + cloud + " 0.1 0 0 2\n" + healthy + " " + healthy + "\n";
+    if (dice.one_in(2)) {
+      damage_text(list, dice);
+    }
+    options.pairs = folder / "pairs.txt";
+    write(*options.pairs, list);
+    return align_command(options, told, told);
+  }
+  options.clouds = {healthy, cloud};
+  if (dice.one_in(2)) {
+    std::swap(options.clouds[0], options.clouds[1]);
+  }
+  if (dice.one_in(2)) {
+    options.guess = {0.1, 0.0, 0.0, 2.0};
+  }
+  options.picture = folder / "both.png";
+  return align_command(options, told, told);
+}
+
 int CommandCases::call(FuzzedCommand command, const std::string& format, const fs::path& folder,
                        Dice& dice, std::ostream& told) const {
   if (format == kTables) {
-    return evaluate_tables(folder, dice, told);
+    return command == FuzzedCommand::align
+               ? align((run_ / "trajectory.tum").string(), folder, dice, told)
+               : evaluate_tables(folder, dice, told);
   }
   const auto [recording, metadata] = damaged_recording(format, folder, dice);
   if (command == FuzzedCommand::evaluate) {
     return evaluate(recording, dice, told);
+  }
+  if (command == FuzzedCommand::align) {
+    return align(recording.string(), folder, dice, told);
   }
   if (command == FuzzedCommand::convert) {
     const std::array<const char*, 3> names = {"out.mcap", "out.bag", "out"};

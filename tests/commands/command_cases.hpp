@@ -17,9 +17,10 @@
 
 namespace adit::test {
 
-enum class FuzzedCommand { inspect, run, convert, evaluate };
-inline constexpr FuzzedCommand kFuzzedCommands[] = {
-    FuzzedCommand::inspect, FuzzedCommand::run, FuzzedCommand::convert, FuzzedCommand::evaluate};
+enum class FuzzedCommand { inspect, run, convert, evaluate, align };
+inline constexpr FuzzedCommand kFuzzedCommands[] = {FuzzedCommand::inspect, FuzzedCommand::run,
+                                                    FuzzedCommand::convert, FuzzedCommand::evaluate,
+                                                    FuzzedCommand::align};
 std::string_view to_string(FuzzedCommand command);
 
 /// What a command did.
@@ -54,12 +55,15 @@ class CommandCases {
            Dice& dice, std::ostream& told) const;
   int evaluate_tables(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
   int evaluate(const std::filesystem::path& recording, Dice& dice, std::ostream& told) const;
+  int align(const std::string& cloud, const std::filesystem::path& folder, Dice& dice,
+            std::ostream& told) const;
 
   engine::Context* context_;
   TemporaryFolder folder_;
   std::vector<Recorded> events_;
   std::vector<HealthyFormat> formats_;
-  std::filesystem::path run_;  ///< the folder of a healthy run
+  std::filesystem::path drive_;  ///< a healthy recording
+  std::filesystem::path run_;    ///< the folder of a healthy run of it
 };
 
 }  // namespace adit::test

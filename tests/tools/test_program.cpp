@@ -48,13 +48,21 @@ void expect_usage_error(const std::vector<const char*>& words, const std::string
 TEST(Program, VersionAndHelpAreAnswers) {
   const Answer version_answer = call({"--version"});
   EXPECT_EQ(version_answer.code, 0);
-  EXPECT_EQ(version_answer.out, "adit " + std::string(version()) + "\n");
+  EXPECT_TRUE(version_answer.out.starts_with("adit " + std::string(version()) + "\ncommit   "))
+      << version_answer.out;
+  EXPECT_NE(version_answer.out.find("\nloader   1."), std::string::npos) << version_answer.out;
   for (const char* command : {"demo", "run", "simulate", "evaluate", "devices", "config"}) {
     const Answer help = call({command, "--help"});
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_NE(help.out.find("Example"), std::string::npos) << command << "\n" << help.out;
     EXPECT_NE(call({"--help"}).out.find(command), std::string::npos) << command;
   }
+}
+
+TEST(Program, HelpIsAWordToo) {
+  EXPECT_EQ(call({"help"}).out, call({"--help"}).out);
+  EXPECT_EQ(call({"help", "run"}).out, call({"run", "--help"}).out);
+  expect_usage_error({"help", "rnu"}, "no command 'rnu'. The nearest valid name is 'run'");
 }
 
 TEST(Program, WithoutWordsItExplainsItself) {
@@ -88,6 +96,7 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
        std::vector<std::vector<const char*>>{{"run"},
                                              {"inspect"},
                                              {"convert"},
+                                             {"align"},
                                              {"evaluate"},
                                              {"simulate"},
                                              {"config"},

@@ -314,8 +314,8 @@ Command CommandLine::program() const {
   return Command(*app_);
 }
 
-void CommandLine::version(const std::string& text) const {
-  app_->set_version_flag("--version", text);
+void CommandLine::version(const std::function<std::string()>& text) const {
+  app_->set_version_flag("--version", text, "Print version, commit, compiler and Vulkan loader");
 }
 
 std::string CommandLine::help() const {

@@ -117,7 +117,8 @@ class CommandLine {
 
   /// What the program itself takes.
   Command program() const;
-  void version(const std::string& text) const;
+  /// What --version prints, made when it is asked for.
+  void version(const std::function<std::string()>& text) const;
   std::string help() const;
   /// Names of its commands.
   std::vector<std::string> commands() const;

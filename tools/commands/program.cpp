@@ -9,6 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
+#include "adit/engine/loader.hpp"
+#include "adit/tools/commands/command_align.hpp"
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/commands/command_demo.hpp"
@@ -24,6 +28,7 @@
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
+#include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/version.hpp"
 
@@ -48,16 +53,32 @@ bool is_unknown_command(const CommandLine& line, const std::string& word) {
   return true;
 }
 
+std::string version_text() {
+  return fmt::format("adit {}\ncommit   {}\ncompiler {}\nloader   {}", version(), commit(),
+                     compiler(),
+                     engine::loader_version().value_or("no libvulkan.so.1 on this machine"));
+}
+
+/// `adit help COMMAND` is `adit COMMAND --help`, and `adit help` `adit --help`.
+std::vector<const char*> without_help_word(int argc, const char* const* argv) {
+  std::vector<const char*> words(argv, argv + argc);
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    words.erase(words.begin() + 1);
+    words.push_back("--help");
+  }
+  return words;
+}
+
 int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand> more) {
   const CommandLine line("adit", "Range-inertial SLAM on any Vulkan device");
-  line.version("adit " + std::string(version()));
+  line.version(version_text);
   const Command app = line.program();
   app.footer(
       "Examples:\n"
       "  adit demo                        see it work, without data\n"
       "  adit run drive/ -o out           map a recording\n"
       "  adit evaluate out/trajectory.tum truth.txt\n\n"
-      "`adit COMMAND --help` tells more. Exit codes: 0 done, 1 failed on the data or the device, 2 "
+      "`adit help COMMAND` tells more. Exit codes: 0 done, 1 failed on the data or the device, 2 "
       "usage,\n129, 130 or 143 stopped by SIGHUP, SIGINT (Ctrl-C) or SIGTERM.");
   int code = 0;
   const auto done = [&code](int command_code) { code = command_code; };
@@ -66,6 +87,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_simulate_command(app, done);
   add_inspect_command(app, done);
   add_convert_command(app, done);
+  add_align_command(app, done);
   add_evaluate_command(app, done);
   add_info_command(app, done);
   add_check_command(app, done);
@@ -83,10 +105,11 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
     std::cerr << line.help();
     return kUsage;
   }
-  if (is_unknown_command(line, argv[1])) {
+  const std::vector<const char*> words = without_help_word(argc, argv);
+  if (is_unknown_command(line, words[1])) {
     return kUsage;
   }
-  return line.run(argc, argv).value_or(code);
+  return line.run(static_cast<int>(words.size()), words.data()).value_or(code);
 }
 
 }  // namespace

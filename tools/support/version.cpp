@@ -8,4 +8,12 @@ std::string_view version() {
   return ADIT_VERSION;
 }
 
+std::string_view compiler() {
+#ifdef __clang__
+  return "Clang " __clang_version__;
+#else
+  return "GCC " __VERSION__;
+#endif
+}
+
 }  // namespace adit

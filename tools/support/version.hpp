@@ -12,4 +12,7 @@ inline constexpr std::string_view kGenerator = "adit";
 /// "major.minor.patch", as the build sets it.
 std::string_view version();
 
+/// What the program was compiled with, e.g. "GCC 12.2.0".
+std::string_view compiler();
+
 }  // namespace adit

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The adit authors
+# SPDX-License-Identifier: Apache-2.0
+"""Compares docs/formats.md with what the program writes: every --json, sweeps.csv, the map's tables.
+
+Usage: formats.py ADIT. Everything that is written must be on the page, under the heading of its command, and everything
+on the page must be written, but for what it calls "only" or of another command of the same heading. Exits 1 if not.
+"""
+
+import json
+import pathlib
+import re
+import sqlite3
+import subprocess
+import sys
+import tempfile
+
+PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "formats.md"
+# Heading of the page, and the commands whose JSON it describes; they run in a folder of their own.
+COMMANDS = {
+    "adit run: summary.json": [["run", "drive.mcap", "-o", "json", "--json", "--high-rate", "--set",
+                                "mapping.enabled=true", "--set", "mapping.loops=true"]],
+    "adit inspect --json": [["inspect", "drive.mcap", "--json"]],
+    "adit evaluate --json": [["evaluate", "json/trajectory.tum", "drive.truth.tum", "--json"]],
+    "adit align --json": [["align", "drive.mcap@0", "drive.mcap@9", "--json"],
+                          ["align", "drive.mcap@0", "drive.mcap@9", "--guess", "0", "0", "0", "5", "--json"]],
+    "adit info, check, loops and optimize --json": [[verb, "json/map.adit", "--json"]
+                                                    for verb in ("info", "check", "loops", "optimize")],
+    "adit devices --json": [["devices", "--json"]],
+}
+SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
+
+
+def keys(value, path=""):
+    """Paths of all that is in a JSON value, lists as []."""
+    if isinstance(value, dict) and value:
+        for key, inner in value.items():
+            yield from keys(inner, f"{path}.{key}" if path else key)
+    elif isinstance(value, list) and value:
+        for inner in value:
+            yield from keys(inner, path + "[]")
+    else:
+        yield path + "[]" if isinstance(value, list) else path
+
+
+def sections(text):
+    """Heading: rows of its tables, as (names in the first cell, the second cell)."""
+    found, heading = {}, ""
+    for line in text.split("\n"):
+        if line.startswith("## "):
+            heading = line[3:]
+        elif line.startswith("| `"):
+            cells = line.strip("| ").split(" | ")
+            found.setdefault(heading, []).append((re.findall(r"`([^`]+)`", cells[0]), cells[1]))
+    return found
+
+
+def pattern(name):
+    """`*` stands for anything within a name; a last `*` and a last `[]` also for what lies below."""
+    text = re.escape(name).replace(r"\*", r"[^.\[\]]*")
+    return re.compile(text + (r"(\..+|\[\].*)?" if name.endswith(("*", "[]")) else ""))
+
+
+def compare(heading, rows, written):
+    names = [(name, text) for cell, text in rows for name in cell]
+    for key in sorted(written):
+        if not any(pattern(name).fullmatch(key) for name, _ in names):
+            yield f"{heading}: {key} is written, and not on the page"
+    for name, text in names:
+        if not text.startswith(("only ", "`null`")) and not any(pattern(name).fullmatch(key) for key in written):
+            yield f"{heading}: {name} is on the page, and not written"
+
+
+def spread(rows):
+    """Columns named "`x_m` to `qw`" are all of those between."""
+    columns = ["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"]
+    return [(columns if cell == ["x_m", "qw"] else cell, text) for cell, text in rows]
+
+
+def check(adit, folder, page):
+    def run(words):
+        return subprocess.run([adit, *words], cwd=folder, capture_output=True, text=True, timeout=300)
+
+    simulated = run(SIMULATE)
+    if simulated.returncode != 0:
+        yield f"adit simulate: {simulated.stderr}"
+        return
+    for heading, commands in COMMANDS.items():
+        written = set()
+        for words in commands:
+            answer = run(words)
+            if not answer.stdout.startswith("{"):
+                yield f"adit {' '.join(words)}: no JSON: {answer.stdout}{answer.stderr}"
+                continue
+            written |= set(keys(json.loads(answer.stdout)))
+        yield from compare(heading, page.get(heading, []), written)
+    header = (pathlib.Path(folder) / "json" / "sweeps.csv").read_text().split("\n", 1)[0].split(",")
+    heading = "adit run: sweeps.csv"
+    yield from compare(heading, spread(page.get(heading, [])), set(header))
+    with sqlite3.connect(pathlib.Path(folder) / "json" / "map.adit") as database:
+        tables = {name: {row[1] for row in database.execute(f"PRAGMA table_info({name})")} for (name,) in
+                  database.execute("SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'places_%'")}
+    heading = "The map database"
+    described = {}
+    for cell, text in page.get(heading, []):
+        described[cell[0]] = set(re.findall(r"`(\w+)`", re.sub(r"\([^)]*\)", "", text)))
+    described["end_candidates"] = described.get("candidates", set())
+    for name in sorted(set(tables) | set(described)):
+        if tables.get(name) != described.get(name):
+            yield f"{heading}: {name}: columns {sorted(tables.get(name, []))}, the page has {sorted(described.get(name, []))}"
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    with tempfile.TemporaryDirectory() as folder:
+        problems = list(check(str(pathlib.Path(sys.argv[1]).resolve()), folder, sections(PAGE.read_text())))
+    print("\n".join(problems))
+    print(f"formats: {len(problems)} problems")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_align.hpp"
+
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+using test::Ran;
+
+/// A drive along a street, 0.8 m a sweep.
+class AlignCommand : public test::DeviceTest {
+ protected:
+  AlignCommand() : drive_(test::small_recording(folder_.path(), 4).recording) {}
+
+  Ran ran(AlignCommandOptions options) const {
+    options.device.opened = &context();
+    return test::ran(align_command, options);
+  }
+  std::string sweep(int number) const { return drive_.string() + "@" + std::to_string(number); }
+  AlignCommandOptions of(const std::string& a, const std::string& b) const {
+    AlignCommandOptions options;
+    options.clouds = {a, b};
+    return options;
+  }
+  void expect_refused(AlignCommandOptions options, int code, const std::string& part) const {
+    const Ran answer = ran(std::move(options));
+    EXPECT_EQ(answer.code, code) << answer.err;
+    EXPECT_TRUE(answer.err.starts_with("adit align: ")) << answer.err;
+    EXPECT_NE(answer.err.find(part), std::string::npos) << "no '" << part << "' in: " << answer.err;
+    EXPECT_EQ(answer.out, "");
+  }
+
+  test::TemporaryFolder folder_;
+  fs::path drive_;
+};
+
+TEST_F(AlignCommand, ReportsThePoseFromNothingAsTextAndAsJson) {
+  AlignCommandOptions options = of(sweep(0), sweep(2));
+  options.picture = folder_ / "both.png";
+  const Ran text = ran(options);
+  EXPECT_EQ(text.code, 0) << text.err << text.out;
+  for (const char* part : {"verdict  usable", "T_a_b    1.", "sigma    0.", "held     ",
+                           "overlap  ", "search   from nothing", "look at  "}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " in:\n" << text.out;
+  }
+  EXPECT_EQ(test::content(*options.picture).substr(1, 3), "PNG");
+
+  options.json = true;
+  const Ran answer = ran(options);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_EQ(answer.out, ran(options).out) << "the same input gives the same bytes";
+  const auto json = nlohmann::json::parse(answer.out);
+  EXPECT_EQ(json["method"], "VGICP");
+  EXPECT_EQ(json["usable"], 1);
+  const auto& pair = json["pairs"].at(0);
+  EXPECT_EQ(pair["a"], sweep(0));
+  EXPECT_EQ(pair["usable"], true);
+  EXPECT_TRUE(pair["refusal"].is_null());
+  EXPECT_TRUE(pair["guess"].is_null());
+  EXPECT_NEAR(pair["T_a_b"][0].get<double>(), 1.6, 0.05);
+  EXPECT_NEAR(pair["T_a_b"][1].get<double>(), 0.0, 0.05);
+  EXPECT_NEAR(pair["T_a_b"][6].get<double>(), 1.0, 1e-4);
+  EXPECT_EQ(pair["covariance"].size(), 6U);
+  EXPECT_EQ(pair["translation"].size(), 3U);
+  EXPECT_GT(pair["overlap"], 0.4);
+}
+
+TEST_F(AlignCommand, TakesAGuessAsYawOrAsQuaternion) {
+  for (const std::vector<double>& guess :
+       {std::vector<double>{1.0, 0.3, 0.1, 5.0}, {1.0, 0.3, 0.1, 0.0, 0.0, 0.04, 1.0}}) {
+    AlignCommandOptions options = of(sweep(0), sweep(2));
+    options.guess = guess;
+    options.json = true;
+    const Ran answer = ran(options);
+    EXPECT_EQ(answer.code, 0) << answer.out;
+    const auto pair = nlohmann::json::parse(answer.out)["pairs"].at(0);
+    EXPECT_EQ(pair["starts"], 1);
+    EXPECT_NEAR(pair["T_a_b"][0].get<double>(), 1.6, 0.05);
+    EXPECT_EQ(pair["guess"][0], 1.0);
+  }
+}
+
+TEST_F(AlignCommand, AListGoesOnBehindWhatCannotBeReadOrUsed) {
+  folder_.write("empty.bin", "");
+  const std::string a = sweep(0);
+  AlignCommandOptions options;
+  options.pairs = folder_.write("pairs.txt", a + " " + sweep(1) + "\n" + a + " empty.bin\n" + a +
+                                                 " missing.pcd\n" + a + " " + sweep(2) +
+                                                 " 300 0 0 0\n" + a + " " + sweep(2) + "\n");
+  const Ran text = ran(options);
+  EXPECT_EQ(text.code, 1) << text.err;
+  EXPECT_NE(text.out.find("5 pairs, 2 usable"), std::string::npos) << text.out;
+  options.json = true;
+  const auto json = nlohmann::json::parse(ran(options).out);
+  const auto& pairs = json["pairs"];
+  ASSERT_EQ(pairs.size(), 5U);
+  EXPECT_EQ(pairs[0]["usable"], true);
+  EXPECT_EQ(pairs[1]["refusal"], "unreadable");
+  EXPECT_NE(pairs[1]["reason"].get<std::string>().find("empty.bin"), std::string::npos);
+  EXPECT_EQ(pairs[2]["refusal"], "unreadable");
+  EXPECT_EQ(pairs[3]["refusal"], "too_little_overlap");
+  EXPECT_EQ(pairs[4]["usable"], true);
+}
+
+TEST_F(AlignCommand, AGuessThatLeadsNowhereIsRefusedWithTheReason) {
+  AlignCommandOptions options = of(sweep(0), sweep(1));
+  options.guess = {300.0, 0.0, 0.0, 0.0};
+  const Ran answer = ran(options);
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.out.find("refused: too little overlap: 0 % of b's points lie on a"),
+            std::string::npos)
+      << answer.out;
+  EXPECT_EQ(answer.out.find("T_a_b"), std::string::npos) << answer.out;
+  EXPECT_EQ(answer.out.find("nan"), std::string::npos) << answer.out;
+}
+
+TEST_F(AlignCommand, WrongArgumentsAreUsageErrors) {
+  expect_refused({}, 2, "name two clouds");
+  AlignCommandOptions options;
+  options.clouds = {sweep(0)};
+  expect_refused(options, 2, "name two clouds");
+  options = of(sweep(0), sweep(1));
+  options.pairs = folder_ / "pairs.txt";
+  expect_refused(options, 2, "name two clouds");
+  options = of(sweep(0), sweep(1));
+  options.guess = {1.0, 2.0, 3.0, 4.0, 5.0};
+  expect_refused(options, 2, "--guess takes X Y Z YAW");
+  options.guess = {1.0, 2.0, std::nan(""), 4.0};
+  expect_refused(options, 2, "--guess takes X Y Z YAW");
+  options = of(sweep(0), sweep(1));
+  options.picture = folder_ / "both.jpg";
+  expect_refused(options, 2, "name it *.png");
+}
+
+TEST_F(AlignCommand, CloudsThatCannotBeReadAreErrors) {
+  expect_refused(of((folder_ / "missing.pcd").string(), sweep(1)), 1, "missing.pcd");
+  expect_refused(of(sweep(0), sweep(99)), 1, "no sweep number 99");
+  const fs::path empty = folder_.write("empty.bin", "");
+  expect_refused(of(sweep(0), empty.string()), 1, "no points");
+  const fs::path damaged = folder_.write("damaged.pcd", "# .PCD v0.7\nFIELDS x y\nPOINTS -1\n");
+  expect_refused(of(damaged.string(), sweep(0)), 1, "damaged.pcd");
+  AlignCommandOptions options = of(sweep(0), sweep(1));
+  options.picture = folder_ / "missing" / "both.png";
+  const Ran answer = ran(options);
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.err.find("both.png"), std::string::npos) << answer.err;
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `adit align` prints of its results.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "adit/slam/registration/cloud_aligner.hpp"
+#include "adit/tools/recordings/cloud_pairs.hpp"
+
+namespace adit {
+
+/// A pair and what became of it.
+struct AlignedPair {
+  NamedPair named;
+  std::string unreadable{};  ///< why a cloud could not be read; empty: both were
+  double r_input = 0.0;      ///< m, down-sampling of b
+  CloudAlignment alignment{};
+
+  bool usable() const { return unreadable.empty() && alignment.refusal == AlignmentRefusal::none; }
+};
+
+/// Why the pose is not to be used, a sentence without its full stop; empty where it may be.
+std::string reason_of(const AlignedPair& pair, const CloudAlignerSettings& settings);
+
+/// Of one pair, some lines.
+std::string text_of(const AlignedPair& pair, const CloudAlignerSettings& settings);
+
+/// Of many: a line each, and how many may be used.
+std::string table_of(const std::vector<AlignedPair>& pairs, const CloudAlignerSettings& settings);
+
+nlohmann::ordered_json to_json(const AlignedPair& pair, const CloudAlignerSettings& settings);
+
+}  // namespace adit

@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/command_align.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <utility>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/commands/align_report.hpp"
+#include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/drawing/overlay_picture.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kPairsAtOnce = 64;  // whose clouds are held on the device together
+constexpr float kWall = 3.0F;             // steps that a column of a wall rises at least
+
+std::vector<NamedPair> wanted(const AlignCommandOptions& options) {
+  if (options.pairs.has_value() == !options.clouds.empty() ||
+      (!options.clouds.empty() && options.clouds.size() != 2)) {
+    throw UsageError("name two clouds, A B, or a list of pairs with --pairs FILE.");
+  }
+  if (options.pairs) {
+    if (!options.guess.empty() || options.picture) {
+      throw UsageError("--guess and --picture are of two clouds; a list has guesses of its own.");
+    }
+    return read_pairs(*options.pairs);
+  }
+  NamedPair pair{.a = options.clouds[0], .b = options.clouds[1]};
+  if (!options.guess.empty()) {
+    pair.guess = pose_of_numbers(options.guess);
+    if (!pair.guess) {
+      throw UsageError(
+          "--guess takes X Y Z YAW (m, degrees) or X Y Z QX QY QZ QW, none beyond 1000 km.");
+    }
+  }
+  if (options.picture && options.picture->extension() != ".png") {
+    throw UsageError("--picture " + options.picture->string() + ": name it *.png.");
+  }
+  return {pair};
+}
+
+/// Clouds by name, as long as pairs want them.
+class Clouds {
+ public:
+  explicit Clouds(CloudAligner& aligner) : aligner_(&aligner) {}
+
+  /// Forgets those that none of the pairs has.
+  void keep(std::span<const NamedPair> pairs) {
+    std::set<std::string> names;
+    for (const NamedPair& pair : pairs) {
+      names.insert({pair.a, pair.b});
+    }
+    std::erase_if(clouds_, [&](const auto& entry) { return !names.contains(entry.first); });
+  }
+
+  /// Reads and prepares it the first time. Throws InputError.
+  const AlignableCloud& get(const std::string& name) {
+    auto found = clouds_.find(name);
+    if (found == clouds_.end()) {
+      found = clouds_.emplace(name, aligner_->prepare(read_cloud(name).points)).first;
+    }
+    return found->second;
+  }
+
+ private:
+  CloudAligner* aligner_;
+  std::map<std::string, AlignableCloud> clouds_;
+};
+
+/// Of a list a cloud that cannot be read is reported with its pairs; of two clouds it is thrown.
+std::vector<AlignedPair> align_some(CloudAligner& aligner, Clouds& clouds,
+                                    std::span<const NamedPair> named, bool list) {
+  clouds.keep(named);
+  std::vector<AlignedPair> pairs(named.size());
+  std::vector<CloudPair> readable;
+  std::vector<std::size_t> of;
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    pairs[i].named = named[i];
+    try {
+      const AlignableCloud& a = clouds.get(named[i].a);
+      const AlignableCloud& b = clouds.get(named[i].b);
+      readable.push_back({.a = &a, .b = &b, .guess = named[i].guess});
+      pairs[i].r_input = b.r_input;
+      of.push_back(i);
+    } catch (const InputError& error) {
+      if (!list) {
+        throw;
+      }
+      pairs[i].unreadable = error.what();
+    }
+  }
+  std::vector<CloudAlignment> alignments = aligner.align(readable);
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    pairs[of[k]].alignment = std::move(alignments[k]);
+  }
+  return pairs;
+}
+
+OverlayCloud drawn(const std::string& name, const OverheadView& above) {
+  std::set<std::pair<int, int>> walls;
+  const auto cell = [&above](float x, float y) {
+    return std::pair(static_cast<int>(std::floor(static_cast<double>(x) / above.step)),
+                     static_cast<int>(std::floor(static_cast<double>(y) / above.step)));
+  };
+  for (const OverheadView::Column& column : above.columns) {
+    if (column.rise >= kWall) {
+      walls.insert(cell(column.center.x(), column.center.y()));
+    }
+  }
+  OverlayCloud cloud;
+  for (const Point& p : read_cloud(name).points) {
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) {
+      cloud.points.emplace_back(p.x, p.y, p.z);
+      if (walls.contains(cell(p.x, p.y))) {
+        cloud.walls.push_back(cloud.points.back());
+      }
+    }
+  }
+  return cloud;
+}
+
+void draw(const AlignedPair& pair, Clouds& clouds, const std::filesystem::path& file) {
+  const OverlayCloud a = drawn(pair.named.a, clouds.get(pair.named.a).above);
+  const OverlayCloud b = drawn(pair.named.b, clouds.get(pair.named.b).above);
+  const Eigen::Isometry3d& T_a_b = pair.alignment.T_a_b;
+  write_png(file, overlay_picture(a, b, T_a_b, view_of(a, b, T_a_b)));
+}
+
+int run(const AlignCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const std::vector<NamedPair> named = wanted(options);
+  DeviceSession device(options.device);
+  engine::Context& context = device.context();
+  if (context.software_fallback() && !options.json) {
+    err << software_note(context.device()) << std::endl;
+  }
+  CloudAligner aligner(context, options.settings);
+  Clouds clouds(aligner);
+  std::vector<AlignedPair> pairs;
+  while (pairs.size() < named.size()) {
+    const auto part =
+        std::span(named).subspan(pairs.size(), std::min(kPairsAtOnce, named.size() - pairs.size()));
+    std::ranges::move(align_some(aligner, clouds, part, options.pairs.has_value()),
+                      std::back_inserter(pairs));
+  }
+  if (options.picture) {
+    draw(pairs.front(), clouds, *options.picture);
+  }
+  const bool all = std::ranges::all_of(pairs, &AlignedPair::usable);
+  if (options.json) {
+    nlohmann::ordered_json json = {{"method", std::string(to_string(options.settings.method))},
+                                   {"usable", std::ranges::count_if(pairs, &AlignedPair::usable)},
+                                   {"device", to_json(context.device())},
+                                   {"pairs", nlohmann::ordered_json::array()}};
+    for (const AlignedPair& pair : pairs) {
+      json["pairs"].push_back(to_json(pair, options.settings));
+    }
+    out << json.dump(2) << "\n";
+  } else {
+    out << (options.pairs ? table_of(pairs, options.settings)
+                          : text_of(pairs.front(), options.settings));
+    if (options.picture) {
+      out << "look at  " << options.picture->string() << "\n";
+    }
+  }
+  return all ? 0 : 1;
+}
+
+}  // namespace
+
+int align_command(const AlignCommandOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded("adit align", out, err, [&] { return run(options, out, err); });
+}
+
+void add_align_command(Command app, std::function<void(int)> done) {
+  const Command command =
+      app.add_command("align", "Find the relative pose of two clouds, or of many pairs");
+  const auto options = std::make_shared<AlignCommandOptions>();
+  command.footer(
+      "Prints T_a_b, which maps B's coordinates to A's. A cloud is a file of points (PCD, PLY, "
+      "LAS,\n"
+      "KITTI's .bin) or the first sweep of a recording; NAME@N is its sweep N, counted from 0.\n"
+      "Without a guess both clouds must have z up, to some 10 degrees. A pose that did not\n"
+      "converge, overlaps too little, fits poorly, is held too weakly or is not the only one that\n"
+      "fits is refused.\n\n"
+      "Examples:\n"
+      "  adit align a.pcd b.ply\n"
+      "  adit align a.pcd b.ply --guess 1.5 0 0 20 --picture both.png\n"
+      "  adit align drive.mcap@0 drive.mcap@10\n"
+      "  adit align --pairs pairs.txt --json\n\n"
+      "A line of pairs.txt names two clouds and may add a guess: A B [X Y Z YAW | X Y Z QX QY QZ\n"
+      "QW].\n\n"
+      "Exit codes: 0 done, 1 a cloud that cannot be read or a pose that is refused, 2 usage.");
+  command.option("clouds", options->clouds, "The two clouds").values(0, 2).value_name("A B");
+  command.option("--pairs", options->pairs, "A list of pairs, aligned together").value_name("FILE");
+  command
+      .option("--guess", options->guess,
+              "T_a_b to some 2 m and 20 degrees: metres and degrees, or a quaternion; without it "
+              "the pose is searched")
+      .values(4, 7)
+      .value_name("X Y Z YAW");
+  command.choice<RegistrationMethod>("--method", "How clouds are compared (vgicp)",
+                                     options->settings.method,
+                                     {{"vgicp", RegistrationMethod::vgicp},
+                                      {"ndt", RegistrationMethod::ndt},
+                                      {"point-to-plane", RegistrationMethod::point_to_plane},
+                                      {"ndt-to-ndt", RegistrationMethod::ndt_to_ndt}});
+  command
+      .option("--resolution", options->settings.r_input,
+              "One point per this many metres; without it by the cloud's extent, 0.05 to 0.25")
+      .from(0.01, 10.0)
+      .value_name("M");
+  command
+      .option("--min-overlap", options->settings.min_overlap,
+              "Share of B's points that must lie on A")
+      .from(0.0, 1.0)
+      .value_name("SHARE")
+      .show_default();
+  command.option("--picture", options->picture, "Draw B upon A, from above and from the side")
+      .value_name("FILE.png");
+  add_device_options(command, options->device);
+  command.flag("--json", options->json, "Print JSON instead of text");
+  command.action(
+      [options, done = std::move(done)] { done(align_command(*options, std::cout, std::cerr)); });
+}
+
+}  // namespace adit
