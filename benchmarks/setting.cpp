@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "adit/benchmarks/commit.hpp"
+#include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit::bench {

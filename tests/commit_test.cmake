@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# What benchmarks/commit.cmake writes of a checkout before and after a commit, of a changed one, and of a tree that is
+# What tools/support/commit.cmake writes of a checkout before and after a commit, of a changed one, and of a tree that is
 # none: cmake -D TREE=<adit's> -D FOLDER=<to work in> -P commit_test.cmake
 find_package(Git QUIET)
 if(NOT Git_FOUND)
@@ -24,7 +24,7 @@ endfunction()
 # Writes for a tree and wants this commit named.
 function(expect source wanted)
   execute_process(COMMAND ${CMAKE_COMMAND} -D SOURCE=${source} -D OUTPUT=${FOLDER}/commit.cpp
-    -P ${TREE}/benchmarks/commit.cmake COMMAND_ERROR_IS_FATAL ANY)
+    -P ${TREE}/tools/support/commit.cmake COMMAND_ERROR_IS_FATAL ANY)
   file(STRINGS ${FOLDER}/commit.cpp found REGEX return)
   if(NOT found STREQUAL "  return \"${wanted}\"\\;")
     message(FATAL_ERROR "expected ${wanted} of ${source}, found:${found}")

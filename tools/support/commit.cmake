@@ -18,13 +18,13 @@ if(Git_FOUND)
   endif()
 endif()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
-#include "adit/benchmarks/commit.hpp"
+#include "adit/tools/support/commit.hpp"
 
-namespace adit::bench {
+namespace adit {
 
 std::string_view commit() {
   return "@commit@";
 }
 
-}  // namespace adit::bench
+}  // namespace adit
 ]])

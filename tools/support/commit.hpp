@@ -4,10 +4,10 @@
 
 #include <string_view>
 
-namespace adit::bench {
+namespace adit {
 
 /// What `git describe` said of the sources when this program was built, "-dirty" where they were
 /// changed; "unknown" where they were no checkout. commit.cmake writes the definition.
 std::string_view commit();
 
-}  // namespace adit::bench
+}  // namespace adit
