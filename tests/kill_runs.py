@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""Kills `adit run` at random moments and looks at the map that is left.
+"""Kills `adit run` at random moments, or lets its disk be full, and looks at the map that is left.
 
-Usage: kill_runs.py ADIT [--kills N] [--seed S] [--sweeps N] [--folder FOLDER]. Each map must open, pass `adit check`,
-hold every keyframe that sweeps.csv says has ended, and hold of them what an undisturbed run holds. `adit run --continue`
-must then end with the bytes of an undisturbed run; every third one is killed, and every third interrupted (Ctrl-C),
-before it comes to that. Exits 1 where one of this does not hold.
+Usage: kill_runs.py ADIT [--kills N] [--full N] [--seed S] [--sweeps N] [--folder FOLDER]. Each map must open, pass
+`adit check`, hold every keyframe that sweeps.csv says has ended, and hold of them what an undisturbed run holds. `adit
+run --continue` must then end with the bytes of an undisturbed run; every third one is killed, and every third
+interrupted (Ctrl-C), before it comes to that. For a full disk no file may grow beyond a random size (RLIMIT_FSIZE):
+the run must exit 1 and say what could not be written, and --continue must end as above. Exits 1 where one of this does
+not hold.
 """
 
 import argparse
@@ -14,6 +16,7 @@ import csv
 import json
 import pathlib
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -99,10 +102,25 @@ def differences_of_continued(arguments, out, whole):
     return [f"after --continue {name} is not that of an undisturbed run" for name in whole if found[name] != whole[name]]
 
 
+def differences_of_full(arguments, recording, out, most_bytes, expected, whole):
+    """Of a run none of whose files may become larger, and of what goes on with it once there is room."""
+    shutil.rmtree(out, ignore_errors=True)
+    run = subprocess.run([str(arguments.adit), "run", str(recording), "-o", str(out), *SETTINGS], capture_output=True,
+                         text=True, check=False, restore_signals=False,  # a write fails instead of ending the process
+                         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes)))
+    found = complaints(arguments, out, expected)
+    if run.returncode != 1 or "cannot be written" not in run.stderr:
+        found.append(f"exit code {run.returncode}, {run.stderr.strip()}")
+    if can_go_on(arguments.adit, out):
+        found += differences_of_continued(arguments, out, whole)
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("adit", type=pathlib.Path)
     parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--full", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--sweeps", type=int, default=60)
     parser.add_argument("--folder", type=pathlib.Path)
@@ -136,8 +154,15 @@ def main():
             for complaint in found:
                 failures += 1
                 print(f"kill {number} after {delay:.3f} s: {complaint}")
+        largest = (whole / "map.adit").stat().st_size
+        for number in range(arguments.full):
+            most_bytes = int(chance.uniform(0.1, 0.7) * largest)
+            for complaint in differences_of_full(arguments, recording, out, most_bytes, expected, everything):
+                failures += 1
+                print(f"full disk {number}, {most_bytes} bytes: {complaint}")
         print(f"{killed} of {arguments.kills} runs of {duration:.1f} s killed, {with_keyframes} with a keyframe that "
-              f"had ended; an undisturbed run has {len(expected)}; {continued} gone on with; {failures} complaints")
+              f"had ended; an undisturbed run has {len(expected)}; {continued} gone on with; {arguments.full} full disks; "
+              f"{failures} complaints")
         return 1 if failures or killed == 0 or continued == 0 or len(expected) < 3 else 0
 
 

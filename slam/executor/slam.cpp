@@ -3,6 +3,7 @@
 #include "adit/slam/executor/slam.hpp"
 
 #include <array>
+#include <chrono>
 #include <deque>
 #include <string>
 #include <utility>
@@ -13,6 +14,26 @@
 namespace adit {
 namespace {
 
+/// Adds the time of its life to a sum.
+class Waiting {
+ public:
+  explicit Waiting(double& sum) : sum_(sum) {}
+  ~Waiting() { sum_ = seconds(); }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+
+  /// The sum by now.
+  double seconds() const {
+    return sum_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double& sum_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// One thread: what a keyframe asks of the map is done when it comes, so that it is ready when it
+/// is to take effect, and the next sweep waits meanwhile.
 class OfflineSlam final : public Slam {
  public:
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
@@ -69,9 +90,12 @@ class OfflineSlam final : public Slam {
     if (map_ == nullptr) {
       return std::nullopt;
     }
+    const Waiting waiting(waited_s_);
     begin_map();
     mapper_->finish();
-    return mapper_->report();
+    MapReport report = mapper_->report();
+    report.waited_s = waiting.seconds();
+    return report;
   }
 
  private:
@@ -111,6 +135,7 @@ class OfflineSlam final : public Slam {
       before_map_.push_back(result);
       return std::nullopt;
     }
+    const Waiting waiting(waited_s_);
     begin_map();
     return mapper_->add(sweep, result, odometry_.cloud());
   }
@@ -146,6 +171,7 @@ class OfflineSlam final : public Slam {
   MapStore* map_;
   SessionId session_;
   uint64_t submap_bytes_;
+  double waited_s_ = 0.0;  ///< for the map
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::optional<HighRateStream> high_rate_;

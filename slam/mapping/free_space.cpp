@@ -21,6 +21,8 @@ constexpr double kMargin = 0.5;
 constexpr double kMarginShare = 0.05;
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr int kLeastPixels = 5;  // out of nine, with something in them
+constexpr std::size_t kMostSights = 16;
+constexpr int kLeastThrough = 2;  // sweeps
 
 struct Pixel {
   int row = 0;
@@ -44,14 +46,26 @@ std::size_t index(int row, int column) {
 
 }  // namespace
 
-RangeImage::RangeImage(const KeyframeSubmap& submap)
-    : nearest_(static_cast<std::size_t>(kRows * kColumns), kNothing) {
+RangeImage::RangeImage() : nearest_(static_cast<std::size_t>(kRows * kColumns), kNothing) {}
+
+RangeImage::RangeImage(const KeyframeSubmap& submap) : RangeImage() {
   for (const SubmapPoint& point : submap.points) {
-    const Eigen::Vector3d place = point.position();
-    if (const auto pixel = pixel_of(place)) {
-      float& nearest = nearest_[index(pixel->row, pixel->column)];
-      nearest = std::min(nearest, static_cast<float>(place.norm()));
+    if (!point.seen_through) {
+      add(point.position());
     }
+  }
+}
+
+RangeImage::RangeImage(std::span<const Point> cloud) : RangeImage() {
+  for (const Point& point : cloud) {
+    add({point.x, point.y, point.z});
+  }
+}
+
+void RangeImage::add(const Eigen::Vector3d& point) {
+  if (const auto pixel = pixel_of(point)) {
+    float& nearest = nearest_[index(pixel->row, pixel->column)];
+    nearest = std::min(nearest, static_cast<float>(point.norm()));
   }
 }
 
@@ -73,8 +87,41 @@ RangeImage::Sight RangeImage::at(const Eigen::Vector3d& point) const {
     return Sight::unknown;
   }
   const double range = point.norm();
-  return range + std::max(kMargin, kMarginShare * range) < nearest ? Sight::seen_through
-                                                                   : Sight::as_seen;
+  const double margin = std::max(kMargin, kMarginShare * range);
+  return range + margin < nearest   ? Sight::seen_through
+         : range - margin > nearest ? Sight::hidden
+                                    : Sight::as_seen;
+}
+
+void SweepSights::add(uint32_t sweep, std::span<const Point> cloud) {
+  if (sweep % stride_ != 0) {
+    return;
+  }
+  if (seen_.size() == kMostSights) {
+    stride_ *= 2;
+    std::erase_if(seen_, [&](const Seen& one) { return one.sweep % stride_ != 0; });
+    add(sweep, cloud);
+    return;
+  }
+  seen_.push_back({.sweep = sweep, .image = RangeImage(cloud)});
+}
+
+void SweepSights::clear() {
+  seen_.clear();
+  stride_ = 1;
+}
+
+bool SweepSights::see_through(const Eigen::Vector3d& point,
+                              std::span<const SubmapSweep> sweeps) const {
+  int through = 0;
+  int seen = 0;
+  for (const Seen& one : seen_) {
+    const Eigen::Isometry3d& T_keyframe_lidar = sweeps[one.sweep].T_keyframe_lidar;
+    const RangeImage::Sight sight = one.image.at(T_keyframe_lidar.inverse() * point);
+    through += sight == RangeImage::Sight::seen_through ? 1 : 0;
+    seen += sight == RangeImage::Sight::as_seen ? 1 : 0;
+  }
+  return through >= kLeastThrough && through > seen;
 }
 
 double seen_through(const RangeImage& seen_by, const KeyframeSubmap& submap,
@@ -82,6 +129,9 @@ double seen_through(const RangeImage& seen_by, const KeyframeSubmap& submap,
   std::size_t known = 0;
   std::size_t through = 0;
   for (const SubmapPoint& point : submap.points) {
+    if (point.seen_through) {
+      continue;
+    }
     const RangeImage::Sight sight = seen_by.at(T_by_submap * point.position());
     known += sight == RangeImage::Sight::unknown ? 0U : 1U;
     through += sight == RangeImage::Sight::seen_through ? 1U : 0U;

@@ -1,32 +1,61 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where a submap has seen that there is nothing: the strongest sign that two submaps are of
-// different places that look alike (docs/theory/loops.md).
+// Where something has seen that there is nothing: of two submaps the strongest sign that they are
+// of different places that look alike (docs/theory/loops.md), of the sweeps of one that a thing in
+// it has moved (docs/theory/mapping.md).
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "adit/slam/mapping/keyframe_submap.hpp"
 
 namespace adit {
 
-/// How far a submap sees in each direction from its origin, in pixels of two degrees: as far as the
-/// nearest of its points there and in the pixels around.
+/// How far a submap or a sweep sees in each direction from its origin, in pixels of two degrees: as
+/// far as the nearest of its points there and in the pixels around.
 class RangeImage {
  public:
+  /// Of its points without the flag.
   explicit RangeImage(const KeyframeSubmap& submap);
+  /// Of a sweep, its lidar's axes.
+  explicit RangeImage(std::span<const Point> cloud);
 
   enum class Sight {
     unknown,      ///< no points in that direction
-    as_seen,      ///< about as far as the submap's own points, or behind them
-    seen_through  ///< the submap sees farther, past the point
+    as_seen,      ///< about as far as what is seen there
+    hidden,       ///< behind that
+    seen_through  ///< what is seen there is farther: the sight goes past the point
   };
-  /// What the submap sees at a point in its frame.
+  /// What is seen at a point in the same frame.
   Sight at(const Eigen::Vector3d& point) const;
 
  private:
+  RangeImage();
+  void add(const Eigen::Vector3d& point);
+
   std::vector<float> nearest_;  ///< m; infinite: none
+};
+
+/// The sweeps of a submap as range images, at most so many: of more, those that are evenly spread.
+class SweepSights {
+ public:
+  void add(uint32_t sweep, std::span<const Point> cloud);
+  void clear();
+
+  /// At least two sweeps see through a point of the submap, and more than see it: it was not there
+  /// all the time. `sweeps` are the submap's, in whose frame the point is.
+  bool see_through(const Eigen::Vector3d& point, std::span<const SubmapSweep> sweeps) const;
+
+ private:
+  struct Seen {
+    uint32_t sweep = 0;
+    RangeImage image;
+  };
+  std::vector<Seen> seen_;
+  uint32_t stride_ = 1;  ///< of sweeps that are kept
 };
 
 /// Share of a submap's points that another one sees through, which `seen_by` is the image of. Of

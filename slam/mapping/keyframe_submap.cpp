@@ -80,7 +80,8 @@ SubmapBox box_of(const KeyframeSubmap& submap) {
 }
 
 SurfaceCloud make_surface_cloud(engine::Context& context, const KeyframeSubmap& submap) {
-  const std::size_t count = submap.points.size();
+  const auto count = static_cast<std::size_t>(
+      std::ranges::count(submap.points, false, &SubmapPoint::seen_through));
   const uint64_t bytes = std::max<uint64_t>(count, 1) * sizeof(gpu::uvec4);
   const engine::Buffer staging =
       context.make_buffer(bytes, engine::Memory::upload, "submap of a keyframe");
@@ -90,10 +91,11 @@ SurfaceCloud make_surface_cloud(engine::Context& context, const KeyframeSubmap& 
   const auto bits = [](int32_t place) {
     return std::bit_cast<uint32_t>(static_cast<float>(place / kSubmapSteps));
   };
-  const auto points = staging.as<gpu::uvec4>();
-  for (std::size_t i = 0; i < count; ++i) {
-    const SubmapPoint& point = submap.points[i];
-    points[i] = {bits(point.place[0]), bits(point.place[1]), bits(point.place[2]), point.surface};
+  auto next = staging.as<gpu::uvec4>().begin();
+  for (const SubmapPoint& point : submap.points) {
+    if (!point.seen_through) {
+      *next++ = {bits(point.place[0]), bits(point.place[1]), bits(point.place[2]), point.surface};
+    }
   }
   if (count > 0) {
     engine::Recorder recorder = context.make_recorder();

@@ -38,6 +38,8 @@ struct SubmapPoint {
   std::array<int32_t, 3> place{};  ///< 1 / kSubmapSteps m
   uint32_t surface = 0;            ///< packed: shaders/include/surface.glsl
   uint16_t sweep = 0;              ///< whose sensor was nearest, in KeyframeSubmap::sweeps
+  /// Other sweeps saw through it: it has moved, and counts for nothing in alignments.
+  bool seen_through = false;
 
   Eigen::Vector3d position() const {
     return Eigen::Vector3d(place[0], place[1], place[2]) / kSubmapSteps;
@@ -58,7 +60,8 @@ struct SubmapBox {
 };
 SubmapBox box_of(const KeyframeSubmap& submap);
 
-/// The submap on the device, for alignments. Throws engine::OutOfMemory.
+/// The submap on the device, for alignments: without the points that were seen through. Throws
+/// engine::OutOfMemory.
 SurfaceCloud make_surface_cloud(engine::Context& context, const KeyframeSubmap& submap);
 
 /// The direction of a packed surface, and the surface with that direction turned by a rotation.

@@ -106,6 +106,7 @@ void Mapper::freeze() {
                        .has_points = has_points});
   ++report_.keyframes;
   report_.points += submap.points.size();
+  report_.seen_through += submap.points.size() - cloud.size;
   report_.lost_points += frozen.lost_points;
   take_effect(open.id);
   report_.keyframe_ms.push_back(

@@ -32,8 +32,10 @@ struct MapReport {
   std::size_t aligned_edges = 0;    ///< the submaps could be aligned; the others are odometry alone
   std::size_t components = 0;       ///< parts of the map that nothing ties together
   uint64_t points = 0;              ///< total over all submaps
+  uint64_t seen_through = 0;        ///< of them, which have moved: docs/theory/mapping.md
   uint64_t lost_points = 0;         ///< lay too far from their keyframe for its cells
   std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
+  double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's
   std::optional<LoopReport> loops;  ///< none: not looked for
 };
 

@@ -91,6 +91,7 @@ void SubmapBuilder::add(const PlacedCloud& placed) {
                         .count = placed.cloud.size(),
                         .sweep = static_cast<uint32_t>(sweeps_.size())});
     points_.insert(points_.end(), placed.cloud.begin(), placed.cloud.end());
+    sights_.add(static_cast<uint32_t>(sweeps_.size()), placed.cloud);
   }
   sweeps_.push_back({.stamp = placed.stamp,
                      .T_keyframe_lidar = T_odom_first_.inverse() * placed.T_odom_lidar,
@@ -285,8 +286,10 @@ FrozenSubmap SubmapBuilder::freeze(double beam_spacing) {
     const Eigen::Vector3d p = R_keyframe_lidar * points[i].p.cast<double>();
     frozen.submap.points.push_back({.place = {steps(p.x()), steps(p.y()), steps(p.z())},
                                     .surface = turned_surface(R_keyframe_lidar, packed[i]),
-                                    .sweep = points[i].sweep});
+                                    .sweep = points[i].sweep,
+                                    .seen_through = sights_.see_through(p, frozen.submap.sweeps)});
   }
+  sights_.clear();
   frozen.lost_points = counted_.failures + counted_.out_of_range;
   sweeps_.clear();
   gravity_odom_.setZero();

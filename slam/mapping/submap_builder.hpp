@@ -10,6 +10,7 @@
 #include "adit/engine/buffer.hpp"
 #include "adit/engine/kernels/submap_merge.hpp"
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/mapping/free_space.hpp"
 #include "adit/slam/mapping/keyframe_submap.hpp"
 
 namespace adit {
@@ -84,6 +85,7 @@ class SubmapBuilder {
   std::vector<SubmapSweep> sweeps_;  ///< with their poses in that lidar's axes
   std::vector<Point> points_;        ///< points of clouds that are not on the device yet
   std::vector<Pending> pending_;
+  SweepSights sights_;
   Eigen::Vector3d gravity_odom_ = Eigen::Vector3d::Zero();  ///< the latest that is known
 };
 

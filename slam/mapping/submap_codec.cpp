@@ -12,7 +12,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "stored submaps are little-endian");
 
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersionWithoutFlags = 1;
+constexpr uint16_t kSeenThrough = 0x8000;  // beside a point's sweep, of which there are fewer
 constexpr std::size_t kChunks = 2;
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
@@ -149,7 +151,8 @@ std::vector<std::byte> encode_points(const KeyframeSubmap& submap) {
   writer.put_planes(numbers);
   std::vector<uint16_t> sweeps(submap.points.size());
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    sweeps[i] = submap.points[i].sweep;
+    const SubmapPoint& point = submap.points[i];
+    sweeps[i] = static_cast<uint16_t>(point.sweep | (point.seen_through ? kSeenThrough : 0));
   }
   writer.put_planes(sweeps);
   return writer.take();
@@ -174,9 +177,11 @@ void decode_points(std::span<const std::byte> chunk, KeyframeSubmap& submap) {
   const std::vector<uint16_t> sweeps = reader.get_planes<uint16_t>(count);
   for (std::size_t i = 0; i < count; ++i) {
     submap.points[i].surface = surfaces[i];
-    submap.points[i].sweep = sweeps[i];
-    if (sweeps[i] >= submap.sweeps.size()) {
-      throw SubmapDamaged("has a point of sweep " + std::to_string(sweeps[i]) + " of " +
+    SubmapPoint& point = submap.points[i];
+    point.seen_through = (sweeps[i] & kSeenThrough) != 0;
+    point.sweep = static_cast<uint16_t>(sweeps[i] & ~kSeenThrough);
+    if (point.sweep >= submap.sweeps.size()) {
+      throw SubmapDamaged("has a point of sweep " + std::to_string(point.sweep) + " of " +
                           std::to_string(submap.sweeps.size()));
     }
   }
@@ -195,7 +200,7 @@ MapSubmap encode(const KeyframeSubmap& submap) {
 KeyframeSubmap decode_sweeps(std::span<const std::byte> chunk) {
   Reader reader(chunk);
   const auto version = reader.get<uint32_t>();
-  if (version != kVersion) {
+  if (version != kVersion && version != kVersionWithoutFlags) {
     throw SubmapDamaged("is of version " + std::to_string(version) + ", expected " +
                         std::to_string(kVersion));
   }

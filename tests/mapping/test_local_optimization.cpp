@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/mapping/loop_closer.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {
@@ -54,6 +55,26 @@ TEST(LocalOptimization, IsThatOfTheWholeGraphWithAllOthersFixed) {
   for (std::size_t i = 0; i < local.nodes.size(); ++i) {
     const auto node = simulated.graph.index_of(local.nodes[i]);
     EXPECT_LT((local.poses[i].matrix() - whole.poses[node].matrix()).cwiseAbs().maxCoeff(), 1e-4);
+  }
+}
+
+// As a run has it: the newest keyframes are a chain behind the last loop, and each bundle of loops
+// is followed by an optimisation of the whole (docs/decisions/0024).
+TEST(LocalOptimization, HasNothingLeftToDoBehindAnOptimisationOfTheWhole) {
+  PoseGraph graph = simulated_graph({.nodes = 900, .loops = 200, .seed = 4}).graph;
+  graph.set_poses(optimize_with_loops(graph).poses);
+  const OptimizationSettings settings{
+      .odometry_kernel = {.kernel = Kernel::pseudo_huber, .width = 1.0},
+      .loop_kernel = {.kernel = Kernel::dcs}};
+  for (int more = 0; more < 4; ++more) {
+    const LocalOptimization local = optimize_newest(graph, 5, settings);
+    for (std::size_t i = 0; i < local.nodes.size(); ++i) {
+      const PoseNode& node = graph.nodes()[graph.index_of(local.nodes[i])];
+      EXPECT_LT((local.poses[i].translation() - node.T_map_node.translation()).norm(), 1e-4) << "m";
+    }
+    const PoseNode last = graph.nodes().back();
+    graph.add_node({.id = last.id + 1, .T_map_node = last.T_map_node * step(0.7, 0.1)});
+    graph.add_edge(edge(last.id, last.id + 1, step(0.7, 0.1)));
   }
 }
 

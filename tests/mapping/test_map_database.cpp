@@ -3,6 +3,7 @@
 #include "adit/tools/maps/map_database.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -194,6 +195,36 @@ TEST(MapDatabase, SaysWhatAFileIsThatIsNoMap) {
               MapDatabase map(folder / "no/map.adit", MapAccess::write);
             }).find("No such file or directory"),
             std::string::npos);
+}
+
+TEST(MapDatabase, AnAnchorMovesASessionWithAllThatIsInIt) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  MapDatabase map(file, MapAccess::write);
+  const SessionId first = test::add_session(map);
+  const SessionId second = test::add_session(map);
+  map.store(test::record(0, first));
+  KeyframeRecord other = test::record(1, second);
+  other.edges.clear();
+  map.store(other);
+  EXPECT_TRUE(map.anchors().empty());
+  const Eigen::Isometry3d anchor = test::step(500.0, 0.5 * std::numbers::pi);
+  map.set_anchor(second, anchor);
+  const auto pose = [&](NodeId id) { return map.keyframe(id)->T_map_keyframe; };
+  EXPECT_TRUE(pose(0).isApprox(test::step(0.0)));
+  EXPECT_TRUE(pose(1).isApprox(anchor * test::step(10.0)));
+  EXPECT_TRUE(map.graph().nodes()[1].T_map_node.isApprox(pose(1)));
+  const auto within = [&](double x, double y) {
+    return map.submaps_within({x - 1.0, y - 1.0, -1.0}, {x + 1.0, y + 1.0, 1.0});
+  };
+  EXPECT_EQ(within(500.0, 10.0), std::vector<NodeId>{1});
+  EXPECT_EQ(within(10.0, 0.0), std::vector<NodeId>{}) << "it was there";
+  // What is written is of the map's frame, too, and stays within the session when that moves.
+  map.revise({.poses = {{.id = 1, .T_map_node = anchor * test::step(12.0)}}});
+  EXPECT_TRUE(pose(1).isApprox(anchor * test::step(12.0)));
+  map.set_anchor(second, Eigen::Isometry3d::Identity());
+  EXPECT_TRUE(pose(1).isApprox(test::step(12.0), 1e-9));
+  EXPECT_TRUE(map.check().empty());
 }
 
 TEST(MapDatabase, AFileWhoseRunWasStoppedBeforeItHadBegunIsToldAndCanBeBegun) {

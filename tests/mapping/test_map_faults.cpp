@@ -10,14 +10,18 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <set>
 #include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/maps/map_recovery.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {
@@ -26,6 +30,18 @@ namespace {
 namespace fs = std::filesystem;
 using test::dump_of;
 using test::record;
+
+/// A record whose submap is one.
+KeyframeRecord whole_record(NodeId id, SessionId session) {
+  KeyframeRecord whole = record(id, session);
+  KeyframeSubmap submap{
+      .r_submap = 0.25, .sweeps = {SubmapSweep{.stamp = whole.keyframe.stamp}}, .points = {}};
+  for (int i = 0; i < 600; ++i) {
+    submap.points.push_back({.place = {i * i % 977, 13 * i, static_cast<int>(id) - i}});
+  }
+  whole.submap = encode(submap);
+  return whole;
+}
 
 /// A process that stores keyframes from `first` on and writes a byte into a pipe after each.
 class Writer {
@@ -208,6 +224,114 @@ TEST(MapFaults, AMapInAReadOnlyFolderOpensToRead) {
     return false;
   }));
   ::chmod(folder.path().c_str(), 0755);
+}
+
+std::set<std::string> files_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
+TEST(MapFaults, ReadersLeaveNothingBesideAMap) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  {
+    MapDatabase map(file, MapAccess::write);
+    map.store(record(0, test::add_session(map)));
+    EXPECT_EQ(MapDatabase(file, MapAccess::read).keyframes().size(), 1U) << "beside a writer";
+  }
+  const std::set<std::string> alone = {"map.adit"};
+  EXPECT_EQ(files_in(folder.path()), alone);
+  const auto written = fs::last_write_time(file);
+  {
+    const MapDatabase first(file, MapAccess::read);
+    const MapDatabase second(file, MapAccess::read);
+    EXPECT_EQ(first.keyframes().size() + second.keyframes().size(), 2U);
+  }
+  EXPECT_EQ(files_in(folder.path()), alone);
+  EXPECT_EQ(fs::last_write_time(file), written);
+  ::chmod(folder.path().c_str(), 0777);
+  ::chmod(file.c_str(), 0444);  // who may not write it must not leave anything either
+  EXPECT_TRUE(holds_unprivileged(
+      [&] { return MapDatabase(file, MapAccess::read).keyframes().size() == 1; }));
+  EXPECT_EQ(files_in(folder.path()), alone);
+}
+
+// Whichever page a disk has spoilt: it is told or the map does not need it, and what is recovered
+// is a whole map with nothing in it that was not there.
+TEST(MapFaults, AnyPageMayBeSpoilt) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  constexpr NodeId kKeyframes = 8;
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < kKeyframes; ++id) {
+      map.store(whole_record(id, session));
+    }
+  }
+  const std::string before = dump_of(MapDatabase(file, MapAccess::read));
+  const auto problems_of = [](const fs::path& map) {
+    try {
+      return MapDatabase(map, MapAccess::read).check().size();
+    } catch (const InputError&) {
+      return std::size_t{1};
+    }
+  };
+  constexpr std::streamoff kPage = 4096;
+  const auto pages = static_cast<std::streamoff>(fs::file_size(file)) / kPage;
+  ASSERT_GT(pages, 20);
+  std::size_t told = 0;
+  std::size_t recovered = 0;
+  for (std::streamoff page = 0; page < pages; ++page) {
+    const fs::path spoilt = folder / "spoilt.adit";
+    fs::copy_file(file, spoilt, fs::copy_options::overwrite_existing);
+    {
+      std::fstream bytes(spoilt, std::ios::in | std::ios::out | std::ios::binary);
+      bytes.seekp(page * kPage).write(std::string(kPage, '\x5a').data(), kPage);
+    }
+    if (problems_of(spoilt) == 0) {
+      EXPECT_EQ(dump_of(MapDatabase(spoilt, MapAccess::read)), before) << page;
+      continue;
+    }
+    ++told;
+    const fs::path whole = folder / "whole.adit";
+    fs::remove(whole);
+    try {
+      recover_map(spoilt, whole);
+    } catch (const InputError&) {
+      continue;  // nothing can be read
+    }
+    EXPECT_EQ(problems_of(whole), 0U) << page;
+    for (const MapKeyframe& keyframe : MapDatabase(whole, MapAccess::read).keyframes()) {
+      EXPECT_LT(keyframe.id, kKeyframes) << page;
+      ++recovered;
+    }
+  }
+  EXPECT_GT(told, static_cast<std::size_t>(pages) / 2);
+  EXPECT_GT(recovered, told * kKeyframes / 2) << "of each map most";
+}
+
+// Where all that was stored lies in the log, a copy without it holds nothing, and says why.
+TEST(MapFaults, ACopyWithNothingButALogMissesIt) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "map.adit";
+  Writer writer(file, 0);
+  const int reported = writer.wait_for(2) + writer.kill();
+  fs::create_directories(folder / "alone");
+  fs::copy_file(file, folder / "alone/map.adit");
+  try {
+    const MapDatabase alone(folder / "alone/map.adit", MapAccess::read);
+    EXPECT_LT(alone.keyframes().size(), static_cast<std::size_t>(reported));  // a checkpoint came
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("without the map.adit-wal"), std::string::npos)
+        << error.what();
+  }
+  fs::copy_file(file.string() + "-wal", folder / "alone/map.adit-wal");
+  const MapDatabase both(folder / "alone/map.adit", MapAccess::read);
+  EXPECT_GE(both.keyframes().size(), static_cast<std::size_t>(reported));
 }
 
 // What lies in the log alone is not in a copy without it; the copy is a whole map of what was

@@ -7,10 +7,12 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
+#include "adit/engine/error.hpp"
 #include "adit/slam/executor/slam.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
+#include "adit/tools/maps/map_trajectory.hpp"
 
 namespace adit {
 namespace {
@@ -179,7 +181,72 @@ TEST_F(MapperTest, AnOdometryThatStartsAnewBeginsAnotherComponent) {
   ASSERT_GT(restarts, 0U);
   EXPECT_EQ(mapped.report->components, 1 + restarts);
   EXPECT_EQ(mapped.report->edges + 1 + restarts, mapped.report->keyframes);
+  const std::vector<std::size_t> parts = map_parts(map.store(), "map.adit");
+  ASSERT_EQ(parts.size(), restarts);
+  EXPECT_EQ(mapped.sweeps[parts.front()].result.state, OdometryState::restarted);
   EXPECT_TRUE(map.store().check().empty());
+}
+
+/// Hands everything on to a map until its device is lost.
+class LosingStore final : public MapStore {
+ public:
+  LosingStore(MapStore& map, int keyframes) : map_(&map), left_(keyframes) {}
+
+  SessionId add_session(const MapSession& session) override { return map_->add_session(session); }
+  void store(const KeyframeRecord& record) override {
+    if (left_ <= 0) {
+      throw engine::DeviceLost("the device was lost");
+    }
+    --left_;
+    map_->store(record);
+  }
+  void revise(const MapRevision& revision) override { map_->revise(revision); }
+  void begin_end(Nanoseconds last_sweep) override { map_->begin_end(last_sweep); }
+  std::vector<MapSession> sessions() const override { return map_->sessions(); }
+  std::vector<MapKeyframe> keyframes() const override { return map_->keyframes(); }
+  PoseGraph graph() const override { return map_->graph(); }
+  std::vector<LoopCandidate> candidates() const override { return map_->candidates(); }
+  MapSubmap submap(NodeId keyframe) const override { return map_->submap(keyframe); }
+  std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override {
+    return map_->chunk(keyframe, number);
+  }
+  std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
+                                     const Eigen::Vector3d& upper) const override {
+    return map_->submaps_within(lower, upper);
+  }
+
+ private:
+  MapStore* map_;
+  int left_;
+};
+
+TEST_F(MapperTest, ADeviceThatIsLostLeavesTheKeyframesThatWereStored) {
+  const std::vector<Sweep> sweeps(drive().sweeps.begin(), drive().sweeps.begin() + 16);
+  test::TemporaryMap whole;
+  run(sweeps, test::submap_config(), &whole);
+  const std::vector<MapKeyframe> all = whole.store().keyframes();
+  ASSERT_GT(all.size(), 4U);
+  test::TemporaryMap map;
+  LosingStore losing(map.store(), 3);
+  const auto slam = make_slam(context(), test::submap_config(),
+                              {.inertial = false, .map = &losing, .session = map.session()});
+  const auto all_of_it = [&] {
+    for (const Sweep& sweep : sweeps) {
+      slam->add(sweep);
+      while (slam->next()) {
+      }
+    }
+  };
+  EXPECT_THROW(all_of_it(), engine::DeviceLost);
+  static_cast<void>(slam->finish_map());  // what is known without the device goes into the map
+  EXPECT_TRUE(map.store().check().empty());
+  const std::vector<MapKeyframe> stored = map.store().keyframes();
+  ASSERT_EQ(stored.size(), 3U);
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    EXPECT_EQ(stored[i].stamp, all[i].stamp);
+    EXPECT_EQ(map.store().submap(stored[i].id).chunks, whole.store().submap(all[i].id).chunks);
+  }
+  EXPECT_EQ(map.store().graph().edges().size(), 2U);
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ bool same(const KeyframeSubmap& a, const KeyframeSubmap& b) {
                a.r_submap == b.r_submap && a.vertical == b.vertical;
   for (std::size_t i = 0; equal && i < a.points.size(); ++i) {
     equal = a.points[i].place == b.points[i].place && a.points[i].surface == b.points[i].surface &&
-            a.points[i].sweep == b.points[i].sweep;
+            a.points[i].sweep == b.points[i].sweep &&
+            a.points[i].seen_through == b.points[i].seen_through;
   }
   for (std::size_t i = 0; equal && i < a.sweeps.size(); ++i) {
     equal = a.sweeps[i].stamp == b.sweeps[i].stamp && a.sweeps[i].merged == b.sweeps[i].merged &&
@@ -160,6 +161,68 @@ TEST_F(SubmapBuilderTest, NormalsLookTowardsTheSensorThatSawThePoint) {
   }
   EXPECT_GT(planes[0], 200);
   EXPECT_GT(planes[1], 200);
+}
+
+/// A grid of points, `width` m to either side and `height` m up and down, `x` m ahead.
+void add_plate(std::vector<Point>& points, float x, float width, float height) {
+  for (float y = -width; y <= width; y += 0.1F) {
+    for (float z = -height; z <= height; z += 0.1F) {
+      points.push_back({x, y, z, 0.0F});
+    }
+  }
+}
+
+// Something stands before a wall for two sweeps, is gone for four, and something else stands still.
+TEST_F(SubmapBuilderTest, WhatOtherSweepsSeeThroughIsFlaggedStaysAndCountsForNothing) {
+  SubmapBuilder builder(context(), test::submap_config().preprocess, kCell);
+  std::vector<std::vector<Point>> clouds(6);
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    add_plate(clouds[i], 10.0F, 8.0F, 4.0F);
+    add_plate(clouds[i], -6.0F, 1.0F, 1.0F);
+    if (i == 2 || i == 3) {
+      add_plate(clouds[i], 5.0F, 1.0F, 1.0F);
+    }
+    Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
+    place.translation().x() = 0.1 * static_cast<double>(i);
+    for (Point& point : clouds[i]) {
+      point.x -= 0.1F * static_cast<float>(i);
+    }
+    builder.add({.stamp = Nanoseconds(i), .T_odom_lidar = place, .cloud = clouds[i]});
+  }
+  const KeyframeSubmap submap = builder.freeze(test::small_lidar().beam_spacing()).submap;
+  std::size_t moved = 0;
+  for (const SubmapPoint& point : submap.points) {
+    const bool was_gone = std::abs(point.position().x() - 5.0) < 0.5;
+    EXPECT_EQ(point.seen_through, was_gone) << point.position().transpose();
+    moved += was_gone ? 1U : 0U;
+  }
+  EXPECT_GT(moved, 50U);
+  EXPECT_EQ(make_surface_cloud(context(), submap).size + moved, submap.points.size());
+
+  // The next submap begins with nothing of it.
+  std::vector<Point> cloud;
+  add_plate(cloud, 5.0F, 1.0F, 1.0F);
+  for (int i = 0; i < 3; ++i) {
+    builder.add({.stamp = Nanoseconds(10 + i), .cloud = cloud});
+  }
+  for (const SubmapPoint& point : builder.freeze(0.02).submap.points) {
+    EXPECT_FALSE(point.seen_through);
+  }
+}
+
+TEST(SweepSights, OfManySweepsThoseThatAreEvenlySpreadAreKept) {
+  SweepSights sights;
+  std::vector<SubmapSweep> sweeps(1000);
+  std::vector<Point> near;
+  std::vector<Point> far;
+  add_plate(near, 5.0F, 1.0F, 1.0F);
+  add_plate(far, 10.0F, 8.0F, 4.0F);
+  for (uint32_t i = 0; i < sweeps.size(); ++i) {
+    sights.add(i, i < 300 ? near : far);
+  }
+  EXPECT_TRUE(sights.see_through({5.0, 0.0, 0.0}, sweeps)) << "for most of the time it is gone";
+  EXPECT_FALSE(sights.see_through({10.0, 0.0, 0.0}, sweeps));
+  EXPECT_FALSE(sights.see_through({0.0, 7.0, 0.0}, sweeps)) << "nothing is known there";
 }
 
 TEST_F(SubmapBuilderTest, TheVerticalIsGravityElseTheGroundElseUnknown) {

@@ -27,7 +27,8 @@ KeyframeSubmap some_submap() {
     const auto number = [&] { return static_cast<int32_t>(random.uniform(-200'000.0, 200'000.0)); };
     submap.points.push_back({.place = {number(), number(), number()},
                              .surface = static_cast<uint32_t>(random.uniform(0.0, 4e9)),
-                             .sweep = static_cast<uint16_t>(i % 3)});
+                             .sweep = static_cast<uint16_t>(i % 3),
+                             .seen_through = i % 7 == 0});
   }
   submap.points[7].place = {std::numeric_limits<int32_t>::min(),
                             std::numeric_limits<int32_t>::max(), 0};
@@ -51,9 +52,26 @@ TEST(SubmapCodec, GivesBackEveryBit) {
     EXPECT_EQ(back.points[i].place, submap.points[i].place);
     EXPECT_EQ(back.points[i].surface, submap.points[i].surface);
     EXPECT_EQ(back.points[i].sweep, submap.points[i].sweep);
+    EXPECT_EQ(back.points[i].seen_through, submap.points[i].seen_through);
   }
   EXPECT_EQ(decode_sweeps(stored.chunks[kSweepChunk]).sweeps.size(), 3U);
   EXPECT_TRUE(decode(encode(KeyframeSubmap{})).points.empty());
+}
+
+TEST(SubmapCodec, ReadsSubmapsFromBeforePointsHadAFlag) {
+  KeyframeSubmap submap = some_submap();
+  for (SubmapPoint& point : submap.points) {
+    point.seen_through = false;  // the bytes of its points are the same then
+  }
+  MapSubmap stored = encode(submap);
+  std::vector<std::byte>& chunk = stored.chunks[kSweepChunk];
+  chunk[0] = std::byte{1};
+  uint64_t checksum = 0xcbf29ce484222325U;  // FNV-1a
+  for (std::size_t i = 0; i + sizeof checksum < chunk.size(); ++i) {
+    checksum = (checksum ^ static_cast<uint64_t>(chunk[i])) * 0x100000001b3U;
+  }
+  std::memcpy(chunk.data() + chunk.size() - sizeof checksum, &checksum, sizeof checksum);
+  EXPECT_EQ(decode(stored).points.size(), submap.points.size());
 }
 
 std::string complaint(const MapSubmap& stored) {
@@ -99,7 +117,7 @@ TEST(SubmapCodec, DoesNotBelieveWhatIsWholeAndMakesNoSense) {
   EXPECT_EQ(complaint(with_checksums(longer)), "has 1 bytes too many");
   MapSubmap newer = good;
   newer.chunks[0][0] = std::byte{9};
-  EXPECT_EQ(complaint(with_checksums(newer)), "is of version 9, expected 1");
+  EXPECT_EQ(complaint(with_checksums(newer)), "is of version 9, expected 2");
   MapSubmap greedy = good;
   greedy.chunks[1][3] = std::byte{0xff};
   EXPECT_NE(complaint(with_checksums(greedy)).find("claims"), std::string::npos);

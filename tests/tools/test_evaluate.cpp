@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/evaluation/evaluate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/core/lie.hpp"
+#include "adit/tools/support/input_error.hpp"
 
 namespace adit {
 namespace {
@@ -209,6 +211,28 @@ TEST(Evaluate, MotionOfTheWholeIsAlignedAway) {
   EXPECT_GT(result.ate_unaligned.min, 1.0);
   EXPECT_LT(result.all_segments.translation, 1e-12);
   EXPECT_TRUE(result.warnings.empty());
+}
+
+TEST(Evaluate, PartsThatNothingTiesTogetherAreNotAlignedTogether) {
+  const Trajectory truth = winding_path(300);
+  Trajectory estimate = moved(truth, some_motion());
+  const Trajectory elsewhere = moved(truth, some_motion(1.1));
+  std::copy(elsewhere.poses.begin() + 200, elsewhere.poses.end(), estimate.poses.begin() + 200);
+  estimate.parts = {200};
+  try {
+    evaluate(estimate, truth, {});
+    FAIL() << "aligned across";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("--part"), std::string::npos) << error.what();
+  }
+  const Evaluation first = evaluate(estimate, truth, {.rpe = {}, .part = 1});
+  EXPECT_EQ(first.association.pairs, 200U);
+  EXPECT_LT(first.ate.max, 1e-10);
+  EXPECT_GT(evaluate(estimate, truth, {.rpe = {}, .part = 2}).ate.max, 0.1) << "its scale is wrong";
+  EXPECT_GT(evaluate(estimate, truth, {.rpe = {}, .across_parts = true}).ate.max, 0.1);
+  EXPECT_NO_THROW(evaluate(estimate, truth, with_alignment(Alignment::none)));
+  EXPECT_THROW(evaluate(estimate, truth, {.rpe = {}, .part = 3}), InputError);
+  EXPECT_THROW(evaluate(estimate, truth, {.rpe = {}, .part = 0}), InputError);
 }
 
 TEST(Evaluate, ScaleIsAlignedAwayBySim3Only) {

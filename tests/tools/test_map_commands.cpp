@@ -114,15 +114,32 @@ TEST_F(MapCommands, AMapChangesNothingOfTheOdometryAndIsTheSameTwice) {
 TEST_F(MapCommands, InfoSaysWhatAMapHolds) {
   const Ran text = ran(info_command, InfoCommandOptions{.map = map_});
   EXPECT_EQ(text.code, 0) << text.err;
-  for (const char* part : {"of 12 sweeps in 1.1 s", "upright    by ground: ", "0 loops",
-                           "session    1: recording", "recording sweeps   12"}) {
+  for (const char* part :
+       {"of 12 sweeps in 1.1 s", "upright    by ground: ", "0 loops", "session    1: recording",
+        "run                complete", "recording sweeps   12"}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
   }
   const Ran json = ran(info_command, InfoCommandOptions{.map = map_, .json = true});
   const auto parsed = nlohmann::json::parse(json.out);
   EXPECT_EQ(parsed.at("sweeps"), kSweeps);
   EXPECT_EQ(parsed.at("edges"), parsed.at("keyframes").get<int>() - 1);
+  EXPECT_TRUE(parsed.at("sessions")[0].at("complete"));
+  EXPECT_FALSE(parsed.at("sessions")[0].at("edited"));
   EXPECT_NEAR(parsed.at("length_m").get<double>(), 0.8 * (kSweeps - 1), 0.3);
+}
+
+TEST_F(MapCommands, InfoSaysWhatHasBecomeOfTheRun) {
+  const auto told = [&](const char* statement) {
+    SqliteDatabase(map_, SqliteDatabase::Mode::update).execute(statement);
+    return ran(info_command, InfoCommandOptions{.map = map_}).out;
+  };
+  std::string text = told("UPDATE sessions SET complete = 0");
+  EXPECT_NE(text.find("not complete: "), std::string::npos) << text;
+  EXPECT_NE(text.find("map.adit-wal"), std::string::npos) << text;
+  text = told("UPDATE sessions SET edited = 1");
+  EXPECT_NE(text.find("not known to be complete"), std::string::npos) << text;
+  text = told("UPDATE sessions SET complete = 1");
+  EXPECT_NE(text.find("complete, and edited since"), std::string::npos) << text;
 }
 
 TEST_F(MapCommands, CheckFindsNothingInAWholeMapAndSaysWhereADamagedOneIs) {
@@ -141,6 +158,14 @@ TEST_F(MapCommands, CheckFindsNothingInAWholeMapAndSaysWhereADamagedOneIs) {
   EXPECT_NE(damaged.out.find("is damaged"), std::string::npos) << damaged.out << damaged.err;
   const Ran json = ran(check_command, InfoCommandOptions{.map = map_, .json = true});
   EXPECT_FALSE(nlohmann::json::parse(json.out).at("whole").get<bool>());
+  // What cannot be completed does not take the place of what was there.
+  const fs::path cloud = folder_.write("cloud.ply", "an earlier one");
+  const Ran failed =
+      ran(export_command, ExportCommandOptions{.map = map_, .output = cloud, .cloud = "ply"});
+  EXPECT_EQ(failed.code, 1) << failed.out;
+  EXPECT_NE(failed.err.find("adit "), std::string::npos);
+  EXPECT_EQ(test::content(cloud), "an earlier one");
+  EXPECT_FALSE(fs::exists(folder_ / "cloud.ply.part"));
 }
 
 TEST_F(MapCommands, RecoverSavesWhatIsWhole) {

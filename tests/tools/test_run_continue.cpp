@@ -118,6 +118,53 @@ TEST_F(RunContinue, AnotherRecordingIsRefusedAndTheMapStays) {
   EXPECT_EQ(dump_of(map()), before);
 }
 
+TEST_F(RunContinue, ARecordingThatWasMovedAndRenamedIsTheSame) {
+  make_incomplete();
+  const std::string whole = dump_of(map());
+  fs::create_directories(folder_ / "archive");
+  fs::rename(recording_, folder_ / "archive/street");
+  const Ran missing = ran(continuing());
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_NE(missing.err.find("is not there"), std::string::npos) << missing.err;
+  RunCommandOptions options = continuing();
+  options.recording = folder_ / "archive/street";
+  const Ran again = ran(options);
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(dump_of(map()), whole);
+  EXPECT_TRUE(earlier_run(map()).progress.complete);
+}
+
+TEST(SessionOf, NeitherNamesNorPlacesSayWhatARecordingIs) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "scan.pcap") << "packets";
+  std::ofstream(folder / "sensor.json") << "{}";
+  fs::create_directories(folder / "scans");
+  RunDescription run;
+  run.recording = folder / "scan.pcap";
+  run.recording_description = run.recording.string() + ": capture of a sensor";
+  run.topic = "/points";
+  run.config.recording.metadata = fs::relative(folder / "sensor.json").string();
+  const MapSession first = session_of(run);
+  EXPECT_NE(first.configuration.find("metadata = \"/"), std::string::npos) << "from any folder";
+  EarlierRun earlier;
+  earlier.session = first;
+
+  fs::rename(folder / "scan.pcap", folder / "scans/other.pcap");
+  fs::rename(folder / "sensor.json", folder / "scans/renamed.json");
+  run.recording = folder / "scans/other.pcap";
+  run.recording_description = run.recording.string() + ": capture of a sensor";
+  run.config.recording.metadata = (folder / "scans/renamed.json").string();
+  EXPECT_NO_THROW(require_same(earlier, session_of(run)));
+
+  std::ofstream(folder / "scans/renamed.json") << "{\"beams\": 64}";
+  try {
+    require_same(earlier, session_of(run));
+    FAIL() << "another sensor";
+  } catch (const InputError& error) {
+    EXPECT_NE(error.found().find("metadata fingerprint"), std::string::npos) << error.found();
+  }
+}
+
 TEST_F(RunContinue, AMapThatWasEditedIsRefused) {
   make_incomplete();
   MapDatabase(map(), MapAccess::write).revise({});
@@ -169,6 +216,27 @@ TEST_F(RunContinue, TooLittleMemoryIsAUsageErrorAndEnoughIsReported) {
   const nlohmann::json json = test::json_of(folder_ / "little/summary.json");
   EXPECT_EQ(json.at("memory").at("max_ram_bytes"), uint64_t{1} << 40U);
   EXPECT_GT(json.at("memory").at("resident_peak_bytes"), uint64_t{1} << 20U);
+}
+
+// The device's memory does not suffice in the middle of a run: it ends, what it has stored is a
+// whole map, and with more of it the run goes on.
+TEST_F(RunContinue, ARunWhoseDeviceHasTooLittleMemoryKeepsWhatItHasStored) {
+  const std::string whole = dump_of(map());
+  const uint64_t peak =
+      test::json_of(folder_ / "out/summary.json").at("device").at("memory_peak_bytes");
+  fs::remove_all(folder_ / "out");
+  RunCommandOptions small = first_;
+  small.device.max_vram_bytes = peak - 1;
+  const Ran ended = ran(small);
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_NE(ended.err.find("budget"), std::string::npos) << ended.err;
+  const nlohmann::json summary = test::json_of(folder_ / "out/summary.json");
+  EXPECT_EQ(summary.at("status"), "device_error");
+  EXPECT_EQ(summary.at("device").at("memory_budget_bytes"), peak - 1);
+  EXPECT_LT(summary.at("device").at("memory_peak_bytes"), peak);
+  EXPECT_TRUE(MapDatabase(map(), MapAccess::read).check().empty());
+  EXPECT_EQ(ran(continuing()).code, 0);
+  EXPECT_EQ(dump_of(map()), whole);
 }
 
 TEST_F(RunContinue, DifferencesAreNamed) {

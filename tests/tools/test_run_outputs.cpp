@@ -73,6 +73,23 @@ TEST(RunOutputs, EveryLineIsOnTheDiskBeforeTheNextSweep) {
   EXPECT_EQ(kitti.poses.at(1).pose.translation().x(), 1.0);
 }
 
+TEST(RunOutputs, AnOdometryThatStartedAnewBeginsAPart) {
+  const test::TemporaryFolder folder;
+  test::MemoryRecording recording(3);
+  RunOutputs outputs(folder.path(), {}, true);
+  for (std::size_t i = 0; i < 3; ++i) {
+    SweepResult sweep = test::placed(recording.read(i));
+    sweep.state = i == 2 ? OdometryState::restarted : sweep.state;
+    outputs.write(sweep, i);
+  }
+  outputs.close();
+  for (const char* name : {"trajectory.tum", "odometry.tum"}) {
+    const Trajectory written = read_trajectory(folder / name);
+    EXPECT_EQ(written.poses.size(), 3U);
+    EXPECT_EQ(written.parts, std::vector<std::size_t>{2}) << name;
+  }
+}
+
 TEST(RunOutputs, MapHoldsKeyframesInTheMapFrame) {
   const test::TemporaryFolder folder;
   test::MemoryRecording recording(3);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/results/trajectory_io.hpp"
 
+#include <array>
 #include <random>
 #include <string>
 #include <vector>
@@ -58,6 +59,26 @@ TEST(TrajectoryIo, TumReadsBackToTheSamePose) {
     EXPECT_EQ(read.poses[i].pose.translation(), poses[i].pose.translation());  // bit for bit
     EXPECT_LT((read.poses[i].pose.linear() - poses[i].pose.linear()).cwiseAbs().maxCoeff(), 2e-15);
   }
+}
+
+TEST(TrajectoryIo, PartsStayApart) {
+  const test::TemporaryFolder folder;
+  const std::vector<StampedPose> poses = random_poses(10);
+  write_trajectory(folder / "t.tum", TrajectoryFormat::tum, poses, std::array{4UL, 9UL});
+  const Trajectory read = read_trajectory(folder / "t.tum");
+  EXPECT_EQ(read.poses.size(), poses.size());
+  EXPECT_EQ(read.parts, (std::vector<std::size_t>{4, 9}));
+  const std::array sizes = {4UL, 5UL, 1UL};
+  std::size_t at = 0;
+  for (std::size_t part = 1; part <= 3; ++part) {
+    const Trajectory one = part_of(read, part);
+    EXPECT_TRUE(one.parts.empty());
+    ASSERT_EQ(one.poses.size(), sizes[part - 1]);
+    EXPECT_EQ(one.poses.front().stamp, poses[at].stamp);
+    at += one.poses.size();
+  }
+  write_trajectory(folder / "t.kitti", TrajectoryFormat::kitti, poses, std::array{4UL});
+  EXPECT_EQ(read_trajectory(folder / "t.kitti").poses.size(), poses.size());
 }
 
 TEST(TrajectoryIo, KittiTextHoldsEveryBit) {

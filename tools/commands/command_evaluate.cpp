@@ -14,6 +14,7 @@
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/drawing/html_page.hpp"
+#include "adit/tools/evaluation/edge_consistency.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/evaluation/evaluation_report.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"
@@ -107,20 +108,30 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   }
   const RunEvaluation found =
       evaluate_as_far_as_it_went(folder, truth ? &*truth : nullptr, options.evaluation);
+  std::optional<EdgeConsistency> edges;
+  const fs::path map = RunFiles(folder).database;
+  std::error_code none;
+  if (truth && fs::exists(map, none)) {
+    edges = edge_consistency(map, *truth);
+  }
   std::optional<LoopScore> loops;
   if (options.loops && truth) {
-    loops = score_loops(RunFiles(folder).database, *truth, read_true_loops(*options.loops));
+    loops = score_loops(map, *truth, read_true_loops(*options.loops));
   }
   write_page(found, page);
   if (options.json) {
     nlohmann::ordered_json json = to_json(found, truth ? truth->file : fs::path());
+    if (edges) {
+      json["map_edges"] = to_json(*edges);
+    }
     if (loops) {
       json["loops"] = to_json(*loops);
     }
     out << json.dump(2) << "\n" << std::flush;
   } else {
     out << found.report << "\n"
-        << (loops ? describe(*loops) : "") << "look at      " << page.string() << "\n"
+        << (edges ? describe(*edges) : "") << (loops ? describe(*loops) : "") << "look at      "
+        << page.string() << "\n"
         << std::flush;
   }
   if (found.truth) {
@@ -255,6 +266,11 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
                           {"origin", Alignment::origin},
                           {"none", Alignment::none}})
       .show_default("se3");
+  command
+      .option("--part", options->evaluation.part,
+              "Which part of an estimate whose odometry started anew; their common alignment is "
+              "refused")
+      .value_name("N");
   command
       .option("--tolerance", options->evaluation.tolerance,
               "Largest time difference of a matched pair (s)")

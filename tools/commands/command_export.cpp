@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/command_export.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <vector>
@@ -91,9 +92,13 @@ std::size_t write_poses(const MapDatabase& map, const ExportCommandOptions& opti
     return write_table(map, options);
   }
   const std::vector<StampedPose> poses = map_trajectory(map, options.map);
+  // The last keyframes of a run that has not ended have no edge yet, and are no parts.
+  const std::vector<MapSession> sessions = map.sessions();
+  const bool ended = std::ranges::all_of(
+      sessions, [&](const MapSession& session) { return map.progress(session.id).ending; });
   write_trajectory(*options.output,
                    options.trajectory == "tum" ? TrajectoryFormat::tum : TrajectoryFormat::kitti,
-                   poses);
+                   poses, ended ? map_parts(map, options.map) : std::vector<std::size_t>());
   return poses.size();
 }
 
@@ -217,7 +222,7 @@ constexpr double kVoxelsAPicture = 1000.0;
 
 /// The points of all submaps, thinned, with sweeps and loops over them. Returns the keyframes.
 std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& options,
-                          const MemoryLimit& memory) {
+                          PictureFormat format, const MemoryLimit& memory) {
   std::vector<Point> points;
   PictureGraph drawn;
   for (const MapKeyframe& keyframe : map.keyframes()) {
@@ -244,10 +249,8 @@ std::size_t write_picture(const MapDatabase& map, const ExportCommandOptions& op
                              .revoked = edge.status == EdgeStatus::revoked});
     }
   }
-  const bool png = options.output->extension() == ".png";
   write_text_file(*options.output, map_picture(points, map_trajectory(map, options.map),
-                                               options.map.filename().string(), drawn,
-                                               png ? PictureFormat::png : PictureFormat::svg));
+                                               options.map.filename().string(), drawn, format));
   return drawn.keyframes.size();
 }
 
@@ -263,33 +266,55 @@ std::size_t write_dump(const MapDatabase& map, const fs::path& path) {
   return lines;
 }
 
+PictureFormat picture_format(const fs::path& output) {
+  return output.extension() == ".png" ? PictureFormat::png : PictureFormat::svg;
+}
+
+/// Writes what is asked for and says what that was.
+std::string write(const MapDatabase& map, const ExportCommandOptions& options,
+                  PictureFormat picture, const MemoryLimit& memory, std::ostream& err) {
+  if (options.dump) {
+    return fmt::format("{} lines", write_dump(map, *options.output));
+  }
+  if (!options.dense.empty()) {
+    return written(options.dense == "ply" ? write_dense<TimedPlyWriter>(map, options, memory, err)
+                                          : write_dense<TimedPcdWriter>(map, options, memory, err));
+  }
+  if (options.picture) {
+    return fmt::format("{} keyframes", write_picture(map, options, picture, memory));
+  }
+  if (!options.trajectory.empty()) {
+    return fmt::format("{} poses", write_poses(map, options));
+  }
+  if (!options.graph.empty()) {
+    const PoseGraph graph = map.graph();
+    write_g2o(*options.output, graph);
+    return fmt::format("{} nodes, {} edges", graph.nodes().size(), graph.edges().size());
+  }
+  return fmt::format("{} points", options.cloud == "ply"
+                                      ? write_cloud<PlyWriter>(map, options, memory)
+                                      : write_cloud<PcdWriter>(map, options, memory));
+}
+
 int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
   const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
   const MapDatabase map(options.map, MapAccess::read);
-  std::string wrote;
   if (options.dump && !options.output) {
     map.dump([&](std::string_view line) { out << line << "\n"; });
     return 0;
   }
-  if (options.dump) {
-    wrote = fmt::format("{} lines", write_dump(map, *options.output));
-  } else if (!options.dense.empty()) {
-    wrote =
-        written(options.dense == "ply" ? write_dense<TimedPlyWriter>(map, options, memory, err)
-                                       : write_dense<TimedPcdWriter>(map, options, memory, err));
-  } else if (options.picture) {
-    wrote = fmt::format("{} keyframes", write_picture(map, options, memory));
-  } else if (!options.trajectory.empty()) {
-    wrote = fmt::format("{} poses", write_poses(map, options));
-  } else if (!options.graph.empty()) {
-    const PoseGraph graph = map.graph();
-    write_g2o(*options.output, graph);
-    wrote = fmt::format("{} nodes, {} edges", graph.nodes().size(), graph.edges().size());
-  } else {
-    const uint64_t points = options.cloud == "ply" ? write_cloud<PlyWriter>(map, options, memory)
-                                                   : write_cloud<PcdWriter>(map, options, memory);
-    wrote = fmt::format("{} points", points);
+  // What cannot be completed leaves what was there; devices and pipes have no place to take.
+  std::error_code ignored;
+  std::optional<Draft> draft;
+  if (!fs::exists(*options.output, ignored) || fs::is_regular_file(*options.output, ignored)) {
+    draft.emplace(*options.output);
+  }
+  ExportCommandOptions drafted = options;
+  drafted.output = draft ? draft->path() : *options.output;
+  const std::string wrote = write(map, drafted, picture_format(*options.output), memory, err);
+  if (draft) {
+    draft->take_its_place();
   }
   out << "wrote  " << options.output->string() << " (" << wrote << ")\n";
   return 0;

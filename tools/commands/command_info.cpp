@@ -24,6 +24,7 @@ namespace {
 /// A map in figures.
 struct Figures {
   std::vector<MapSession> sessions;
+  std::vector<SessionProgress> runs;  ///< that have filled them
   std::size_t keyframes = 0;
   std::size_t sweeps = 0;
   std::size_t edges = 0;
@@ -42,6 +43,9 @@ Figures figures_of(const std::filesystem::path& file) {
   const MapDatabase map(file, MapAccess::read);
   Figures figures;
   figures.sessions = map.sessions();
+  for (const MapSession& session : figures.sessions) {
+    figures.runs.push_back(map.progress(session.id));
+  }
   const PoseGraph graph = map.graph();
   figures.keyframes = graph.nodes().size();
   figures.components = connected_components(graph).components.size();
@@ -70,6 +74,19 @@ Figures figures_of(const std::filesystem::path& file) {
   return figures;
 }
 
+/// What has become of the run that fills a session.
+std::string text_of(const SessionProgress& run, const std::filesystem::path& map) {
+  if (run.complete) {
+    return run.edited ? "complete, and edited since" : "complete";
+  }
+  if (run.edited) {
+    return "not known to be complete: the map was made by an older adit, or edited or recovered";
+  }
+  return "not complete: it goes on, or was stopped or killed, and `adit run --continue` goes on "
+         "with it. To copy the map take " +
+         map.filename().string() + "-wal, too, where it is";
+}
+
 std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
   std::string text = fmt::format("map        {}, {:.1f} MiB\n", options.map.string(),
                                  static_cast<double>(figures.bytes) / (1024.0 * 1024.0));
@@ -90,11 +107,17 @@ std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
   }
   if (figures.components > 1) {
     text += fmt::format(
-        "parts      {}, without an edge between them: how they lie to each other is a guess\n",
-        figures.components);
+        "parts      {}, without an edge between them: how they lie to each other is a guess{}\n",
+        figures.components,
+        std::ranges::all_of(figures.runs,
+                            [](const SessionProgress& run) { return run.ending || run.edited; })
+            ? ""
+            : "; the last keyframes of a run that has not ended get theirs later");
   }
-  for (const MapSession& session : figures.sessions) {
+  for (std::size_t i = 0; i < figures.sessions.size(); ++i) {
+    const MapSession& session = figures.sessions[i];
     text += fmt::format("session    {}: {}\n", session.id, session.name);
+    text += fmt::format("           {:<18} {}\n", "run", text_of(figures.runs[i], options.map));
     for (const auto& [key, value] : session.provenance) {
       text += fmt::format("           {:<18} {}\n", key, value);
     }
@@ -111,13 +134,16 @@ std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
       {"revoked", figures.revoked},       {"candidates", figures.candidates},
       {"components", figures.components}, {"verticals", figures.verticals}};
   json["sessions"] = nlohmann::ordered_json::array();
-  for (const MapSession& session : figures.sessions) {
+  for (std::size_t i = 0; i < figures.sessions.size(); ++i) {
+    const MapSession& session = figures.sessions[i];
     nlohmann::ordered_json provenance = nlohmann::ordered_json::object();
     for (const auto& [key, value] : session.provenance) {
       provenance[key] = value;
     }
     json["sessions"].push_back({{"id", session.id},
                                 {"name", session.name},
+                                {"complete", figures.runs[i].complete},
+                                {"edited", figures.runs[i].edited},
                                 {"provenance", provenance},
                                 {"configuration", session.configuration}});
   }

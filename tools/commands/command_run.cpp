@@ -94,8 +94,10 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
 }
 
 // What a run needs besides what is there before its first sweep: buffers of the device, the rolling
-// submap and two keyframes' submaps, for sweeps of up to some 130 000 points.
-constexpr uint64_t kWorkingBytes = uint64_t{192} << 20U;
+// submap, two keyframes' submaps, and sweeps on their way. Measured, from 30 000 points a sweep to
+// 262 000: docs/theory/mapping.md.
+constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
+constexpr uint64_t kWorkingBytesAPoint = 320;
 
 constexpr const char* kMountingIsAssumed =
     "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
@@ -241,7 +243,8 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
   const SweepChoice sweeps = choose_sweeps(
       *recording, options, options.topic ? options.topic : config.recording.sweep_topic);
-  require_clear_point_times(*recording, sweeps.topic, options.recording);
+  const std::size_t most_points =
+      require_clear_point_times(*recording, sweeps.topic, options.recording);
   const std::optional<std::size_t> imu_topic = choose_imu(*recording, config);
   const HighRateFiles high_rate_files(options.output);
   std::vector<std::filesystem::path> others;
@@ -259,7 +262,8 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     err << software_note(context.device()) << std::endl;
   }
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
-  const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
+  const MemoryLimit memory(options.max_ram_bytes,
+                           kWorkingBytes + kWorkingBytesAPoint * most_points);
   SlamOptions wanted{.inertial = imu_topic.has_value(), .submap_bytes = memory.submap_bytes()};
 
   std::optional<MapSession> origin;
@@ -361,7 +365,9 @@ int run_command(const RunCommandOptions& options, std::ostream& out, std::ostrea
 void add_device_options(Command command, DeviceOptions& device) {
   command.option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
       .value_name("DEVICE");
-  command.option("--max-vram", device.max_vram_bytes, "Most device memory to use, e.g. 512MiB")
+  command
+      .option("--max-vram", device.max_vram_bytes,
+              "Most device memory to use, e.g. 512MiB; where more is needed: exit 1")
       .bytes()
       .value_name("SIZE");
   command.flag("--validation", device.validation,

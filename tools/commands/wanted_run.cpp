@@ -34,7 +34,7 @@ void check_options(const RunCommandOptions& options) {
 EarlierRun run_to_continue(const RunCommandOptions& options) {
   const ConfigSource& config = options.config;
   if (options.from || config.file || !config.preset.empty() || !config.overrides.empty() ||
-      config.metadata || options.topic || options.start || options.count) {
+      options.topic || options.start || options.count) {
     throw UsageError(
         "--continue goes on with the settings and the sweeps that the map was begun with; leave "
         "out what chooses others. --from MAP maps the recording of a map with other settings.");
@@ -69,10 +69,22 @@ std::filesystem::path recording_of(const RunCommandOptions& options, const Earli
   return earlier.recording;
 }
 
+/// The earlier run's settings. What tells of the sensor may lie elsewhere now.
+KeptConfig kept(const RunCommandOptions& options, const EarlierRun& earlier, const Config& config) {
+  const std::optional<std::string>& metadata = config.recording.metadata;
+  std::error_code unknown;
+  if (metadata && !options.config.metadata && !std::filesystem::exists(*metadata, unknown)) {
+    throw InputError(earlier.map, {}, "what told of its sensor, " + *metadata + ", is not there",
+                     "Name it: --metadata FILE");
+  }
+  return {.origin = earlier.map, .toml = to_toml(config)};
+}
+
 /// As the earlier run was.
 RunCommandOptions continuing(RunCommandOptions options, const EarlierRun& earlier) {
   options.recording = recording_of(options, earlier);
-  options.config.kept = KeptConfig{.origin = earlier.map, .toml = earlier.session.configuration};
+  options.config.kept =
+      kept(options, earlier, parse_config(earlier.session.configuration, earlier.map));
   options.topic = earlier.topic;
   options.start = earlier.first_sweep;
   options.count = earlier.sweeps;
@@ -90,7 +102,7 @@ RunCommandOptions repeating(RunCommandOptions options, const EarlierRun& earlier
     }
   }
   options.recording = recording_of(options, earlier);
-  options.config.kept = KeptConfig{.origin = earlier.map, .toml = to_toml(config)};
+  options.config.kept = kept(options, earlier, config);
   return options;
 }
 

@@ -101,6 +101,13 @@ SqliteDatabase::SqliteDatabase(fs::path path, Mode mode) : path_(std::move(path)
     open(path_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     return;
   }
+  if (mode == Mode::share) {
+    // Only who may write can take away the log and its index, which reading has made, when it
+    // closes last.
+    open(path_, SQLITE_OPEN_READWRITE);
+    execute("PRAGMA query_only = ON");
+    return;
+  }
   if (mode == Mode::frozen) {
     open(frozen_uri(path_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     return;
@@ -180,8 +187,10 @@ void SqliteDatabase::fail() const {
   if (mode_ == Mode::create || mode_ == Mode::update) {
     throw OutputError(path_, path_.string() + ": cannot be written: " + reason + ".");
   }
-  throw InputError(path_, {}, "cannot be read as an SQLite database: " + reason,
-                   "The file is damaged or something else: copy it again");
+  throw InputError(
+      path_, {}, "cannot be read as an SQLite database: " + reason,
+      "The file is damaged or something else: copy it again; of a map `adit recover` saves "
+      "what is whole");
 }
 
 }  // namespace adit

@@ -55,11 +55,12 @@ class SqliteDatabase {
  public:
   enum class Mode {
     read,    ///< the file must exist and stays as it is; see recovered()
+    share,   ///< the same beside a writer; no empty log stays where none was before
     frozen,  ///< the same where nobody writes and the folder may not be written to either
     create,  ///< the file must not exist
     update,  ///< the file is made where there is none
   };
-  /// Throws InputError (read, frozen) or OutputError (create, update).
+  /// Throws InputError (read, share, frozen) or OutputError (create, update).
   SqliteDatabase(std::filesystem::path path, Mode mode);
 
   const std::filesystem::path& path() const { return path_; }

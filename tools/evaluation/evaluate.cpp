@@ -68,10 +68,32 @@ std::optional<std::string> find_free_rotation(const Evaluation& evaluation) {
       spread[1], spread[2], turn * kDegreesPerRadian);
 }
 
+/// How the parts of one estimate lie to each other is a guess: one of them alone is compared.
+Trajectory chosen_part(const Trajectory& estimate, std::size_t part) {
+  if (part < 1 || part > estimate.parts.size() + 1) {
+    throw InputError(estimate.file, {},
+                     "it has no part " + std::to_string(part) + ", but " +
+                         std::to_string(estimate.parts.size() + 1),
+                     "Parts are counted from 1");
+  }
+  return part_of(estimate, part);
+}
+
 }  // namespace
 
 Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
                     const EvaluationOptions& options) {
+  if (options.part) {
+    EvaluationOptions rest = options;
+    rest.part.reset();
+    return evaluate(chosen_part(estimate, *options.part), truth, rest);
+  }
+  if (!estimate.parts.empty() && !options.across_parts && options.alignment != Alignment::none) {
+    throw InputError(estimate.file, {},
+                     "it has " + std::to_string(estimate.parts.size() + 1) +
+                         " parts: the odometry started anew, and nothing ties one to the next",
+                     "Choose one with --part N (from 1 on), or --align none");
+  }
   Evaluation result;
   result.options = options;
   const Association association = associate(estimate, truth, options.tolerance);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ struct EvaluationOptions {
   Alignment alignment = Alignment::se3;
   double tolerance = 0.01;  ///< s, largest time difference of a matched pair
   RpeOptions rpe;
+  /// Of an estimate whose odometry started anew, counted from 1; none: a common alignment of the
+  /// parts is refused.
+  std::optional<std::size_t> part{};
+  bool across_parts = false;  ///< the parts count as one all the same
 };
 
 /// Everything `adit evaluate` reports. Poses are the matched ones: estimate[i] belongs to truth[i].
@@ -48,8 +53,8 @@ struct Evaluation {
   std::vector<std::string> warnings;    ///< for people
 };
 
-/// Compares two trajectories. Throws InputError where nothing matches or the alignment is not
-/// determined.
+/// Compares two trajectories. Throws InputError where nothing matches, the alignment is not
+/// determined, or the estimate has several parts.
 Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
                     const EvaluationOptions& options);
 

@@ -15,8 +15,8 @@
 
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/tools/evaluation/true_keyframes.hpp"
 #include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -24,45 +24,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Nanoseconds kNearestTruth = milliseconds(20);
 constexpr Nanoseconds kRevisitGap = milliseconds(3000);  // that a revisit may have
 constexpr Nanoseconds kMargin = milliseconds(2000);      // around a keyframe's stamp
 constexpr double kRevisitLength = 5.0;                   // m
 constexpr double kRevisitDistance = 5.0;                 // m
 constexpr double kRevisitOverlap = 0.5;
-
-std::optional<Eigen::Isometry3d> pose_at(const Trajectory& truth, Nanoseconds stamp) {
-  const auto after = std::ranges::lower_bound(truth.poses, stamp, {}, &StampedPose::stamp);
-  auto nearest = after;
-  if (after == truth.poses.end() ||
-      (after != truth.poses.begin() && stamp - (after - 1)->stamp < after->stamp - stamp)) {
-    nearest = after == truth.poses.begin() ? after : after - 1;
-  }
-  if (nearest == truth.poses.end() || std::chrono::abs(nearest->stamp - stamp) > kNearestTruth) {
-    return std::nullopt;
-  }
-  return nearest->pose;
-}
-
-/// T_world_keyframe of each keyframe that the truth covers, and its stamp.
-struct TrueKeyframe {
-  Nanoseconds stamp{0};
-  Eigen::Isometry3d T_world_keyframe = Eigen::Isometry3d::Identity();
-};
-std::map<NodeId, TrueKeyframe> true_keyframes(const MapDatabase& map,
-                                              const std::filesystem::path& file,
-                                              const Trajectory& truth) {
-  std::map<NodeId, TrueKeyframe> result;
-  for (const MapKeyframe& keyframe : map.keyframes()) {
-    const KeyframeSubmap submap = load_sweeps(map, keyframe.id, file);
-    const auto pose = pose_at(truth, keyframe.stamp);
-    if (pose && !submap.sweeps.empty()) {
-      result[keyframe.id] = {keyframe.stamp,
-                             *pose * submap.sweeps.front().T_keyframe_lidar.inverse()};
-    }
-  }
-  return result;
-}
 
 /// m of the truth's way between two moments.
 double way(const Trajectory& truth, Nanoseconds begin, Nanoseconds end) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/maps/map_database.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -73,10 +75,25 @@ int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   return statement.step() ? statement.integer(0) : 0;
 }
 
+bool has_beside(const fs::path& file, const char* suffix) {
+  std::error_code none;
+  const auto size = fs::file_size(file.string() + suffix, none);
+  return !none && size > 0;
+}
+
 bool has_log(const fs::path& file) {
-  std::error_code ignored;
-  const fs::path log = file.string() + "-wal";
-  return fs::exists(log, ignored) && fs::file_size(log, ignored) > 0;
+  return has_beside(file, "-wal");
+}
+
+/// How to read a map so that nothing changes beside it: what its writer has left there stays, and
+/// what reading makes goes.
+SqliteDatabase::Mode reading_mode(const fs::path& file) {
+  if (has_log(file) || has_beside(file, "-journal")) {
+    return SqliteDatabase::Mode::read;
+  }
+  const bool writable = ::access(file.c_str(), W_OK) == 0;
+  return writable || has_beside(file, ".lock") ? SqliteDatabase::Mode::share
+                                               : SqliteDatabase::Mode::frozen;
 }
 
 /// A reader needs a file beside the map for the WAL's index. In a folder that cannot be written to
@@ -87,7 +104,7 @@ SqliteDatabase open_to_read(const fs::path& file) {
     throw InputError(file, {}, "there is no such file", "Name a map that `adit run` has made");
   }
   try {
-    SqliteDatabase database(file, SqliteDatabase::Mode::read);
+    SqliteDatabase database(file, reading_mode(file));
     static_cast<void>(pragma(database, "user_version"));
     static_cast<void>(database.prepare("SELECT count(*) FROM sqlite_schema").step());
     return database;
@@ -112,8 +129,11 @@ bool is_blank(const SqliteDatabase& database) {
 
 void require_map(const SqliteDatabase& database, const fs::path& file) {
   if (is_blank(database)) {
-    throw InputError(file, {}, "it holds nothing: its run was stopped before it had begun",
-                     "Start the run again");
+    throw InputError(file, {},
+                     "it holds nothing: its run was stopped before it had begun, or it is a copy "
+                     "without the " +
+                         file.filename().string() + "-wal that lay beside it",
+                     "Copy that too, or start the run again");
   }
   if (pragma(database, "application_id") != kApplication) {
     throw InputError(file, {}, "it is an SQLite database but no map",
@@ -145,6 +165,7 @@ MapDatabase::MapDatabase(const fs::path& file, MapAccess access, int64_t max_pag
     require_map(database_, file);
     database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
     migrate();
+    make_anchors();
   } else {
     require_map(database_, file);
   }
@@ -211,7 +232,8 @@ void MapDatabase::store(const KeyframeRecord& record) {
       .bind(2, keyframe.session)
       .bind(3, int64_t{keyframe.stamp.count()})
       .bind(4, int64_t{keyframe.fixed})
-      .bind(5, as_bytes(pose_numbers(keyframe.T_map_keyframe)))
+      .bind(5, as_bytes(
+                   pose_numbers(in_session(keyframe.session, keyframe.T_map_keyframe, anchors()))))
       .bind(6, as_bytes(matrix_numbers(keyframe.covariance)))
       .step();
   std::array<double, 6> box{};
@@ -259,11 +281,13 @@ void MapDatabase::revise(const MapRevision& revision) {
         .step();
   }
   SqliteStatement move = database_.prepare("UPDATE keyframes SET pose = ?, fixed = ? WHERE id = ?");
+  const Anchors anchored = anchors();
   for (const PoseNode& node : revision.poses) {
-    move.bind(1, as_bytes(pose_numbers(node.T_map_node)))
-        .bind(2, int64_t{node.fixed})
-        .bind(3, node.id)
-        .step();
+    const std::optional<MapKeyframe> old =
+        anchored.empty() ? std::nullopt : this->keyframe(node.id);
+    const Eigen::Isometry3d pose =
+        old ? in_session(old->session, node.T_map_node, anchored) : node.T_map_node;
+    move.bind(1, as_bytes(pose_numbers(pose))).bind(2, int64_t{node.fixed}).bind(3, node.id).step();
     move.reset();
     place(node.id, node.T_map_node);
   }

@@ -38,6 +38,14 @@ struct SessionProgress {
   bool edited = false;    ///< something else has written to the map since the run began
 };
 
+/// T_map_session of the sessions that have another frame than the map: their anchors.
+using Anchors = std::map<SessionId, Eigen::Isometry3d>;
+
+/// A keyframe of its session's frame in the map's, and a pose back.
+MapKeyframe in_map(MapKeyframe keyframe, const Anchors& anchors);
+Eigen::Isometry3d in_session(SessionId session, const Eigen::Isometry3d& T_map_keyframe,
+                             const Anchors& anchors);
+
 class MapDatabase final : public MapStore {
  public:
   /// `max_pages` bounds the file's size, in pages of 4096 bytes; 0: only the disk does. Throws
@@ -66,6 +74,11 @@ class MapDatabase final : public MapStore {
   SessionProgress progress(SessionId session) const;
   const std::filesystem::path& file() const { return database_.path(); }
 
+  /// Moves a session with all its keyframes in the map, whose frame the first one gives: what
+  /// merging maps comes to, and an edit of the map.
+  void set_anchor(SessionId session, const Eigen::Isometry3d& T_map_session);
+  Anchors anchors() const;
+
   std::vector<MapSession> sessions() const override;
   std::vector<MapKeyframe> keyframes() const override;
   PoseGraph graph() const override;
@@ -93,6 +106,7 @@ class MapDatabase final : public MapStore {
  private:
   void create_tables();
   void migrate();
+  void make_anchors();
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);

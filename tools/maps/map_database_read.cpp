@@ -178,10 +178,13 @@ std::optional<MapSession> MapDatabase::session(SessionId id) const {
 }
 
 std::vector<MapKeyframe> MapDatabase::keyframes() const {
-  return all_rows(database_, kKeyframes, [&](const auto& row) { return keyframe_at(row); });
+  const Anchors anchored = anchors();
+  return all_rows(database_, kKeyframes,
+                  [&](const auto& row) { return in_map(keyframe_at(row), anchored); });
 }
 std::optional<MapKeyframe> MapDatabase::keyframe(NodeId id) const {
-  return one_row(database_, kKeyframes, id, [&](const auto& row) { return keyframe_at(row); });
+  return one_row(database_, kKeyframes, id,
+                 [&](const auto& row) { return in_map(keyframe_at(row), anchors()); });
 }
 
 std::vector<PoseEdge> MapDatabase::edges() const {
@@ -324,6 +327,11 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
     for (const auto& [key, value] : session.provenance) {
       line(head + " " + in_one_line(key) + " = " + in_one_line(value));
     }
+  }
+  for (const auto& [session, anchor] : anchors()) {
+    std::string text = "anchor of session " + std::to_string(session);
+    append_all(text, "pose", pose_numbers(anchor));
+    line(text);
   }
   for (const MapKeyframe& keyframe : keyframes()) {
     std::string text = "keyframe " + std::to_string(keyframe.id) + " session " +

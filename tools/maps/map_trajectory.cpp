@@ -34,6 +34,20 @@ std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesyst
   return poses;
 }
 
+std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::path& file) {
+  const PoseGraph graph = map.graph();
+  const GraphComponents tied = connected_components(graph);
+  std::vector<std::size_t> parts;
+  std::size_t poses = 0;
+  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
+    if (i > 0 && tied.component_of[i] != tied.component_of[i - 1]) {
+      parts.push_back(poses);
+    }
+    poses += load_sweeps(map, graph.nodes()[i].id, file).sweeps.size();
+  }
+  return parts;
+}
+
 KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe,
                            const std::filesystem::path& file) {
   return named(file, keyframe, [&] { return decode(map.submap(keyframe)); });

@@ -17,6 +17,10 @@ namespace adit {
 /// InputError where a submap is damaged.
 std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file);
 
+/// Where in that trajectory a part begins that nothing ties to what comes before; the first is none
+/// of them.
+std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::path& file);
+
 /// A stored submap, the same from a cache, and one without its points. Throw InputError where it is
 /// damaged.
 KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);

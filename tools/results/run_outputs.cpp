@@ -105,11 +105,18 @@ RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map, bool odome
 void RunOutputs::write(const SweepResult& sweep, std::size_t index,
                        const std::optional<Eigen::Isometry3d>& T_map_lidar) {
   const StampedPose pose{.stamp = sweep.stamp, .pose = T_map_lidar.value_or(sweep.T_map_lidar)};
+  const bool apart = sweep.state == OdometryState::restarted && poses_ > 0;
+  if (apart) {
+    tum_->begin_part();
+  }
   tum_->write(pose);
   tum_->flush();
   kitti_->write(pose);
   kitti_->flush();
   if (odometry_) {
+    if (apart) {
+      odometry_->begin_part();
+    }
     odometry_->write({.stamp = sweep.stamp, .pose = sweep.T_map_lidar});
     odometry_->flush();
   }

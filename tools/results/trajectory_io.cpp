@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/results/trajectory_io.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -14,6 +15,7 @@
 namespace adit {
 namespace {
 
+constexpr std::string_view kPart = "# part: ";  // begins a line between two parts
 constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
 
@@ -107,6 +109,9 @@ Trajectory read_trajectory(const std::filesystem::path& file,
   std::size_t columns = 0;
   LineReader lines(text);
   while (const std::optional<std::string_view> line = lines.next()) {
+    if (line->starts_with(kPart) && !trajectory.poses.empty()) {
+      trajectory.parts.push_back(trajectory.poses.size());
+    }
     Words words;
     const std::size_t count = split_words(without_comment(*line), words);
     if (count == 0) {
@@ -127,6 +132,9 @@ Trajectory read_trajectory(const std::filesystem::path& file,
     }
     trajectory.poses.push_back(pose);
   }
+  if (!trajectory.parts.empty() && trajectory.parts.back() == trajectory.poses.size()) {
+    trajectory.parts.pop_back();  // the run ended before it had a pose
+  }
   if (trajectory.poses.empty()) {
     throw InputError(file, {}, "it holds no pose",
                      "Expected TUM (8 columns) or KITTI (12 columns) lines");
@@ -143,6 +151,19 @@ Trajectory read_trajectory(const std::filesystem::path& file,
     trajectory.stamped = true;
   }
   return trajectory;
+}
+
+Trajectory part_of(const Trajectory& trajectory, std::size_t number) {
+  Trajectory part = trajectory;
+  const std::size_t begin = number > 1 ? trajectory.parts.at(number - 2) : 0;
+  const std::size_t end =
+      number <= trajectory.parts.size() ? trajectory.parts[number - 1] : trajectory.poses.size();
+  const auto at = [&](std::size_t i) {
+    return trajectory.poses.begin() + static_cast<std::ptrdiff_t>(i);
+  };
+  part.poses.assign(at(begin), at(end));
+  part.parts.clear();
+  return part;
 }
 
 TrajectoryWriter::TrajectoryWriter(std::filesystem::path path, TrajectoryFormat format)
@@ -174,11 +195,21 @@ void TrajectoryWriter::write(const StampedPose& pose) {
   file_.write(line);
 }
 
+void TrajectoryWriter::begin_part() {
+  if (format_ == TrajectoryFormat::tum) {
+    file_.write(std::string(kPart) +
+                "the odometry started anew; nothing ties what follows to what comes before\n");
+  }
+}
+
 void write_trajectory(const std::filesystem::path& path, TrajectoryFormat format,
-                      std::span<const StampedPose> poses) {
+                      std::span<const StampedPose> poses, std::span<const std::size_t> parts) {
   TrajectoryWriter writer(path, format);
-  for (const StampedPose& pose : poses) {
-    writer.write(pose);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (std::ranges::binary_search(parts, i)) {
+      writer.begin_part();
+    }
+    writer.write(poses[i]);
   }
   writer.close();
 }

@@ -32,13 +32,19 @@ struct Trajectory {
   TrajectoryFormat format = TrajectoryFormat::tum;
   bool stamped = false;
   std::vector<StampedPose> poses;
+  /// Where its parts begin, but for the first: the odometry started anew there, and nothing ties
+  /// one part to the next.
+  std::vector<std::size_t> parts{};
 };
 
-/// Reads either format, told apart by 8 or 12 columns; '#' starts a comment, blank lines are
-/// skipped. Quaternions are normalised, rotation matrices brought back to the nearest rotation.
-/// `times` (one number in seconds a line) stamps a KITTI trajectory. Throws InputError with the
-/// line: not numbers, not finite, a mixture of formats, no rotation, times that go backwards, no
-/// pose at all.
+/// One of the parts alone, counted from 1.
+Trajectory part_of(const Trajectory& trajectory, std::size_t number);
+
+/// Reads either format, told apart by 8 or 12 columns; '#' starts a comment, of which one that
+/// a TrajectoryWriter has written begins a part; blank lines are skipped. Quaternions are
+/// normalised, rotation matrices brought back to the nearest rotation. `times` (one number in
+/// seconds a line) stamps a KITTI trajectory. Throws InputError with the line: not numbers, not
+/// finite, a mixture of formats, no rotation, times that go backwards, no pose at all.
 Trajectory read_trajectory(const std::filesystem::path& file,
                            const std::optional<std::filesystem::path>& times = std::nullopt);
 
@@ -49,6 +55,9 @@ class TrajectoryWriter {
   TrajectoryWriter(std::filesystem::path path, TrajectoryFormat format);
 
   void write(const StampedPose& pose);
+  /// Nothing ties what follows to what came before: a comment says so, in TUM's format, which has
+  /// such.
+  void begin_part();
   void flush() { file_.flush(); }
   void close() {
     file_.close();
@@ -59,8 +68,8 @@ class TrajectoryWriter {
   TrajectoryFormat format_;
 };
 
-/// Writes a whole trajectory. Throws OutputError.
+/// Writes a whole trajectory; parts begin at these poses. Throws OutputError.
 void write_trajectory(const std::filesystem::path& path, TrajectoryFormat format,
-                      std::span<const StampedPose> poses);
+                      std::span<const StampedPose> poses, std::span<const std::size_t> parts = {});
 
 }  // namespace adit

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/configured_recording.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -110,9 +111,10 @@ std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
   return std::make_unique<ConfiguredRecording>(std::move(recording), config);
 }
 
-void require_clear_point_times(const Recording& recording, std::size_t topic,
-                               const std::filesystem::path& path) {
+std::size_t require_clear_point_times(const Recording& recording, std::size_t topic,
+                                      const std::filesystem::path& path) {
   constexpr int kSweeps = 5;
+  std::size_t most_points = 0;
   TopicStatistics statistics;
   std::string place;
   const auto events = recording.events({.topics = {topic}});
@@ -127,10 +129,11 @@ void require_clear_point_times(const Recording& recording, std::size_t topic,
       break;
     }
     place = std::get<Sweep>(event->value).source;
+    most_points = std::max(most_points, std::get<Sweep>(event->value).points.size());
     statistics.add(*event);
   }
   if (statistics.point_times_fit()) {
-    return;
+    return most_points;
   }
   const std::optional<double> unit = statistics.better_time_unit();
   const std::string found = fmt::format(

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/version.hpp"
@@ -14,8 +15,12 @@
 namespace adit {
 namespace {
 
-// Where the recording lies is no part of what it is.
+// Where the recording and what tells of its sensor lie is no part of what they are.
 constexpr std::string_view kRecording = "recording";
+constexpr std::string_view kTopic = "topic";
+// What another commit makes of a recording is compared, keyframe by keyframe.
+constexpr std::string_view kCommit = "commit";
+constexpr std::string_view kMetadataSetting = "recording.metadata = ";
 
 const std::string* told(const MapSession& session, std::string_view key) {
   const auto found =
@@ -51,33 +56,60 @@ std::vector<std::string> settings_of(const std::string& toml) {
   while (const auto line = lines.next()) {
     if (line->starts_with('[')) {
       section = std::string(line->substr(1, line->find(']') - 1)) + ".";
-    } else if (!line->empty() && !line->starts_with('#')) {
-      settings.push_back(section + std::string(*line));
+    } else if (const std::string setting = section + std::string(*line);
+               !line->empty() && !line->starts_with('#') &&
+               !setting.starts_with(kMetadataSetting)) {
+      settings.push_back(setting);
     }
   }
   std::ranges::sort(settings);
   return settings;
 }
 
+/// What the recording is, without its name.
+std::string kind_of(const RunDescription& run) {
+  const std::string& text = run.recording_description;
+  const std::string name = run.recording.string() + ": ";
+  return text.starts_with(name) ? text.substr(name.size()) : text;
+}
+
+/// Folders of sweeps have no topic but their own name.
+bool is_named_by_its_folder(const RunDescription& run) {
+  const std::filesystem::path recording = std::filesystem::absolute(run.recording);
+  return run.topic == recording.filename() || run.topic == recording.parent_path().filename();
+}
+
 }  // namespace
 
 MapSession session_of(const RunDescription& run) {
   const Fingerprint print = fingerprint(run.recording);
-  return {
+  Config config = run.config;
+  std::optional<std::string>& metadata = config.recording.metadata;
+  if (metadata) {
+    metadata = std::filesystem::absolute(*metadata).string();
+  }
+  MapSession session{
       .name = run.recording.filename().string(),
-      .configuration = to_toml(run.config),
+      .configuration = to_toml(config),
       .provenance = {{"adit", std::string(version())},
+                     {std::string(kCommit), std::string(commit())},
                      {"device", run.device.name},
                      {"driver", run.device.driver},
                      {"driver version", run.device.driver_version},
                      {std::string(kRecording), std::filesystem::absolute(run.recording).string()},
-                     {"recording kind", run.recording_description},
+                     {"recording kind", kind_of(run)},
                      {"recording bytes", std::to_string(print.bytes)},
                      {"recording fingerprint", print.hash},
                      {"recording sweeps", std::to_string(run.recording_sweeps)},
-                     {"topic", run.topic},
                      {"first sweep", std::to_string(run.range.first)},
                      {"sweeps", std::to_string(run.range.count)}}};
+  if (!is_named_by_its_folder(run)) {
+    session.provenance.emplace_back(kTopic, run.topic);
+  }
+  if (metadata) {
+    session.provenance.emplace_back("metadata fingerprint", fingerprint(*metadata).hash);
+  }
+  return session;
 }
 
 EarlierRun earlier_run(const std::filesystem::path& map) {
@@ -93,11 +125,12 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
                      "Name the recording, and map it anew");
   }
   const MapSession& session = sessions.front();
+  const std::string* topic = told(session, kTopic);
   return {.map = map,
           .session = session,
           .progress = database.progress(session.id),
           .recording = require(map, session, kRecording),
-          .topic = require(map, session, "topic"),
+          .topic = topic == nullptr ? std::nullopt : std::optional(*topic),
           .first_sweep = require_number(map, session, "first sweep"),
           .sweeps = require_number(map, session, "sweeps")};
 }
@@ -106,7 +139,7 @@ void require_same(const EarlierRun& earlier, const MapSession& now) {
   std::vector<std::string> differences;
   for (const auto& [key, value] : now.provenance) {
     const std::string* before = told(earlier.session, key);
-    if (key != kRecording && (before == nullptr || *before != value)) {
+    if (key != kRecording && key != kCommit && (before == nullptr || *before != value)) {
       differences.push_back(key + ": " + (before == nullptr ? "not known" : *before) + " then, " +
                             value + " now");
     }

@@ -23,9 +23,9 @@ struct EarlierRun {
   MapSession session;
   SessionProgress progress;
   std::filesystem::path recording;
-  std::string topic;        ///< the sweeps'
-  int64_t first_sweep = 0;  ///< of the recording
-  int64_t sweeps = 0;       ///< from there on
+  std::optional<std::string> topic;  ///< the sweeps'; none: the only one there is
+  int64_t first_sweep = 0;           ///< of the recording
+  int64_t sweeps = 0;                ///< from there on
 };
 
 /// Throws InputError: no map, one of several recordings, one that does not say where it comes from.

@@ -18,9 +18,10 @@ namespace fs = std::filesystem;
 
 /// The whole file or none of it.
 void replace_trajectory(const fs::path& file, TrajectoryFormat format,
-                        const std::vector<StampedPose>& poses) {
+                        const std::vector<StampedPose>& poses,
+                        const std::vector<std::size_t>& parts) {
   Draft draft(file);
-  write_trajectory(draft.path(), format, poses);
+  write_trajectory(draft.path(), format, poses, parts);
   draft.take_its_place();
 }
 
@@ -57,8 +58,9 @@ void RunMap::write_final(std::span<const CloudPart> parts) const {
                       files_.online.string() + ": cannot be written: " + error.message() + ".");
   }
   const std::vector<StampedPose> poses = map_trajectory(database_, files_.database);
-  replace_trajectory(files_.tum, TrajectoryFormat::tum, poses);
-  replace_trajectory(files_.kitti, TrajectoryFormat::kitti, poses);
+  const std::vector<std::size_t> apart = map_parts(database_, files_.database);
+  replace_trajectory(files_.tum, TrajectoryFormat::tum, poses, apart);
+  replace_trajectory(files_.kitti, TrajectoryFormat::kitti, poses, apart);
   if (!parts.empty()) {
     place_again(files_.map, parts, poses);
   }

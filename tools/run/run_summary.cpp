@@ -127,7 +127,9 @@ ordered_json describe_map(const MapReport& map) {
       {"aligned_edges", map.aligned_edges},
       {"components", map.components},
       {"points", map.points},
+      {"seen_through_points", map.seen_through},
       {"lost_points", map.lost_points},
+      {"waited_s", map.waited_s},
       {"keyframe_ms",
        {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
   if (map.loops) {

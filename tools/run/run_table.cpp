@@ -74,17 +74,23 @@ std::string inertial_text(const RunStatistics& statistics) {
   return text;
 }
 
-std::string map_text(const MapReport& map) {
+std::string map_text(const MapReport& map, double wall_s) {
   const Distribution times = distribution(map.keyframe_ms);
   std::string text = fmt::format("{} keyframes, {} edges, {} of them with their submaps aligned",
                                  map.keyframes, map.edges, map.aligned_edges);
   if (map.components > 1) {
     text += fmt::format("; {} parts that nothing ties together", map.components);
   }
+  if (map.seen_through > 0) {
+    text += fmt::format("; {} of {} points were seen through: what they were of has moved",
+                        map.seen_through, map.points);
+  }
   if (map.lost_points > 0) {
     text += fmt::format("; {} points too far from their keyframe", map.lost_points);
   }
-  return text + fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
+  text += fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
+  return text + fmt::format("; sweeps waited {:.1f} s for it, {:.0f} % of the run", map.waited_s,
+                            wall_s > 0.0 ? 100.0 * map.waited_s / wall_s : 0.0);
 }
 
 std::string loops_text(const LoopReport& loops) {
@@ -124,6 +130,11 @@ std::string stage_table(const RunStatistics& statistics) {
 double in_mebibytes(uint64_t bytes) {
   return static_cast<double>(bytes) / (1024.0 * 1024.0);
 }
+
+std::string limit_text(uint64_t bytes, const char* option) {
+  return bytes == 0 ? std::string()
+                    : fmt::format(" of {:.0f} MiB ({})", in_mebibytes(bytes), option);
+}
 }  // namespace
 
 std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
@@ -150,19 +161,18 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   text += fmt::format("voxels   one point per {:.3g} m, submap {:.3g} m\n",
                       run.config.preprocess.r_input, run.config.registration.r_align);
   if (outcome.result.map) {
-    text += "map      " + map_text(*outcome.result.map) + "\n";
+    text += "map      " + as_rows(map_text(*outcome.result.map, outcome.wall_s)) + "\n";
     if (outcome.result.map->loops) {
       text += "loops    " + loops_text(*outcome.result.map->loops) + "\n";
     }
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
-          fmt::format("; {:.1f} MiB at most\n", in_mebibytes(outcome.device_peak_bytes));
+          fmt::format("; {:.1f} MiB at most", in_mebibytes(outcome.device_peak_bytes)) +
+          limit_text(run.memory_budget_bytes, "--max-vram") + "\n";
   text += fmt::format("memory   {:.0f} MiB resident at most",
-                      in_mebibytes(outcome.resident_peak_bytes));
-  text += run.max_ram_bytes == 0
-              ? "\n"
-              : fmt::format(" of {:.0f} MiB (--max-ram)\n", in_mebibytes(run.max_ram_bytes));
+                      in_mebibytes(outcome.resident_peak_bytes)) +
+          limit_text(run.max_ram_bytes, "--max-ram") + "\n";
   text += "wrote    " + (outcome.result.map ? files.database.string() + "\n         " : "") +
           files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
           files.sweeps.string() + "\n";

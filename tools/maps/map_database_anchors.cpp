@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Anchors: where the frame of each session lies in the map's. Poses of keyframes are stored in the
+// frame of their session and come out in the map's.
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_records.hpp"
+
+namespace adit {
+namespace {
+
+constexpr const char* kTable =
+    "CREATE TABLE IF NOT EXISTS anchors(session INTEGER PRIMARY KEY REFERENCES sessions(id),"
+    " pose BLOB NOT NULL);";
+
+bool moves(const Eigen::Isometry3d& anchor) {
+  return anchor.matrix() != Eigen::Matrix4d::Identity();
+}
+
+}  // namespace
+
+// Maps had none at first, and where there is none the frames are the same.
+void MapDatabase::make_anchors() {
+  database_.execute(kTable);
+}
+
+Anchors MapDatabase::anchors() const {
+  Anchors anchors;
+  SqliteStatement table =
+      database_.prepare("SELECT count(*) FROM sqlite_schema WHERE name = 'anchors'");
+  if (!table.step() || table.integer(0) == 0) {
+    return anchors;
+  }
+  SqliteStatement rows = database_.prepare("SELECT session, pose FROM anchors");
+  while (rows.step()) {
+    const SessionId session = rows.integer(0);
+    const Eigen::Isometry3d pose =
+        pose_from(numbers<12>(rows.blob(1), database_.path(), "the anchor of session", session));
+    if (moves(pose)) {
+      anchors.emplace(session, pose);
+    }
+  }
+  return anchors;
+}
+
+void MapDatabase::set_anchor(SessionId session, const Eigen::Isometry3d& T_map_session) {
+  SqliteTransaction transaction(database_);
+  database_.prepare("INSERT OR REPLACE INTO anchors VALUES(?, ?)")
+      .bind(1, session)
+      .bind(2, as_bytes(pose_numbers(T_map_session)))
+      .step();
+  for (const MapKeyframe& keyframe : keyframes()) {
+    if (keyframe.session == session) {
+      place(keyframe.id, keyframe.T_map_keyframe);
+    }
+  }
+  database_.execute("UPDATE sessions SET edited = 1");
+  transaction.commit();
+}
+
+MapKeyframe in_map(MapKeyframe keyframe, const Anchors& anchors) {
+  const auto anchor = anchors.find(keyframe.session);
+  if (anchor != anchors.end()) {
+    keyframe.T_map_keyframe = anchor->second * keyframe.T_map_keyframe;
+  }
+  return keyframe;
+}
+
+Eigen::Isometry3d in_session(SessionId session, const Eigen::Isometry3d& T_map_keyframe,
+                             const Anchors& anchors) {
+  const auto anchor = anchors.find(session);
+  return anchor == anchors.end() ? T_map_keyframe : anchor->second.inverse() * T_map_keyframe;
+}
+
+}  // namespace adit
