@@ -13,7 +13,7 @@ constexpr CovarianceModel kSubmapModel{
     .kappa = 0.3, .area = 0.016, .sigma_translation = 0.01, .sigma_rotation = 0.001};
 // Variances of an alignment's errors that last are those times this: they are alike from submap to
 // submap, as what is seen is (docs/theory/mapping.md).
-constexpr double kAlike = 25.0;
+constexpr double kAlike = 50.0;
 // Nothing is known better than this.
 constexpr double kLeastSigmaTranslation = 1e-3;  // m
 constexpr double kLeastSigmaRotation = 1e-4;     // rad

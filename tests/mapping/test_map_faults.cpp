@@ -282,7 +282,7 @@ TEST(MapFaults, AnyPageMayBeSpoilt) {
   };
   constexpr std::streamoff kPage = 4096;
   const auto pages = static_cast<std::streamoff>(fs::file_size(file)) / kPage;
-  ASSERT_GT(pages, 20);
+  ASSERT_GT(pages, 10);
   std::size_t told = 0;
   std::size_t recovered = 0;
   for (std::streamoff page = 0; page < pages; ++page) {
