@@ -90,6 +90,8 @@ std::vector<BadSetting> bad_settings() {
       {"recovery.max_coasting", [](Config& c) { c.recovery.max_coasting = -1; }, "between 0"},
       {"recording.point_time_unit", [](Config& c) { c.recording.point_time_unit = -1; }, "s"},
       {"recording.coordinate_scale", [](Config& c) { c.recording.coordinate_scale = -1; }, "m"},
+      {"recording.spin_rate", [](Config& c) { c.recording.spin_rate = 0.5; }, "turns a second"},
+      {"recording.beam_elevation", [](Config& c) { c.recording.beam_elevation = 1.0; }, "rad"},
       {"recording.sweep_time_offset", [](Config& c) { c.recording.sweep_time_offset = 1e12; },
        "between"},
       {"recording.imu_time_offset", [](Config& c) { c.recording.imu_time_offset = -1e12; },
