@@ -13,6 +13,8 @@ namespace adit::bench {
 
 /// Each family of kernels by itself.
 std::vector<Case> kernel_cases();
+/// Places described by their looks, and found again.
+std::vector<Case> place_cases();
 /// Whole registrations, and batches of them.
 std::vector<Case> registration_cases();
 /// What the host does with the same clouds: de-skewing and one linearisation, in plain float32 C++

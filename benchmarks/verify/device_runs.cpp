@@ -3,7 +3,6 @@
 #include "adit/benchmarks/verify/device_runs.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <limits>
@@ -25,22 +24,6 @@ constexpr uint64_t kStartAt = engine::align_slice(sizeof(gpu::RegistrationJob));
 constexpr uint64_t kProgressBytes =
     sizeof(gpu::RegistrationHeader) + sizeof(gpu::RegistrationProgress);
 constexpr uint64_t kStateAt = kStartAt + engine::align_slice(kProgressBytes);
-
-template <class Record>
-Times submit(engine::Context& context, Record&& record) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
-  Recorder recorder = context.make_recorder();
-  record(recorder);
-  const Clock::time_point recorded = Clock::now();
-  engine::Submission submission = context.submit(std::move(recorder));
-  submission.wait();
-  const Clock::time_point end = Clock::now();
-  using Milliseconds = std::chrono::duration<double, std::milli>;
-  return {.scopes = submission.scope_times(),
-          .wait_ms = Milliseconds(end - recorded).count(),
-          .host_ms = Milliseconds(end - begin).count()};
-}
 
 template <class T>
 uint64_t bytes_for(uint32_t count) {
@@ -78,11 +61,11 @@ PreprocessRun::PreprocessRun(engine::Context& context, const engine::PreprocessS
           context.make_buffer(bytes_for<gpu::uvec4>(count_), Memory::device, "surface cloud")),
       counters_(context.make_buffer(sizeof(gpu::SweepCounters), Memory::device, "counters")),
       scratch_(context.make_buffer(preprocess_.scratch_bytes(count_), Memory::device, "scratch")) {
-  submit(context, [&](Recorder& recorder) { preprocess_.record_reset(recorder, scratch_); });
+  run_and_wait(context, [&](Recorder& recorder) { preprocess_.record_reset(recorder, scratch_); });
 }
 
 Times PreprocessRun::run() {
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     const engine::Scope scope = recorder.scope("preprocess");
     preprocess_.record(recorder, settings_,
                        {.point_count = count_,
@@ -123,7 +106,7 @@ DeskewRun::DeskewRun(engine::Context& context, const engine::DeskewSettings& set
       moved_(upload(context, std::vector<Point>(raw.size(), {kNan, kNan, kNan, kNan}), "moved")) {}
 
 Times DeskewRun::run() {
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     const engine::Scope scope = recorder.scope("deskew");
     deskew_.record(recorder, settings_,
                    {.point_count = count_,
@@ -167,8 +150,8 @@ engine::MergeView SubmapMergeRun::view() const {
 }
 
 Times SubmapMergeRun::run() {
-  submit(*context_, [&](Recorder& recorder) { kernels_.record_clear(recorder, view()); });
-  return submit(*context_, [&](Recorder& recorder) {
+  run_and_wait(*context_, [&](Recorder& recorder) { kernels_.record_clear(recorder, view()); });
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     const engine::Scope scope = recorder.scope("merge");
     for (engine::MergeCloud cloud : clouds_) {
       cloud.points = points_;
@@ -201,7 +184,7 @@ SubmapSurfacesRun::SubmapSurfacesRun(engine::Context& context,
                                    Memory::device, "scratch")) {}
 
 Times SubmapSurfacesRun::run() {
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     kernels_.record_surfaces(
         recorder, settings_,
         {.count = count_, .points = points_, .sensors = sensors_, .surface_cloud = surface_cloud_},
@@ -232,18 +215,18 @@ VoxelMapRun::VoxelMapRun(engine::Context& context, double voxel_size, uint32_t s
 }
 
 void VoxelMapRun::clear() {
-  submit(*context_, [&](Recorder& recorder) { kernels_.record_clear(recorder, view()); });
+  run_and_wait(*context_, [&](Recorder& recorder) { kernels_.record_clear(recorder, view()); });
 }
 
 Times VoxelMapRun::add(const DeviceCloud& cloud, const Eigen::Isometry3d& T_map_cloud) {
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     const engine::Scope scope = recorder.scope("add");
     kernels_.record_add(recorder, view(), cloud.points(), cloud.size(), to_device(T_map_cloud));
   });
 }
 
 Times VoxelMapRun::remove(const DeviceCloud& cloud, const Eigen::Isometry3d& T_map_cloud) {
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     const engine::Scope scope = recorder.scope("remove");
     kernels_.record_remove(recorder, view(), cloud.points(), cloud.size(), to_device(T_map_cloud));
   });
@@ -251,7 +234,7 @@ Times VoxelMapRun::remove(const DeviceCloud& cloud, const Eigen::Isometry3d& T_m
 
 Times VoxelMapRun::finish(const engine::FinishSettings& settings) {
   finished_ = context_->make_buffer(table_.size(), Memory::device, "finished map");
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     const engine::Scope scope = recorder.scope("finish");
     kernels_.record_finish(recorder, view(), settings, *finished_);
   });
@@ -339,7 +322,7 @@ Times AlignmentRun::run(const Eigen::Isometry3d& pose, uint32_t max_iterations, 
       .start = upload_.slice(kStartAt, kProgressBytes),
       .progress = progress_,
       .states = state_};
-  return submit(*context_, [&](Recorder& recorder) {
+  return run_and_wait(*context_, [&](Recorder& recorder) {
     recorder.copy(upload_.slice(kStateAt, sizeof(gpu::RegistrationState)), state_);
     const engine::Scope scope = recorder.scope("align");
     kernels_->record_steps(recorder, settings, arguments, scratch_);

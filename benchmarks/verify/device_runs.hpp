@@ -6,9 +6,11 @@
 // context profiles.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -32,6 +34,23 @@ struct Times {
   double wait_ms = 0.0;                   ///< from submitting to the end of the wait
   double host_ms = 0.0;                   ///< from recording to the end of the wait
 };
+
+/// Records what `record` says, runs it and waits.
+template <class Record>
+Times run_and_wait(engine::Context& context, Record&& record) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  engine::Recorder recorder = context.make_recorder();
+  record(recorder);
+  const Clock::time_point recorded = Clock::now();
+  engine::Submission submission = context.submit(std::move(recorder));
+  submission.wait();
+  const Clock::time_point end = Clock::now();
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  return {.scopes = submission.scope_times(),
+          .wait_ms = Milliseconds(end - recorded).count(),
+          .host_ms = Milliseconds(end - begin).count()};
+}
 
 /// A sweep on the device, and what Preprocess makes of it.
 class PreprocessRun {

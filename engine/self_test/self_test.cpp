@@ -16,6 +16,7 @@
 #include "adit/engine/kernels/voxel_map.hpp"
 #include "adit/engine/self_test/self_test_checks.hpp"
 #include "adit/engine/self_test/self_test_deskew.hpp"
+#include "adit/engine/self_test/self_test_places.hpp"
 #include "adit/engine/self_test/self_test_submap.hpp"
 #include "adit/shaders/shared/engine_probe.h"
 
@@ -322,6 +323,9 @@ SelfTestReport run_self_test(Context& context) {
        check_alignment(scene, "ndt", found_alignment(found.ndt_state, found.ndt_progress)),
        check_directions(found_alignment(found.state, found.progress))}};
   for (SelfTestCase& one : test_submap(context)) {
+    report.cases.push_back(std::move(one));
+  }
+  for (SelfTestCase& one : test_places(context)) {
     report.cases.push_back(std::move(one));
   }
   return report;

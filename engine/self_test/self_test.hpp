@@ -24,7 +24,7 @@ struct SelfTestReport {
 };
 
 /// Runs every kernel once on a small room corner whose down-sampled cloud, normals and alignment
-/// are known in closed form. Three submissions, a few milliseconds besides the creation of
+/// are known in closed form. Four submissions, a few milliseconds besides the creation of
 /// pipelines. A wrong answer is a case that did not pass; Error only where the device itself fails.
 SelfTestReport run_self_test(Context& context);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -21,10 +22,12 @@ constexpr double kLumps = 4.0;
 constexpr RobustLoss kOdometryKernel{.kernel = Kernel::pseudo_huber, .width = 1.0};
 constexpr NodeId kQueue = 5;        // keyframes
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
+constexpr std::size_t kMostRefuted = 50;
+// Median of chi squared with 6 directions.
+constexpr double kMedianChi2 = 5.348;
 
 LoopSearchSettings search_settings(const Config& config) {
-  return {.lumps = kLumps,
-          .max_distance = 0.5 * config.preprocess.c_max,
+  return {.max_distance = 0.5 * config.preprocess.c_max,
           .min_path = std::max(10.0, 5.0 * config.keyframe.delta_trans)};
 }
 
@@ -55,6 +58,7 @@ PoseEdge edge_of(const LoopHypothesis& loop) {
 LoopReason reason_of(LoopObjection objection) {
   return objection == LoopObjection::odometry ? LoopReason::against_odometry
          : objection == LoopObjection::loops  ? LoopReason::against_loops
+         : objection == LoopObjection::places ? LoopReason::another_place
                                               : LoopReason::few_votes;
 }
 
@@ -62,6 +66,26 @@ double figure_of(const LoopVote& vote) {
   return vote.objection == LoopObjection::odometry ? vote.odometry_chi2
          : vote.objection == LoopObjection::loops  ? vote.worst_chi2
                                                    : static_cast<double>(vote.voters);
+}
+
+/// Where a loop ties two parts of the graph, the later one moves to where the loop has it, as a
+/// whole: an optimisation would not find there from far away.
+void join_parts(PoseGraph& graph, const LoopHypothesis& loop) {
+  const std::vector<std::size_t> part_of = connected_components(graph).component_of;
+  const std::size_t from = graph.index_of(loop.from);
+  const std::size_t to = graph.index_of(loop.to);
+  if (part_of[from] == part_of[to]) {
+    return;
+  }
+  const Eigen::Isometry3d T_joined_map =
+      graph.nodes()[from].T_map_node * loop.T_from_to * graph.nodes()[to].T_map_node.inverse();
+  std::vector<Eigen::Isometry3d> poses = poses_of(graph);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (part_of[i] == part_of[to]) {
+      poses[i] = orthonormalized(T_joined_map * poses[i]);
+    }
+  }
+  graph.set_poses(poses);
 }
 
 std::vector<LoopHypothesis> loops_of(const auto& pending) {
@@ -91,16 +115,61 @@ OptimizedGraph optimize_with_loops(PoseGraph graph) {
 LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
                        uint64_t submap_bytes)
     : submaps_(store, submap_bytes),
+      index_(context),
       search_(search_settings(config)),
+      appearance_{.min_path = search_.min_path},
       voting_{.lumps = kLumps},
       verifier_(context, config) {}
 
-std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
-                                          const SurfaceCloud& cloud) {
-  const auto start = std::chrono::steady_clock::now();
-  const NodeId newest = graph.nodes().back().id;
-  reaches_.push_back(reach_of(submap));
-  const std::vector<LoopPlace> places = find_loop_places(graph, newest, reaches_, search_);
+std::optional<PlaceDescriptor> LoopCloser::describe(const KeyframeSubmap& submap,
+                                                    const SurfaceCloud& cloud) {
+  if (submap.vertical == Vertical::unknown) {
+    ++report_.without_vertical;
+    index_.add_unknown();
+    return std::nullopt;
+  }
+  return index_.add(cloud, plan_cell(submap.r_submap));
+}
+
+PendingLoop LoopCloser::judged(const LoopPlace& place, NodeId newest,
+                               const LoopVerification& verdict) {
+  const int64_t id = next_id_++;
+  const bool validated = verdict.reason == LoopReason::none;
+  ++report_.candidates;
+  report_.by_appearance += place.source == LoopSource::appearance ? 1U : 0U;
+  if (!validated) {
+    ++report_.refused[static_cast<std::size_t>(verdict.reason)];
+  }
+  return {.loop = {.id = id,
+                   .from = place.node,
+                   .to = newest,
+                   .T_from_to = verdict.T_from_to,
+                   .covariance = verdict.covariance,
+                   .strong = verdict.strong,
+                   .source = place.source},
+          .record = {.id = id,
+                     .from = place.node,
+                     .to = newest,
+                     .T_from_to = verdict.T_from_to,
+                     .source = place.source,
+                     .score = place.score,
+                     .overlap = verdict.overlap,
+                     .chi2 = verdict.chi2,
+                     .verdict = validated ? CandidateVerdict::waiting : CandidateVerdict::rejected,
+                     .reason = std::string(to_string(verdict.reason)),
+                     .rms = verdict.rms,
+                     .correction = verdict.correction,
+                     .turn = verdict.turn,
+                     .through = verdict.through,
+                     .figure = verdict.figure}};
+}
+
+std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places, NodeId newest,
+                                              const KeyframeSubmap& submap,
+                                              const SurfaceCloud& cloud) {
+  if (places.empty()) {
+    return {};
+  }
   std::vector<std::shared_ptr<const KeyframeSubmap>> submaps;
   submaps.reserve(places.size());
   std::vector<LoopQuestion> questions;
@@ -112,38 +181,29 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   }
   const double expected = rms_.empty() ? kFirstRms : std::max(median(rms_), kLeastRms);
   const std::vector<LoopVerification> verdicts =
-      places.empty() ? std::vector<LoopVerification>()
-                     : verifier_.verify(submap, cloud, questions, expected);
+      verifier_.verify(submap, cloud, questions, expected);
   std::vector<PendingLoop> found;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const LoopVerification& verdict = verdicts[i];
-    const int64_t id = next_id_++;
-    found.push_back(
-        {.loop = {.id = id,
-                  .from = places[i].node,
-                  .to = newest,
-                  .T_from_to = verdict.T_from_to,
-                  .covariance = verdict.covariance,
-                  .strong = verdict.strong},
-         .record = {.id = id,
-                    .from = places[i].node,
-                    .to = newest,
-                    .T_from_to = verdict.T_from_to,
-                    .score = places[i].mahalanobis,
-                    .overlap = verdict.overlap,
-                    .chi2 = verdict.chi2,
-                    .verdict = verdict.reason == LoopReason::none ? CandidateVerdict::waiting
-                                                                  : CandidateVerdict::rejected,
-                    .reason = std::string(to_string(verdict.reason)),
-                    .rms = verdict.rms,
-                    .correction = verdict.correction,
-                    .turn = verdict.turn,
-                    .through = verdict.through,
-                    .figure = verdict.figure}});
-    ++report_.candidates;
-    if (verdict.reason != LoopReason::none) {
-      ++report_.refused[static_cast<std::size_t>(verdict.reason)];
-    }
+    found.push_back(judged(places[i], newest, verdicts[i]));
+  }
+  return found;
+}
+
+// By appearance only where no place that was found by position is borne out.
+std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
+                                          const SurfaceCloud& cloud) {
+  const auto start = std::chrono::steady_clock::now();
+  const NodeId newest = graph.nodes().back().id;
+  reaches_.push_back(reach_of(submap));
+  const auto known = relative_places(graph, newest, voting_.lumps);
+  const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
+  std::vector<PendingLoop> found = verified(places, newest, submap, cloud);
+  if (std::ranges::none_of(found, [](const PendingLoop& one) {
+        return one.record.verdict == CandidateVerdict::waiting;
+      })) {
+    const std::vector<LoopPlace> similar =
+        find_similar_places(graph, index_, known, places, appearance_);
+    std::ranges::move(verified(similar, newest, submap, cloud), std::back_inserter(found));
   }
   report_.search_ms.push_back(
       std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
@@ -186,7 +246,13 @@ void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
   }
   while (!queue_.empty() && queue_.front().loop.to <= oldest) {
     const std::vector<LoopHypothesis> waiting = loops_of(queue_);
-    const LoopVote vote_ = vote(graph, waiting, loops_of(accepted_), false, voting_).front();
+    const std::vector<LoopHypothesis> accepted = loops_of(accepted_);
+    const LoopVote vote_ = vote(graph, waiting, {accepted, refuted_}, false, voting_).front();
+    if (vote_.unexpected && vote_.objection == LoopObjection::odometry) {
+      refuted_.push_back(queue_.front().loop);
+      refuted_.erase(refuted_.begin(), refuted_.end() - static_cast<std::ptrdiff_t>(std::min(
+                                                            refuted_.size(), kMostRefuted)));
+    }
     refuse(queue_.front(), reason_of(vote_.objection), figure_of(vote_), change);
     queue_.pop_front();
   }
@@ -202,8 +268,9 @@ void LoopCloser::refuse(PendingLoop& pending, LoopReason reason, double figure, 
 
 std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Change& change) {
   const std::vector<LoopHypothesis> waiting = loops_of(queue_);
+  const std::vector<LoopHypothesis> before = loops_of(accepted_);
   const std::vector<LoopVote> votes =
-      vote(graph, waiting, loops_of(accepted_), last_chance, voting_);
+      vote(graph, waiting, {before, refuted_}, last_chance, voting_);
   std::deque<PendingLoop> rest;
   std::vector<int64_t> accepted;
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -216,12 +283,28 @@ std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Chan
     pending.record.verdict = CandidateVerdict::accepted;
     pending.record.figure = static_cast<double>(votes[i].voters);
     change.edges.push_back(edge_of(pending.loop));
+    join_parts(graph, pending.loop);
     graph.add_edge(change.edges.back());
+    report_.accepted_by_appearance += pending.loop.source == LoopSource::appearance ? 1U : 0U;
     accepted_.push_back(std::move(pending));
     ++report_.accepted;
   }
   queue_ = std::move(rest);
   return accepted;
+}
+
+// What loops have shown of the odometry: where its edges are off by more than they say, so will
+// the next ones be.
+void LoopCloser::learn_scale(const OptimizedGraph& optimized, const PoseGraph& graph) {
+  std::vector<double> chi2;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    if (graph.edges()[i].kind == EdgeKind::odometry && optimized.report.edges[i]) {
+      chi2.push_back(optimized.report.edges[i]->chi2);
+    }
+  }
+  const double scale = chi2.empty() ? 1.0 : std::max(1.0, median(std::move(chi2)) / kMedianChi2);
+  voting_.short_lumps = scale;
+  voting_.lumps = kLumps * scale;
 }
 
 // Until what is left fits: each round takes back what does not.
@@ -238,6 +321,7 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
         report_.largest_correction,
         (optimized.poses[at].translation() - graph.nodes()[at].T_map_node.translation()).norm());
     graph.set_poses(optimized.poses);
+    learn_scale(optimized, graph);
     change.moved = true;
     for (std::size_t i = 0; i < graph.edges().size(); ++i) {
       const PoseEdge& edge = graph.edges()[i];
@@ -257,6 +341,7 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
         change.revoked.push_back(i);
         refuse(*owner, LoopReason::review, result->chi2, change);
         change.records.back().verdict = CandidateVerdict::revoked;
+        report_.accepted_by_appearance -= owner->loop.source == LoopSource::appearance ? 1U : 0U;
         accepted_.erase(owner);
         --report_.accepted;
         again = true;

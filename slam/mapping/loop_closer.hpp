@@ -4,12 +4,14 @@
 
 #include <array>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "adit/slam/mapping/loop_search.hpp"
 #include "adit/slam/mapping/loop_verification.hpp"
 #include "adit/slam/mapping/loop_voting.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/place_index.hpp"
 #include "adit/slam/mapping/solver.hpp"
 #include "adit/slam/mapping/submap_cache.hpp"
 
@@ -18,7 +20,10 @@ namespace adit {
 /// What has become of the loops of a run.
 struct LoopReport {
   std::size_t candidates = 0;
+  std::size_t by_appearance = 0;                    ///< among the candidates
+  std::size_t without_vertical = 0;                 ///< keyframes that are not known by their looks
   std::size_t accepted = 0;                         ///< and not taken back
+  std::size_t accepted_by_appearance = 0;           ///< among the accepted
   std::array<std::size_t, kLoopReasons> refused{};  ///< by LoopReason; those taken back, too
   std::size_t optimizations = 0;
   double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
@@ -54,8 +59,12 @@ class LoopCloser {
   /// held.
   void add_expected_rms(double rms) { rms_.push_back(rms); }
 
+  /// What the next node's submap looks like; nothing where its vertical is not known. To be called
+  /// once for each node, in their order, and before find().
+  std::optional<PlaceDescriptor> describe(const KeyframeSubmap& submap, const SurfaceCloud& cloud);
+
   /// Verified and refused candidates of the graph's newest node, whose submap is `submap` and, on
-  /// the device, `cloud`. Each node's submap must have come here once, in the order of the nodes.
+  /// the device, `cloud`. To be called once for each node, in their order.
   std::vector<PendingLoop> find(const PoseGraph& graph, const KeyframeSubmap& submap,
                                 const SurfaceCloud& cloud);
 
@@ -75,20 +84,27 @@ class LoopCloser {
   const LoopReport& report() const { return report_; }
 
  private:
+  std::vector<PendingLoop> verified(std::span<const LoopPlace> places, NodeId newest,
+                                    const KeyframeSubmap& submap, const SurfaceCloud& cloud);
+  PendingLoop judged(const LoopPlace& place, NodeId newest, const LoopVerification& verdict);
   void settle(PoseGraph& graph, NodeId oldest, Change& change);
   /// Ids of those that were accepted.
   std::vector<int64_t> let_in(PoseGraph& graph, bool last_chance, Change& change);
   void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
+  void learn_scale(const OptimizedGraph& optimized, const PoseGraph& graph);
 
   SubmapCache submaps_;
+  PlaceIndex index_;
   LoopSearchSettings search_;
+  AppearanceSearchSettings appearance_;
   LoopVotingSettings voting_;
   LoopVerifier verifier_;
   std::vector<double> reaches_;    ///< m, in the order of the graph's nodes
   std::vector<double> rms_;        ///< m, of alignments of consecutive submaps
   std::deque<PendingLoop> queue_;  ///< in the order of their later keyframes
   std::vector<PendingLoop> accepted_;
+  std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
   int64_t next_id_ = 1;
   LoopReport report_;
 };

@@ -20,6 +20,7 @@ enum class LoopReason {
   seen_through,        ///< one sees through what the other sees; figure: share of the points
   against_odometry,    ///< figure: chi squared
   against_loops,       ///< contradicts accepted loops; figure: the worst chi squared
+  another_place,       ///< others agree that it is elsewhere; figure: later keyframes that agree
   few_votes,           ///< figure: later keyframes that agree
   review,              ///< did not fit any more after an optimisation; figure: chi squared
   by_hand,             ///< somebody has revoked it

@@ -3,6 +3,7 @@
 #include "adit/slam/mapping/loop_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include <Eigen/Cholesky>
@@ -17,18 +18,33 @@ Eigen::Vector3d beyond(const Eigen::Vector3d& difference, double dead_zone) {
                            : Eigen::Vector3d(difference * (1.0 - dead_zone / norm));
 }
 
+// What is not known of a guess by appearance: m, rad. Plans tell the place to a few cells and the
+// turn to a degree or two, and nothing of heights; both places know their vertical.
+constexpr double kGuessedAside = 1.0;
+constexpr double kGuessedHeight = 1.0;
+constexpr double kGuessedTilt = 0.02;
+constexpr double kGuessedYaw = 0.05;
+
+Matrix6d guessed_covariance() {
+  Vector6d sigma;
+  sigma << kGuessedAside, kGuessedAside, kGuessedHeight, kGuessedTilt, kGuessedTilt, kGuessedYaw;
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+std::size_t apart(std::size_t a, std::size_t b) {
+  return a < b ? b - a : a - b;
+}
+
 bool better(const LoopPlace& a, const LoopPlace& b) {
-  return std::tuple(a.distance, a.mahalanobis, a.node) <
-         std::tuple(b.distance, b.mahalanobis, b.node);
+  return std::tuple(a.distance, a.score, a.node) < std::tuple(b.distance, b.score, b.node);
 }
 
 }  // namespace
 
 std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
+                                        std::span<const std::optional<RelativePlace>> known,
                                         std::span<const double> reaches,
                                         const LoopSearchSettings& settings) {
-  const std::vector<std::optional<RelativePlace>> known =
-      relative_places(graph, newest, settings.lumps);
   const std::size_t self = graph.index_of(newest);
   const Eigen::Isometry3d& T_map_newest = graph.nodes()[self].T_map_node;
   std::vector<LoopPlace> places;
@@ -58,7 +74,7 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
                           .T_node_newest = T_newest_node.inverse(),
                           .covariance = inverted(T_newest_node, known[i]->covariance),
                           .distance = distance,
-                          .mahalanobis = mahalanobis,
+                          .score = mahalanobis,
                           .path = known[i]->path};
     if (!in_stretch) {
       places.push_back(place);
@@ -69,6 +85,50 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
   }
   std::ranges::sort(places, better);
   places.resize(std::min(places.size(), settings.most));
+  return places;
+}
+
+std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIndex& index,
+                                           std::span<const std::optional<RelativePlace>> known,
+                                           std::span<const LoopPlace> taken,
+                                           const AppearanceSearchSettings& settings) {
+  std::vector<SimilarPlace> similar = index.similar();
+  std::erase_if(similar, [&](const SimilarPlace& one) {
+    const auto& way = known[one.place];
+    return one.similarity < settings.least_similarity || (way && way->path < settings.min_path) ||
+           std::ranges::any_of(taken, [&](const LoopPlace& other) {
+             return apart(graph.index_of(other.node), one.place) < settings.apart;
+           });
+  });
+  std::ranges::sort(similar, [](const SimilarPlace& a, const SimilarPlace& b) {
+    return std::tuple(b.similarity, a.place) < std::tuple(a.similarity, b.place);
+  });
+  std::vector<SimilarPlace> best;
+  for (const SimilarPlace& one : similar) {
+    if (best.size() < settings.most_correlated &&
+        std::ranges::none_of(best, [&](const SimilarPlace& other) {
+          return apart(other.place, one.place) < settings.apart;
+        })) {
+      best.push_back(one);
+    }
+  }
+  std::vector<PlaceGuess> guesses = index.guesses(best);
+  std::erase_if(guesses,
+                [&](const PlaceGuess& guess) { return guess.likeness < settings.least_likeness; });
+  std::ranges::sort(guesses, [](const PlaceGuess& a, const PlaceGuess& b) {
+    return std::tuple(b.likeness, a.place) < std::tuple(a.likeness, b.place);
+  });
+  guesses.resize(std::min(guesses.size(), settings.most));
+  std::vector<LoopPlace> places;
+  for (const PlaceGuess& guess : guesses) {
+    places.push_back({.node = graph.nodes()[guess.place].id,
+                      .source = LoopSource::appearance,
+                      .T_node_newest = guess.T_place_newest,
+                      .covariance = guessed_covariance(),
+                      .distance = guess.T_place_newest.translation().norm(),
+                      .score = guess.likeness,
+                      .path = known[guess.place] ? known[guess.place]->path : 0.0});
+  }
   return places;
 }
 

@@ -111,6 +111,8 @@ std::string_view to_string(LoopReason reason) {
       return "against_odometry";
     case LoopReason::against_loops:
       return "against_loops";
+    case LoopReason::another_place:
+      return "another_place";
     case LoopReason::few_votes:
       return "few_votes";
     case LoopReason::review:

@@ -21,14 +21,15 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 struct Uncertain {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
+  double path = 0.0;  ///< m, along edges
 };
 
 Uncertain operator*(const Uncertain& a, const Uncertain& b) {
-  return {a.pose * b.pose, compounded(a.covariance, b.pose, b.covariance)};
+  return {a.pose * b.pose, compounded(a.covariance, b.pose, b.covariance), a.path + b.path};
 }
 
 Uncertain inverse(const Uncertain& a) {
-  return {a.pose.inverse(), inverted(a.pose, a.covariance)};
+  return {a.pose.inverse(), inverted(a.pose, a.covariance), a.path};
 }
 
 Uncertain measured(const LoopHypothesis& loop) {
@@ -38,6 +39,15 @@ Uncertain measured(const LoopHypothesis& loop) {
 double chi2(const Uncertain& error) {
   const Vector6d off = se3_log(error.pose);
   return off.dot(error.covariance.ldlt().solve(off));
+}
+
+/// With a third of what an odometry may drift by on that path as a standard deviation besides.
+Uncertain drifting(Uncertain error, const DriftLimits& drift) {
+  const double moved = error.path * drift.height / 3.0;
+  const double turned = error.path * drift.turn / 3.0;
+  error.covariance.diagonal().head<3>().array() += moved * moved;
+  error.covariance.diagonal().tail<3>().array() += turned * turned;
+  return error;
 }
 
 /// Relative poses that the graph knows, each node's asked for once.
@@ -57,7 +67,7 @@ class Ways {
     }
     return Uncertain{graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
                          graph_.nodes()[index].T_map_node,
-                     place->covariance};
+                     place->covariance, place->path};
   }
 
  private:
@@ -71,10 +81,17 @@ double odometry_disagreement(Ways& ways, const LoopHypothesis& loop) {
   return known ? chi2(*known * measured(loop)) : kNever;
 }
 
-double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
+/// The cycle over both; nothing where the graph does not tie them.
+std::optional<Uncertain> cycle(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
   const std::optional<Uncertain> later = ways.between(a.to, b.to);
   const std::optional<Uncertain> earlier = ways.between(b.from, a.from);
-  return later && earlier ? chi2(measured(a) * *later * inverse(measured(b)) * *earlier) : kNever;
+  return later && earlier ? std::optional(measured(a) * *later * inverse(measured(b)) * *earlier)
+                          : std::nullopt;
+}
+
+double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
+  const std::optional<Uncertain> error = cycle(ways, a, b);
+  return error ? chi2(*error) : kNever;
 }
 
 /// Hypotheses that agree with one of them, with each other, and belong to different keyframes.
@@ -120,22 +137,127 @@ Bundle bundle_of(std::size_t seed, std::span<const LoopHypothesis> all, const Ta
 }
 
 /// The worst disagreement with an accepted loop, where too many of them contradict; else nothing.
-std::optional<double> contradicted(Ways& ways, const LoopHypothesis& loop,
+/// What is unexpected is held against what drift may have done on the cycle's ways.
+std::optional<double> contradicted(Ways& ways, const LoopHypothesis& loop, bool unexpected,
                                    std::span<const LoopHypothesis> accepted,
                                    const LoopVotingSettings& settings) {
   const auto asked = accepted.last(std::min(accepted.size(), settings.most_asked));
   std::size_t contradicting = 0;
   double worst = 0.0;
   for (const LoopHypothesis& other : asked) {
-    const double value = disagreement(ways, loop, other);
-    // Loops of other parts of the map say nothing.
-    if (value != kNever && value > settings.contradiction) {
+    const std::optional<Uncertain> error = cycle(ways, loop, other);
+    if (!error) {
+      continue;  // loops of other parts of the map say nothing
+    }
+    const double value = chi2(*error);
+    if (unexpected ? !is_possible_drift(error->pose, error->path, settings.drift)
+                   : value > settings.contradiction) {
       ++contradicting;
       worst = std::max(worst, value);
     }
   }
   const double most = settings.most_contradicting * static_cast<double>(asked.size());
   return static_cast<double>(contradicting) > most ? std::optional(worst) : std::nullopt;
+}
+
+/// What all votes rest on.
+struct Poll {
+  std::span<const LoopHypothesis> all;
+  std::vector<bool> open;  ///< nothing speaks against it
+  Table table;             ///< disagreements
+};
+
+/// Whether the odometry and the loops before object.
+LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const LoopHypothesis& loop,
+                      const EarlierLoops& before, const LoopVotingSettings& settings) {
+  LoopVote vote{.odometry_chi2 = odometry_disagreement(far_ways, loop)};
+  if (!(vote.odometry_chi2 <= settings.contradiction)) {
+    vote.unexpected = loop.source == LoopSource::appearance;
+    const auto claims_the_same = [&](const LoopHypothesis& other) {
+      return disagreement(far_ways, loop, other) <= settings.agreement;
+    };
+    if (!vote.unexpected ||
+        !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) ||
+        std::ranges::any_of(before.refuted, claims_the_same)) {
+      vote.objection = LoopObjection::odometry;
+      return vote;
+    }
+  }
+  if (const auto worst = contradicted(far_ways, loop, vote.unexpected, before.accepted, settings)) {
+    vote.objection = LoopObjection::loops;
+    vote.worst_chi2 = *worst;
+  }
+  return vote;
+}
+
+/// The largest bundle of those of one kind.
+std::optional<Bundle> best_bundle(const Poll& poll, std::vector<LoopVote>& votes, bool unexpected,
+                                  double agreement) {
+  std::vector<bool> open = poll.open;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    open[k] = open[k] && votes[k].unexpected == unexpected;
+  }
+  std::optional<Bundle> best;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    if (open[k]) {
+      const Bundle bundle = bundle_of(k, poll.all, poll.table, open, agreement);
+      votes[k].voters = bundle.members.size();
+      best = !best || better(bundle, *best) ? bundle : *best;
+    }
+  }
+  return best;
+}
+
+/// A crossing has one or two keyframes: what is strong and undisputed may come alone.
+std::optional<Bundle> single_crossing(const Poll& poll, const std::vector<LoopVote>& votes,
+                                      std::size_t most_voters, double contradiction) {
+  const auto alone = [&](std::size_t k) {
+    return poll.open[k] && !votes[k].unexpected && poll.all[k].strong &&
+           poll.all[k].to == poll.all.front().to && votes[k].voters == most_voters;
+  };
+  const auto disputed = [&](std::size_t k) {
+    for (std::size_t m = 0; m < poll.all.size(); ++m) {
+      if (poll.open[m] && !votes[m].unexpected && m != k && poll.table[k][m] > contradiction) {
+        return true;
+      }
+    }
+    return false;
+  };
+  std::optional<std::size_t> one;
+  for (std::size_t k = 0; k < poll.all.size(); ++k) {
+    if (alone(k) && !disputed(k) && (!one || votes[k].odometry_chi2 < votes[*one].odometry_chi2)) {
+      one = k;
+    }
+  }
+  if (!one) {
+    return std::nullopt;
+  }
+  Bundle bundle;
+  bundle.members.push_back(*one);
+  return bundle;
+}
+
+/// The bundle that the odometry does not bear out, where it is large enough and nothing speaks
+/// against it; those that another bundle disputes are told so.
+std::optional<Bundle> unexpected_bundle(const Poll& poll, std::vector<LoopVote>& votes,
+                                        const LoopVotingSettings& settings) {
+  std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
+  if (!best || best->members.size() < settings.least_unexpected) {
+    return std::nullopt;
+  }
+  for (std::size_t m = 0; m < poll.all.size(); ++m) {
+    const bool counts = !votes[m].unexpected || 2 * votes[m].voters > best->members.size();
+    const bool against = std::ranges::any_of(best->members, [&](std::size_t k) {
+      return k != m && poll.table[k][m] > settings.contradiction;
+    });
+    if (poll.open[m] && counts && against) {
+      for (const std::size_t k : best->members) {
+        votes[k].objection = LoopObjection::places;
+      }
+      return std::nullopt;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -151,68 +273,41 @@ double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop)
 }
 
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
-                           std::span<const LoopHypothesis> accepted, bool last_chance,
+                           const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings) {
-  Ways ways(graph);                      // short ones, between neighbours
-  Ways far_ways(graph, settings.lumps);  // long ones, whole rounds
-  std::vector<LoopVote> votes(hypotheses.size());
-  std::vector<bool> open(hypotheses.size(), true);
-  for (std::size_t k = 0; k < hypotheses.size(); ++k) {
-    votes[k].odometry_chi2 = odometry_disagreement(far_ways, hypotheses[k]);
-    if (!(votes[k].odometry_chi2 <= settings.contradiction)) {
-      votes[k].objection = LoopObjection::odometry;
-      open[k] = false;
-    } else if (const auto worst = contradicted(far_ways, hypotheses[k], accepted, settings)) {
-      votes[k].objection = LoopObjection::loops;
-      votes[k].worst_chi2 = *worst;
-      open[k] = false;
-    }
+  Ways ways(graph, settings.short_lumps);  // between neighbours
+  Ways far_ways(graph, settings.lumps);    // whole rounds
+  std::vector<LoopVote> votes;
+  Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
+  for (const LoopHypothesis& loop : hypotheses) {
+    votes.push_back(first_judged(far_ways, graph, loop, before, settings));
+    poll.open.push_back(votes.back().objection == LoopObjection::voters);
   }
-  Table table(hypotheses.size(), std::vector<double>(hypotheses.size(), 0.0));
   for (std::size_t a = 0; a < hypotheses.size(); ++a) {
+    poll.table[a].resize(hypotheses.size(), 0.0);
     for (std::size_t b = 0; b < a; ++b) {
-      if (open[a] && open[b]) {
-        table[a][b] = table[b][a] = disagreement(ways, hypotheses[b], hypotheses[a]);
+      if (poll.open[a] && poll.open[b]) {
+        const auto error = cycle(ways, hypotheses[b], hypotheses[a]);
+        const bool drifted = votes[a].unexpected || votes[b].unexpected;
+        poll.table[a][b] = poll.table[b][a] =
+            !error ? kNever : chi2(drifted ? drifting(*error, settings.drift) : *error);
       }
     }
   }
-  std::optional<Bundle> best;
-  for (std::size_t k = 0; k < hypotheses.size(); ++k) {
-    if (!open[k]) {
-      continue;
-    }
-    const Bundle bundle = bundle_of(k, hypotheses, table, open, settings.agreement);
-    votes[k].voters = bundle.members.size();
-    best = !best || better(bundle, *best) ? bundle : *best;
-  }
+  std::optional<Bundle> best = best_bundle(poll, votes, false, settings.agreement);
   if (best && best->members.size() < settings.least_voters) {
-    // A crossing has one or two keyframes: what is strong and undisputed may come alone.
-    const auto alone = [&](std::size_t k) {
-      return open[k] && last_chance && hypotheses[k].strong &&
-             hypotheses[k].to == hypotheses.front().to && votes[k].voters == best->members.size();
-    };
-    const auto disputed = [&](std::size_t k) {
-      for (std::size_t m = 0; m < hypotheses.size(); ++m) {
-        if (open[m] && m != k && table[k][m] > settings.contradiction) {
-          return true;
-        }
-      }
-      return false;
-    };
-    std::optional<std::size_t> one;
-    for (std::size_t k = 0; k < hypotheses.size(); ++k) {
-      if (alone(k) && !disputed(k) &&
-          (!one || votes[k].odometry_chi2 < votes[*one].odometry_chi2)) {
-        one = k;
-      }
-    }
-    best = one ? std::optional(Bundle{.members = {*one}}) : std::nullopt;
+    best = last_chance ? single_crossing(poll, votes, best->members.size(), settings.contradiction)
+                       : std::nullopt;
   }
-  for (const std::size_t k : best ? best->members : std::vector<std::size_t>()) {
+  if (!best) {
+    best = unexpected_bundle(poll, votes, settings);
+  }
+  const Bundle chosen = best.value_or(Bundle());
+  for (const std::size_t k : chosen.members) {
     votes[k].accepted = true;
     votes[k].objection = LoopObjection::none;
-    for (const std::size_t m : best->members) {
-      votes[k].worst_chi2 = std::max(votes[k].worst_chi2, table[k][m]);
+    for (const std::size_t m : chosen.members) {
+      votes[k].worst_chi2 = std::max(votes[k].worst_chi2, poll.table[k][m]);
     }
   }
   return votes;

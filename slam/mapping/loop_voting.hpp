@@ -10,7 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/mapping/drift_claim.hpp"
+#include "adit/slam/mapping/map_store.hpp"
 
 namespace adit {
 
@@ -23,14 +24,18 @@ struct LoopHypothesis {
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< its covariance, right perturbation
   bool strong = false;  ///< may be accepted alone: all directions constrained, much in common
+  LoopSource source = LoopSource::position;
 };
 
 struct LoopVotingSettings {
   double agreement = 12.59;  ///< chi squared of 6 directions that two loops agree within: 95 %
   double contradiction =
-      16.81;           ///< and beyond which odometry or an accepted loop contradicts: 99 %
-  double lumps = 1.0;  ///< see relative_places(): of ways over odometry
+      16.81;                 ///< and beyond which odometry or an accepted loop contradicts: 99 %
+  double lumps = 1.0;        ///< see relative_places(): of ways over odometry
+  double short_lumps = 1.0;  ///< and of those between neighbours
   std::size_t least_voters = 3;      ///< distinct later keyframes
+  std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
+  DriftLimits drift{};
   double most_contradicting = 0.25;  ///< share of the accepted loops that may
   std::size_t most_asked = 50;       ///< accepted loops that are asked, the latest
 };
@@ -40,6 +45,7 @@ enum class LoopObjection {
   none,
   odometry,  ///< contradicts what the graph knows without it
   loops,     ///< contradicts loops that were accepted before
+  places,    ///< others agree as well that it is another place
   voters,    ///< too few others agree by now
 };
 
@@ -48,15 +54,26 @@ struct LoopVote {
   double odometry_chi2 = 0.0;  ///< against the graph
   double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
   std::size_t voters = 1;      ///< later keyframes that agree, its own among them
+  bool unexpected = false;     ///< not where the graph's covariances have it
   bool accepted = false;
 };
 
+/// Loops that came before.
+struct EarlierLoops {
+  std::span<const LoopHypothesis> accepted{};  ///< the graph's
+  std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
+};
+
 /// A vote per hypothesis, in order. Those of one bundle are accepted together: at least
-/// `least_voters`, one for each later keyframe, each agreeing with each. `graph` has not seen them;
-/// `accepted` are its loops. `last_chance`: the oldest later keyframe is about to leave the queue,
-/// and a strong loop of it may come alone, where nothing contradicts it.
+/// `least_voters`, one for each later keyframe, each agreeing with each. `graph` has not seen them.
+/// `last_chance`: the oldest later keyframe is about to leave the queue, and a strong loop of it
+/// may come alone, where nothing contradicts it.
+///
+/// What was found by appearance may contradict the graph's covariances, as far as drift explains it
+/// (drift_explains()) and no refuted loop has claimed the same. Such loops are accepted in bundles
+/// of their own, where nothing that the graph bears out contradicts them, nor another such bundle.
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
-                           std::span<const LoopHypothesis> accepted, bool last_chance,
+                           const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings);
 
 /// Chi squared of the cycle of two loops over the graph: a's measurement, the way to b's later

@@ -67,13 +67,24 @@ constexpr std::string_view to_string(CandidateVerdict verdict) {
   return "unknown";
 }
 
+/// How a place that might have been seen before was found.
+enum class LoopSource {
+  position,    ///< by where the graph has it
+  appearance,  ///< by what it looks like
+};
+/// The enumerator's name.
+constexpr std::string_view to_string(LoopSource source) {
+  return source == LoopSource::position ? "position" : "appearance";
+}
+
 /// A place that might have been seen before, and what became of that.
 struct LoopCandidate {
   int64_t id = 0;  ///< given by the store
   NodeId from = 0;
   NodeId to = 0;
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
-  double score = 0.0;    ///< squared Mahalanobis distance that it was found at
+  LoopSource source = LoopSource::position;
+  double score = 0.0;    ///< LoopPlace::score that it was found with
   double overlap = 0.0;  ///< share of the later submap's points with a match
   double chi2 = 0.0;     ///< correction's; after acceptance that of its edge
   CandidateVerdict verdict = CandidateVerdict::waiting;

@@ -4,11 +4,9 @@
 
 #include <array>
 #include <chrono>
-#include <limits>
 #include <utility>
 
 #include "adit/slam/mapping/submap_alignment.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
 
 namespace adit {
@@ -22,11 +20,8 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       beam_spacing_(config.preprocess.beam_spacing),
       builder_(context, config.preprocess, config.mapping.r_submap),
       clouds_(context, config.preprocess),
-      aligner_(context, submap_alignment_settings(config, method_of(config.registration))) {
-  if (config.mapping.loops) {
-    loops_.emplace(context, config, store, submap_bytes);
-  }
-}
+      aligner_(context, submap_alignment_settings(config, method_of(config.registration))),
+      assembly_(context, config, store, submap_bytes) {}
 
 MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                          std::span<const Point> cloud) {
@@ -49,7 +44,7 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                 .gravity_odom = result.inertial.gravity_map});
   last_sweep_ = result.stamp;
   ++report_.sweeps;
-  return {.keyframe = open_->id, .T_map_lidar = T_map_odom_ * result.T_map_lidar};
+  return {.keyframe = open_->id, .T_map_lidar = assembly_.T_map_odom() * result.T_map_lidar};
 }
 
 void Mapper::finish() {
@@ -57,13 +52,9 @@ void Mapper::finish() {
   if (open_) {
     freeze();
   }
-  take_effect(std::numeric_limits<NodeId>::max());
-  if (loops_) {
-    close_loops(loops_->finish(graph_), graph_.nodes().size());
-    report_.loops = loops_->report();
-  }
-  store_->revise({.poses = graph_.nodes()});
-  report_.components = connected_components(graph_).components.size();
+  assembly_.finish();
+  report_.loops = assembly_.loops();
+  report_.components = connected_components(assembly_.graph()).components.size();
 }
 
 // Whatever fails on the way, it is open no more: its sweeps have left the builder.
@@ -72,29 +63,21 @@ void Mapper::freeze() {
   const Open open = *std::exchange(open_, std::nullopt);
   const FrozenSubmap frozen = builder_.freeze(beam_spacing_);
   const KeyframeSubmap& submap = frozen.submap;
-  const Eigen::Isometry3d T_map_keyframe = T_map_odom_ * frozen.T_odom_keyframe;
-  const Eigen::Isometry3d& T_keyframe_lidar = submap.sweeps.front().T_keyframe_lidar;
-  store_->store({.keyframe = {.id = open.id,
-                              .session = session_,
-                              .stamp = submap.sweeps.front().stamp,
-                              .T_map_keyframe = T_map_keyframe,
-                              .covariance = in_keyframe_axes(open.lidar.uncertainty.in_map(),
-                                                             T_keyframe_lidar)},
-                 .submap = encode(submap)});
-  graph_.add_node({.id = open.id, .T_map_node = T_map_keyframe});
-  T_odom_keyframes_.push_back(frozen.T_odom_keyframe);
-
   const SurfaceCloud cloud = make_surface_cloud(*context_, submap);
+  std::optional<PoseEdge> edge;
   if (last_ && !open.detached) {
-    due_.push_back(
-        {.at = open.id + config_.mapping.delay, .edge = tie(*last_, open, frozen, cloud)});
+    edge = tie(*last_, open, frozen, cloud);
   }
-  if (loops_) {
-    std::vector<PendingLoop> found = loops_->find(known_graph(), submap, cloud);
-    if (!found.empty()) {
-      due_.back().loops = std::move(found);
-    }
-  }
+  assembly_.add(
+      {.keyframe = {.id = open.id,
+                    .session = session_,
+                    .stamp = submap.sweeps.front().stamp,
+                    .covariance = in_keyframe_axes(open.lidar.uncertainty.in_map(),
+                                                   submap.sweeps.front().T_keyframe_lidar)},
+       .T_odom_keyframe = frozen.T_odom_keyframe,
+       .submap = &submap,
+       .cloud = &cloud,
+       .edge = edge});
   const bool has_points = cloud.size > 0;
   last_.emplace(Frozen{.id = open.id,
                        .lidar = open.lidar,
@@ -108,7 +91,6 @@ void Mapper::freeze() {
   report_.points += submap.points.size();
   report_.seen_through += submap.points.size() - cloud.size;
   report_.lost_points += frozen.lost_points;
-  take_effect(open.id);
   report_.keyframe_ms.push_back(
       std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
 }
@@ -128,70 +110,11 @@ PoseEdge Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& sub
     const RegistrationResult aligned = aligner_.align(std::span(&pair, 1)).front();
     if (is_usable(aligned.status)) {
       ++report_.aligned_edges;
-      if (loops_) {
-        loops_->add_expected_rms(aligned.residual_rms);
-      }
+      assembly_.add_expected_rms(aligned.residual_rms);
       return edge_of(from.id, to.id, combined(odometry, motion_of(aligned)));
     }
   }
   return edge_of(from.id, to.id, odometry);
-}
-
-// The graph with the edges that are known but have had no effect yet.
-PoseGraph Mapper::known_graph() const {
-  PoseGraph graph = graph_;
-  for (const Due& due : due_) {
-    graph.add_edge(due.edge);
-  }
-  return graph;
-}
-
-// Each edge places its later node, and all that came after moves along; so it does where a loop
-// moves the graph.
-void Mapper::take_effect(NodeId until) {
-  std::vector<PoseEdge> edges;
-  const auto store_edges = [&] {
-    if (!edges.empty()) {
-      store_->revise({.edges = edges});
-      edges.clear();
-    }
-  };
-  for (; !due_.empty() && due_.front().at <= until; due_.pop_front()) {
-    const PoseEdge& edge = due_.front().edge;
-    edges.push_back(edge);
-    graph_.add_edge(edge);
-    graph_.set_pose(edge.to,
-                    graph_.nodes()[graph_.index_of(edge.from)].T_map_node * edge.T_from_to);
-    const std::size_t to = graph_.index_of(edge.to);
-    follow(to);
-    if (loops_) {
-      store_edges();
-      close_loops(loops_->take_effect(graph_, edge.to, std::move(due_.front().loops)), to);
-    }
-  }
-  store_edges();
-}
-
-// What loops have changed, for the store and for what came after the last node with an edge.
-void Mapper::close_loops(const LoopCloser::Change& change, std::size_t last_tied) {
-  MapRevision revision{.edges = change.edges, .candidates = change.records};
-  for (const std::size_t edge : change.revoked) {
-    revision.statuses.emplace_back(edge, EdgeStatus::revoked);
-  }
-  if (!revision.edges.empty() || !revision.candidates.empty()) {
-    store_->revise(revision);
-  }
-  if (change.moved && last_tied < graph_.nodes().size()) {
-    follow(last_tied);
-  }
-}
-
-void Mapper::follow(std::size_t last_tied) {
-  T_map_odom_ = orthonormalized(graph_.nodes()[last_tied].T_map_node *
-                                T_odom_keyframes_[last_tied].inverse());
-  for (std::size_t i = last_tied + 1; i < graph_.nodes().size(); ++i) {
-    graph_.set_pose(graph_.nodes()[i].id, T_map_odom_ * T_odom_keyframes_[i]);
-  }
 }
 
 }  // namespace adit

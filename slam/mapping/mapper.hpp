@@ -3,15 +3,13 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/mapping/keyframe_edge.hpp"
-#include "adit/slam/mapping/loop_closer.hpp"
-#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/map_assembly.hpp"
 #include "adit/slam/mapping/submap_builder.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/slam/registration/batch_aligner.hpp"
@@ -58,7 +56,7 @@ class Mapper {
   /// The last keyframe is stored, everything takes effect, and final poses go to the store.
   void finish();
 
-  const PoseGraph& graph() const { return graph_; }
+  const PoseGraph& graph() const { return assembly_.graph(); }
   const MapReport& report() const { return report_; }
 
  private:
@@ -76,19 +74,9 @@ class Mapper {
     AlignmentTarget target;
     bool has_points = false;
   };
-  struct Due {
-    NodeId at = 0;  ///< the keyframe with which it takes effect
-    PoseEdge edge;
-    std::vector<PendingLoop> loops{};  ///< loops of the keyframe that the edge leads to
-  };
-
   void freeze();
   PoseEdge tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
                const SurfaceCloud& cloud);
-  PoseGraph known_graph() const;
-  void take_effect(NodeId until);
-  void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
-  void follow(std::size_t last_tied);
 
   engine::Context* context_;
   Config config_;
@@ -98,13 +86,9 @@ class Mapper {
   SubmapBuilder builder_;
   AlignmentClouds clouds_;
   BatchAligner aligner_;
-  PoseGraph graph_;
-  std::vector<Eigen::Isometry3d> T_odom_keyframes_;  ///< in the order of the graph's nodes
-  Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();
+  MapAssembly assembly_;
   std::optional<Open> open_;
   std::optional<Frozen> last_;
-  std::deque<Due> due_;
-  std::optional<LoopCloser> loops_;
   NodeId next_ = 0;
   Nanoseconds last_sweep_{0};  ///< its stamp
   MapReport report_;

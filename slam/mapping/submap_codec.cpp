@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "stored submaps are li
 constexpr uint32_t kVersion = 2;
 constexpr uint32_t kVersionWithoutFlags = 1;
 constexpr uint16_t kSeenThrough = 0x8000;  // beside a point's sweep, of which there are fewer
-constexpr std::size_t kChunks = 2;
+constexpr std::size_t kLeastChunks = 2;    // without a descriptor
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 
 // FNV-1a: any changed byte changes it.
@@ -158,6 +158,15 @@ std::vector<std::byte> encode_points(const KeyframeSubmap& submap) {
   return writer.take();
 }
 
+std::vector<std::byte> encode_descriptor(const PlaceDescriptor& descriptor) {
+  Writer writer;
+  writer.put(kPlaceVersion);
+  writer.put(descriptor.cell);
+  writer.put(descriptor.polar);
+  writer.put(descriptor.plan);
+  return writer.take();
+}
+
 void decode_points(std::span<const std::byte> chunk, KeyframeSubmap& submap) {
   Reader reader(chunk);
   const std::size_t count = reader.get<uint32_t>();
@@ -190,11 +199,15 @@ void decode_points(std::span<const std::byte> chunk, KeyframeSubmap& submap) {
 
 }  // namespace
 
-MapSubmap encode(const KeyframeSubmap& submap) {
+MapSubmap encode(const KeyframeSubmap& submap, const std::optional<PlaceDescriptor>& descriptor) {
   const SubmapBox box = box_of(submap);
-  return {.lower = box.lower,
-          .upper = box.upper,
-          .chunks = {encode_sweeps(submap), encode_points(submap)}};
+  MapSubmap stored{.lower = box.lower,
+                   .upper = box.upper,
+                   .chunks = {encode_sweeps(submap), encode_points(submap)}};
+  if (descriptor) {
+    stored.chunks.push_back(encode_descriptor(*descriptor));
+  }
+  return stored;
 }
 
 KeyframeSubmap decode_sweeps(std::span<const std::byte> chunk) {
@@ -228,13 +241,28 @@ KeyframeSubmap decode_sweeps(std::span<const std::byte> chunk) {
 }
 
 KeyframeSubmap decode(const MapSubmap& stored) {
-  if (stored.chunks.size() != kChunks) {
+  if (stored.chunks.size() < kLeastChunks || stored.chunks.size() > kPlaceChunk + 1) {
     throw SubmapDamaged("has " + std::to_string(stored.chunks.size()) + " chunks, expected " +
-                        std::to_string(kChunks));
+                        std::to_string(kLeastChunks) + " or " + std::to_string(kPlaceChunk + 1));
   }
   KeyframeSubmap submap = decode_sweeps(stored.chunks[kSweepChunk]);
   decode_points(stored.chunks[1], submap);
   return submap;
+}
+
+std::optional<PlaceDescriptor> decode_descriptor(const MapSubmap& stored) {
+  if (stored.chunks.size() <= kPlaceChunk) {
+    return std::nullopt;
+  }
+  Reader reader(stored.chunks[kPlaceChunk]);
+  if (reader.get<uint32_t>() != kPlaceVersion) {
+    return std::nullopt;
+  }
+  PlaceDescriptor descriptor{.cell = reader.get<double>()};
+  descriptor.polar = reader.get<decltype(descriptor.polar)>();
+  descriptor.plan = reader.get<decltype(descriptor.plan)>();
+  reader.expect_end();
+  return descriptor;
 }
 
 }  // namespace adit

@@ -76,7 +76,7 @@ LoopHypothesis loop(const Round& round, NodeId from, NodeId to,
 std::vector<int64_t> accepted(const Round& round, const std::vector<LoopHypothesis>& all,
                               const std::vector<LoopHypothesis>& before = {},
                               bool last_chance = true) {
-  const std::vector<LoopVote> votes = vote(round.graph, all, before, last_chance, {});
+  const std::vector<LoopVote> votes = vote(round.graph, all, {.accepted = before}, last_chance, {});
   std::vector<int64_t> ids;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (votes[i].accepted) {
@@ -167,7 +167,8 @@ TEST(LoopVoting, WhatContradictsAcceptedLoopsStaysOut) {
   }
   EXPECT_EQ(accepted(round, wrong).size(), 4U) << "within what the odometry drifts by";
   EXPECT_TRUE(accepted(round, wrong, before).empty());
-  EXPECT_EQ(vote(round.graph, wrong, before, true, {})[0].objection, LoopObjection::loops);
+  EXPECT_EQ(vote(round.graph, wrong, {.accepted = before}, true, {})[0].objection,
+            LoopObjection::loops);
   EXPECT_EQ(
       accepted(round,
                {loop(round, 4, kRound + 4), loop(round, 5, kRound + 5), loop(round, 6, kRound + 6)},

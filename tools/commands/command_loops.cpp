@@ -292,6 +292,7 @@ std::string json_of(const LoopsCommandOptions& options,
                              {"correction_m", one.correction},
                              {"correction_rad", one.turn},
                              {"seen_through", one.through},
+                             {"found_by", std::string(to_string(one.source))},
                              {"found_at", one.score},
                              {"chi2", one.chi2}});
   }

@@ -42,7 +42,8 @@ constexpr const char* kTables =
     " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
     " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL, rms REAL NOT NULL DEFAULT 0,"
     " correction REAL NOT NULL DEFAULT 0, turn REAL NOT NULL DEFAULT 0,"
-    " through REAL NOT NULL DEFAULT 0, figure REAL NOT NULL DEFAULT 0);"
+    " through REAL NOT NULL DEFAULT 0, figure REAL NOT NULL DEFAULT 0,"
+    " source INTEGER NOT NULL DEFAULT 0);"
     "CREATE VIRTUAL TABLE places USING rtree(keyframe, min_x, max_x, min_y, max_y, min_z, max_z);";
 
 // What the end of a run changes, as it was before.
@@ -53,7 +54,8 @@ constexpr const char* kTablesOfTheEnd =
     "CREATE TABLE end_candidates(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL,"
     " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
     " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL, rms REAL NOT NULL,"
-    " correction REAL NOT NULL, turn REAL NOT NULL, through REAL NOT NULL, figure REAL NOT NULL);";
+    " correction REAL NOT NULL, turn REAL NOT NULL, through REAL NOT NULL, figure REAL NOT NULL,"
+    " source INTEGER NOT NULL DEFAULT 0);";
 
 // What schema 1 lacks.
 constexpr const char* kToSchema2 =
@@ -69,6 +71,12 @@ constexpr const char* kToSchema3 =
     "ALTER TABLE sessions ADD COLUMN ending INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE sessions ADD COLUMN complete INTEGER NOT NULL DEFAULT 0;"
     "ALTER TABLE sessions ADD COLUMN edited INTEGER NOT NULL DEFAULT 1;";
+
+// What schema 3 lacks, and of that what is lacking in the tables that it has of the end.
+constexpr const char* kToSchema4 =
+    "ALTER TABLE candidates ADD COLUMN source INTEGER NOT NULL DEFAULT 0;";
+constexpr const char* kEndToSchema4 =
+    "ALTER TABLE end_candidates ADD COLUMN source INTEGER NOT NULL DEFAULT 0;";
 
 int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement = database.prepare("PRAGMA " + name);
@@ -201,8 +209,13 @@ void MapDatabase::migrate() {
   if (schema < 2) {
     database_.execute(kToSchema2);
   }
-  database_.execute(kToSchema3);
-  database_.execute(kTablesOfTheEnd);
+  if (schema < 3) {
+    database_.execute(kToSchema3);
+    database_.execute(kTablesOfTheEnd);
+  } else {
+    database_.execute(kEndToSchema4);
+  }
+  database_.execute(kToSchema4);
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }
@@ -313,13 +326,13 @@ void MapDatabase::insert(const PoseEdge& edge) {
 void MapDatabase::insert(const LoopCandidate& candidate) {
   const std::string columns =
       "candidates(node_from, node_to, verdict, pose, score, overlap, chi2, reason, rms, correction,"
-      " turn, through, figure";
+      " turn, through, figure, source";
   SqliteStatement statement =
       candidate.id == 0
           ? database_.prepare("INSERT INTO " + columns +
-                              ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+                              ") VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
           : database_.prepare("INSERT OR REPLACE INTO " + columns +
-                              ", id) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                              ", id) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   statement.bind(1, candidate.from)
       .bind(2, candidate.to)
       .bind(3, static_cast<int64_t>(candidate.verdict))
@@ -332,9 +345,10 @@ void MapDatabase::insert(const LoopCandidate& candidate) {
       .bind(10, candidate.correction)
       .bind(11, candidate.turn)
       .bind(12, candidate.through)
-      .bind(13, candidate.figure);
+      .bind(13, candidate.figure)
+      .bind(14, static_cast<int64_t>(candidate.source));
   if (candidate.id != 0) {
-    statement.bind(14, candidate.id);
+    statement.bind(15, candidate.id);
   }
   statement.step();
 }

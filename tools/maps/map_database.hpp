@@ -23,7 +23,7 @@
 namespace adit {
 
 /// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 3;
+inline constexpr int64_t kMapSchema = 4;
 
 enum class MapAccess {
   read,   ///< any number, also beside a writer

@@ -65,16 +65,14 @@ constexpr const char* kKeyframes =
     "SELECT id, session, stamp_ns, fixed, pose, covariance FROM keyframes";
 constexpr const char* kEdges =
     "SELECT id, node_from, node_to, kind, status, pose, information FROM edges";
-constexpr const char* kCandidates =
-    "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, rms, correction,"
-    " turn, through, figure FROM candidates";
-constexpr const char* kCandidatesOfSchema1 =
-    "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, 0.0, 0.0, 0.0,"
-    " 0.0, 0.0 FROM candidates";
-
-const char* candidates_of(const SqliteDatabase& database) {
+/// Columns that older schemas lack are 0.
+std::string candidates_of(const SqliteDatabase& database) {
   SqliteStatement version = database.prepare("PRAGMA user_version");
-  return version.step() && version.integer(0) < 2 ? kCandidatesOfSchema1 : kCandidates;
+  const int64_t schema = version.step() ? version.integer(0) : kMapSchema;
+  return std::string(
+             "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, ") +
+         (schema < 2 ? "0.0, 0.0, 0.0, 0.0, 0.0, " : "rms, correction, turn, through, figure, ") +
+         (schema < 4 ? "0" : "source") + " FROM candidates";
 }
 
 /// What `take` makes of each row, in order of ids.
@@ -167,6 +165,8 @@ LoopCandidate MapDatabase::candidate_at(const SqliteStatement& row) const {
   candidate.turn = row.real(11);
   candidate.through = row.real(12);
   candidate.figure = row.real(13);
+  candidate.source = enumerator(row.integer(14), LoopSource::appearance, database_.path(),
+                                "the source of a candidate");
   return candidate;
 }
 
@@ -365,7 +365,8 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
   for (const LoopCandidate& candidate : candidates()) {
     std::string text = "candidate " + std::to_string(candidate.id) + " from " +
                        std::to_string(candidate.from) + " to " + std::to_string(candidate.to) +
-                       " verdict " + std::to_string(static_cast<int>(candidate.verdict));
+                       " verdict " + std::to_string(static_cast<int>(candidate.verdict)) + " by " +
+                       std::string(to_string(candidate.source));
     append_all(text, "score", std::array{candidate.score, candidate.overlap, candidate.chi2});
     append_all(text, "figures",
                std::array{candidate.rms, candidate.correction, candidate.turn, candidate.through,

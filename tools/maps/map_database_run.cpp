@@ -14,16 +14,16 @@ constexpr const char* kRememberAll =
     "INSERT INTO end_edges SELECT id, status FROM edges;"
     "INSERT INTO end_candidates(id, node_from, node_to, verdict, pose, score, overlap, chi2, "
     "reason,"
-    " rms, correction, turn, through, figure)"
+    " rms, correction, turn, through, figure, source)"
     " SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, rms, correction,"
-    " turn, through, figure FROM candidates;";
+    " turn, through, figure, source FROM candidates;";
 
 constexpr const char* kTakeBack =
     "DELETE FROM candidates;"
     "INSERT INTO candidates(id, node_from, node_to, verdict, pose, score, overlap, chi2, reason,"
-    " rms, correction, turn, through, figure)"
+    " rms, correction, turn, through, figure, source)"
     " SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, rms, correction,"
-    " turn, through, figure FROM end_candidates;"
+    " turn, through, figure, source FROM end_candidates;"
     "DELETE FROM edges WHERE id NOT IN (SELECT id FROM end_edges);"
     "UPDATE edges SET status = was.status FROM end_edges AS was WHERE was.id = edges.id;"
     "DELETE FROM places;"

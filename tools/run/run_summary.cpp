@@ -111,6 +111,9 @@ ordered_json describe_loops(const LoopReport& loops) {
   }
   return {{"candidates", loops.candidates},
           {"accepted", loops.accepted},
+          {"by_appearance",
+           {{"candidates", loops.by_appearance}, {"accepted", loops.accepted_by_appearance}}},
+          {"keyframes_without_vertical", loops.without_vertical},
           {"refused", refused},
           {"optimizations", loops.optimizations},
           {"largest_correction_m", loops.largest_correction},

@@ -95,6 +95,14 @@ std::string map_text(const MapReport& map, double wall_s) {
 
 std::string loops_text(const LoopReport& loops) {
   std::string text = fmt::format("{} accepted of {} candidates", loops.accepted, loops.candidates);
+  if (loops.by_appearance > 0) {
+    text +=
+        fmt::format("; by appearance {} of {}", loops.accepted_by_appearance, loops.by_appearance);
+  }
+  if (loops.without_vertical > 0) {
+    text += fmt::format("; {} keyframes without a vertical, not known by appearance",
+                        loops.without_vertical);
+  }
   std::string refused;
   for (std::size_t i = 0; i < kLoopReasons; ++i) {
     if (loops.refused[i] > 0) {

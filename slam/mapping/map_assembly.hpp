@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/mapping/loop_closer.hpp"
+#include "adit/slam/mapping/map_store.hpp"
+
+namespace adit {
+
+/// A keyframe with all that the odometry and its submap say.
+struct AssembledKeyframe {
+  MapKeyframe keyframe;  ///< without its pose in the map
+  Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
+  const KeyframeSubmap* submap = nullptr;
+  const SurfaceCloud* cloud = nullptr;  ///< the submap on the device
+  std::optional<PoseEdge> edge{};       ///< from the one before; none: nothing ties it to that
+};
+
+/// Puts keyframes together to a map: edges and loops take effect after the delay, the graph is
+/// corrected, and all of it goes to the store.
+class MapAssembly {
+ public:
+  /// What the constructor is given must outlive it. Stored submaps of up to `submap_bytes` stay in
+  /// memory.
+  MapAssembly(engine::Context& context, const Config& config, MapStore& store,
+              uint64_t submap_bytes);
+
+  /// The next keyframe. What the store throws comes through.
+  void add(const AssembledKeyframe& added);
+  /// Everything takes effect, and final poses go to the store.
+  void finish();
+
+  const Eigen::Isometry3d& T_map_odom() const { return T_map_odom_; }
+  const PoseGraph& graph() const { return graph_; }
+  /// Rms distance (m) in an alignment of consecutive submaps.
+  void add_expected_rms(double rms);
+  /// None: loops are not looked for.
+  std::optional<LoopReport> loops() const;
+
+ private:
+  struct Due {
+    NodeId at = 0;  ///< the keyframe with which it takes effect
+    NodeId keyframe = 0;
+    std::optional<PoseEdge> edge;  ///< that leads to the keyframe
+    std::vector<PendingLoop> loops{};
+  };
+
+  PoseGraph known_graph() const;
+  void take_effect(NodeId until);
+  void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
+  void follow(std::size_t last_tied);
+
+  MapStore* store_;
+  int delay_;  ///< keyframes
+  std::optional<LoopCloser> loops_;
+  PoseGraph graph_;
+  std::vector<Eigen::Isometry3d> T_odom_keyframes_;  ///< in the order of the graph's nodes
+  Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();
+  std::deque<Due> due_;
+};
+
+}  // namespace adit

@@ -1,0 +1,294 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Loops that were found by appearance: how far they may contradict the odometry, and that twins are
+// not taken for a place seen again.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "adit/slam/mapping/drift_claim.hpp"
+#include "adit/slam/mapping/loop_voting.hpp"
+#include "adit/tests/mapping/graph_support.hpp"
+
+namespace adit {
+namespace {
+
+using test::edge;
+using test::step;
+
+/// Poses as they are, and a graph as a drifting odometry has them.
+struct Walk {
+  std::vector<Eigen::Isometry3d> truth{};
+  PoseGraph graph{};
+  Eigen::Isometry3d believed = Eigen::Isometry3d::Identity();
+
+  void start() {
+    truth.push_back(Eigen::Isometry3d::Identity());
+    graph.add_node({.id = 0});
+  }
+  /// One keyframe on; the edge is known to a millimetre, whatever the drift.
+  void go(const Eigen::Isometry3d& way, const Eigen::Isometry3d& drift) {
+    const auto id = static_cast<NodeId>(truth.size());
+    truth.push_back(truth.back() * way);
+    believed = believed * way * drift;
+    graph.add_node({.id = id, .T_map_node = believed});
+    PoseEdge tied = edge(id - 1, id, way * drift);
+    tied.information.diagonal() << 1e6, 1e6, 1e6, 1e8, 1e8, 1e8;
+    graph.add_edge(tied);
+  }
+};
+
+Eigen::Isometry3d up(double z, double yaw = 0.0) {
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  pose.translation().z() = z;
+  return pose;
+}
+
+/// What an alignment finds between two keyframes whose places lie a shift of the world apart.
+LoopHypothesis loop(const Walk& walk, NodeId from, NodeId to,
+                    const Eigen::Isometry3d& shift = Eigen::Isometry3d::Identity()) {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(0.03), Eigen::Vector3d::Constant(0.003);
+  return {.id = 1000 * to + from,
+          .from = from,
+          .to = to,
+          .T_from_to = walk.truth[static_cast<std::size_t>(from)].inverse() * shift *
+                       walk.truth[static_cast<std::size_t>(to)],
+          .covariance = sigma.cwiseAbs2().asDiagonal(),
+          .strong = true,
+          .source = LoopSource::appearance};
+}
+
+std::size_t accepted(const Walk& walk, const std::vector<LoopHypothesis>& loops,
+                     const EarlierLoops& before = {}) {
+  std::size_t count = 0;
+  for (const LoopVote& one : vote(walk.graph, loops, before, true, {})) {
+    count += one.accepted ? 1U : 0U;
+  }
+  return count;
+}
+
+constexpr NodeId kRound = 60;
+
+/// Round a circle of 60 m and on, 1 m a keyframe, with 0.1 degrees of yaw and 10 % of climb a metre
+/// that nobody knows of.
+Walk drifting_round(bool reverse) {
+  Walk walk;
+  walk.start();
+  const Eigen::Isometry3d drift = up(0.1, 0.1 * std::numbers::pi / 180.0);
+  const auto on = [&](double turn) { walk.go(step(1.0, turn), drift); };
+  for (NodeId i = 0; i < kRound + 10; ++i) {
+    on(2.0 * std::numbers::pi / kRound);
+  }
+  if (reverse) {
+    for (NodeId i = 0; i < 30; ++i) {  // backwards along the same circle
+      walk.go(step(1.0, 2.0 * std::numbers::pi / kRound).inverse(), drift);
+    }
+  }
+  return walk;
+}
+
+TEST(LoopsByAppearance, ComeInWhereTheOdometryDriftedUnawares) {
+  const Walk walk = drifting_round(false);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 1; i <= 4; ++i) {
+    loops.push_back(loop(walk, i, kRound + i));
+  }
+  EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 1e3);
+  EXPECT_EQ(accepted(walk, loops), 4U);
+  for (LoopHypothesis& one : loops) {
+    one.source = LoopSource::position;
+  }
+  EXPECT_EQ(accepted(walk, loops), 0U) << "by position they would have been within the gate";
+}
+
+TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
+  const Walk walk = drifting_round(true);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 0; i < 4; ++i) {
+    loops.push_back(loop(walk, kRound + 10 - 20 - i, kRound + 10 + 20 + i));
+  }
+  EXPECT_EQ(accepted(walk, loops), 4U) << "drift adds up along both stretches";
+}
+
+TEST(LoopsByAppearance, FourKeyframesHaveToAgreeAndNoneComesAlone) {
+  const Walk walk = drifting_round(false);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 1; i <= 3; ++i) {
+    loops.push_back(loop(walk, i, kRound + i));
+  }
+  EXPECT_EQ(accepted(walk, loops), 0U);
+  loops.push_back(loop(walk, 4, kRound + 4, up(3.0)));
+  EXPECT_EQ(accepted(walk, loops), 0U) << "the fourth says something else";
+}
+
+TEST(LoopsByAppearance, TwoPlacesThatAreBothBorneOutGiveNothing) {
+  const Walk walk = drifting_round(false);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 1; i <= 4; ++i) {
+    loops.push_back(loop(walk, i, kRound + i));
+    loops.push_back(loop(walk, i + 2, kRound + i));
+    loops.back().T_from_to = loops.front().T_from_to;
+  }
+  const std::vector<LoopVote> votes = vote(walk.graph, loops, {}, true, {});
+  for (const LoopVote& one : votes) {
+    EXPECT_FALSE(one.accepted);
+  }
+  EXPECT_TRUE(std::ranges::any_of(
+      votes, [](const LoopVote& one) { return one.objection == LoopObjection::places; }));
+}
+
+TEST(LoopsByAppearance, WhatAcceptedLoopsContradictStaysOut) {
+  const Walk walk = drifting_round(false);
+  std::vector<LoopHypothesis> before;
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 1; i <= 4; ++i) {
+    before.push_back(loop(walk, i, kRound + i));
+    loops.push_back(loop(walk, i + 4, kRound + i + 4, up(4.0)));
+  }
+  EXPECT_EQ(accepted(walk, loops), 4U);
+  EXPECT_EQ(accepted(walk, loops, {.accepted = before}), 0U);
+}
+
+/// A corridor of 40 m, up a staircase, and back above it; or, `around`, a round of 40 m, which a
+/// loop has closed, up a spiral staircase, and the same round above. The odometry is good.
+Walk two_floors(bool around) {
+  Walk walk;
+  walk.start();
+  const Eigen::Isometry3d none = Eigen::Isometry3d::Identity();
+  const auto go = [&](double ahead, double climb, double turn) {
+    Eigen::Isometry3d way = step(ahead, turn);
+    way.translation().z() = climb;
+    walk.go(way, none);
+  };
+  for (int i = 0; i < 40; ++i) {
+    go(1.0, 0.0, around ? 0.05 * std::numbers::pi : 0.0);
+  }
+  if (around) {
+    PoseEdge closed = edge(0, 40, walk.truth[0].inverse() * walk.truth[40], 1e4);
+    walk.graph.add_edge(closed);
+  }
+  for (int i = 0; i < 8; ++i) {
+    go(1.0, 0.425,
+       around ? 0.25 * std::numbers::pi : (i == 3 || i == 4 ? 0.5 * std::numbers::pi : 0.0));
+  }
+  for (int i = 0; i < 40; ++i) {
+    go(1.0, 0.0, around ? 0.05 * std::numbers::pi : 0.0);
+  }
+  return walk;
+}
+
+/// The keyframe of the first floor below (or beside) this one, and what an alignment with it finds.
+LoopHypothesis twin(const Walk& walk, NodeId to) {
+  const Eigen::Vector3d below =
+      walk.truth[static_cast<std::size_t>(to)].translation() - Eigen::Vector3d(0.0, 0.0, 3.4);
+  NodeId from = 0;
+  for (NodeId i = 0; i <= 40; ++i) {
+    const auto apart = [&](NodeId id) {
+      return (walk.truth[static_cast<std::size_t>(id)].translation() - below).norm();
+    };
+    from = apart(i) < apart(from) ? i : from;
+  }
+  return loop(walk, from, to, up(-3.4));
+}
+
+/// What comes of all claims, five keyframes at a time, as the queue has them.
+std::size_t accepted_twins(const Walk& walk, bool remember) {
+  std::vector<LoopHypothesis> refuted;
+  std::size_t count = 0;
+  for (NodeId first = 49; first + 5 < static_cast<NodeId>(walk.truth.size()); ++first) {
+    std::vector<LoopHypothesis> queue;
+    for (NodeId to = first; to < first + 5; ++to) {
+      queue.push_back(twin(walk, to));
+    }
+    const std::vector<LoopVote> votes = vote(walk.graph, queue, {.refuted = refuted}, true, {});
+    for (const LoopVote& one : votes) {
+      count += one.accepted ? 1U : 0U;
+    }
+    if (remember && votes.front().objection == LoopObjection::odometry) {
+      refuted.push_back(queue.front());
+    }
+  }
+  return count;
+}
+
+TEST(LoopsByAppearance, AFloorLikeTheOneBelowIsNoPlaceSeenAgain) {
+  for (const bool around : {false, true}) {
+    EXPECT_EQ(accepted_twins(two_floors(around), true), 0U) << around;
+  }
+  EXPECT_GT(accepted_twins(two_floors(false), false), 0U)
+      << "on the way back, what was claimed at the head of the stairs has to be remembered";
+  EXPECT_EQ(accepted_twins(two_floors(true), false), 0U) << "in the same direction it shows";
+}
+
+TEST(LoopsByAppearance, NeitherAParallelCorridorNorAnEqualBlockIs) {
+  // Up one corridor of 30 m, 6 m aside, and down the next; blocks of 50 m, four in a row.
+  Walk corridors;
+  Walk blocks;
+  corridors.start();
+  blocks.start();
+  const Eigen::Isometry3d none = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 66; ++i) {
+    corridors.go(step(1.0, i == 29 || i == 35 ? 0.5 * std::numbers::pi : 0.0), none);
+  }
+  for (int i = 0; i < 200; ++i) {
+    blocks.go(step(1.0), none);
+  }
+  Eigen::Isometry3d aside = none;
+  aside.translation().y() = -6.0;
+  Eigen::Isometry3d back = none;
+  back.translation().x() = -50.0;
+  std::vector<LoopHypothesis> refuted;
+  for (NodeId first = 38; first < 60; ++first) {
+    std::vector<LoopHypothesis> queue;
+    for (NodeId to = first; to < first + 5; ++to) {
+      queue.push_back(loop(corridors, 66 - to, to, aside));
+    }
+    EXPECT_EQ(accepted(corridors, queue, {.refuted = refuted}), 0U) << first;
+    refuted.push_back(queue.front());
+  }
+  for (NodeId first = 60; first < 190; first += 5) {
+    std::vector<LoopHypothesis> queue;
+    for (NodeId to = first; to < first + 5; ++to) {
+      queue.push_back(loop(blocks, to - 50, to, back));
+    }
+    EXPECT_EQ(accepted(blocks, queue), 0U) << first;
+  }
+}
+
+TEST(LoopsByAppearance, TiePartsOfAMapThatNothingElseTies) {
+  const Walk walk = drifting_round(false);
+  Walk parted = walk;
+  parted.graph.set_status(30, EdgeStatus::revoked);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 1; i <= 4; ++i) {
+    loops.push_back(loop(walk, i, kRound + i));
+  }
+  EXPECT_EQ(accepted(parted, loops), 4U);
+  loops.resize(3);
+  EXPECT_EQ(accepted(parted, loops), 0U);
+}
+
+TEST(DriftClaim, LimitsGrowWithThePath) {
+  EXPECT_TRUE(is_possible_drift(up(1.4), 10.0));
+  EXPECT_FALSE(is_possible_drift(up(3.4), 10.0));
+  EXPECT_TRUE(is_possible_drift(up(3.4), 30.0));
+  EXPECT_FALSE(is_possible_drift(step(10.0), 100.0));
+  EXPECT_TRUE(is_possible_drift(step(10.0), 300.0));
+  EXPECT_FALSE(is_possible_drift(up(0.0, 0.5), 100.0));
+  EXPECT_TRUE(is_possible_drift(up(0.0, 0.3), 100.0));
+  EXPECT_TRUE(is_possible_drift(step(30.0, 0.3), 100.0)) << "a turn moves what comes after aside";
+}
+
+TEST(DriftClaim, NothingExplainsATilt) {
+  const Walk walk = drifting_round(false);
+  LoopHypothesis one = loop(walk, 1, kRound + 1);
+  EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
+  one.T_from_to.linear() *=
+      Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
+}
+
+}  // namespace
+}  // namespace adit

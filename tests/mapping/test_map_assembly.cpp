@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Keyframes of a street driven up and back again, put together with edges that are wrong, or not
+// there: what the loops make of that.
+#include "adit/slam/mapping/map_assembly.hpp"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "adit/slam/executor/slam.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tests/mapping/submap_support.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kHalf = 50;  // sweeps
+
+Config loop_config(bool loops) {
+  Config config = test::submap_config();
+  config.mapping.loops = loops;
+  return config;
+}
+
+class MapAssemblyTest : public test::DeviceTest {
+ protected:
+  struct Recorded {
+    MapKeyframe keyframe;
+    KeyframeSubmap submap;
+    Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();  ///< T_first_keyframe
+    std::optional<PoseEdge> edge{};
+  };
+
+  /// 25 m along the street and backwards again, 0.5 m a sweep, as a run without loops stores it.
+  static const std::vector<Recorded>& street() {
+    static const std::vector<Recorded> recorded = [] {
+      test::SubmapDrive drive{.truth = test::steady_drive(2 * kHalf, test::twist(0.5)),
+                              .sweeps = {}};
+      for (std::size_t i = kHalf; i < 2 * kHalf; ++i) {
+        drive.truth[i].pose =
+            drive.truth[2 * kHalf - 1 - i].pose * Eigen::Translation3d(0.0, 0.3, 0.0);
+      }
+      drive.sweeps = test::scan_all(test::make_street(60.0), drive.truth, test::small_lidar());
+      test::TemporaryMap map;
+      const auto slam =
+          make_slam(context(), loop_config(false),
+                    {.inertial = false, .map = &map.store(), .session = map.session()});
+      for (const Sweep& sweep : drive.sweeps) {
+        slam->add(sweep);
+        while (slam->next()) {
+        }
+      }
+      slam->finish_map();
+      std::vector<Recorded> made;
+      Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+      const PoseGraph graph = map.store().graph();
+      for (const MapKeyframe& keyframe : map.store().keyframes()) {
+        Recorded one{.keyframe = keyframe, .submap = decode(map.store().submap(keyframe.id))};
+        const auto at = std::ranges::find(drive.truth, keyframe.stamp, &StampedPose::stamp);
+        one.truth = at->pose * one.submap.sweeps.front().T_keyframe_lidar.inverse();
+        start = made.empty() ? one.truth : start;
+        one.truth = start.inverse() * one.truth;
+        for (const PoseEdge& edge : graph.edges()) {
+          if (edge.to == keyframe.id) {
+            one.edge = edge;
+          }
+        }
+        made.push_back(std::move(one));
+      }
+      return made;
+    }();
+    return recorded;
+  }
+
+  struct Result {
+    std::vector<Eigen::Isometry3d> odometry;
+    std::vector<Eigen::Isometry3d> map;
+    PoseGraph graph;
+    LoopReport loops;
+    std::string dump;
+  };
+
+  /// `drift` is put into each edge for a metre of its way; nothing ties the keyframe `part` to the
+  /// one before, and after it the odometry's axes are others.
+  static Result assembled(double yaw, double climb, std::optional<std::size_t> part = {}) {
+    test::TemporaryMap map;
+    MapAssembly assembly(context(), loop_config(true), map.store(), kSubmapBytes);
+    Result result;
+    Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
+    for (std::size_t i = 0; i < street().size(); ++i) {
+      const Recorded& one = street()[i];
+      std::optional<PoseEdge> edge = part == i ? std::nullopt : one.edge;
+      if (edge) {
+        const double metres = edge->T_from_to.translation().norm();
+        edge->T_from_to.linear() *=
+            Eigen::AngleAxisd(yaw * metres, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+        edge->T_from_to.translation().z() += climb * metres;
+        T_odom_keyframe = T_odom_keyframe * edge->T_from_to;
+      } else if (i > 0) {
+        T_odom_keyframe = Eigen::Isometry3d(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()));
+      }
+      result.odometry.push_back(T_odom_keyframe);
+      const SurfaceCloud cloud = make_surface_cloud(context(), one.submap);
+      MapKeyframe keyframe = one.keyframe;
+      keyframe.session = map.session();
+      assembly.add({.keyframe = keyframe,
+                    .T_odom_keyframe = T_odom_keyframe,
+                    .submap = &one.submap,
+                    .cloud = &cloud,
+                    .edge = edge});
+    }
+    assembly.finish();
+    result.map = poses_of(assembly.graph());
+    result.graph = map.store().graph();
+    result.loops = *assembly.loops();
+    result.dump = map.dump();
+    return result;
+  }
+
+  /// Rms distance from the truth, the first keyframe being where it was, m.
+  static double error_of(const std::vector<Eigen::Isometry3d>& poses) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      sum += ((poses.front().inverse() * poses[i]).translation() - street()[i].truth.translation())
+                 .squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(poses.size() - 1));
+  }
+
+  static void expect_right_loops(const PoseGraph& graph) {
+    for (const PoseEdge& edge : graph.edges()) {
+      if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active) {
+        const auto truth = [](NodeId id) { return street()[static_cast<std::size_t>(id)].truth; };
+        const Eigen::Isometry3d off =
+            edge.T_from_to.inverse() * truth(edge.from).inverse() * truth(edge.to);
+        EXPECT_LT(off.translation().norm(), 0.2) << edge.from << " to " << edge.to;
+        EXPECT_LT(rotation_angle(off.linear()), 0.02);
+      }
+    }
+  }
+};
+
+TEST_F(MapAssemblyTest, LoopsTakeOutDriftThatTheCovariancesKnowNothingOf) {
+  const Result drifted = assembled(0.1 * std::numbers::pi / 180.0, 0.1);
+  EXPECT_GT(error_of(drifted.odometry), 1.5);
+  EXPECT_LT(error_of(drifted.map), 0.2 * error_of(drifted.odometry));
+  EXPECT_GE(drifted.loops.accepted_by_appearance, 4U);
+  EXPECT_GE(drifted.loops.by_appearance, drifted.loops.accepted_by_appearance);
+  expect_right_loops(drifted.graph);
+}
+
+TEST_F(MapAssemblyTest, PartsThatNothingTiesAreJoinedByWhatTheyHaveInCommon) {
+  const std::size_t part = street().size() / 2;
+  const Result parted = assembled(0.0, 0.0, part);
+  EXPECT_EQ(connected_components(parted.graph).components.size(), 1U);
+  EXPECT_LT(error_of(parted.map), 0.2);
+  EXPECT_GE(parted.loops.accepted_by_appearance, 4U);
+  expect_right_loops(parted.graph);
+  EXPECT_EQ(assembled(0.0, 0.0, part).dump, parted.dump) << "the same bytes twice";
+}
+
+}  // namespace
+}  // namespace adit
