@@ -18,7 +18,11 @@ constexpr double kNearest = 0.2;     // m: returns from the sensor's own mountin
 constexpr double kFarthest = 200.0;  // m, as far as voxels reach
 constexpr double kSizeStep = 0.05;   // m: down-samplings are multiples of it
 constexpr std::size_t kFewestPoints = 100;
+constexpr int kFewestMatches = 100;
 constexpr std::size_t kPairsAtOnce = 64;
+// Whatever the method: it alone knows what its matches hold. On one level, since coarser ones would
+// lead competing poses back to the same one.
+constexpr RegistrationMethod kJudge = RegistrationMethod::vgicp;
 constexpr std::size_t kFineLevels = 2;
 constexpr std::size_t kFineStarts = 3;  // of the searched poses, that coarse levels leave
 // Far starts take many iterations on the coarse levels; the finest ones are near by then.
@@ -42,19 +46,31 @@ std::vector<double> levels_of(RegistrationMethod method, double r_input) {
   return sizes;
 }
 
+double judged_size(double r_input) {
+  return levels_of(kJudge, r_input).back();
+}
+
+AlignmentSettings judge_settings(const CloudAlignerSettings& settings, double r_input) {
+  return {.method = kJudge,
+          .neighbours = 7,
+          .robust = RobustKernel::huber,
+          .d_max = judged_size(r_input),
+          .max_iterations = kMostIterations,
+          .translation_epsilon = 1e-3,
+          .rotation_epsilon = 1e-4,
+          .min_inliers = kFewestMatches,
+          .min_overlap = settings.min_overlap};
+}
+
 AlignmentSettings settings_of(const CloudAlignerSettings& settings, double r_input) {
-  AlignmentSettings alignment{
-      .method = settings.method,
-      .neighbours = 7,
-      .robust = gaussians(settings.method) ? RobustKernel::none : RobustKernel::huber,
-      .d_max = levels_of(settings.method, r_input).back(),
-      .max_iterations = kMostIterations,
-      .translation_epsilon = 1e-3,
-      .rotation_epsilon = 1e-4,
-      .min_inliers = kFewestPoints,
-      .min_overlap = settings.min_overlap};
-  if (settings.method == RegistrationMethod::ndt_to_ndt) {
-    alignment.min_inliers = 20;  // Gaussians, not points
+  AlignmentSettings alignment = judge_settings(settings, r_input);
+  if (settings.method != kJudge) {
+    alignment.method = settings.method;
+    alignment.d_max = levels_of(settings.method, r_input).back();
+    alignment.robust = gaussians(settings.method) ? RobustKernel::none : RobustKernel::huber;
+    alignment.resolve_weak = false;
+    alignment.min_inliers = 6;
+    alignment.min_overlap = 0.0;
   }
   return alignment;
 }
@@ -179,6 +195,47 @@ Grouped aligned(BatchAligner& aligner, AlignmentTarget AlignableCloud::*levels,
   return grouped;
 }
 
+bool has_converged(RegistrationStatus status) {
+  return status != RegistrationStatus::not_converged && status != RegistrationStatus::diverged &&
+         status != RegistrationStatus::too_few_points;
+}
+
+/// A result of another method with what the judge measured at its pose.
+RegistrationResult judged(const RegistrationResult& result, RegistrationResult measured,
+                          double min_overlap) {
+  const auto none = [](const ObservedDirection& direction) {
+    return direction.localizability == Localizability::none;
+  };
+  measured.iterations = result.iterations;
+  if (!has_converged(result.status)) {
+    measured.status = result.status;
+  } else if (measured.inliers < kFewestMatches || measured.overlap < min_overlap) {
+    measured.status = RegistrationStatus::too_little_overlap;
+  } else if (std::ranges::any_of(measured.translation, none) ||
+             std::ranges::any_of(measured.rotation, none)) {
+    measured.status = RegistrationStatus::degenerate;
+  } else {
+    measured.status = RegistrationStatus::converged;
+  }
+  return measured;
+}
+
+/// What the judge measures at each pose that another method found.
+Grouped judged_by(BatchAligner& judge, std::span<const CloudPair> pairs, Grouped found,
+                  double min_overlap) {
+  std::vector<AlignmentPair> at;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    for (const RegistrationResult& result : found.of(i)) {
+      at.push_back(pair_on(&AlignableCloud::judge, pairs[i], result.T_target_source));
+    }
+  }
+  const std::vector<RegistrationResult> measured = judge.evaluate(at);
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    found.results[k] = judged(found.results[k], measured[k], min_overlap);
+  }
+  return found;
+}
+
 /// The best of what coarse levels found, each place once.
 std::vector<Eigen::Isometry3d> best_places(std::span<const RegistrationResult> results) {
   std::vector<RegistrationResult> sorted(results.begin(), results.end());
@@ -248,6 +305,7 @@ struct CloudAligner::Size {
   AlignmentClouds clouds;
   BatchAligner coarse;
   BatchAligner fine;
+  BatchAligner judge;
 };
 struct CloudAligner::Sizes {
   std::map<double, Size> by_r_input;
@@ -269,7 +327,8 @@ CloudAligner::Size& CloudAligner::of_size(double r_input) {
     found = sizes_->by_r_input
                 .emplace(r_input, Size{.clouds = {*context_, with_lengths(config).preprocess},
                                        .coarse = {*context_, coarse_settings(settings_, r_input)},
-                                       .fine = {*context_, settings_of(settings_, r_input)}})
+                                       .fine = {*context_, settings_of(settings_, r_input)},
+                                       .judge = {*context_, judge_settings(settings_, r_input)}})
                 .first;
   }
   return found->second;
@@ -287,13 +346,13 @@ AlignableCloud CloudAligner::prepare(std::span<const Point> points,
   };
   AlignmentTarget coarse = target(std::span(levels).first(levels.size() - kFineLevels));
   AlignmentTarget fine = target(std::span(levels).last(kFineLevels));
-  AlignmentTarget finest = target(std::span(levels).last(1));
+  AlignmentTarget judge = maker.make_target(cloud, kJudge, std::array{judged_size(r_input)});
   return {.r_input = r_input,
           .points = points.size(),
           .cloud = std::move(cloud),
           .coarse = std::move(coarse),
           .fine = std::move(fine),
-          .finest = std::move(finest),
+          .judge = std::move(judge),
           .above = overhead_view(points, 2.0 * r_input)};
 }
 
@@ -336,7 +395,10 @@ std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     poses[i] = best_places(coarse.of(i));
   }
-  const Grouped fine = aligned(size.fine, &AlignableCloud::fine, pairs, poses);
+  Grouped fine = aligned(size.fine, &AlignableCloud::fine, pairs, poses);
+  if (settings_.method != kJudge) {
+    fine = judged_by(size.judge, pairs, std::move(fine), settings_.min_overlap);
+  }
 
   std::vector<AlignmentPair> open;
   std::vector<RegistrationResult> open_results;
@@ -353,7 +415,7 @@ std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
     alignment.registration = *std::ranges::min_element(own, fits_better);
     alignment.T_a_b = alignment.registration.T_target_source;
     alignment.refusal =
-        refusal_of(alignment.registration, settings_.most_rms * pairs[i].a->r_input);
+        refusal_of(alignment.registration, settings_.most_rms * judged_size(pairs[i].a->r_input));
     if (alignment.refusal != AlignmentRefusal::none) {
       continue;
     }
@@ -363,12 +425,11 @@ std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
       alignment.refusal = AlignmentRefusal::ambiguous;
       continue;
     }
-    // On the finest level alone: coarser ones would lead every start back to the same pose.
-    open.push_back(pair_on(&AlignableCloud::finest, pairs[i], alignment.T_a_b));
+    open.push_back(pair_on(&AlignableCloud::judge, pairs[i], alignment.T_a_b));
     open_results.push_back(alignment.registration);
     open_pairs.push_back(i);
   }
-  const auto competing = find_competing_poses(size.fine, open, open_results, kCompeting);
+  const auto competing = find_competing_poses(size.judge, open, open_results, kCompeting);
   for (std::size_t k = 0; k < open.size(); ++k) {
     CloudAlignment& alignment = alignments[open_pairs[k]];
     alignment.competing = competing[k];

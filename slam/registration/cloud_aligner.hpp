@@ -34,7 +34,7 @@ struct CloudAlignerSettings {
   double r_input = 0.0;      ///< voxel size of the down-sampling; 0: by each cloud's extent, 0.05
                              ///< to 0.25. Voxels of the levels are 16, 8, 4 and 2 times as large
   double min_overlap = 0.4;  ///< share of b's points that must lie on a
-  double most_rms = 0.8;     ///< of the matches' distances, in units of r_input
+  double most_rms = 0.4;     ///< of the matches' distances, in voxels of the finest level
   OverheadSearchSettings search{};  ///< where there is no guess
 };
 
@@ -46,7 +46,7 @@ struct AlignableCloud {
   SurfaceCloud cloud;      ///< down-sampled, with surfaces
   AlignmentTarget coarse;  ///< all levels but the last two
   AlignmentTarget fine;    ///< the last two
-  AlignmentTarget finest;  ///< the last one alone
+  AlignmentTarget judge;   ///< what results are judged on
   OverheadView above;
 };
 
