@@ -45,9 +45,16 @@ def ended_keyframes(table):
     return max(count - 1, 0)
 
 
-def end_after(command, delay, how):
-    """True where the command was ended by the signal before it had ended by itself."""
+def rows_of(table):
+    return table.read_bytes().count(b"\n") if table.exists() else 0
+
+
+def end_after(command, delay, how, table=None, rows=0):
+    """True where the command was ended by the signal before it had ended by itself: after a time, or where a table is
+    given, so long after it has that many rows."""
     run = subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while table is not None and run.poll() is None and rows_of(table) < rows:
+        time.sleep(0.002)
     try:
         run.wait(delay)
         return False
@@ -139,9 +146,12 @@ def main():
         chance = random.Random(arguments.seed)
         killed, with_keyframes, continued, failures = 0, 0, 0, 0
         for number in range(arguments.kills):
-            delay = chance.uniform(0.0, duration)
+            # Every fourth one at any time, mostly while it starts; the others while it maps.
+            table = None if number % 4 == 0 else out / "sweeps.csv"
+            delay = chance.uniform(0.0, duration if table is None else duration / arguments.sweeps)
             shutil.rmtree(out, ignore_errors=True)
-            killed += end_after([arguments.adit, "run", recording, "-o", out, *SETTINGS], delay, signal.SIGKILL)
+            killed += end_after([arguments.adit, "run", recording, "-o", out, *SETTINGS], delay, signal.SIGKILL, table,
+                                1 + chance.randrange(arguments.sweeps))
             with_keyframes += ended_keyframes(out / "sweeps.csv") > 0
             found = complaints(arguments, out, expected)
             if can_go_on(arguments.adit, out):

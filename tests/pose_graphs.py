@@ -90,6 +90,7 @@ def main():
     parser.add_argument("--nodes", type=int, default=3000)
     parser.add_argument("--loops", type=int, default=300)
     arguments = parser.parse_args()
+    arguments.adit, arguments.speed = arguments.adit.resolve(), arguments.speed.resolve()
     failures = 0
     with tempfile.TemporaryDirectory() as temporary:
         file, optimized = pathlib.Path(temporary) / "graph.g2o", pathlib.Path(temporary) / "optimized.g2o"
