@@ -19,7 +19,8 @@ using engine::Memory;
 constexpr double kSector = 2.0 * std::numbers::pi / gpu::kPlaceSectors;
 // A polar view with fewer bits looks like too much else.
 constexpr uint32_t kLeastBits = 40;
-// The turn is known to half a sector; plans are correlated at so many quarters of one to both sides.
+// The turn is known to half a sector; plans are correlated at so many quarters of one to both
+// sides.
 constexpr int kFineTurns = 3;
 
 uint32_t bits_of(std::span<const uint32_t> words) {

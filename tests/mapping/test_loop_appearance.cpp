@@ -285,8 +285,7 @@ TEST(DriftClaim, NothingExplainsATilt) {
   const Walk walk = drifting_round(false);
   LoopHypothesis one = loop(walk, 1, kRound + 1);
   EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
-  one.T_from_to.linear() *=
-      Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  one.T_from_to.linear() *= Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
   EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
 }
 
