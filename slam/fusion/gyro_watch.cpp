@@ -22,7 +22,7 @@ constexpr double kLeastClock = 0.008;  // s
 constexpr double kLeastTurn = 0.01;    // rad
 constexpr double kSigmas = 3.0;
 constexpr double kSigmasOfProven = 2.0;  // once clock or mounting were proven to be wrong
-constexpr double kFarOff = 0.35;          // rad
+constexpr double kFarOff = 0.35;         // rad
 constexpr int kMostCorrections = 4;
 // After a check that failed the sweeps are to tell what is wrong, without the sensor: for so many.
 constexpr int kUnexplained = 50;

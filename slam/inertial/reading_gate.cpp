@@ -163,8 +163,9 @@ std::vector<GatedReading> ReadingGate::pass(const ImuSample& reading) {
     known.push_back({waiting_[i], is_spike(i) ? std::optional(ImuArrival::spike) : std::nullopt});
   }
   // A spike by itself leaves what is around it as calm as it was.
-  const bool came_back = std::all_of(known.begin(), known.end() - 1,
-                                     [](const GatedReading& one) { return one.dropped.has_value(); });
+  const bool came_back = std::all_of(known.begin(), known.end() - 1, [](const GatedReading& one) {
+    return one.dropped.has_value();
+  });
   calm_ = came_back ? calm_ + 1 : 0;
   waiting_.clear();
   for (const GatedReading& one : known) {
