@@ -189,7 +189,8 @@ std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places,
   return found;
 }
 
-// By appearance only where no place that was found by position is borne out.
+// By appearance only where no place that was found by position is borne out, and those again: the
+// gate may have refused them for drift that it does not know of.
 std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
                                           const SurfaceCloud& cloud) {
   const auto start = std::chrono::steady_clock::now();
@@ -201,8 +202,7 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   if (std::ranges::none_of(found, [](const PendingLoop& one) {
         return one.record.verdict == CandidateVerdict::waiting;
       })) {
-    const std::vector<LoopPlace> similar =
-        find_similar_places(graph, index_, known, places, appearance_);
+    const std::vector<LoopPlace> similar = find_similar_places(graph, index_, known, appearance_);
     std::ranges::move(verified(similar, newest, submap, cloud), std::back_inserter(found));
   }
   report_.search_ms.push_back(

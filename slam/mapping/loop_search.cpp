@@ -90,15 +90,11 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
 
 std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIndex& index,
                                            std::span<const std::optional<RelativePlace>> known,
-                                           std::span<const LoopPlace> taken,
                                            const AppearanceSearchSettings& settings) {
   std::vector<SimilarPlace> similar = index.similar();
   std::erase_if(similar, [&](const SimilarPlace& one) {
     const auto& way = known[one.place];
-    return one.similarity < settings.least_similarity || (way && way->path < settings.min_path) ||
-           std::ranges::any_of(taken, [&](const LoopPlace& other) {
-             return apart(graph.index_of(other.node), one.place) < settings.apart;
-           });
+    return one.similarity < settings.least_similarity || (way && way->path < settings.min_path);
   });
   std::ranges::sort(similar, [](const SimilarPlace& a, const SimilarPlace& b) {
     return std::tuple(b.similarity, a.place) < std::tuple(a.similarity, b.place);

@@ -58,11 +58,9 @@ struct AppearanceSearchSettings {
 };
 
 /// At most `most` places that look like the newest one, which the index knows by the numbers of the
-/// graph's nodes: the best of those that are `apart` from each other and from the `taken`. Most
-/// alike first.
+/// graph's nodes: the best of those that are `apart` from each other. Most alike first.
 std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIndex& index,
                                            std::span<const std::optional<RelativePlace>> known,
-                                           std::span<const LoopPlace> taken,
                                            const AppearanceSearchSettings& settings);
 
 }  // namespace adit
