@@ -14,33 +14,22 @@
 
 #include "adit/benchmarks/kernels/cases.hpp"
 #include "adit/benchmarks/kernels/inputs.hpp"
+#include "adit/benchmarks/kernels/kernel_work.hpp"
 #include "adit/benchmarks/reference/deskew.hpp"
 #include "adit/benchmarks/verify/registration_methods.hpp"
 
 namespace adit::bench {
 namespace {
 
-using test::Times;
-
 constexpr double kPoint = sizeof(Point);
 constexpr double kCell = sizeof(gpu::GaussianCell);
 constexpr uint32_t kSteps = 10;       // linearisations of a submission
 constexpr size_t kVerified = 50'000;  // points of a linearisation that the twin adds up as well
 
-Sample sample_of(const Times& times, const std::string& scope) {
-  return {.device_ms = test::device_ms(times, scope),
-          .wait_ms = times.wait_ms,
-          .host_ms = times.host_ms};
-}
-
 Sample per_run(const Sample& sample, double runs) {
   return {.device_ms = *sample.device_ms / runs,
           .wait_ms = *sample.wait_ms / runs,
           .host_ms = sample.host_ms / runs};
-}
-
-std::string first_problem(const test::Verdict& verdict) {
-  return verdict.passed() ? std::string() : verdict.problems.front();
 }
 
 // What neighbours along a beam share: of each block of consecutive points, the runs in one cell.

@@ -11,6 +11,7 @@
 
 #include "adit/benchmarks/kernels/cases.hpp"
 #include "adit/benchmarks/kernels/inputs.hpp"
+#include "adit/benchmarks/kernels/kernel_work.hpp"
 #include "adit/benchmarks/verify/places.hpp"
 
 namespace adit::bench {
@@ -19,16 +20,6 @@ namespace {
 constexpr double kPlanCell = 0.5;         // m
 constexpr uint32_t kVerifiedPlaces = 32;  // of a block; all look alike but for a turn
 constexpr std::size_t kJobs = 90;         // ten places at nine angles
-
-Sample sample_of(const test::Times& times, const std::string& scope) {
-  return {.device_ms = test::device_ms(times, scope),
-          .wait_ms = times.wait_ms,
-          .host_ms = times.host_ms};
-}
-
-std::string first_problem(const test::Verdict& verdict) {
-  return verdict.passed() ? std::string() : verdict.problems.front();
-}
 
 Work describe(Bench& bench, int points) {
   const std::vector<gpu::uvec4>& cloud = bench.scene(points).source();

@@ -17,7 +17,7 @@ namespace {
 using engine::Memory;
 using engine::Recorder;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotWritten = std::numeric_limits<float>::quiet_NaN();
 
 // In the upload of an alignment: its job, its start, its initial state.
 constexpr uint64_t kStartAt = engine::align_slice(sizeof(gpu::RegistrationJob));
@@ -103,7 +103,10 @@ DeskewRun::DeskewRun(engine::Context& context, const engine::DeskewSettings& set
       raw_(upload(context, raw, "raw points")),
       times_(upload(context, times, "times of points")),
       knots_(upload(context, knots(motion), "knots")),
-      moved_(upload(context, std::vector<Point>(raw.size(), {kNan, kNan, kNan, kNan}), "moved")) {}
+      moved_(upload(
+          context,
+          std::vector<Point>(raw.size(), {kNotWritten, kNotWritten, kNotWritten, kNotWritten}),
+          "moved")) {}
 
 Times DeskewRun::run() {
   return run_and_wait(*context_, [&](Recorder& recorder) {

@@ -15,8 +15,8 @@ using reference::FullSystem;
 using reference::Objective;
 using reference::SourceItem;
 
-constexpr uint32_t kSlots = 1U << 15U;
-constexpr double kMargin = 2e-4;  // voxels, as in AlignmentScene
+constexpr uint32_t kMethodSlots = 1U << 15U;
+constexpr double kMethodMargin = 2e-4;  // voxels, as in AlignmentScene
 constexpr double kD1 = -2.217225;
 constexpr double kD2 = 0.433123;
 
@@ -31,14 +31,15 @@ bool is_certain(const SourceItem& item, const FinishedMap& target, const Eigen::
   const Eigen::Vector3d q = pose * item.p;
   const reference::Place place = reference::place_of(q, 1.0);
   const Eigen::Vector3d ray = (q - objective.viewpoint).normalized();
-  if (!place.certain(kMargin) || std::abs(ray.dot(pose.linear() * item.normal) - 0.174) < kMargin) {
+  if (!place.certain(kMethodMargin) ||
+      std::abs(ray.dot(pose.linear() * item.normal) - 0.174) < kMethodMargin) {
     return false;
   }
   const auto cells = reference::neighbours_of(place.cell, objective.options.neighbours);
   return std::ranges::none_of(cells, [&](const reference::Cell& cell) {
     const auto found = target.find(cell);
     return found != target.end() &&
-           std::abs((found->second.mean - q).norm() - objective.d_max) < kMargin;
+           std::abs((found->second.mean - q).norm() - objective.d_max) < kMethodMargin;
   });
 }
 
@@ -114,7 +115,7 @@ std::vector<MethodCase> method_cases() {
 VoxelMapRun method_target(engine::Context& context, uint32_t method,
                           const std::vector<gpu::uvec4>& cloud) {
   VoxelMapRun map(
-      context, kMethodVoxel, kSlots,
+      context, kMethodVoxel, kMethodSlots,
       has_moments(method) ? engine::VoxelContent::moments : engine::VoxelContent::surfaces);
   map.add(DeviceCloud(context, cloud), Eigen::Isometry3d::Identity());
   if (has_moments(method)) {

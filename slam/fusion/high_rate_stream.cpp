@@ -5,7 +5,7 @@
 namespace adit {
 namespace {
 
-constexpr Nanoseconds kLongestAlone = std::chrono::seconds(1);
+constexpr Nanoseconds kLongestAhead = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -51,7 +51,7 @@ std::optional<LidarMotion> HighRateStream::add(const ImuSample& reading, ImuArri
   }
   newest_ = sample.stamp;
   const std::optional<HighRateState> state = odometry_.add(sample);
-  if (!state || sample.stamp > *estimate_ + kLongestAlone || (given_ && sample.stamp <= *given_)) {
+  if (!state || sample.stamp > *estimate_ + kLongestAhead || (given_ && sample.stamp <= *given_)) {
     return std::nullopt;
   }
   given_ = sample.stamp;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLeastCosine = 0.906;    // 25 degrees against the lidar's z
 constexpr double kAgreeing = 0.966;       // 15 degrees between normals
-constexpr double kNearest = 0.2;          // m, of the plane to the sensor
+constexpr double kLeastOffset = 0.2;      // m, of the plane to the sensor
 constexpr double kThickness = 0.15;       // m, of the plane, to either side
 constexpr double kReach = 30.0;           // m; farther ground may lie at another slope
 constexpr std::size_t kCandidates = 100;  // planes that are tried
@@ -27,7 +27,7 @@ struct Plane {
 };
 
 bool lies_below(const Plane& plane) {
-  return plane.normal.z() > kLeastCosine && plane.offset > kNearest;
+  return plane.normal.z() > kLeastCosine && plane.offset > kLeastOffset;
 }
 
 bool supports(const PlanePoint& point, const Plane& plane) {

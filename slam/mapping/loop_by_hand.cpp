@@ -29,7 +29,7 @@ LoopQuestion asked_of(const PoseGraph& graph, NodeId from, NodeId to) {
           .covariance = known->covariance};
 }
 
-Matrix6d guessed_covariance() {
+Matrix6d covariance_by_hand() {
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(kGuessedPosition), Eigen::Vector3d::Constant(kGuessedAngle);
   return sigma.cwiseAbs2().asDiagonal();
@@ -43,7 +43,7 @@ LoopVerification verify_by_hand(engine::Context& context, const Config& config,
                                      : asked_of(store.graph(), loop.from, loop.to);
   // A person is no more certain than that, whatever the graph says.
   question.covariance =
-      loop.guess ? guessed_covariance() : Matrix6d(question.covariance + guessed_covariance());
+      loop.guess ? covariance_by_hand() : Matrix6d(question.covariance + covariance_by_hand());
   const KeyframeSubmap from = decode(store.submap(loop.from));
   const KeyframeSubmap to = decode(store.submap(loop.to));
   question.from = &from;

@@ -15,7 +15,7 @@ namespace adit {
 namespace {
 
 // What a search finds must match so many times as many points as what it replaces.
-constexpr double kClearlyMore = 1.1;
+constexpr double kAgainstPrediction = 1.1;
 // Farther than this from an inertial prediction, in its standard deviations, contradicts it.
 constexpr double kInertialSigmas = 5.0;
 // What contradicts it must match so many times as many points.
@@ -142,7 +142,7 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   wait(submission, result);
   const RegistrationResult found = aligner.read_result(result.cloud_points, submap);
   const bool against = expected.inertial && !is_within(found, expected.prediction, kInertialSigmas);
-  const double needed = against ? kAgainstInertia : kClearlyMore;
+  const double needed = against ? kAgainstInertia : kAgainstPrediction;
   const bool clearly = found.inliers > needed * result.registration.inliers;
   if (is_usable(found.status) && (clearly || (failed && !against))) {
     result.registration = found;

@@ -131,14 +131,9 @@ bool same_pose(const Eigen::Isometry3d& p, const Eigen::Isometry3d& q) {
   return off.translation().norm() < kSamePlace && rotation_angle(off.linear()) < kSameTurn;
 }
 
-/// Usable ones first, then by overlap, within 1 % by residual.
-bool fits_better(const RegistrationResult& a, const RegistrationResult& b) {
-  if (is_usable(a.status) != is_usable(b.status)) {
-    return is_usable(a.status);
-  }
-  const double margin = 0.01 * std::max(a.overlap, b.overlap);
-  return a.overlap > b.overlap + margin ||
-         (a.overlap > b.overlap - margin && a.residual_rms < b.residual_rms);
+/// Usable ones first.
+bool is_better(const RegistrationResult& a, const RegistrationResult& b) {
+  return is_usable(a.status) != is_usable(b.status) ? is_usable(a.status) : fits_better(a, b);
 }
 
 /// The other start's result that contradicts the best one, if any.
@@ -149,7 +144,7 @@ std::optional<CompetingPose> contradiction(std::span<const RegistrationResult> r
     if (is_usable(result.status) && !same_pose(result.T_target_source, best.T_target_source) &&
         result.overlap >= kCompeting.least_overlap * best.overlap &&
         result.residual_rms <= kCompeting.most_rms * best.residual_rms &&
-        (!other || fits_better(result, other->result))) {
+        (!other || is_better(result, other->result))) {
       const Eigen::Isometry3d off = best.T_target_source.inverse() * result.T_target_source;
       other = CompetingPose{.result = result, .apart = off.translation().norm()};
     }
@@ -242,7 +237,7 @@ std::vector<Eigen::Isometry3d> best_places(std::span<const RegistrationResult> r
   std::erase_if(sorted, [](const RegistrationResult& result) {
     return !result.T_target_source.matrix().allFinite();
   });
-  std::ranges::stable_sort(sorted, fits_better);
+  std::ranges::stable_sort(sorted, is_better);
   std::vector<Eigen::Isometry3d> places;
   for (const RegistrationResult& result : sorted) {
     const bool known = std::ranges::any_of(places, [&](const Eigen::Isometry3d& place) {
@@ -412,7 +407,7 @@ std::vector<CloudAlignment> CloudAligner::align_some(Size& size,
                                                  : AlignmentRefusal::not_converged;
       continue;
     }
-    alignment.registration = *std::ranges::min_element(own, fits_better);
+    alignment.registration = *std::ranges::min_element(own, is_better);
     alignment.T_a_b = alignment.registration.T_target_source;
     alignment.refusal =
         refusal_of(alignment.registration, settings_.most_rms * judged_size(pairs[i].a->r_input));

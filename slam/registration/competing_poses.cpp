@@ -23,13 +23,6 @@ AlignmentPair moved(const AlignmentPair& pair, const RegistrationResult& result,
   return copy;
 }
 
-// The better of two evaluations has more agreeing points, or within 1 % a smaller residual.
-bool fits_better(const RegistrationResult& a, const RegistrationResult& b) {
-  const double margin = 0.01 * std::max(a.overlap, b.overlap);
-  return a.overlap > b.overlap + margin ||
-         (a.overlap > b.overlap - margin && a.residual_rms < b.residual_rms);
-}
-
 // The best local peak of the scores along one side (nearest first). The farthest offset where
 // the fit only falls or stays as it is.
 size_t most_promising(std::span<const RegistrationResult> along) {
@@ -52,6 +45,12 @@ double apart(const RegistrationResult& competing, const RegistrationResult& resu
 }
 
 }  // namespace
+
+bool fits_better(const RegistrationResult& a, const RegistrationResult& b) {
+  const double margin = 0.01 * std::max(a.overlap, b.overlap);
+  return a.overlap > b.overlap + margin ||
+         (a.overlap > b.overlap - margin && a.residual_rms < b.residual_rms);
+}
 
 std::vector<std::optional<CompetingPose>> find_competing_poses(
     BatchAligner& aligner, std::span<const AlignmentPair> pairs,

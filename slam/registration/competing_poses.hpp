@@ -19,6 +19,9 @@ struct CompetingPoseSettings {
   double most_rms = 1.15;       ///< times the result's residual_rms
 };
 
+/// Has more of the points matched, or as many (within 1 %) that lie nearer.
+bool fits_better(const RegistrationResult& a, const RegistrationResult& b);
+
 /// A pose that fits as well as the result: places that repeat (pillars, doors, a smooth tunnel)
 /// have more than one, and which one the guess leads to says nothing.
 struct CompetingPose {

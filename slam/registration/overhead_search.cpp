@@ -20,7 +20,7 @@
 namespace adit {
 namespace {
 
-constexpr float kFarthest = 1e5F;        // m, of a point that counts
+constexpr float kFarthestPoint = 1e5F;   // m, of a point that counts
 constexpr float kMostRise = 6.0F;        // steps: a tower is no more than a wall
 constexpr std::size_t kSide = 256;       // cells of the images that are correlated
 constexpr double kCells = 2.0;           // an image's cell, in steps, at least
@@ -254,8 +254,8 @@ OverheadView overhead_view(std::span<const Point> points, double step) {
   };
   for (const Point& p : points) {
     // NaN fails every comparison; (0, 0, 0) is no return.
-    if (std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest &&
-        (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F)) {
+    if (std::abs(p.x) < kFarthestPoint && std::abs(p.y) < kFarthestPoint &&
+        std::abs(p.z) < kFarthestPoint && (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F)) {
       columns[{at(p.x), at(p.y)}].emplace_back(at(p.z), p.z);
     }
   }

@@ -36,13 +36,13 @@ const SlamEntry kTiny{.name = "tiny",
                       .duration = 4.0,
                       .begin = 2.0};
 
-struct Outcome {
+struct SlamBenchOutcome {
   int code = 0;
   std::string out;
   std::string err;
 };
 
-Outcome run(const BenchSlamOptions& options) {
+SlamBenchOutcome bench_slam(const BenchSlamOptions& options) {
   std::ostringstream out;
   std::ostringstream err;
   const int code = bench_slam_command(options, out, err);
@@ -122,12 +122,12 @@ TEST(BenchSlam, PutsRecordingsOfTheUserBesideOtherSystems) {
   write_estimate(folder / "others/wrong/tiny.tum", made.truth, 2.0);
   folder.write("others/absent/another.tum", "");
   folder.write("others/broken/tiny.tum", "not a pose\n");
-  const Outcome outcome = run({.recordings = folder / "data",
-                               .trajectories = folder / "others",
-                               .variants = {"coarse:preprocess.r_input=0.5"},
-                               .output = folder / "out",
-                               .json = folder / "a.json",
-                               .html = folder / "a.html"});
+  const SlamBenchOutcome outcome = bench_slam({.recordings = folder / "data",
+                                               .trajectories = folder / "others",
+                                               .variants = {"coarse:preprocess.r_input=0.5"},
+                                               .output = folder / "out",
+                                               .json = folder / "a.json",
+                                               .html = folder / "a.html"});
   ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
   const nlohmann::json report = test::json_of(folder / "a.json");
   ASSERT_EQ(report.at("sequences").size(), 1U);
@@ -242,7 +242,7 @@ TEST(BenchSlam, RefusesWhatMakesNoSense) {
   const test::TemporaryFolder folder;
   const auto refused = [&](BenchSlamOptions options, int code, const std::string& part) {
     options.output = folder / "out";
-    const Outcome outcome = run(options);
+    const SlamBenchOutcome outcome = bench_slam(options);
     EXPECT_EQ(outcome.code, code) << outcome.out;
     EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "out"));
@@ -262,14 +262,14 @@ TEST(BenchSlam, IsACommandOfItsOwn) {
     testing::internal::CaptureStderr();
     const int code = program(static_cast<int>(words.size()), words.data(), more);
     const std::string out = testing::internal::GetCapturedStdout();
-    return Outcome{code, out, testing::internal::GetCapturedStderr()};
+    return SlamBenchOutcome{code, out, testing::internal::GetCapturedStderr()};
   };
-  const Outcome list = call({"--list", "--only", "mine", "city"});
+  const SlamBenchOutcome list = call({"--list", "--only", "mine", "city"});
   EXPECT_EQ(list.code, 0) << list.err;
   EXPECT_NE(list.out.find("mine-vlp16-drive"), std::string::npos) << list.out;
   EXPECT_EQ(list.out.find("room"), std::string::npos) << list.out;
   EXPECT_EQ(list.out.find("downsample"), std::string::npos) << "cases of `adit bench`";
-  const Outcome unknown = call({"--quik"});
+  const SlamBenchOutcome unknown = call({"--quik"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("adit bench slam: there is no option '--quik'. The nearest valid name "
                              "is '--quick'"),

@@ -23,8 +23,8 @@ using test::VoxelMapRun;
 using test::with_random_surfaces;
 
 // Voxels: float32 moves a point by less, and the twin is not asked about points nearer to a border.
-constexpr double kMargin = 1e-4;
-constexpr uint32_t kSlots = 1U << 15U;
+constexpr double kVoxelMargin = 1e-4;
+constexpr uint32_t kMapSlots = 1U << 15U;
 
 Eigen::Isometry3d tilted_pose() {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -37,7 +37,7 @@ std::vector<gpu::uvec4> certain(const std::vector<gpu::uvec4>& cloud, const Eige
                                 double voxel_size) {
   std::vector<gpu::uvec4> kept;
   for (const gpu::uvec4& packed : cloud) {
-    if (reference::place_of(pose * reference::decode(packed).p, voxel_size).certain(kMargin)) {
+    if (reference::place_of(pose * reference::decode(packed).p, voxel_size).certain(kVoxelMargin)) {
       kept.push_back(packed);
     }
   }
@@ -67,7 +67,7 @@ class VoxelMapKernel : public test::DeviceTest {
   // Adds the cloud at the pose and compares with the twin.
   static Verdict add_and_verify(const std::vector<gpu::uvec4>& cloud, const Eigen::Isometry3d& pose,
                                 double voxel_size) {
-    VoxelMapRun map(context(), voxel_size, kSlots);
+    VoxelMapRun map(context(), voxel_size, kMapSlots);
     map.add(DeviceCloud(context(), cloud), pose);
     reference::VoxelMap expected{.voxel_size = voxel_size};
     expected.add(reference::decode(cloud), pose);
@@ -125,13 +125,13 @@ TEST_F(VoxelMapKernel, PointsOnBordersBelongToTheUpperVoxel) {
 TEST_F(VoxelMapKernel, MapDoesNotDependOnTheOrderOfPointsOrClouds) {
   std::vector<gpu::uvec4> first = with_random_surfaces(test::room(8000, 31), 32);
   std::vector<gpu::uvec4> second = with_random_surfaces(test::room(5000, 33), 34);
-  VoxelMapRun map(context(), 0.5, kSlots);
+  VoxelMapRun map(context(), 0.5, kMapSlots);
   map.add(DeviceCloud(context(), first), tilted_pose());
   map.add(DeviceCloud(context(), second), Eigen::Isometry3d::Identity());
 
   std::reverse(first.begin(), first.end());
   std::rotate(second.begin(), second.begin() + 777, second.end());
-  VoxelMapRun other(context(), 0.5, kSlots);
+  VoxelMapRun other(context(), 0.5, kMapSlots);
   other.add(DeviceCloud(context(), second), Eigen::Isometry3d::Identity());
   other.add(DeviceCloud(context(), first), tilted_pose());
   EXPECT_EQ(by_key(map.cells()), by_key(other.cells()));
@@ -141,10 +141,10 @@ TEST_F(VoxelMapKernel, MapDoesNotDependOnTheOrderOfPointsOrClouds) {
 TEST_F(VoxelMapKernel, CloudThatIsTakenOutLeavesNoTrace) {
   const DeviceCloud staying(context(), with_random_surfaces(test::room(6000, 41), 42));
   const DeviceCloud leaving(context(), with_random_surfaces(test::room(9000, 43), 44));
-  VoxelMapRun alone(context(), 0.5, kSlots);
+  VoxelMapRun alone(context(), 0.5, kMapSlots);
   alone.add(staying, Eigen::Isometry3d::Identity());
 
-  VoxelMapRun map(context(), 0.5, kSlots);
+  VoxelMapRun map(context(), 0.5, kMapSlots);
   map.add(leaving, tilted_pose());
   map.add(staying, Eigen::Isometry3d::Identity());
   map.remove(leaving, tilted_pose());

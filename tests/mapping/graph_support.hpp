@@ -28,6 +28,14 @@ inline Eigen::Isometry3d step(double x, double yaw = 0.0) {
   return pose;
 }
 
+/// Of a pose known to so many m and rad along and about each axis.
+inline Matrix6d diagonal_covariance(double translation, double rotation) {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(translation * translation),
+      Eigen::Vector3d::Constant(rotation * rotation);
+  return variances.asDiagonal();
+}
+
 /// Nodes a metre apart along x, each tied to the one before.
 inline PoseGraph line(NodeId nodes) {
   PoseGraph graph;

@@ -25,6 +25,12 @@ inline Config submap_config() {
   return with_lengths(config);
 }
 
+inline Config loop_config(bool loops = true) {
+  Config config = submap_config();
+  config.mapping.loops = loops;
+  return config;
+}
+
 /// A drive along a street with the places where its sweeps were taken.
 struct SubmapDrive {
   std::vector<StampedPose> truth;  ///< T_world_lidar

@@ -20,8 +20,8 @@ namespace {
 
 constexpr ImuNoise kNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 3e-5, .accel_walk = 3e-4};
 constexpr double kGravityWalk = 1e-5;
-constexpr int kSweeps = 18;     // fewer than the lag, so that nothing is marginalised
-constexpr double kSweep = 0.1;  // s
+constexpr int kChainSweeps = 18;  // fewer than the lag, so that nothing is marginalised
+constexpr double kSweep = 0.1;    // s
 constexpr double kRate = 200.0;
 
 /// A window as the sliding graph gets it.
@@ -44,7 +44,7 @@ Window window(uint64_t seed) {
   Vector6d pose_sigma;
   pose_sigma << Eigen::Vector3d::Constant(0.02), Eigen::Vector3d::Constant(0.003);
   Window result;
-  for (int i = 0; i < kSweeps; ++i) {
+  for (int i = 0; i < kChainSweeps; ++i) {
     NavState truth = motion.state(kSweep * i);
     truth.bias = bias;
     if (i == 0) {
@@ -143,8 +143,10 @@ NavState newest_by_ceres(const Window& window) {
 TEST(ChainSolver, EndsWhereCeresEnds) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const Window w = window(seed);
-    SlidingGraph graph(
-        {.noise = kNoise, .gravity_walk = kGravityWalk, .lag = kSweeps + 2, .max_iterations = 30});
+    SlidingGraph graph({.noise = kNoise,
+                        .gravity_walk = kGravityWalk,
+                        .lag = kChainSweeps + 2,
+                        .max_iterations = 30});
     graph.start(w.start);
     StateEstimate estimate;
     for (std::size_t i = 1; i < w.readings.size(); ++i) {

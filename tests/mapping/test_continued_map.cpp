@@ -19,7 +19,7 @@ using test::dump_of;
 constexpr NodeId kKeyframes = 6;
 
 /// A keyframe of so many sweeps, a second each ten of them.
-KeyframeRecord record(NodeId id, SessionId session, int sweeps = 10) {
+KeyframeRecord short_record(NodeId id, SessionId session, int sweeps = 10) {
   KeyframeRecord record = test::record(id, session);
   KeyframeSubmap submap;
   submap.r_submap = 0.25;
@@ -38,7 +38,7 @@ KeyframeRecord record(NodeId id, SessionId session, int sweeps = 10) {
 /// back, and an end that moves all poses and adds a last keyframe.
 void run_up_to(MapStore& store, SessionId session, NodeId keyframes) {
   for (NodeId id = 0; id < keyframes; ++id) {
-    store.store(record(id, session));
+    store.store(short_record(id, session));
     LoopCandidate candidate;
     candidate.id = id + 1;
     candidate.to = id;
@@ -48,7 +48,7 @@ void run_up_to(MapStore& store, SessionId session, NodeId keyframes) {
 
 void end_run(MapStore& store, SessionId session, NodeId keyframes, int sweeps = 10) {
   store.begin_end(Nanoseconds(1000 * keyframes + 100 * (sweeps - 1)));
-  store.store(record(keyframes, session, sweeps));
+  store.store(short_record(keyframes, session, sweeps));
   LoopCandidate judged;
   judged.id = 1;
   judged.verdict = CandidateVerdict::rejected;
@@ -152,7 +152,8 @@ TEST_F(ContinuedMapTest, AnEndIsTakenBackTogetherWithTheFirstNewStep) {
   const std::string before = dump_of(map);
   ContinuedMap continued(map, 1);
   run_up_to(continued, 1, 3);
-  EXPECT_THROW(continued.store(record(2, 1)), FileError) << "there is a keyframe of that number";
+  EXPECT_THROW(continued.store(short_record(2, 1)), FileError)
+      << "there is a keyframe of that number";
   EXPECT_EQ(dump_of(map), before);
   EXPECT_TRUE(map.progress(1).ending);
 }
@@ -162,7 +163,7 @@ TEST_F(ContinuedMapTest, WhatIsRefusedLastLeavesTheMapToo) {
   const std::string before = dump_of(map);
   ContinuedMap continued(map, 1);
   run_up_to(continued, 1, 3);
-  KeyframeRecord other = record(3, 1);
+  KeyframeRecord other = short_record(3, 1);
   other.keyframe.stamp += Nanoseconds(1);
   EXPECT_THROW(continued.store(other), InputError);
   end_run(continued, 1, 4);
@@ -182,14 +183,14 @@ TEST_F(ContinuedMapTest, RefusesWhatTheFirstRunHasNotMade) {
     }
     return false;
   };
-  EXPECT_FALSE(refused(record(1, 1)));
-  KeyframeRecord other = record(1, 1);
+  EXPECT_FALSE(refused(short_record(1, 1)));
+  KeyframeRecord other = short_record(1, 1);
   other.submap.chunks.back().back() ^= std::byte{1};
   EXPECT_TRUE(refused(other));
-  other = record(1, 1);
+  other = short_record(1, 1);
   other.keyframe.stamp += Nanoseconds(1);
   EXPECT_TRUE(refused(other));
-  other = record(1, 1);
+  other = short_record(1, 1);
   other.keyframe.covariance(2, 2) += 1e-12;
   EXPECT_TRUE(refused(other));
   EXPECT_EQ(dump_of(map), before);

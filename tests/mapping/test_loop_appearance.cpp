@@ -69,7 +69,7 @@ std::size_t accepted(const Walk& walk, const std::vector<LoopHypothesis>& loops,
   return count;
 }
 
-constexpr NodeId kRound = 60;
+constexpr NodeId kRoundOfWalk = 60;
 
 /// Round a circle of 60 m and on, 1 m a keyframe, with 0.1 degrees of yaw and 10 % of climb a metre
 /// that nobody knows of.
@@ -78,12 +78,12 @@ Walk drifting_round(bool reverse) {
   walk.start();
   const Eigen::Isometry3d drift = up(0.1, 0.1 * std::numbers::pi / 180.0);
   const auto on = [&](double turn) { walk.go(step(1.0, turn), drift); };
-  for (NodeId i = 0; i < kRound + 10; ++i) {
-    on(2.0 * std::numbers::pi / kRound);
+  for (NodeId i = 0; i < kRoundOfWalk + 10; ++i) {
+    on(2.0 * std::numbers::pi / kRoundOfWalk);
   }
   if (reverse) {
     for (NodeId i = 0; i < 30; ++i) {  // backwards along the same circle
-      walk.go(step(1.0, 2.0 * std::numbers::pi / kRound).inverse(), drift);
+      walk.go(step(1.0, 2.0 * std::numbers::pi / kRoundOfWalk).inverse(), drift);
     }
   }
   return walk;
@@ -93,7 +93,7 @@ TEST(LoopsByAppearance, ComeInWhereTheOdometryDriftedUnawares) {
   const Walk walk = drifting_round(false);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
-    loops.push_back(loop(walk, i, kRound + i));
+    loops.push_back(loop(walk, i, kRoundOfWalk + i));
   }
   EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 1e3);
   EXPECT_EQ(accepted(walk, loops), 4U);
@@ -107,7 +107,7 @@ TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
   const Walk walk = drifting_round(true);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 0; i < 4; ++i) {
-    loops.push_back(loop(walk, kRound + 10 - 20 - i, kRound + 10 + 20 + i));
+    loops.push_back(loop(walk, kRoundOfWalk + 10 - 20 - i, kRoundOfWalk + 10 + 20 + i));
   }
   EXPECT_EQ(accepted(walk, loops), 4U) << "drift adds up along both stretches";
 }
@@ -116,10 +116,10 @@ TEST(LoopsByAppearance, FourKeyframesHaveToAgreeAndNoneComesAlone) {
   const Walk walk = drifting_round(false);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 3; ++i) {
-    loops.push_back(loop(walk, i, kRound + i));
+    loops.push_back(loop(walk, i, kRoundOfWalk + i));
   }
   EXPECT_EQ(accepted(walk, loops), 0U);
-  loops.push_back(loop(walk, 4, kRound + 4, up(3.0)));
+  loops.push_back(loop(walk, 4, kRoundOfWalk + 4, up(3.0)));
   EXPECT_EQ(accepted(walk, loops), 0U) << "the fourth says something else";
 }
 
@@ -127,8 +127,8 @@ TEST(LoopsByAppearance, TwoPlacesThatAreBothBorneOutGiveNothing) {
   const Walk walk = drifting_round(false);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
-    loops.push_back(loop(walk, i, kRound + i));
-    loops.push_back(loop(walk, i + 2, kRound + i));
+    loops.push_back(loop(walk, i, kRoundOfWalk + i));
+    loops.push_back(loop(walk, i + 2, kRoundOfWalk + i));
     loops.back().T_from_to = loops.front().T_from_to;
   }
   const std::vector<LoopVote> votes = vote(walk.graph, loops, {}, true, {});
@@ -144,8 +144,8 @@ TEST(LoopsByAppearance, WhatAcceptedLoopsContradictStaysOut) {
   std::vector<LoopHypothesis> before;
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
-    before.push_back(loop(walk, i, kRound + i));
-    loops.push_back(loop(walk, i + 4, kRound + i + 4, up(4.0)));
+    before.push_back(loop(walk, i, kRoundOfWalk + i));
+    loops.push_back(loop(walk, i + 4, kRoundOfWalk + i + 4, up(4.0)));
   }
   EXPECT_EQ(accepted(walk, loops), 4U);
   EXPECT_EQ(accepted(walk, loops, {.accepted = before}), 0U);
@@ -263,7 +263,7 @@ TEST(LoopsByAppearance, TiePartsOfAMapThatNothingElseTies) {
   parted.graph.set_status(30, EdgeStatus::revoked);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
-    loops.push_back(loop(walk, i, kRound + i));
+    loops.push_back(loop(walk, i, kRoundOfWalk + i));
   }
   EXPECT_EQ(accepted(parted, loops), 4U);
   loops.resize(3);
@@ -283,7 +283,7 @@ TEST(DriftClaim, LimitsGrowWithThePath) {
 
 TEST(DriftClaim, NothingExplainsATilt) {
   const Walk walk = drifting_round(false);
-  LoopHypothesis one = loop(walk, 1, kRound + 1);
+  LoopHypothesis one = loop(walk, 1, kRoundOfWalk + 1);
   EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
   one.T_from_to.linear() *= Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
   EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));

@@ -32,12 +32,6 @@ const test::SubmapDrive& there_and_back() {
   return drive;
 }
 
-Config loop_config(bool loops = true) {
-  Config config = test::submap_config();
-  config.mapping.loops = loops;
-  return config;
-}
-
 class LoopClosing : public test::DeviceTest {
  protected:
   struct Run {
@@ -77,7 +71,7 @@ class LoopClosing : public test::DeviceTest {
 
 TEST_F(LoopClosing, TheWayBackIsTiedToTheWayThereWhereItReallyIs) {
   test::TemporaryMap map;
-  const Run mapped = run(loop_config(), map);
+  const Run mapped = run(test::loop_config(), map);
   ASSERT_TRUE(mapped.report->loops);
   const LoopReport& loops = *mapped.report->loops;
   EXPECT_GE(loops.accepted, 3U);
@@ -108,7 +102,7 @@ TEST_F(LoopClosing, TheWayBackIsTiedToTheWayThereWhereItReallyIs) {
 
 TEST_F(LoopClosing, EveryCandidateHasItsRecord) {
   test::TemporaryMap map;
-  const Run mapped = run(loop_config(), map);
+  const Run mapped = run(test::loop_config(), map);
   const LoopReport& loops = *mapped.report->loops;
   std::map<CandidateVerdict, std::size_t> verdicts;
   std::map<std::string, std::size_t> reasons;
@@ -130,10 +124,10 @@ TEST_F(LoopClosing, TheSameBytesTwiceAndTheOdometryIsTheSameWithoutLoops) {
   test::TemporaryMap first;
   test::TemporaryMap second;
   test::TemporaryMap without;
-  const Run mapped = run(loop_config(), first);
-  run(loop_config(), second);
+  const Run mapped = run(test::loop_config(), first);
+  run(test::loop_config(), second);
   EXPECT_EQ(first.dump(), second.dump());
-  const Run alone = run(loop_config(false), without);
+  const Run alone = run(test::loop_config(false), without);
   EXPECT_FALSE(alone.report->loops);
   EXPECT_TRUE(without.store().candidates().empty());
   for (std::size_t i = 0; i < alone.sweeps.size(); ++i) {
@@ -143,7 +137,7 @@ TEST_F(LoopClosing, TheSameBytesTwiceAndTheOdometryIsTheSameWithoutLoops) {
 }
 
 TEST_F(LoopClosing, ALoopTakesEffectAfterTheDelay) {
-  Config config = loop_config();
+  Config config = test::loop_config();
   test::TemporaryMap soon;
   config.mapping.delay = 0;
   const Run now = run(config, soon);

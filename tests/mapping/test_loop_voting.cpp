@@ -17,13 +17,6 @@ using test::step;
 
 constexpr int kRound = 48;  // keyframes a round
 
-Matrix6d covariance(double translation, double rotation) {
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(translation * translation),
-      Eigen::Vector3d::Constant(rotation * rotation);
-  return variances.asDiagonal();
-}
-
 /// Once round a circle, 2 m a step, and a little of the second round; the odometry knows each step
 /// to `sigma` m and a tenth of that in rad, and has drifted by as much in yaw a step as `drift`
 /// rad.
@@ -42,7 +35,7 @@ Round round_trip(double drift, double sigma) {
     round.graph.add_node({.id = id, .T_map_node = believed});
     if (id > 0) {
       PoseEdge way = edge(id - 1, id, step(2.0, turn + drift));
-      way.information = covariance(sigma, 0.1 * sigma).inverse();
+      way.information = test::diagonal_covariance(sigma, 0.1 * sigma).inverse();
       round.graph.add_edge(way);
     }
     pose = pose * step(2.0, turn);
@@ -51,7 +44,7 @@ Round round_trip(double drift, double sigma) {
   return round;
 }
 
-const Matrix6d kLoopCovariance = covariance(0.03, 0.003);
+const Matrix6d kLoopCovariance = test::diagonal_covariance(0.03, 0.003);
 
 Vector6d drawn(std::mt19937& engine, double translation, double rotation) {
   std::normal_distribution<double> normal;

@@ -17,13 +17,7 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kHalf = 50;  // sweeps
-
-Config loop_config(bool loops) {
-  Config config = test::submap_config();
-  config.mapping.loops = loops;
-  return config;
-}
+constexpr std::size_t kWayOut = 50;  // sweeps
 
 class MapAssemblyTest : public test::DeviceTest {
  protected:
@@ -37,16 +31,16 @@ class MapAssemblyTest : public test::DeviceTest {
   /// 25 m along the street and backwards again, 0.5 m a sweep, as a run without loops stores it.
   static const std::vector<Recorded>& street() {
     static const std::vector<Recorded> recorded = [] {
-      test::SubmapDrive drive{.truth = test::steady_drive(2 * kHalf, test::twist(0.5)),
+      test::SubmapDrive drive{.truth = test::steady_drive(2 * kWayOut, test::twist(0.5)),
                               .sweeps = {}};
-      for (std::size_t i = kHalf; i < 2 * kHalf; ++i) {
+      for (std::size_t i = kWayOut; i < 2 * kWayOut; ++i) {
         drive.truth[i].pose =
-            drive.truth[2 * kHalf - 1 - i].pose * Eigen::Translation3d(0.0, 0.3, 0.0);
+            drive.truth[2 * kWayOut - 1 - i].pose * Eigen::Translation3d(0.0, 0.3, 0.0);
       }
       drive.sweeps = test::scan_all(test::make_street(60.0), drive.truth, test::small_lidar());
       test::TemporaryMap map;
       const auto slam =
-          make_slam(context(), loop_config(false),
+          make_slam(context(), test::loop_config(false),
                     {.inertial = false, .map = &map.store(), .session = map.session()});
       for (const Sweep& sweep : drive.sweeps) {
         slam->add(sweep);
@@ -87,7 +81,7 @@ class MapAssemblyTest : public test::DeviceTest {
   /// one before, and after it the odometry's axes are others.
   static Result assembled(double yaw, double climb, std::optional<std::size_t> part = {}) {
     test::TemporaryMap map;
-    MapAssembly assembly(context(), loop_config(true), map.store(), kSubmapBytes);
+    MapAssembly assembly(context(), test::loop_config(true), map.store(), kSubmapBytes);
     Result result;
     Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
     for (std::size_t i = 0; i < street().size(); ++i) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/tests/mapping/map_support.hpp"
+#include "adit/tests/support/error_text.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 
 namespace adit {
@@ -17,16 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using test::dump_of;
 using test::record;
-
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const FileError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(MapDatabase, HoldsWhatWasStored) {
   const test::TemporaryFolder folder;
@@ -67,10 +58,12 @@ TEST(MapDatabase, StoresARecordAsAWholeOrNotAtAll) {
   const std::string before = dump_of(map);
   KeyframeRecord wrong = record(1, session);
   wrong.edges.front().from = 99;  // no such keyframe
-  EXPECT_NE(error_of([&] { map.store(wrong); }).find("FOREIGN KEY"), std::string::npos);
+  EXPECT_NE(test::error_of<FileError>([&] { map.store(wrong); }).find("FOREIGN KEY"),
+            std::string::npos);
   EXPECT_EQ(dump_of(map), before);
   map.store(record(1, session));
-  EXPECT_NE(error_of([&] { map.store(record(1, session)); }).find("UNIQUE"), std::string::npos);
+  EXPECT_NE(test::error_of<FileError>([&] { map.store(record(1, session)); }).find("UNIQUE"),
+            std::string::npos);
 }
 
 TEST(MapDatabase, FindsSubmapsByPlaceAlsoWhereThatHasChanged) {
@@ -167,7 +160,7 @@ TEST(MapDatabase, ReadersSeeWhatIsStoredWhileOneWrites) {
   map.store(record(1, session));
   EXPECT_EQ(first.keyframes().size(), 2U);
   EXPECT_EQ(dump_of(second), dump_of(map));
-  EXPECT_NE(error_of([&] {
+  EXPECT_NE(test::error_of<FileError>([&] {
               MapDatabase other(file, MapAccess::read);
               other.revise({.statuses = {{0, EdgeStatus::revoked}}});
             }).find("readonly"),
@@ -176,22 +169,30 @@ TEST(MapDatabase, ReadersSeeWhatIsStoredWhileOneWrites) {
 
 TEST(MapDatabase, SaysWhatAFileIsThatIsNoMap) {
   const test::TemporaryFolder folder;
-  EXPECT_NE(error_of([&] {
+  EXPECT_NE(test::error_of<FileError>([&] {
               MapDatabase map(folder / "none.adit", MapAccess::read);
             }).find("there is no such file"),
             std::string::npos);
   const fs::path text = folder.write("text.adit", std::string(5000, 'x'));
-  EXPECT_NE(error_of([&] { MapDatabase map(text, MapAccess::read); }).find("not a database"),
+  EXPECT_NE(test::error_of<FileError>([&] {
+              MapDatabase map(text, MapAccess::read);
+            }).find("not a database"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { MapDatabase map(text, MapAccess::write); }).find("not a database"),
+  EXPECT_NE(test::error_of<FileError>([&] {
+              MapDatabase map(text, MapAccess::write);
+            }).find("not a database"),
             std::string::npos);
   const fs::path other = folder / "other.adit";
   SqliteDatabase(other, SqliteDatabase::Mode::create).execute("CREATE TABLE t(a)");
-  EXPECT_NE(error_of([&] { MapDatabase map(other, MapAccess::read); }).find("but no map"),
+  EXPECT_NE(test::error_of<FileError>([&] {
+              MapDatabase map(other, MapAccess::read);
+            }).find("but no map"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { MapDatabase map(other, MapAccess::write); }).find("but no map"),
+  EXPECT_NE(test::error_of<FileError>([&] {
+              MapDatabase map(other, MapAccess::write);
+            }).find("but no map"),
             std::string::npos);
-  EXPECT_NE(error_of([&] {
+  EXPECT_NE(test::error_of<FileError>([&] {
               MapDatabase map(folder / "no/map.adit", MapAccess::write);
             }).find("No such file or directory"),
             std::string::npos);
@@ -231,9 +232,10 @@ TEST(MapDatabase, AFileWhoseRunWasStoppedBeforeItHadBegunIsToldAndCanBeBegun) {
   const test::TemporaryFolder folder;
   const fs::path file = folder / "map.adit";
   { SqliteDatabase(file, SqliteDatabase::Mode::update).execute("PRAGMA journal_mode = WAL"); }
-  EXPECT_NE(
-      error_of([&] { MapDatabase map(file, MapAccess::read); }).find("stopped before it had begun"),
-      std::string::npos);
+  EXPECT_NE(test::error_of<FileError>([&] {
+              MapDatabase map(file, MapAccess::read);
+            }).find("stopped before it had begun"),
+            std::string::npos);
   MapDatabase map(file, MapAccess::write);
   EXPECT_EQ(test::add_session(map), 1);
   EXPECT_TRUE(map.check().empty());
@@ -248,7 +250,7 @@ TEST(MapDatabase, RefusesANewerSchemaAndLeavesItAsItIs) {
     raw.execute("PRAGMA user_version = 7");
   }
   for (const MapAccess access : {MapAccess::read, MapAccess::write}) {
-    const std::string error = error_of([&] { MapDatabase map(file, access); });
+    const std::string error = test::error_of<FileError>([&] { MapDatabase map(file, access); });
     EXPECT_NE(error.find("its schema is 7, this one knows up to 4"), std::string::npos) << error;
   }
 }

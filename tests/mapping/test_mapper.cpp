@@ -17,10 +17,10 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kSweeps = 40;
+constexpr std::size_t kMappedSweeps = 40;
 
 const test::SubmapDrive& drive() {
-  static const test::SubmapDrive street = test::submap_drive(kSweeps, 0.4);
+  static const test::SubmapDrive street = test::submap_drive(kMappedSweeps, 0.4);
   return street;
 }
 
@@ -67,11 +67,11 @@ TEST_F(MapperTest, EverySweepBelongsToExactlyOneKeyframe) {
     }
   }
   EXPECT_EQ(unbelieved, 3U);
-  ASSERT_EQ(owner.size(), kSweeps);
+  ASSERT_EQ(owner.size(), kMappedSweeps);
   for (const SweepPlaced& placed : mapped.sweeps) {
     EXPECT_EQ(owner.at(placed.result.stamp), placed.mapped->keyframe);
   }
-  EXPECT_EQ(mapped.report->sweeps, kSweeps);
+  EXPECT_EQ(mapped.report->sweeps, kMappedSweeps);
   EXPECT_EQ(mapped.report->keyframes, map.store().keyframes().size());
   EXPECT_GT(mapped.report->keyframes, 8U);
   EXPECT_LT(mapped.report->keyframes, 20U);
@@ -83,7 +83,7 @@ TEST_F(MapperTest, TheOdometryIsTheSameWithAndWithoutAMap) {
   const Run alone = run(drive().sweeps, test::submap_config(), nullptr);
   EXPECT_FALSE(alone.report);
   ASSERT_EQ(mapped.sweeps.size(), alone.sweeps.size());
-  for (std::size_t i = 0; i < kSweeps; ++i) {
+  for (std::size_t i = 0; i < kMappedSweeps; ++i) {
     EXPECT_FALSE(alone.sweeps[i].mapped);
     EXPECT_EQ(mapped.sweeps[i].result.T_map_lidar.matrix(),
               alone.sweeps[i].result.T_map_lidar.matrix());

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/tests/mapping/graph_support.hpp"
+#include "adit/tests/support/error_text.hpp"
 
 namespace adit {
 namespace {
@@ -21,16 +22,6 @@ PoseGraph graph_of(const std::vector<NodeId>& ids, bool planar = false) {
     graph.add_node({.id = id, .T_map_node = step(static_cast<double>(id))});
   }
   return graph;
-}
-
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const GraphError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(PoseGraph, KeepsNodesInOrderAndEdgesWithThemHoweverTheyCome) {
@@ -50,24 +41,28 @@ TEST(PoseGraph, KeepsNodesInOrderAndEdgesWithThemHoweverTheyCome) {
 
 TEST(PoseGraph, SaysWhatIsWrongWithANode) {
   PoseGraph graph = graph_of({1, 2});
-  EXPECT_EQ(error_of([&] { graph.add_node({.id = 1}); }), "node 1 is there already");
+  EXPECT_EQ(test::error_of<GraphError>([&] { graph.add_node({.id = 1}); }),
+            "node 1 is there already");
   PoseNode broken{.id = 3};
   broken.T_map_node.translation().y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(error_of([&] { graph.add_node(broken); }), "the pose of node 3 is not finite");
+  EXPECT_EQ(test::error_of<GraphError>([&] { graph.add_node(broken); }),
+            "the pose of node 3 is not finite");
   broken.T_map_node = step(1.0);
   broken.T_map_node.linear() *= 1.1;
-  EXPECT_EQ(error_of([&] { graph.add_node(broken); }), "the pose of node 3 holds no rotation");
+  EXPECT_EQ(test::error_of<GraphError>([&] { graph.add_node(broken); }),
+            "the pose of node 3 holds no rotation");
   PoseGraph plane(true);
   PoseNode above{.id = 1};
   above.T_map_node.translation().z() = 0.1;
-  EXPECT_NE(error_of([&] { plane.add_node(above); }).find("not in the plane"), std::string::npos);
-  EXPECT_EQ(error_of([&] { graph.index_of(8); }), "there is no node 8");
+  EXPECT_NE(test::error_of<GraphError>([&] { plane.add_node(above); }).find("not in the plane"),
+            std::string::npos);
+  EXPECT_EQ(test::error_of<GraphError>([&] { graph.index_of(8); }), "there is no node 8");
 }
 
 TEST(PoseGraph, SaysWhatIsWrongWithAnEdge) {
   PoseGraph graph = graph_of({1, 2});
   const auto error_with = [&](const PoseEdge& wrong) {
-    return error_of([&] { graph.add_edge(wrong); });
+    return test::error_of<GraphError>([&] { graph.add_edge(wrong); });
   };
   EXPECT_EQ(error_with(edge(1, 4, step(1.0))),
             "the edge from 1 to 4 names node 4, which does not exist");

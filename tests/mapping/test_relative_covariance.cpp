@@ -15,13 +15,6 @@ namespace {
 using test::edge;
 using test::step;
 
-Matrix6d covariance(double translation, double rotation) {
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(translation * translation),
-      Eigen::Vector3d::Constant(rotation * rotation);
-  return variances.asDiagonal();
-}
-
 PoseEdge known_edge(NodeId from, NodeId to, const Eigen::Isometry3d& T_from_to,
                     const Matrix6d& known) {
   PoseEdge result = edge(from, to, T_from_to);
@@ -34,8 +27,8 @@ double largest(const Matrix6d& matrix) {
 }
 
 TEST(RelativeCovariance, AnEdgesCovarianceIsTheInverseOfItsInformationWhereItHasSome) {
-  PoseEdge known = known_edge(0, 1, step(1.0), covariance(0.03, 0.002));
-  EXPECT_LT(largest(covariance_of(known) - covariance(0.03, 0.002)), 1e-12);
+  PoseEdge known = known_edge(0, 1, step(1.0), test::diagonal_covariance(0.03, 0.002));
+  EXPECT_LT(largest(covariance_of(known) - test::diagonal_covariance(0.03, 0.002)), 1e-12);
   known.information(0, 0) = 0.0;
   const Matrix6d half = covariance_of(known);
   EXPECT_NEAR(half(0, 0), 100.0, 1e-9) << "10 m in a direction without information";
@@ -53,7 +46,8 @@ TEST(RelativeCovariance, AlongAChainItIsTheCompositionOfTheEdges) {
     if (id < 4) {
       const Eigen::Isometry3d way = step(1.5, 0.3 * static_cast<double>(id));
       edges.push_back(
-          known_edge(id, id + 1, way, covariance(0.02 * (1.0 + static_cast<double>(id)), 0.01)));
+          known_edge(id, id + 1, way,
+                     test::diagonal_covariance(0.02 * (1.0 + static_cast<double>(id)), 0.01)));
       pose = pose * way;
     }
   }
@@ -84,7 +78,7 @@ TEST(RelativeCovariance, IsWhatManyDrawnChainsScatterBy) {
     }
     return Vector6d(known.llt().matrixL() * xi);
   };
-  const Matrix6d known = covariance(0.02, 0.004);
+  const Matrix6d known = test::diagonal_covariance(0.02, 0.004);
   const std::vector<Eigen::Isometry3d> ways = {step(4.0, 0.7), step(3.0, -1.2), step(5.0, 0.4)};
   PoseGraph graph;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -114,7 +108,7 @@ TEST(RelativeCovariance, IsWhatManyDrawnChainsScatterBy) {
 TEST(RelativeCovariance, TakesTheLeastUncertainPathAndItsLength) {
   // A short way that is hardly known, and a longer one that is well known.
   PoseGraph graph = test::line(3);
-  graph.add_edge(known_edge(0, 2, step(2.0), covariance(1.0, 0.2)));
+  graph.add_edge(known_edge(0, 2, step(2.0), test::diagonal_covariance(1.0, 0.2)));
   const auto places = relative_places(graph, 2);
   EXPECT_NEAR(places[0]->path, 2.0, 1e-12);
   EXPECT_LT(places[0]->covariance(0, 0), 0.1);

@@ -19,7 +19,7 @@
 namespace adit {
 namespace {
 
-constexpr NodeId kKeyframes = 8;
+constexpr NodeId kStored = 8;
 
 /// Points of a patch of 40 m by 40 m about a keyframe.
 KeyframeSubmap patch(NodeId id, std::size_t points) {
@@ -40,7 +40,7 @@ class SubmapsInMemory : public testing::Test {
  protected:
   SubmapsInMemory() : map_(folder_ / "map.adit", MapAccess::write) {
     const SessionId session = test::add_session(map_);
-    for (NodeId id = 0; id < kKeyframes; ++id) {
+    for (NodeId id = 0; id < kStored; ++id) {
       const double turn = 0.3 * static_cast<double>(id);
       const Eigen::Isometry3d pose = test::step(10.0 * static_cast<double>(id), 3.0) *
                                      Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ());

@@ -30,7 +30,7 @@ using test::bytes_of;
 using test::bytes_of_all;
 
 /// Runs the readers; aborts the test program where a sweep is not valid.
-void feed(const std::string& content) {
+void feed_clouds(const std::string& content) {
   // A copy of exactly this size, so that the address sanitizer sees a read beyond the end.
   const std::vector<uint8_t> exact(content.begin(), content.end());
   adit_fuzz_clouds(exact.data(), exact.size());
@@ -63,7 +63,7 @@ std::string timed_columns(int points) {
 }
 
 /// Small files of every kind the readers know.
-std::vector<std::string> seeds() {
+std::vector<std::string> cloud_seeds() {
   const std::string fields =
       "FIELDS x y z ring time\nSIZE 4 4 4 2 8\nTYPE F F F U F\nWIDTH 8\nHEIGHT 1\nPOINTS 8\nDATA ";
   const std::string rows = timed_rows(8);
@@ -98,7 +98,7 @@ std::vector<std::string> seeds() {
 }
 
 TEST(Mutations, SeedsAreValid) {
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : cloud_seeds()) {
     // One of them has a coordinate in whole metres.
     const CloudReading reading{.coordinate_scale = 1.0};
     const CloudFile cloud = seed.starts_with("ply") ? parse_ply("seed", seed, reading)
@@ -110,32 +110,33 @@ TEST(Mutations, SeedsAreValid) {
 TEST(Mutations, ElementsWithoutAnyPoint) {
   // Found by libFuzzer: an offset into an empty vector.
   for (const char* format : {"ascii", "binary_little_endian"}) {
-    feed("ply\nformat " + std::string(format) +
-         " 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty list ushort double "
-         "b\n"
-         "property float z\nproperty uint t\nend_header\n");
+    feed_clouds(
+        "ply\nformat " + std::string(format) +
+        " 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty list ushort double "
+        "b\n"
+        "property float z\nproperty uint t\nend_header\n");
   }
   for (const std::string& data : {std::string("ascii\n"), std::string("binary\n"),
                                   "binary_compressed\n" + std::string(8, '\0')}) {
-    feed("FIELDS x y z time\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 0\nHEIGHT 1\nDATA " + data);
+    feed_clouds("FIELDS x y z time\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 0\nHEIGHT 1\nDATA " + data);
   }
 }
 
 TEST(Mutations, FilesCutOffAtEveryByte) {
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : cloud_seeds()) {
     for (std::size_t size = 0; size < seed.size(); ++size) {
-      feed(seed.substr(0, size));
+      feed_clouds(seed.substr(0, size));
     }
   }
 }
 
 TEST(Mutations, EveryBitFlipped) {
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : cloud_seeds()) {
     for (std::size_t bit = 0; bit < 8 * seed.size(); ++bit) {
       std::string damaged = seed;
       damaged[bit / 8] =
           static_cast<char>(static_cast<unsigned char>(damaged[bit / 8]) ^ (1U << (bit % 8)));
-      feed(damaged);
+      feed_clouds(damaged);
     }
   }
 }
@@ -145,7 +146,7 @@ TEST(Mutations, SeveralBytesChangedMovedAndRepeated) {
   const auto below = [&](std::size_t n) {
     return static_cast<std::size_t>(random() % std::max<std::size_t>(n, 1));
   };
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : cloud_seeds()) {
     for (int round = 0; round < 3000; ++round) {
       std::string damaged = seed;
       for (std::size_t change = 0; change <= below(5); ++change) {
@@ -171,7 +172,7 @@ TEST(Mutations, SeveralBytesChangedMovedAndRepeated) {
           break;
         }
       }
-      feed(damaged);
+      feed_clouds(damaged);
     }
   }
 }
@@ -190,14 +191,14 @@ TEST(Mutations, NumbersInHeadersMadeHugeNegativeAndWrong) {
                                             "1e9",
                                             "nan",
                                             ""};
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : cloud_seeds()) {
     const std::size_t header = std::max(seed.find("DATA"), seed.find("end_header"));
     for (std::size_t at = 0; at < std::min(header, seed.size()); ++at) {
       if (seed[at] < '0' || seed[at] > '9') {
         continue;
       }
       for (const std::string& number : numbers) {
-        feed(std::string(seed).replace(at, 1, number));
+        feed_clouds(std::string(seed).replace(at, 1, number));
       }
     }
   }

@@ -26,7 +26,7 @@ namespace {
 /// Bags have 4000 of these at the start, which tell nothing.
 constexpr char kPadding = ' ';
 
-void feed(const std::string& content) {
+void feed_containers(const std::string& content) {
   const std::vector<uint8_t> exact(content.begin(), content.end());
   adit_fuzz_containers(exact.data(), exact.size());
 }
@@ -47,7 +47,7 @@ void write_small(MessageWriter& writer, Encoding encoding) {
   writer.close();
 }
 
-std::vector<std::string> seeds() {
+std::vector<std::string> container_seeds() {
   const test::TemporaryFolder folder;
   std::vector<std::string> seeds;
   const auto add_mcap = [&](const McapOptions& options, Encoding encoding) {
@@ -68,7 +68,7 @@ std::vector<std::string> seeds() {
 }
 
 TEST(ContainerMutations, EveryBitFlipped) {
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : container_seeds()) {
     for (std::size_t bit = 0; bit < 8 * seed.size(); ++bit) {
       if (seed[bit / 8] == kPadding) {
         continue;
@@ -76,13 +76,13 @@ TEST(ContainerMutations, EveryBitFlipped) {
       std::string damaged = seed;
       damaged[bit / 8] =
           static_cast<char>(static_cast<unsigned char>(damaged[bit / 8]) ^ (1U << (bit % 8)));
-      feed(damaged);
+      feed_containers(damaged);
     }
   }
 }
 
 TEST(ContainerMutations, NumbersMadeHuge) {
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : container_seeds()) {
     for (std::size_t at = 0; at + 8 <= seed.size(); ++at) {
       if (seed[at] == kPadding) {
         continue;
@@ -91,10 +91,10 @@ TEST(ContainerMutations, NumbersMadeHuge) {
         std::string damaged = seed;
         const auto begin = damaged.begin() + static_cast<long>(at);
         std::fill_n(begin, bytes, '\xff');
-        feed(damaged);
+        feed_containers(damaged);
         std::fill_n(begin, bytes - 1, '\0');
         begin[static_cast<long>(bytes) - 1] = '\x3f';
-        feed(damaged);
+        feed_containers(damaged);
       }
     }
   }
@@ -105,7 +105,7 @@ TEST(ContainerMutations, SeveralBytesChangedMovedAndRepeated) {
   const auto below = [&](std::size_t n) {
     return static_cast<std::size_t>(random() % std::max<std::size_t>(n, 1));
   };
-  for (const std::string& seed : seeds()) {
+  for (const std::string& seed : container_seeds()) {
     for (int round = 0; round < 3000; ++round) {
       std::string damaged = seed;
       for (std::size_t change = 0; change <= below(4); ++change) {
@@ -128,7 +128,7 @@ TEST(ContainerMutations, SeveralBytesChangedMovedAndRepeated) {
           break;
         }
       }
-      feed(damaged);
+      feed_containers(damaged);
     }
   }
 }

@@ -16,7 +16,7 @@ namespace {
 
 using test::World;
 
-constexpr double kPeriod = 1.5;  // m
+constexpr double kPillarPeriod = 1.5;  // m
 
 World corridor(bool pillars) {
   World world{.blocks = {{{-200, -3.5, 0}, {200, -2.5, 4}},
@@ -25,13 +25,13 @@ World corridor(bool pillars) {
               .poles = {}};
   for (int i = -60; pillars && i < 60; ++i) {
     for (const double y : {-2.5, 2.2}) {
-      world.blocks.push_back({{kPeriod * i, y, 0}, {kPeriod * i + 0.4, y + 0.3, 4}});
+      world.blocks.push_back({{kPillarPeriod * i, y, 0}, {kPillarPeriod * i + 0.4, y + 0.3, 4}});
     }
   }
   return world;
 }
 
-World room() {
+World small_room() {
   return {.blocks = {{{-7, -5, 0}, {-6, 5, 3}},
                      {{6, -5, 0}, {7, 5, 3}},
                      {{-6, -5, 0}, {6, -4, 3}},
@@ -76,7 +76,7 @@ class CompetingPosesTest : public test::DeviceTest {
 };
 
 TEST_F(CompetingPosesTest, ARoomHasOnePose) {
-  const Outcome found = run(room());
+  const Outcome found = run(small_room());
   ASSERT_EQ(found.result.status, RegistrationStatus::converged);
   EXPECT_FALSE(found.competing.has_value()) << "at " << found.competing->apart << " m";
 }
@@ -86,7 +86,7 @@ TEST_F(CompetingPosesTest, PillarsThatRepeatHaveOneAPeriodAway) {
   ASSERT_TRUE(is_usable(found.result.status)) << to_string(found.result.status);
   EXPECT_NEAR(found.result.T_target_source.translation().x(), 0.2, 0.03);
   ASSERT_TRUE(found.competing.has_value());
-  EXPECT_NEAR(std::abs(found.competing->apart), kPeriod, 0.05);
+  EXPECT_NEAR(std::abs(found.competing->apart), kPillarPeriod, 0.05);
 }
 
 TEST_F(CompetingPosesTest, ASmoothCorridorHasThemAnywhere) {

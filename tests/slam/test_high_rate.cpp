@@ -13,8 +13,8 @@
 namespace adit {
 namespace {
 
-constexpr ImuNoise kNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 1e-5, .accel_walk = 1e-4};
-const ImuBias kBias{{0.01, -0.02, 0.03}, {0.1, -0.05, 0.02}};
+constexpr ImuNoise kStreamNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 1e-5, .accel_walk = 1e-4};
+const ImuBias kStreamBias{{0.01, -0.02, 0.03}, {0.1, -0.05, 0.02}};
 
 StateVector sigma() {
   StateVector sigma;
@@ -27,14 +27,14 @@ StateVector sigma() {
 StateEstimate estimate_at(const test::WavyMotion& motion, double time,
                           const StateVector& error = StateVector::Zero()) {
   NavState state = motion.state(time);
-  state.bias = kBias;
+  state.bias = kStreamBias;
   return {.state = retract(state, error), .covariance = sigma().cwiseAbs2().asDiagonal()};
 }
 
 TEST(HighRate, FollowsTheMotionBetweenEstimates) {
   const test::WavyMotion motion = test::hand_held_motion();
-  HighRateOdometry odometry(kNoise, 0.0);
-  const auto samples = test::readings(motion, 0.0, 1.0, 1000.0, kBias);
+  HighRateOdometry odometry(kStreamNoise, 0.0);
+  const auto samples = test::readings(motion, 0.0, 1.0, 1000.0, kStreamBias);
   int given = 0;
   Nanoseconds last = Nanoseconds::min();
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -52,7 +52,7 @@ TEST(HighRate, FollowsTheMotionBetweenEstimates) {
     last = state->nav.stamp;
     EXPECT_EQ(state->nav.stamp, samples[i].stamp);
     NavState truth = motion.state(static_cast<double>(i) * 1e-3);
-    truth.bias = kBias;
+    truth.bias = kStreamBias;
     EXPECT_LE(difference(truth, state->nav).norm(), 2e-4) << i;
     EXPECT_LE(
         (state->angular_velocity - motion.sample(static_cast<double>(i) * 1e-3).angular_velocity)
@@ -64,7 +64,7 @@ TEST(HighRate, FollowsTheMotionBetweenEstimates) {
 
 TEST(HighRate, StampsThatDoNotRiseGiveNothing) {
   const test::WavyMotion motion = test::hand_held_motion();
-  HighRateOdometry odometry(kNoise, 0.0);
+  HighRateOdometry odometry(kStreamNoise, 0.0);
   odometry.correct(estimate_at(motion, 0.0));
   EXPECT_TRUE(odometry.add(motion.sample(0.0)));
   EXPECT_TRUE(odometry.add(motion.sample(0.01)));
@@ -77,22 +77,22 @@ TEST(HighRate, ItsCovarianceIsThatOfManyRuns) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const test::WavyMotion motion = test::hand_held_motion();
-  const auto clean = test::readings(motion, 0.3, 0.6, 200.0, kBias);
+  const auto clean = test::readings(motion, 0.3, 0.6, 200.0, kStreamBias);
   const int runs = 600;
   double nees = 0.0;
   for (int run = 0; run < runs; ++run) {
     auto samples = clean;
-    test::add_noise(samples, kNoise, 200.0, random);
+    test::add_noise(samples, kStreamNoise, 200.0, random);
     const StateVector error =
         sigma().cwiseProduct(StateVector::NullaryExpr([&] { return normal(random); }));
-    HighRateOdometry odometry(kNoise, 0.0);
+    HighRateOdometry odometry(kStreamNoise, 0.0);
     odometry.correct(estimate_at(motion, 0.3, error));
     std::optional<HighRateState> last;
     for (const ImuSample& sample : samples) {
       last = odometry.add(sample);
     }
     NavState truth = motion.state(0.6);
-    truth.bias = kBias;
+    truth.bias = kStreamBias;
     const StateVector off = difference(truth, last->nav);
     nees += off.dot(last->covariance.ldlt().solve(off)) / runs;
   }
@@ -102,9 +102,9 @@ TEST(HighRate, ItsCovarianceIsThatOfManyRuns) {
 
 TEST(HighRate, SmoothingSpreadsACorrectionAndEndsAtIt) {
   const test::WavyMotion motion = test::hand_held_motion();
-  const auto samples = test::readings(motion, 0.0, 0.3, 200.0, kBias);
+  const auto samples = test::readings(motion, 0.0, 0.3, 200.0, kStreamBias);
   const auto largest_step = [&](double smoothing) {
-    HighRateOdometry odometry(kNoise, smoothing);
+    HighRateOdometry odometry(kStreamNoise, smoothing);
     StateVector error = StateVector::Zero();
     error[0] = 0.05;
     odometry.correct(estimate_at(motion, 0.0, error));
@@ -131,8 +131,8 @@ TEST(HighRate, SmoothingSpreadsACorrectionAndEndsAtIt) {
 
 TEST(HighRate, AReadingCostsMicroseconds) {
   const test::WavyMotion motion = test::hand_held_motion();
-  const auto samples = test::readings(motion, 0.0, 2.0, 1000.0, kBias);
-  HighRateOdometry odometry(kNoise, 0.05);
+  const auto samples = test::readings(motion, 0.0, 2.0, 1000.0, kStreamBias);
+  HighRateOdometry odometry(kStreamNoise, 0.05);
   odometry.correct(estimate_at(motion, 0.0));
   const auto start = std::chrono::steady_clock::now();
   double sum = 0.0;

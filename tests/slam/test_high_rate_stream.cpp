@@ -12,18 +12,12 @@
 namespace adit {
 namespace {
 
-Eigen::Isometry3d T_body_lidar() {
-  Vector6d xi;
-  xi << 0.05, -0.02, 0.1, 0.0, 0.1, 0.7;
-  return se3_exp(xi);
-}
-
 InertialReport fused_at(const test::WavyMotion& motion, double time) {
   InertialReport report;
   report.state = InertialState::fused;
   report.nav = motion.state(time);
   report.nav_covariance = 1e-4 * StateMatrix::Identity();
-  report.T_body_lidar = T_body_lidar();
+  report.T_body_lidar = test::turned_mounting();
   return report;
 }
 
@@ -41,7 +35,8 @@ std::vector<LidarMotion> feed(HighRateStream& stream, const test::WavyMotion& mo
 }
 
 double error_of(const LidarMotion& given, const test::WavyMotion& motion) {
-  const Eigen::Isometry3d truth = motion.state(seconds(given.stamp)).T_map_body * T_body_lidar();
+  const Eigen::Isometry3d truth =
+      motion.state(seconds(given.stamp)).T_map_body * test::turned_mounting();
   return (truth.inverse() * given.T_map_lidar).translation().norm();
 }
 
@@ -168,7 +163,8 @@ TEST(HighRateStream, FollowsTheMountingThatWasRefined) {
   report.T_body_lidar.linear() = report.T_body_lidar.linear() * so3_exp({0.0, 0.0, 0.05});
   stream.update(report);
   const auto turned = [&](const LidarMotion& given) {
-    const Eigen::Isometry3d truth = motion.state(seconds(given.stamp)).T_map_body * T_body_lidar();
+    const Eigen::Isometry3d truth =
+        motion.state(seconds(given.stamp)).T_map_body * test::turned_mounting();
     return rotation_angle((truth.inverse() * given.T_map_lidar).linear());
   };
   EXPECT_NEAR(turned(feed(stream, motion, 0.205, 0.3).back()), 0.05, 2e-3);
@@ -184,7 +180,7 @@ TEST(HighRateStream, TheCovarianceOfTheLidarIsTheBodysPassedOn) {
     HighRateState moved = state;
     moved.nav = retract(state.nav, delta);
     moved.angular_velocity = reading - moved.nav.bias.gyro;
-    return lidar_motion(moved, T_body_lidar());
+    return lidar_motion(moved, test::turned_mounting());
   };
   const LidarMotion at = lidar_of(StateVector::Zero());
   using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -200,7 +196,7 @@ TEST(HighRateStream, TheCovarianceOfTheLidarIsTheBodysPassedOn) {
   state.covariance = root * root.transpose();
   state.angular_velocity = reading - state.nav.bias.gyro;
   const Matrix9d expected = jacobian * state.covariance * jacobian.transpose();
-  const Matrix9d found = lidar_motion(state, T_body_lidar()).covariance;
+  const Matrix9d found = lidar_motion(state, test::turned_mounting()).covariance;
   EXPECT_LE((found - expected).norm(), 1e-6 * expected.norm());
 }
 
@@ -210,7 +206,7 @@ class HighRateOfADrive : public test::DeviceTest {};
 std::vector<LidarMotion> follow(engine::Context& context, const test::MovingDrive& drive,
                                 double smoothing) {
   Config config = test::street_config();
-  config.imu.T_imu_lidar = numbers_of(T_body_lidar());
+  config.imu.T_imu_lidar = numbers_of(test::turned_mounting());
   Odometry odometry(context, config);
   HighRateStream stream(config.imu, smoothing);
   std::vector<LidarMotion> given;
@@ -231,13 +227,13 @@ std::vector<LidarMotion> follow(engine::Context& context, const test::MovingDriv
 
 TEST_F(HighRateOfADrive, PosesAgreeWithTheTruthAndAreTheSameBytesTwice) {
   const test::WavyMotion motion = test::walk(1.5, 0.3);
-  const test::MovingDrive drive =
-      test::moving_drive(test::make_street(30.0), motion, T_body_lidar(), test::Lidar{}, 50);
+  const test::MovingDrive drive = test::moving_drive(test::make_street(30.0), motion,
+                                                     test::turned_mounting(), test::Lidar{}, 50);
   for (const double smoothing : {0.0, 0.05}) {
     const auto given = follow(context(), drive, smoothing);
     ASSERT_GT(given.size(), 600U);
     const auto truth_at = [&](Nanoseconds stamp) {
-      return Eigen::Isometry3d(motion.state(seconds(stamp)).T_map_body * T_body_lidar());
+      return Eigen::Isometry3d(motion.state(seconds(stamp)).T_map_body * test::turned_mounting());
     };
     const size_t first = given.size() / 3;
     double sum = 0.0;

@@ -14,17 +14,17 @@ namespace {
 
 using test::WavyMotion;
 
-constexpr ImuNoise kNoise{.gyro = 2e-4, .accel = 2e-3, .gyro_walk = 1e-5, .accel_walk = 1e-4};
-constexpr double kRate = 200.0;
-const ImuBias kBias{{0.01, -0.03, 0.02}, {0.0, 0.0, 0.0}};
+constexpr ImuNoise kStartNoise{.gyro = 2e-4, .accel = 2e-3, .gyro_walk = 1e-5, .accel_walk = 1e-4};
+constexpr double kStartRate = 200.0;
+const ImuBias kStartBias{{0.01, -0.03, 0.02}, {0.0, 0.0, 0.0}};
 
 /// Standing still, tilted by 0.2 and -0.3 rad.
 std::vector<ImuSample> at_rest(double duration, double accel_scale = 1.0) {
   const WavyMotion motion{.position = {},
                           .angles = {{{0.2, 0.0, M_PI_2, 0.0}, {-0.3, 0.0, M_PI_2, 0.0}, {}}}};
   std::mt19937_64 random(1);
-  std::vector<ImuSample> samples = test::readings(motion, 0.0, duration, kRate, kBias);
-  test::add_noise(samples, kNoise, kRate, random);
+  std::vector<ImuSample> samples = test::readings(motion, 0.0, duration, kStartRate, kStartBias);
+  test::add_noise(samples, kStartNoise, kStartRate, random);
   return with_accel_scale(samples, accel_scale);
 }
 
@@ -35,16 +35,12 @@ Eigen::Vector3d tilted_up() {
          Eigen::Vector3d::UnitZ();
 }
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 TEST(ImuStart, AtRestGravityAndGyroBiasAreTheMeans) {
-  const ImuStart start = start_at_rest(at_rest(2.0), kNoise);
+  const ImuStart start = start_at_rest(at_rest(2.0), kStartNoise);
   ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
-  EXPECT_LE(angle_between(start.up_body, tilted_up()), 1e-3);
-  EXPECT_LE((start.bias.gyro - kBias.gyro).norm(), 1e-3);
-  EXPECT_LE((start.bias.gyro - kBias.gyro).cwiseAbs().maxCoeff(),
+  EXPECT_LE(test::angle_between(start.up_body, tilted_up()), 1e-3);
+  EXPECT_LE((start.bias.gyro - kStartBias.gyro).norm(), 1e-3);
+  EXPECT_LE((start.bias.gyro - kStartBias.gyro).cwiseAbs().maxCoeff(),
             4.0 * start.bias_sigma.gyro.maxCoeff());
   EXPECT_EQ(start.accel_scale, 1.0);
   const auto& how = std::get<StartedAtRest>(start.reason);
@@ -54,7 +50,7 @@ TEST(ImuStart, AtRestGravityAndGyroBiasAreTheMeans) {
 
 TEST(ImuStart, WhatGravityIsTooLongOrTooShortByIsABiasOfTheAccelerometer) {
   for (const double scale : {1.02, 0.98}) {
-    const ImuStart start = start_at_rest(at_rest(2.0, scale), kNoise);
+    const ImuStart start = start_at_rest(at_rest(2.0, scale), kStartNoise);
     ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
     EXPECT_LE((start.bias.accel - (scale - 1.0) * kStandardGravity * tilted_up()).norm(), 1e-2)
         << scale;
@@ -62,7 +58,7 @@ TEST(ImuStart, WhatGravityIsTooLongOrTooShortByIsABiasOfTheAccelerometer) {
 }
 
 TEST(ImuStart, FewSpikesDoNotHideThatItRestsAndManyDo) {
-  const ImuStart clean = start_at_rest(at_rest(2.0), kNoise);
+  const ImuStart clean = start_at_rest(at_rest(2.0), kStartNoise);
   ASSERT_EQ(clean.status, ImuStartStatus::at_rest);
   for (const auto& [every, rests] : {std::pair{20, true}, std::pair{5, false}}) {
     std::vector<ImuSample> samples = at_rest(2.0);
@@ -70,25 +66,25 @@ TEST(ImuStart, FewSpikesDoNotHideThatItRestsAndManyDo) {
       samples[i].angular_velocity.y() += 7.0;
       samples[i].linear_acceleration.z() -= 60.0;
     }
-    const ImuStart start = start_at_rest(samples, kNoise);
+    const ImuStart start = start_at_rest(samples, kStartNoise);
     EXPECT_EQ(start.status == ImuStartStatus::at_rest, rests) << every;
     if (rests) {
       EXPECT_LT((start.bias.gyro - clean.bias.gyro).norm(), 1e-3);
-      EXPECT_LT(angle_between(start.up_body, clean.up_body), 1e-3);
+      EXPECT_LT(test::angle_between(start.up_body, clean.up_body), 1e-3);
     }
   }
 }
 
 TEST(ImuStart, AnAccelerometerInGIsUnderstood) {
-  const ImuStart start = start_at_rest(at_rest(2.0, 1.0 / kStandardGravity), kNoise);
+  const ImuStart start = start_at_rest(at_rest(2.0, 1.0 / kStandardGravity), kStartNoise);
   ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
   EXPECT_EQ(start.accel_scale, kStandardGravity);
-  EXPECT_LE(angle_between(start.up_body, tilted_up()), 1e-3);
+  EXPECT_LE(test::angle_between(start.up_body, tilted_up()), 1e-3);
   EXPECT_TRUE(std::get<StartedAtRest>(start.reason).in_g);
 }
 
 TEST(ImuStart, AnotherUnitIsRefusedWithWhatWasRead) {
-  const ImuStart start = start_at_rest(at_rest(2.0, 0.4), kNoise);
+  const ImuStart start = start_at_rest(at_rest(2.0, 0.4), kStartNoise);
   EXPECT_EQ(start.status, ImuStartStatus::implausible);
   const auto& found = std::get<NoGravityAtRest>(start.reason);
   EXPECT_NEAR(found.reading, 0.4 * kStandardGravity, 0.01);
@@ -96,7 +92,7 @@ TEST(ImuStart, AnotherUnitIsRefusedWithWhatWasRead) {
 }
 
 TEST(ImuStart, AnErrorOfScaleIsToldWithWhatMendsIt) {
-  const ImuStart start = start_at_rest(at_rest(2.0, 1.25), kNoise);
+  const ImuStart start = start_at_rest(at_rest(2.0, 1.25), kStartNoise);
   EXPECT_EQ(start.status, ImuStartStatus::implausible);
   const auto& found = std::get<NoGravityAtRest>(start.reason);
   ASSERT_TRUE(found.scale);
@@ -104,15 +100,15 @@ TEST(ImuStart, AnErrorOfScaleIsToldWithWhatMendsIt) {
 }
 
 TEST(ImuStart, AShortOrMovingStartIsRefusedWithTheReason) {
-  EXPECT_EQ(start_at_rest({}, kNoise).status, ImuStartStatus::too_short);
-  const ImuStart brief = start_at_rest(at_rest(0.3), kNoise);
+  EXPECT_EQ(start_at_rest({}, kStartNoise).status, ImuStartStatus::too_short);
+  const ImuStart brief = start_at_rest(at_rest(0.3), kStartNoise);
   EXPECT_EQ(brief.status, ImuStartStatus::too_short);
   const auto& few = std::get<TooFewReadings>(brief.reason);
   EXPECT_NEAR(few.duration, 0.3, 0.01);
   EXPECT_GT(few.readings, few.needed);
   EXPECT_EQ(few.needed_duration, 0.5);
   const ImuStart moving =
-      start_at_rest(test::readings(test::hand_held_motion(), 0.0, 2.0, kRate), kNoise);
+      start_at_rest(test::readings(test::hand_held_motion(), 0.0, 2.0, kStartRate), kStartNoise);
   EXPECT_EQ(moving.status, ImuStartStatus::not_at_rest);
   const auto& unsteady = std::get<NotAtRest>(moving.reason);
   EXPECT_GT(unsteady.gyro, unsteady.gyro_limit);
@@ -122,14 +118,14 @@ TEST(ImuStart, AShortOrMovingStartIsRefusedWithTheReason) {
 
 TEST(ImuStart, ASteadyTurnIsNoBias) {
   const WavyMotion turning{.position = {}, .angles = {{{}, {}, {0.0, 0.0, 0.0, 0.5}}}};
-  const ImuStart start = start_at_rest(test::readings(turning, 0.0, 2.0, kRate), kNoise);
+  const ImuStart start = start_at_rest(test::readings(turning, 0.0, 2.0, kStartRate), kStartNoise);
   EXPECT_EQ(start.status, ImuStartStatus::not_at_rest);
   EXPECT_NEAR(std::get<SteadyTurn>(start.reason).rate, 0.5, 1e-3);
 }
 
 TEST(ImuStart, ASlowTiltIsNotAtRestThoughItsRatesAreSmall) {
   const WavyMotion tilting{.position = {}, .angles = {{{}, {0.0, 0.0, 0.0, 0.015}, {}}}};
-  const ImuStart start = start_at_rest(test::readings(tilting, 0.0, 2.0, kRate), kNoise);
+  const ImuStart start = start_at_rest(test::readings(tilting, 0.0, 2.0, kStartRate), kStartNoise);
   EXPECT_EQ(start.status, ImuStartStatus::not_at_rest);
 }
 
@@ -149,17 +145,18 @@ TEST(ImuStart, LevelAttitudesTurnUpIntoZAndNothingAboutIt) {
   EXPECT_LE((level_attitude(Eigen::Vector3d::UnitZ()) - Eigen::Matrix3d::Identity()).norm(), 1e-15);
 }
 
-struct Drive {
+struct StartDrive {
   std::vector<StampedPose> poses;
   std::vector<std::vector<ImuSample>> readings;
 };
 
 /// Poses at 10 Hz from `begin` with errors of 1 cm and 2 mrad, and readings with biases between.
-Drive drive(const WavyMotion& motion, double begin, int poses, double accel_scale, uint64_t seed) {
+StartDrive drive(const WavyMotion& motion, double begin, int poses, double accel_scale,
+                 uint64_t seed) {
   const ImuBias bias{{0.01, -0.03, 0.02}, {0.05, -0.02, 0.04}};
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  Drive result;
+  StartDrive result;
   for (int i = 0; i < poses; ++i) {
     const double t = begin + 0.1 * i;
     Vector6d error = Vector6d::NullaryExpr([&] { return normal(random); });
@@ -167,8 +164,8 @@ Drive drive(const WavyMotion& motion, double begin, int poses, double accel_scal
     error.tail<3>() *= 0.002;
     result.poses.push_back({test::at_seconds(t), retract(motion.state(t).T_map_body, error)});
     if (i + 1 < poses) {
-      std::vector<ImuSample> samples = test::readings(motion, t, t + 0.1, kRate, bias);
-      test::add_noise(samples, kNoise, kRate, random);
+      std::vector<ImuSample> samples = test::readings(motion, t, t + 0.1, kStartRate, bias);
+      test::add_noise(samples, kStartNoise, kStartRate, random);
       result.readings.push_back(with_accel_scale(samples, accel_scale));
     }
   }
@@ -183,17 +180,18 @@ TEST(ImuStart, InMotionGravityVelocityAndGyroBiasAreFound) {
   double worst_bias = 0.0;
   for (uint64_t seed = 0; seed < 20; ++seed) {
     const double begin = 0.17 * static_cast<double>(seed);
-    const Drive d = drive(motion, begin, 16, 1.0, seed);
-    const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+    const StartDrive d = drive(motion, begin, 16, 1.0, seed);
+    const ImuStart start = start_in_motion(d.poses, d.readings, kStartNoise);
     ASSERT_EQ(start.status, ImuStartStatus::in_motion) << to_string(start.status);
     const NavState truth = motion.state(begin + 1.5);
-    const double off = angle_between(start.gravity_map, motion.gravity);
+    const double off = test::angle_between(start.gravity_map, motion.gravity);
     EXPECT_LE(off, 4.0 * start.gravity_sigma) << "seed " << seed;
     worst_gravity = std::max(worst_gravity, off);
     worst_velocity = std::max(worst_velocity, (start.v_map_body - truth.v_map_body).norm());
-    worst_bias = std::max(worst_bias, (start.bias.gyro - kBias.gyro).norm());
-    EXPECT_LE(angle_between(start.up_body, truth.T_map_body.linear().transpose() * -motion.gravity),
-              worst_gravity + 0.01);
+    worst_bias = std::max(worst_bias, (start.bias.gyro - kStartBias.gyro).norm());
+    EXPECT_LE(
+        test::angle_between(start.up_body, truth.T_map_body.linear().transpose() * -motion.gravity),
+        worst_gravity + 0.01);
   }
   EXPECT_LE(worst_gravity, 0.03);
   EXPECT_LE(worst_velocity, 0.15);
@@ -203,8 +201,8 @@ TEST(ImuStart, InMotionGravityVelocityAndGyroBiasAreFound) {
 TEST(ImuStart, InMotionTheUnitAndTheSignAreFound) {
   const WavyMotion motion = test::hand_held_motion();
   for (const double expected : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
-    const Drive d = drive(motion, 0.4, 16, 1.0 / expected, 7);
-    const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+    const StartDrive d = drive(motion, 0.4, 16, 1.0 / expected, 7);
+    const ImuStart start = start_in_motion(d.poses, d.readings, kStartNoise);
     ASSERT_EQ(start.status, ImuStartStatus::in_motion) << to_string(start.status);
     EXPECT_EQ(start.accel_scale, expected);
     const auto& how = std::get<StartedInMotion>(start.reason);
@@ -212,20 +210,21 @@ TEST(ImuStart, InMotionTheUnitAndTheSignAreFound) {
     EXPECT_EQ(how.in_g, std::abs(expected) != 1.0);
     EXPECT_EQ(how.negative, expected < 0.0);
     EXPECT_EQ(how.usual_error > 1.0, how.negative);
-    EXPECT_LE(angle_between(start.gravity_map, motion.gravity), 0.03) << to_string(start.status);
+    EXPECT_LE(test::angle_between(start.gravity_map, motion.gravity), 0.03)
+        << to_string(start.status);
   }
 }
 
 TEST(ImuStart, InMotionAWrongUnitIsRefused) {
-  const Drive d = drive(test::hand_held_motion(), 0.4, 16, 0.4, 7);
-  const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+  const StartDrive d = drive(test::hand_held_motion(), 0.4, 16, 0.4, 7);
+  const ImuStart start = start_in_motion(d.poses, d.readings, kStartNoise);
   EXPECT_EQ(start.status, ImuStartStatus::implausible) << to_string(start.status);
   EXPECT_NEAR(std::get<NoGravityInMotion>(start.reason).gravity, 0.4 * kStandardGravity, 0.5);
 }
 
 TEST(ImuStart, FewPosesAreTooShort) {
-  const Drive d = drive(test::hand_held_motion(), 0.4, 4, 1.0, 7);
-  const ImuStart start = start_in_motion(d.poses, d.readings, kNoise);
+  const StartDrive d = drive(test::hand_held_motion(), 0.4, 4, 1.0, 7);
+  const ImuStart start = start_in_motion(d.poses, d.readings, kStartNoise);
   EXPECT_EQ(start.status, ImuStartStatus::too_short);
   EXPECT_EQ(std::get<TooFewPoses>(start.reason).poses, 4U);
   EXPECT_EQ(std::get<TooFewPoses>(start.reason).needed, 6U);

@@ -15,10 +15,10 @@
 namespace adit {
 namespace {
 
-constexpr ImuNoise kNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 1e-5, .accel_walk = 1e-4};
+constexpr ImuNoise kFactorNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 1e-5, .accel_walk = 1e-4};
 constexpr double kRelative = 1e-6;
 
-class Random {
+class RandomStates {
  public:
   double number() { return normal_(engine_); }
   StateVector tangent(double pose, double velocity, double bias) {
@@ -47,12 +47,12 @@ void expect_same(const Matrix& analytic, const Matrix& numeric, const char* what
 }
 
 TEST(InertialFactors, ImuJacobiansEqualNumericalDifferentiation) {
-  Random random;
+  RandomStates random;
   const test::WavyMotion motion = test::hand_held_motion();
   for (int run = 0; run < 20; ++run) {
     const double begin = 0.1 * run;
     const auto between =
-        preintegrate(test::readings(motion, begin, begin + 0.1, 100.0), {}, kNoise);
+        preintegrate(test::readings(motion, begin, begin + 0.1, 100.0), {}, kFactorNoise);
     // Far from where the factor is zero, and with biases that are not those integrated with.
     const NavState from = retract(motion.state(begin), random.tangent(0.3, 0.3, 0.01));
     const NavState to = retract(motion.state(begin + 0.1), random.tangent(0.3, 0.3, 0.01));
@@ -71,7 +71,7 @@ TEST(InertialFactors, TheImuResidualIsZeroAtThePredictionAndWhite) {
   NavState from = motion.state(0.3);
   from.bias = {{0.002, -0.001, 0.003}, {0.02, 0.01, -0.03}};
   const auto samples = test::readings(motion, 0.3, 0.4, 200.0);
-  const Preintegration between = preintegrate(samples, {}, kNoise);
+  const Preintegration between = preintegrate(samples, {}, kFactorNoise);
   const NavState to = predict(from, between);
   EXPECT_LE(imu_factor(between, from, to).residual.norm(), 1e-6);
 
@@ -79,8 +79,8 @@ TEST(InertialFactors, TheImuResidualIsZeroAtThePredictionAndWhite) {
   double squares = 0.0;
   for (int run = 0; run < 500; ++run) {
     auto noisy = samples;
-    test::add_noise(noisy, kNoise, 200.0, engine);
-    const Preintegration sum = preintegrate(noisy, {}, kNoise);
+    test::add_noise(noisy, kFactorNoise, 200.0, engine);
+    const Preintegration sum = preintegrate(noisy, {}, kFactorNoise);
     squares += imu_factor(sum, from, to).residual.squaredNorm() / 500;
   }
   EXPECT_NEAR(squares, 9.0, 0.8);
@@ -88,37 +88,38 @@ TEST(InertialFactors, TheImuResidualIsZeroAtThePredictionAndWhite) {
 
 TEST(InertialFactors, AnImuFactorOfASingleStepIsRegular) {
   const test::WavyMotion motion = test::hand_held_motion();
-  const auto between = preintegrate(test::readings(motion, 0.0, 0.01, 100.0), {}, kNoise);
+  const auto between = preintegrate(test::readings(motion, 0.0, 0.01, 100.0), {}, kFactorNoise);
   const LinkFactor<9> factor = imu_factor(between, motion.state(0.0), motion.state(0.01));
   EXPECT_TRUE(factor.residual.allFinite() && factor.by_from.allFinite());
 }
 
 TEST(InertialFactors, WalkJacobiansEqualNumericalDifferentiation) {
-  Random random;
+  RandomStates random;
   constexpr double kGravityWalk = 1e-3;
   const NavState from = retract(NavState{}, random.tangent(1.0, 1.0, 0.1));
   const NavState to = retract(NavState{}, random.tangent(1.0, 1.0, 0.1));
-  const LinkFactor<9> factor = walk_factor(kNoise, kGravityWalk, 0.1, from, to);
+  const LinkFactor<9> factor = walk_factor(kFactorNoise, kGravityWalk, 0.1, from, to);
   EXPECT_NEAR(factor.residual[1],
-              (to.bias.gyro - from.bias.gyro).y() / (kNoise.gyro_walk * std::sqrt(0.1)), 1e-9);
+              (to.bias.gyro - from.bias.gyro).y() / (kFactorNoise.gyro_walk * std::sqrt(0.1)),
+              1e-9);
   NavState tilted = from;
   tilted.gravity_map = turned(from.gravity_map, {0.001, 0.0});
-  EXPECT_NEAR(walk_factor(kNoise, kGravityWalk, 1.0, from, tilted).residual.tail<3>().norm(), 1.0,
-              1e-6);
+  EXPECT_NEAR(walk_factor(kFactorNoise, kGravityWalk, 1.0, from, tilted).residual.tail<3>().norm(),
+              1.0, 1e-6);
   expect_same<Eigen::Matrix<double, 9, kStateSize>>(
       factor.by_from, test::numerical_jacobian<9, kStateSize>([&](const StateVector& d) {
-        return walk_factor(kNoise, kGravityWalk, 0.1, retract(from, d), to).residual;
+        return walk_factor(kFactorNoise, kGravityWalk, 0.1, retract(from, d), to).residual;
       }),
       "walk by from");
   expect_same<Eigen::Matrix<double, 9, kStateSize>>(
       factor.by_to, test::numerical_jacobian<9, kStateSize>([&](const StateVector& d) {
-        return walk_factor(kNoise, kGravityWalk, 0.1, from, retract(to, d)).residual;
+        return walk_factor(kFactorNoise, kGravityWalk, 0.1, from, retract(to, d)).residual;
       }),
       "walk by to");
 }
 
 /// An alignment that holds all directions but those along `unknown` (lidar axes), if not zero.
-RegistrationResult alignment(Random& random, const Eigen::Vector3d& unknown) {
+RegistrationResult alignment(RandomStates& random, const Eigen::Vector3d& unknown) {
   RegistrationResult result;
   result.T_target_source = retract(Eigen::Isometry3d::Identity(),
                                    Vector6d::NullaryExpr([&] { return random.number(); }));
@@ -144,7 +145,7 @@ Eigen::Isometry3d mounting() {
 }
 
 TEST(InertialFactors, PoseJacobiansEqualNumericalDifferentiation) {
-  Random random;
+  RandomStates random;
   for (int run = 0; run < 20; ++run) {
     const PoseMeasurement measurement =
         measured_pose(alignment(random, Eigen::Vector3d(run % 2, 0.0, 0.0)), kModel, mounting());
@@ -161,7 +162,7 @@ TEST(InertialFactors, PoseJacobiansEqualNumericalDifferentiation) {
 }
 
 TEST(InertialFactors, AMeasuredPoseHasTheCovarianceOfItsModel) {
-  Random random;
+  RandomStates random;
   const RegistrationResult result = alignment(random, Eigen::Vector3d::Zero());
   const Matrix6d of_lidar = covariance(result, kModel);
   const Matrix6d to_body = adjoint(mounting());
@@ -176,7 +177,7 @@ TEST(InertialFactors, AMeasuredPoseHasTheCovarianceOfItsModel) {
 }
 
 TEST(InertialFactors, ADirectionThatNoMatchHoldsCarriesNothing) {
-  Random random;
+  RandomStates random;
   const Eigen::Vector3d axis(1.0, 0.0, 0.0);
   const RegistrationResult result = alignment(random, axis);
   const PoseMeasurement measurement = measured_pose(result, kModel, mounting());
@@ -191,7 +192,7 @@ TEST(InertialFactors, ADirectionThatNoMatchHoldsCarriesNothing) {
 }
 
 TEST(InertialFactors, PriorJacobiansEqualNumericalDifferentiation) {
-  Random random;
+  RandomStates random;
   for (int run = 0; run < 20; ++run) {
     StatePrior prior;
     prior.origin = retract(NavState{}, random.tangent(1.0, 1.0, 0.1));
@@ -207,7 +208,7 @@ TEST(InertialFactors, PriorJacobiansEqualNumericalDifferentiation) {
 }
 
 TEST(InertialFactors, APriorIsTheQuadraticItIsMadeOf) {
-  Random random;
+  RandomStates random;
   const NavState state = retract(NavState{}, random.tangent(1.0, 1.0, 0.1));
   const StateMatrix a = StateMatrix::NullaryExpr([&] { return random.number(); });
   StateVector units = StateVector::Ones();

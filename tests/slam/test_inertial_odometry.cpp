@@ -18,15 +18,9 @@ using test::MovingDrive;
 
 class InertialOdometry : public test::DeviceTest {};
 
-Eigen::Isometry3d T_body_lidar() {
-  Vector6d xi;
-  xi << 0.05, -0.02, 0.1, 0.0, 0.1, 0.7;
-  return se3_exp(xi);
-}
-
 Config walking_config() {
   Config config = test::street_config();
-  config.imu.T_imu_lidar = numbers_of(T_body_lidar());
+  config.imu.T_imu_lidar = numbers_of(test::turned_mounting());
   return config;
 }
 
@@ -83,7 +77,7 @@ size_t failures(const std::vector<SweepResult>& results) {
 
 TEST_F(InertialOdometry, ASwingingSensorIsFollowedToCentimetres) {
   const MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.5, 0.3),
-                                               T_body_lidar(), test::Lidar{}, 60);
+                                               test::turned_mounting(), test::Lidar{}, 60);
   Config config = walking_config();
   const auto with_imu = place_all(context(), drive, config);
   config.imu.use = false;
@@ -103,7 +97,7 @@ TEST_F(InertialOdometry, ASteadyDriveIsDeskewedAtConstantVelocityAsWell) {
   const test::WavyMotion bend{.position = {{{0.0, 0.0, 0.0, 8.0}, {0.0, 0.0, 0.0, 0.5}, {}}},
                               .angles = {{{}, {}, {0.0, 0.0, 0.0, 0.2}}}};
   const MovingDrive drive =
-      test::moving_drive(test::make_street(60.0), bend, T_body_lidar(), test::Lidar{}, 40);
+      test::moving_drive(test::make_street(60.0), bend, test::turned_mounting(), test::Lidar{}, 40);
   Config config = walking_config();
   config.imu.use = false;
   const auto moved = place_all(context(), drive, config);
@@ -117,34 +111,30 @@ TEST_F(InertialOdometry, ASteadyDriveIsDeskewedAtConstantVelocityAsWell) {
   EXPECT_LT(errors_of(moved, drive).rms, errors_of(skewed, drive).rms);
 }
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 TEST_F(InertialOdometry, TheMapIsLevel) {
   const test::WavyMotion glide{
       .position = {{{0.0, 0.0, 0.0, 1.0}, {}, {}}},
       .angles = {{{0.05, 0.3, 0.9, 0.0}, {0.04, 0.4, 1.3, 0.0}, {0.2, 0.2, 0.0, 0.0}}}};
-  const MovingDrive drive =
-      test::moving_drive(test::make_street(30.0), glide, T_body_lidar(), test::Lidar{}, 20);
+  const MovingDrive drive = test::moving_drive(test::make_street(30.0), glide,
+                                               test::turned_mounting(), test::Lidar{}, 20);
   const auto results = place_all(context(), drive, walking_config());
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   // Up in the lidar's frame, by the estimate and by the truth: off by what the accelerometer's bias
   // tilts it.
-  EXPECT_LE(angle_between(results[0].T_map_lidar.linear().transpose() * up,
-                          drive.truth[0].pose.linear().transpose() * up),
+  EXPECT_LE(test::angle_between(results[0].T_map_lidar.linear().transpose() * up,
+                                drive.truth[0].pose.linear().transpose() * up),
             0.02);
   const SweepResult& last = results.back();
   ASSERT_EQ(last.inertial.state, InertialState::fused);
-  EXPECT_LE(angle_between(last.T_map_lidar.linear().transpose() * -last.inertial.gravity_map,
-                          drive.truth.back().pose.linear().transpose() * up),
+  EXPECT_LE(test::angle_between(last.T_map_lidar.linear().transpose() * -last.inertial.gravity_map,
+                                drive.truth.back().pose.linear().transpose() * up),
             0.05);
 }
 
 // A hand that swings the sensor by two radians a second.
 TEST_F(InertialOdometry, FastSwingsAreNotLost) {
   const MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.2, 0.5),
-                                               T_body_lidar(), test::Lidar{}, 60);
+                                               test::turned_mounting(), test::Lidar{}, 60);
   Config config = walking_config();
   const auto with_imu = place_all(context(), drive, config);
   config.imu.use = false;
@@ -158,7 +148,7 @@ TEST_F(InertialOdometry, FastSwingsAreNotLost) {
 
 TEST_F(InertialOdometry, SweepsWithoutPointsAreBridgedByInertia) {
   MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.5, 0.3),
-                                         T_body_lidar(), test::Lidar{}, 45);
+                                         test::turned_mounting(), test::Lidar{}, 45);
   for (size_t i = 30; i < 35; ++i) {
     drive.sweeps[i].points.assign(drive.sweeps[i].points.size(), {});
   }
@@ -175,7 +165,7 @@ TEST_F(InertialOdometry, SweepsWithoutPointsAreBridgedByInertia) {
 
 TEST_F(InertialOdometry, TheSameInputGivesTheSameBytes) {
   const MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.5, 0.3),
-                                               T_body_lidar(), test::Lidar{}, 25);
+                                               test::turned_mounting(), test::Lidar{}, 25);
   const auto a = place_all(context(), drive, walking_config());
   const auto b = place_all(context(), drive, walking_config());
   for (size_t i = 0; i < a.size(); ++i) {

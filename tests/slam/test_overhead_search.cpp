@@ -14,7 +14,7 @@
 namespace adit {
 namespace {
 
-constexpr double kStep = 0.5;  // m
+constexpr double kSearchStep = 0.5;  // m
 
 /// Ground of 60 x 60 m at z = -1.8 and walls on it that no turn or shift brings upon each other.
 std::vector<Eigen::Vector3d> yard() {
@@ -57,14 +57,15 @@ Eigen::Isometry3d flat_pose(double x, double y, double z, double degrees) {
 
 TEST(OverheadSearch, FindsEveryHeadingAndShiftWithinWhatAnAlignmentForgives) {
   const std::vector<Eigen::Vector3d> points = yard();
-  const OverheadView a = overhead_view(seen_from(points, Eigen::Isometry3d::Identity()), kStep);
+  const OverheadView a =
+      overhead_view(seen_from(points, Eigen::Isometry3d::Identity()), kSearchStep);
   Random random(3);
   for (int i = 0; i < 12; ++i) {
     const Eigen::Isometry3d truth =
         flat_pose(random.uniform(-15.0, 15.0), random.uniform(-15.0, 15.0),
                   random.uniform(-3.0, 3.0), random.uniform(-180.0, 180.0));
     const std::vector<Eigen::Isometry3d> found =
-        find_overhead_poses(a, overhead_view(seen_from(points, truth), kStep));
+        find_overhead_poses(a, overhead_view(seen_from(points, truth), kSearchStep));
     ASSERT_FALSE(found.empty());
     const Eigen::Isometry3d off = truth.inverse() * found.front();
     EXPECT_LT(off.translation().norm(), 1.5) << i;
@@ -74,7 +75,7 @@ TEST(OverheadSearch, FindsEveryHeadingAndShiftWithinWhatAnAlignmentForgives) {
 
 TEST(OverheadSearch, GivesDifferentPosesAndNoMoreThanAsked) {
   const std::vector<Point> points = seen_from(yard(), Eigen::Isometry3d::Identity());
-  const OverheadView view = overhead_view(points, kStep);
+  const OverheadView view = overhead_view(points, kSearchStep);
   const std::vector<Eigen::Isometry3d> found =
       find_overhead_poses(view, view, {.most_poses = 5, .turn = 5.0, .least_apart = 2.0});
   ASSERT_EQ(found.size(), 5U);
@@ -92,11 +93,12 @@ TEST(OverheadSearch, WhereNothingRisesThereIsNothingToFind) {
   for (int i = 0; i < 1000; ++i) {
     ground.push_back({static_cast<float>(i % 40), static_cast<float>(i / 40), -1.8F, 0.0F});
   }
-  const OverheadView flat = overhead_view(ground, kStep);
-  const OverheadView walls = overhead_view(seen_from(yard(), Eigen::Isometry3d::Identity()), kStep);
+  const OverheadView flat = overhead_view(ground, kSearchStep);
+  const OverheadView walls =
+      overhead_view(seen_from(yard(), Eigen::Isometry3d::Identity()), kSearchStep);
   EXPECT_TRUE(find_overhead_poses(flat, walls).empty());
   EXPECT_TRUE(find_overhead_poses(walls, flat).empty());
-  EXPECT_TRUE(find_overhead_poses(overhead_view({}, kStep), walls).empty());
+  EXPECT_TRUE(find_overhead_poses(overhead_view({}, kSearchStep), walls).empty());
 }
 
 TEST(OverheadSearch, LeavesOutWhatIsNoReturn) {
@@ -106,7 +108,7 @@ TEST(OverheadSearch, LeavesOutWhatIsNoReturn) {
                                      {1.0F, 1.0F, 1e30F, 0.0F}, {0.0F, 0.0F, 0.0F, 0.0F},
                                      {1.2F, 1.3F, 0.1F, 0.0F},  {1.3F, 1.2F, 0.9F, 0.0F},
                                      {1.3F, 1.2F, 2.1F, 0.0F}};
-  const OverheadView view = overhead_view(points, kStep);
+  const OverheadView view = overhead_view(points, kSearchStep);
   ASSERT_EQ(view.columns.size(), 1U);
   EXPECT_EQ(view.columns[0].center, Eigen::Vector2f(1.25F, 1.25F));
   EXPECT_EQ(view.columns[0].lowest, 0.1F);

@@ -18,7 +18,8 @@ using test::hand_held_motion;
 using test::readings;
 using test::WavyMotion;
 
-constexpr ImuNoise kNoise{.gyro = 2e-3, .accel = 2e-2, .gyro_walk = 1e-5, .accel_walk = 1e-4};
+constexpr ImuNoise kIncrementNoise{
+    .gyro = 2e-3, .accel = 2e-2, .gyro_walk = 1e-5, .accel_walk = 1e-4};
 const Eigen::Vector3d kGravity(0.0, 0.0, -9.80665);
 
 /// Error [position, rotation, velocity] of an increment against another.
@@ -46,7 +47,7 @@ TEST(Preintegration, ConstantRatesHaveAClosedForm) {
   for (int i = 0; i <= 2000; ++i) {
     samples.push_back({test::at_seconds(i / 2000.0), omega, accel});
   }
-  const Preintegration sum = preintegrate(samples, {}, kNoise);
+  const Preintegration sum = preintegrate(samples, {}, kIncrementNoise);
   // Velocity is the left Jacobian times a; position from the series of its integral.
   Eigen::Matrix3d term = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d position = Eigen::Matrix3d::Zero();
@@ -64,7 +65,7 @@ enum class Quadrature { hold, middle_sample, middle_sample_and_rotation };
 
 MotionIncrement integrated(std::span<const ImuSample> samples, Quadrature quadrature) {
   if (quadrature == Quadrature::middle_sample_and_rotation) {
-    return preintegrate(samples, {}, kNoise).increment;
+    return preintegrate(samples, {}, kIncrementNoise).increment;
   }
   const double share = quadrature == Quadrature::hold ? 0.0 : 0.5;
   MotionIncrement sum;
@@ -132,7 +133,8 @@ TEST(Preintegration, PredictsTheStateAtTheEnd) {
   const ImuBias bias{{0.01, -0.02, 0.03}, {0.1, -0.05, 0.02}};
   NavState state = motion.state(0.2);
   state.bias = bias;
-  const Preintegration sum = preintegrate(readings(motion, 0.2, 0.7, 2000.0, bias), bias, kNoise);
+  const Preintegration sum =
+      preintegrate(readings(motion, 0.2, 0.7, 2000.0, bias), bias, kIncrementNoise);
   const NavState predicted = predict(state, sum);
   const StateVector error = difference(motion.state(0.7), predicted);
   EXPECT_EQ(predicted.stamp, motion.state(0.7).stamp);
@@ -145,7 +147,7 @@ TEST(Preintegration, BiasJacobiansEqualNumericalDifferentiation) {
   const WavyMotion motion = hand_held_motion();
   const ImuBias bias{{0.02, -0.03, 0.05}, {0.2, -0.1, 0.3}};
   const std::vector<ImuSample> samples = readings(motion, 0.1, 0.3, 200.0);
-  const Preintegration sum = preintegrate(samples, bias, kNoise);
+  const Preintegration sum = preintegrate(samples, bias, kIncrementNoise);
   Eigen::Matrix<double, 9, 6> analytic = Eigen::Matrix<double, 9, 6>::Zero();
   analytic << sum.position_by_gyro, sum.position_by_accel,  //
       sum.rotation_by_gyro, Eigen::Matrix3d::Zero(), sum.velocity_by_gyro, sum.velocity_by_accel;
@@ -155,7 +157,7 @@ TEST(Preintegration, BiasJacobiansEqualNumericalDifferentiation) {
     const auto moved = [&](double step) {
       ImuBias other = bias;
       (i < 3 ? other.gyro[i] : other.accel[i - 3]) += step;
-      return error_of(preintegrate(samples, other, kNoise).increment, sum.increment);
+      return error_of(preintegrate(samples, other, kIncrementNoise).increment, sum.increment);
     };
     // Fourth order, so that truncation stays below 1e-9.
     numeric.col(i) =
@@ -170,11 +172,13 @@ TEST(Preintegration, BiasJacobiansEqualNumericalDifferentiation) {
 
 TEST(Preintegration, TheFirstOrderCorrectionErrsToSecondOrder) {
   const std::vector<ImuSample> samples = readings(hand_held_motion(), 0.0, 0.1, 200.0);
-  const Preintegration at_zero = preintegrate(samples, {}, kNoise);
+  const Preintegration at_zero = preintegrate(samples, {}, kIncrementNoise);
   const auto error_at = [&](double size) {
     const ImuBias bias{size * Eigen::Vector3d(0.05, -0.04, 0.03),
                        size * Eigen::Vector3d(0.3, 0.2, -0.1)};
-    return error_of(corrected(at_zero, bias), preintegrate(samples, bias, kNoise).increment).norm();
+    return error_of(corrected(at_zero, bias),
+                    preintegrate(samples, bias, kIncrementNoise).increment)
+        .norm();
   };
   EXPECT_LT(error_at(1.0), 2e-4);
   EXPECT_NEAR(error_at(1.0) / error_at(0.5), 4.0, 0.2);
@@ -182,7 +186,7 @@ TEST(Preintegration, TheFirstOrderCorrectionErrsToSecondOrder) {
 
 TEST(Preintegration, FarBiasesAskForANewIntegration) {
   const Preintegration sum =
-      preintegrate(readings(hand_held_motion(), 0.0, 0.1, 200.0), {}, kNoise);
+      preintegrate(readings(hand_held_motion(), 0.0, 0.1, 200.0), {}, kIncrementNoise);
   EXPECT_FALSE(is_stale(sum, {{0.015, 0.0, 0.0}, {0.1, 0.1, 0.1}}));
   EXPECT_TRUE(is_stale(sum, {{0.025, 0.0, 0.0}, {0.0, 0.0, 0.0}}));
   EXPECT_TRUE(is_stale(sum, {{0.0, 0.0, 0.0}, {0.15, 0.15, 0.0}}));
@@ -196,15 +200,15 @@ TEST(Preintegration, CovarianceIsThatOfAThousandNoisyRuns) {
   const WavyMotion motion = hand_held_motion();
   const double rate = 200.0;
   const std::vector<ImuSample> clean = readings(motion, 0.3, 0.8, rate);
-  const MotionIncrement truth = preintegrate(clean, {}, kNoise).increment;
+  const MotionIncrement truth = preintegrate(clean, {}, kIncrementNoise).increment;
   const int runs = 1000;
   double nees = 0.0;
   Matrix9d scatter = Matrix9d::Zero();
   Matrix9d covariance;
   for (int run = 0; run < runs; ++run) {
     std::vector<ImuSample> samples = clean;
-    test::add_noise(samples, kNoise, rate, random);
-    const Preintegration sum = preintegrate(samples, {}, kNoise);
+    test::add_noise(samples, kIncrementNoise, rate, random);
+    const Preintegration sum = preintegrate(samples, {}, kIncrementNoise);
     const Vector9d error = error_of(sum.increment, truth);
     nees += error.dot(sum.covariance.ldlt().solve(error)) / runs;
     scatter += error * error.transpose() / runs;
@@ -243,8 +247,8 @@ TEST(Preintegration, ErrorsOfScaleAreInTheWholeCovariance) {
   for (int i = 0; i < 9; ++i) {
     EXPECT_NEAR(found[i] / told[i], 1.0, 0.25) << i;
   }
-  EXPECT_TRUE(whole_covariance(preintegrate(samples, {}, kNoise))
-                  .isApprox(preintegrate(samples, {}, kNoise).covariance));
+  EXPECT_TRUE(whole_covariance(preintegrate(samples, {}, kIncrementNoise))
+                  .isApprox(preintegrate(samples, {}, kIncrementNoise).covariance));
 }
 
 TEST(Preintegration, ReadingsWithoutATimeBetweenThemChangeNothing) {
@@ -253,12 +257,12 @@ TEST(Preintegration, ReadingsWithoutATimeBetweenThemChangeNothing) {
   for (const ImuSample& sample : samples) {
     doubled.insert(doubled.end(), 2, sample);
   }
-  const Preintegration once = preintegrate(samples, {}, kNoise);
-  const Preintegration twice = preintegrate(doubled, {}, kNoise);
+  const Preintegration once = preintegrate(samples, {}, kIncrementNoise);
+  const Preintegration twice = preintegrate(doubled, {}, kIncrementNoise);
   EXPECT_EQ(once.increment.position, twice.increment.position);
   EXPECT_EQ(once.covariance, twice.covariance);
-  EXPECT_EQ(preintegrate({}, {}, kNoise).duration, 0.0);
-  EXPECT_EQ(preintegrate(std::span(samples).first(1), {}, kNoise).duration, 0.0);
+  EXPECT_EQ(preintegrate({}, {}, kIncrementNoise).duration, 0.0);
+  EXPECT_EQ(preintegrate(std::span(samples).first(1), {}, kIncrementNoise).duration, 0.0);
 }
 
 TEST(NavState, DifferenceIsTheInverseOfRetract) {

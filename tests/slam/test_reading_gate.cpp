@@ -15,7 +15,7 @@
 namespace adit {
 namespace {
 
-constexpr double kRate = 200.0;  // Hz
+constexpr double kGateRate = 200.0;  // Hz
 using Samples = std::vector<ImuSample>;
 
 /// Readings of a sensor that is waved about, `pace` times as fast as by hand, with noise.
@@ -29,9 +29,9 @@ Samples waved(uint64_t seed, double pace = 1.0, double rest = -1.0) {
   if (rest >= 0.0) {
     motion.rest = rest;
   }
-  Samples samples = test::readings(motion, 0.0, 20.0, kRate);
+  Samples samples = test::readings(motion, 0.0, 20.0, kGateRate);
   std::mt19937_64 random(seed);
-  test::add_noise(samples, {.gyro = 5e-4, .accel = 5e-3}, kRate, random);
+  test::add_noise(samples, {.gyro = 5e-4, .accel = 5e-3}, kGateRate, random);
   return samples;
 }
 
@@ -102,7 +102,7 @@ TEST(ReadingGate, StepsAndShocksPassInTheirOrder) {
 TEST(ReadingGate, OfAJoltThatRingsAtMostOneInTenIsLost) {
   Samples samples = waved(3, 1.0, 5.0);
   for (std::size_t i = 0; i < 40; ++i) {
-    const double t = static_cast<double>(i) / kRate;
+    const double t = static_cast<double>(i) / kGateRate;
     samples[700 + i].linear_acceleration.x() +=
         50.0 * std::exp(-t / 0.03) * std::cos(2.0 * M_PI * 40.0 * t);
   }

@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr ImuNoise kNoise{
+constexpr ImuNoise kRecordedNoise{
     .gyro = 1.6968e-4, .accel = 2.0e-3, .gyro_walk = 1.9393e-5, .accel_walk = 3.0e-3};
 
 /// A stamp in nanoseconds and `n` numbers a line, separated by commas; lines with # are comments.
@@ -90,7 +90,7 @@ Medians prediction_errors(const Flight& flight, size_t steps) {
     const NavState& from = flight.truth[i];
     const NavState& to = flight.truth[i + steps];
     const ImuInterval interval = flight.imu.between(from.stamp, to.stamp);
-    const Preintegration sum = preintegrate(interval.samples, from.bias, kNoise);
+    const Preintegration sum = preintegrate(interval.samples, from.bias, kRecordedNoise);
     const StateVector error = difference(to, predict(from, sum));
     rotation.push_back(error.segment<3>(kRotationAt).norm());
     velocity.push_back(error.segment<3>(kVelocityAt).norm());
@@ -132,7 +132,8 @@ TEST(RecordedImu, FromRestTheGyroBiasIsTheTruths) {
   for (const auto& [begin, end] : {std::pair{1500, 2500}, std::pair{144'000, 145'500}}) {
     const Nanoseconds zero = flight.truth.front().stamp;
     const ImuStart start = start_at_rest(
-        flight.imu.between(zero + milliseconds(begin), zero + milliseconds(end)).samples, kNoise);
+        flight.imu.between(zero + milliseconds(begin), zero + milliseconds(end)).samples,
+        kRecordedNoise);
     ASSERT_EQ(start.status, ImuStartStatus::at_rest) << to_string(start.status);
     const auto same_time = [&](const NavState& state) {
       return state.stamp >= zero + milliseconds(end) || &state == &flight.truth.back();
@@ -166,7 +167,7 @@ TEST(RecordedImu, StartsInFlight) {
             flight.imu.between(flight.truth[k - 2].stamp, flight.truth[k].stamp).samples);
       }
     }
-    const ImuStart start = start_in_motion(poses, readings, kNoise);
+    const ImuStart start = start_in_motion(poses, readings, kRecordedNoise);
     ++tried;
     if (!is_started(start.status)) {
       continue;

@@ -21,10 +21,10 @@
 namespace adit {
 namespace {
 
-double metres_off(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
+double pair_metres_off(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
   return (truth.inverse() * result.T_target_source).translation().norm();
 }
-double degrees_off(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
+double pair_degrees_off(const RegistrationResult& result, const Eigen::Isometry3d& truth) {
   return kDegreesPerRadian * rotation_angle((truth.inverse() * result.T_target_source).linear());
 }
 
@@ -106,11 +106,11 @@ class RecordedPairsTest : public test::DeviceTest {
         const Eigen::Isometry3d truth = poses[i].inverse() * poses[i + 1];
         EXPECT_EQ(results[i].status, RegistrationStatus::converged)
             << method.name << ", pair " << i;
-        EXPECT_LE(metres_off(results[i], truth), 0.05) << method.name << ", pair " << i;
-        EXPECT_LE(degrees_off(results[i], truth), degrees) << method.name << ", pair " << i;
+        EXPECT_LE(pair_metres_off(results[i], truth), 0.05) << method.name << ", pair " << i;
+        EXPECT_LE(pair_degrees_off(results[i], truth), degrees) << method.name << ", pair " << i;
         RecordProperty(method.name + " " + std::to_string(i),
-                       std::to_string(1e3 * metres_off(results[i], truth)) + " mm, " +
-                           std::to_string(degrees_off(results[i], truth)) + " degrees");
+                       std::to_string(1e3 * pair_metres_off(results[i], truth)) + " mm, " +
+                           std::to_string(pair_degrees_off(results[i], truth)) + " degrees");
       }
     }
   }
@@ -134,15 +134,15 @@ TEST_F(RecordedPairsTest, TheRegistrationPairIsAlignedFromTheIdentity) {
         BatchAligner(context(), method.settings).align(std::vector{pair}).at(0);
     EXPECT_EQ(result.status, RegistrationStatus::converged) << method.name;
     // The reference itself is good to 2 cm.
-    EXPECT_LE(metres_off(result, truth), method.name == "NDT" ? 0.030 : 0.015) << method.name;
-    EXPECT_LE(degrees_off(result, truth), 0.3) << method.name;
+    EXPECT_LE(pair_metres_off(result, truth), method.name == "NDT" ? 0.030 : 0.015) << method.name;
+    EXPECT_LE(pair_degrees_off(result, truth), 0.3) << method.name;
     for (const auto* directions : {&result.translation, &result.rotation}) {
       for (const ObservedDirection& direction : *directions) {
         EXPECT_EQ(direction.localizability, Localizability::full) << method.name;
       }
     }
-    RecordProperty(method.name, std::to_string(1e3 * metres_off(result, truth)) + " mm, " +
-                                    std::to_string(degrees_off(result, truth)) + " degrees");
+    RecordProperty(method.name, std::to_string(1e3 * pair_metres_off(result, truth)) + " mm, " +
+                                    std::to_string(pair_degrees_off(result, truth)) + " degrees");
   }
 }
 

@@ -17,11 +17,11 @@ Eigen::Isometry3d some_pose() {
   return se3_exp(xi);
 }
 
-struct Outcome : gpu::RegistrationState, gpu::RegistrationProgress {};
+struct DeviceOutcome : gpu::RegistrationState, gpu::RegistrationProgress {};
 
 /// What the device leaves of an alignment that went well, with a made-up system.
-Outcome good_state(const Matrix6d& h, const Vector6d& g, int inliers) {
-  Outcome state{};
+DeviceOutcome good_state(const Matrix6d& h, const Vector6d& g, int inliers) {
+  DeviceOutcome state{};
   state.pose = to_device(some_pose());
   state.converged = 1;
   state.iterations = 4;
@@ -61,7 +61,7 @@ Quadratic some_quadratic() {
   return q;
 }
 
-RegistrationResult read(const Outcome& state, int source_points,
+RegistrationResult read(const DeviceOutcome& state, int source_points,
                         const RegistrationConfig& config = {}) {
   return read_registration({state, state}, source_points, 0.0, config);
 }
@@ -120,11 +120,11 @@ TEST(Registration, EachWayToFailHasItsStatus) {
   const Quadratic q = some_quadratic();
   const RegistrationConfig config{.min_inliers = 100, .min_overlap = 0.3};
   const auto status = [&](auto&& change, int inliers = 900) {
-    Outcome state = good_state(q.h, q.g, inliers);
+    DeviceOutcome state = good_state(q.h, q.g, inliers);
     change(state);
     return read(state, 1000, config).status;
   };
-  const auto nothing = [](Outcome&) {};
+  const auto nothing = [](DeviceOutcome&) {};
   EXPECT_EQ(status(nothing), RegistrationStatus::converged);
   EXPECT_EQ(status(nothing, 99), RegistrationStatus::too_few_points);
   EXPECT_EQ(status(nothing, 0), RegistrationStatus::too_few_points);
@@ -139,7 +139,7 @@ TEST(Registration, EachWayToFailHasItsStatus) {
 }
 
 TEST(Registration, ASourceWithoutPointsIsTooFewWhateverTheDeviceLeft) {
-  Outcome state = good_state(Matrix6d::Identity(), Vector6d::Zero(), 0);
+  DeviceOutcome state = good_state(Matrix6d::Identity(), Vector6d::Zero(), 0);
   state.pose.rows[0].x = std::numeric_limits<float>::quiet_NaN();
   const RegistrationResult result = read(state, 0);
   EXPECT_EQ(result.status, RegistrationStatus::too_few_points);

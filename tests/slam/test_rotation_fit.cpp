@@ -18,12 +18,12 @@ namespace {
 using test::at_seconds;
 
 constexpr double kDuration = 8.0;  // s
-const Eigen::Vector3d kBias(0.02, -0.01, 0.015);
+const Eigen::Vector3d kFittedBias(0.02, -0.01, 0.015);
 
 /// What the gyroscope reads of a motion, with a clock that is late by `offset` (s).
 std::vector<ImuSample> gyroscope(const test::WavyMotion& motion, double offset) {
   std::vector<ImuSample> samples =
-      test::readings(motion, -1.0, kDuration + 1.0, 200.0, {.gyro = kBias});
+      test::readings(motion, -1.0, kDuration + 1.0, 200.0, {.gyro = kFittedBias});
   for (ImuSample& sample : samples) {
     sample.stamp += at_seconds(offset);
   }

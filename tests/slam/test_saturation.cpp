@@ -12,13 +12,13 @@
 namespace adit {
 namespace {
 
-constexpr Nanoseconds kPeriod = std::chrono::milliseconds(5);
+constexpr Nanoseconds kReadingPeriod = std::chrono::milliseconds(5);
 
 // A swing of 3 rad/s about x, other axes moving as well; cut at the end of the range.
 ImuSample swing(int i, double range) {
   const double phase = 0.02 * i;
   ImuSample sample;
-  sample.stamp = i * kPeriod;
+  sample.stamp = i * kReadingPeriod;
   sample.angular_velocity = {std::clamp(3.0 * std::sin(phase), -range, range),
                              0.1 * std::cos(phase), 0.2 * std::sin(1.3 * phase)};
   sample.linear_acceleration = {0.01 * std::sin(3.0 * phase), 0.02 * std::cos(phase), 9.8};
@@ -41,12 +41,12 @@ TEST(SaturationWatch, TellsReadingsAtTheEndOfTheRange) {
   }
   EXPECT_EQ(std::ssize(watch.of_gyroscope()), at_the_end);
   EXPECT_TRUE(std::ranges::is_sorted(watch.of_gyroscope()));
-  const auto found = watch.between(Nanoseconds(-1), 300 * kPeriod);
+  const auto found = watch.between(Nanoseconds(-1), 300 * kReadingPeriod);
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->gyroscope);
   EXPECT_EQ(found->readings, static_cast<std::size_t>(at_the_end));
   EXPECT_EQ(found->limit, 2.0);
-  EXPECT_FALSE(watch.between(Nanoseconds(-1), 10 * kPeriod)) << "none in the first 50 ms";
+  EXPECT_FALSE(watch.between(Nanoseconds(-1), 10 * kReadingPeriod)) << "none in the first 50 ms";
 }
 
 TEST(SaturationWatch, SaysNothingOfASwingWithinTheRange) {
@@ -61,7 +61,7 @@ TEST(SaturationWatch, MessagesThatComeAgainAreNone) {
   ImuSample again = swing(79, 4.0);  // the greatest of all
   for (int k = 0; k < 5; ++k) {
     watch.add(again);
-    again.stamp += kPeriod;
+    again.stamp += kReadingPeriod;
   }
   EXPECT_TRUE(watch.of_gyroscope().empty());
 }
@@ -76,9 +76,9 @@ TEST(SaturationWatch, AGreaterReadingShowsThatItWasNone) {
 TEST(SaturationWatch, ForgetsAndMovesWithTheClock) {
   SaturationWatch watch = watched(300, 2.0);
   const Nanoseconds last = watch.of_gyroscope().back();
-  watch.shift(kPeriod);
-  EXPECT_EQ(watch.of_gyroscope().back(), last + kPeriod);
-  watch.forget_before(last + kPeriod);
+  watch.shift(kReadingPeriod);
+  EXPECT_EQ(watch.of_gyroscope().back(), last + kReadingPeriod);
+  watch.forget_before(last + kReadingPeriod);
   EXPECT_EQ(std::ssize(watch.of_gyroscope()), 1);
 }
 

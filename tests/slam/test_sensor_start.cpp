@@ -14,8 +14,8 @@
 namespace adit {
 namespace {
 
-constexpr ImuNoise kNoise{.gyro = 5e-4, .accel = 5e-3, .gyro_walk = 1e-5, .accel_walk = 1e-4};
-constexpr double kRate = 200.0;
+constexpr ImuNoise kSensorNoise{.gyro = 5e-4, .accel = 5e-3, .gyro_walk = 1e-5, .accel_walk = 1e-4};
+constexpr double kSensorRate = 200.0;
 
 /// Ten sweeps a second of a motion, with the readings between them.
 StartCollection collected(const test::WavyMotion& motion, int sweeps, double accel_scale = 1.0) {
@@ -25,7 +25,7 @@ StartCollection collected(const test::WavyMotion& motion, int sweeps, double acc
     const NavState state = motion.state(time);
     auto since = i == 0 ? std::nullopt
                         : std::optional(with_accel_scale(
-                              test::readings(motion, time - 0.1, time, kRate), accel_scale));
+                              test::readings(motion, time - 0.1, time, kSensorRate), accel_scale));
     result.add({state.stamp, state.T_map_body}, std::move(since));
   }
   return result;
@@ -34,7 +34,7 @@ StartCollection collected(const test::WavyMotion& motion, int sweeps, double acc
 /// The same readings as the tracker keeps them.
 InertialReadings kept(const test::WavyMotion& motion, double end) {
   InertialReadings readings{ImuConfig{}};
-  for (const ImuSample& sample : test::readings(motion, -0.1, end, kRate)) {
+  for (const ImuSample& sample : test::readings(motion, -0.1, end, kSensorRate)) {
     readings.add(sample);
   }
   return readings;
@@ -61,7 +61,7 @@ TEST(VelocityAfter, IsThatOfAConstantAcceleration) {
          .angular_velocity = Eigen::Vector3d::Zero(),
          .linear_acceleration = first.linear().transpose() * (acceleration - gravity)});
   }
-  const Preintegration between = preintegrate(samples, {}, kNoise);
+  const Preintegration between = preintegrate(samples, {}, kSensorNoise);
   ASSERT_NEAR(between.duration, t, 1e-12);
   const Eigen::Vector3d expected = begin + t * acceleration;
   EXPECT_LE((velocity_after(first, second, between, gravity) - expected).norm(), 1e-9);
@@ -74,7 +74,7 @@ TEST(VelocityAfter, IsThatOfAHandThatWavesTheSensor) {
     const NavState first = motion.state(time);
     const NavState second = motion.state(time + 0.1);
     const Preintegration between =
-        preintegrate(test::readings(motion, time, time + 0.1, kRate), {}, kNoise);
+        preintegrate(test::readings(motion, time, time + 0.1, kSensorRate), {}, kSensorNoise);
     const Eigen::Vector3d found =
         velocity_after(first.T_map_body, second.T_map_body, between, motion.gravity);
     EXPECT_LE((found - second.v_map_body).norm(), 2e-3) << time;
@@ -85,7 +85,7 @@ TEST(StartAfterGap, GravityBiasesAndUnitAreThoseFromBefore) {
   const test::WavyMotion motion = test::hand_held_motion();
   FusedBefore before{.state = motion.state(0.0), .accel_scale = kStandardGravity};
   const StartCollection two = collected(motion, 2, 1.0 / kStandardGravity);
-  const SensorStart start = start_after_gap(two, kNoise, before);
+  const SensorStart start = start_after_gap(two, kSensorNoise, before);
   EXPECT_EQ(start.state.stamp, test::at_seconds(0.1));
   EXPECT_LE((start.state.v_map_body - motion.state(0.1).v_map_body).norm(), 2e-3);
   EXPECT_EQ(start.state.gravity_map, before.state.gravity_map);
@@ -113,7 +113,8 @@ TEST(RestFactor, JacobianIsThatOfDifferences) {
 // and second.
 TEST(PriorOfAStart, AtRestTiltAndBiasAreKnownTogether) {
   const test::WavyMotion motion = at_rest();
-  const auto attempt = try_start(collected(motion, 11), kept(motion, 1.1), kNoise, std::nullopt);
+  const auto attempt =
+      try_start(collected(motion, 11), kept(motion, 1.1), kSensorNoise, std::nullopt);
   const auto* start = std::get_if<SensorStart>(&attempt);
   ASSERT_NE(start, nullptr);
   const StatePrior prior = prior_of(*start);
@@ -149,13 +150,15 @@ TEST(StartCollection, KeepsTheNewestInARow) {
 
 TEST(TryStart, NeedsASecond) {
   const test::WavyMotion motion = at_rest();
-  const auto attempt = try_start(collected(motion, 10), kept(motion, 1.0), kNoise, std::nullopt);
+  const auto attempt =
+      try_start(collected(motion, 10), kept(motion, 1.0), kSensorNoise, std::nullopt);
   EXPECT_TRUE(std::holds_alternative<std::monostate>(attempt));
 }
 
 TEST(TryStart, AtRestWhereTheSweepsAre) {
   const test::WavyMotion motion = at_rest();
-  const auto attempt = try_start(collected(motion, 11), kept(motion, 1.1), kNoise, std::nullopt);
+  const auto attempt =
+      try_start(collected(motion, 11), kept(motion, 1.1), kSensorNoise, std::nullopt);
   const auto* start = std::get_if<SensorStart>(&attempt);
   ASSERT_NE(start, nullptr);
   EXPECT_EQ(start->how.status, ImuStartStatus::at_rest);
@@ -166,7 +169,8 @@ TEST(TryStart, AtRestWhereTheSweepsAre) {
 
 TEST(TryStart, InMotionWhereTheyAreNot) {
   const test::WavyMotion motion = test::hand_held_motion();
-  const auto attempt = try_start(collected(motion, 16), kept(motion, 1.6), kNoise, std::nullopt);
+  const auto attempt =
+      try_start(collected(motion, 16), kept(motion, 1.6), kSensorNoise, std::nullopt);
   const auto* start = std::get_if<SensorStart>(&attempt);
   ASSERT_NE(start, nullptr);
   EXPECT_EQ(start->how.status, ImuStartStatus::in_motion);
@@ -177,7 +181,7 @@ TEST(TryStart, AnotherUnitThanBeforeIsInTheWayUnlessItsSignWasAssumed) {
   const test::WavyMotion motion = test::hand_held_motion();
   FusedBefore before{.state = motion.state(0.0), .accel_scale = -1.0};
   const auto with = [&] {
-    return try_start(collected(motion, 16), kept(motion, 1.6), kNoise, before);
+    return try_start(collected(motion, 16), kept(motion, 1.6), kSensorNoise, before);
   };
   const auto hindered = with();
   const auto* hindrance = std::get_if<InertialHindrance>(&hindered);
@@ -192,7 +196,7 @@ TEST(TryStart, AnotherUnitThanBeforeIsInTheWayUnlessItsSignWasAssumed) {
 TEST(TryStart, ARefusalIsToldWithItsReason) {
   const test::WavyMotion motion = test::hand_held_motion();
   const auto attempt =
-      try_start(collected(motion, 16, 0.4), kept(motion, 1.6), kNoise, std::nullopt);
+      try_start(collected(motion, 16, 0.4), kept(motion, 1.6), kSensorNoise, std::nullopt);
   const auto* hindrance = std::get_if<InertialHindrance>(&attempt);
   ASSERT_NE(hindrance, nullptr);
   const auto* reason = std::get_if<ImuStartReason>(hindrance);

@@ -15,12 +15,12 @@
 namespace adit {
 namespace {
 
-constexpr ImuNoise kNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 3e-5, .accel_walk = 3e-4};
-constexpr double kRate = 200.0;
-constexpr double kSweep = 0.1;         // s
+constexpr ImuNoise kGraphNoise{.gyro = 1e-3, .accel = 1e-2, .gyro_walk = 3e-5, .accel_walk = 3e-4};
+constexpr double kGraphRate = 200.0;
+constexpr double kGraphSweep = 0.1;    // s
 constexpr double kPoseSigma = 0.02;    // m
 constexpr double kAngleSigma = 0.003;  // rad
-const ImuBias kBias{{0.02, -0.01, 0.015}, {0.08, -0.05, 0.1}};
+const ImuBias kGraphBias{{0.02, -0.01, 0.015}, {0.08, -0.05, 0.1}};
 
 StateVector start_sigma() {
   StateVector sigma;
@@ -31,24 +31,24 @@ StateVector start_sigma() {
 }
 
 /// A drive of which the sweeps' poses are measured and the readings are noisy.
-struct Drive {
+struct GraphDrive {
   std::vector<NavState> truth;  ///< at each sweep
   StatePrior start;
   std::vector<std::vector<ImuSample>> readings;  ///< up to sweep i; none for the first
   std::vector<PoseMeasurement> measurements;
 };
 
-Drive drive(int sweeps, uint64_t seed) {
+GraphDrive drive(int sweeps, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   const auto draw = [&] { return normal(random); };
   const test::WavyMotion motion = test::hand_held_motion();
-  Drive result;
-  ImuBias bias = kBias;
+  GraphDrive result;
+  ImuBias bias = kGraphBias;
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(kPoseSigma), Eigen::Vector3d::Constant(kAngleSigma);
   for (int i = 0; i < sweeps; ++i) {
-    const double time = kSweep * i;
+    const double time = kGraphSweep * i;
     NavState truth = motion.state(time);
     truth.bias = bias;
     result.truth.push_back(truth);
@@ -58,9 +58,9 @@ Drive drive(int sweeps, uint64_t seed) {
       result.readings.emplace_back();
     } else {
       // The bias walks once a sweep.
-      auto samples = test::readings(motion, time - kSweep, time, kRate,
+      auto samples = test::readings(motion, time - kGraphSweep, time, kGraphRate,
                                     result.truth[static_cast<size_t>(i) - 1].bias);
-      test::add_noise(samples, kNoise, kRate, random);
+      test::add_noise(samples, kGraphNoise, kGraphRate, random);
       result.readings.push_back(samples);
     }
     PoseMeasurement measurement;
@@ -69,18 +69,20 @@ Drive drive(int sweeps, uint64_t seed) {
     measurement.root_information = sigma.cwiseInverse().asDiagonal();
     measurement.known_directions = 6;
     result.measurements.push_back(measurement);
-    bias.gyro += kNoise.gyro_walk * std::sqrt(kSweep) * Eigen::Vector3d::NullaryExpr(draw);
-    bias.accel += kNoise.accel_walk * std::sqrt(kSweep) * Eigen::Vector3d::NullaryExpr(draw);
+    bias.gyro +=
+        kGraphNoise.gyro_walk * std::sqrt(kGraphSweep) * Eigen::Vector3d::NullaryExpr(draw);
+    bias.accel +=
+        kGraphNoise.accel_walk * std::sqrt(kGraphSweep) * Eigen::Vector3d::NullaryExpr(draw);
   }
   return result;
 }
 
 GraphSettings settings(int lag, int reset = 0) {
-  return {.noise = kNoise, .gravity_walk = 1e-5, .lag = lag, .reset = reset};
+  return {.noise = kGraphNoise, .gravity_walk = 1e-5, .lag = lag, .reset = reset};
 }
 
 /// The estimate after each sweep.
-std::vector<StateEstimate> run(const Drive& d, const GraphSettings& s) {
+std::vector<StateEstimate> run(const GraphDrive& d, const GraphSettings& s) {
   SlidingGraph graph(s);
   graph.start(d.start);
   std::vector<StateEstimate> estimates = {std::get<StateEstimate>(graph.latest_estimate())};
@@ -90,7 +92,7 @@ std::vector<StateEstimate> run(const Drive& d, const GraphSettings& s) {
   return estimates;
 }
 
-double rms(const std::vector<StateEstimate>& estimates, const Drive& d, int at, size_t from) {
+double rms(const std::vector<StateEstimate>& estimates, const GraphDrive& d, int at, size_t from) {
   double squares = 0.0;
   for (size_t i = from; i < estimates.size(); ++i) {
     squares += difference(d.truth[i], estimates[i].state).segment<3>(at).squaredNorm();
@@ -99,7 +101,7 @@ double rms(const std::vector<StateEstimate>& estimates, const Drive& d, int at, 
 }
 
 TEST(SlidingGraph, IsBetterThanWhatItIsGiven) {
-  const Drive d = drive(150, 1);
+  const GraphDrive d = drive(150, 1);
   const auto estimates = run(d, settings(20));
   EXPECT_LE(rms(estimates, d, kPositionAt, 50), 0.6 * std::sqrt(3.0) * kPoseSigma);
   EXPECT_LE(rms(estimates, d, kRotationAt, 50), 0.6 * std::sqrt(3.0) * kAngleSigma);
@@ -121,7 +123,7 @@ TEST(SlidingGraph, CovariancesAreTrueAndInnovationsWhite) {
   double correlation = 0.0;
   int innovations = 0;
   for (int k = 0; k < runs; ++k) {
-    const Drive d = drive(sweeps, 100 + static_cast<uint64_t>(k));
+    const GraphDrive d = drive(sweeps, 100 + static_cast<uint64_t>(k));
     SlidingGraph graph(settings(20));
     graph.start(d.start);
     Vector6d last = Vector6d::Zero();
@@ -157,7 +159,7 @@ TEST(SlidingGraph, CovariancesAreTrueAndInnovationsWhite) {
 }
 
 TEST(SlidingGraph, ALagLosesNextToNothingAgainstAllOfThePast) {
-  const Drive d = drive(80, 5);
+  const GraphDrive d = drive(80, 5);
   const auto whole = run(d, settings(1000));
   const auto lag = run(d, settings(20));
   const auto reset = run(d, settings(0, 25));
@@ -174,7 +176,7 @@ TEST(SlidingGraph, ALagLosesNextToNothingAgainstAllOfThePast) {
 }
 
 TEST(SlidingGraph, TheSeamAtAResetIsInvisible) {
-  const Drive d = drive(60, 7);
+  const GraphDrive d = drive(60, 7);
   SlidingGraph graph(settings(0, 25));
   graph.start(d.start);
   int seams = 0;
@@ -196,7 +198,7 @@ TEST(SlidingGraph, TheSeamAtAResetIsInvisible) {
 }
 
 TEST(SlidingGraph, AnUnknownDirectionIsTheInertialSensorsToCarry) {
-  Drive d = drive(60, 9);
+  GraphDrive d = drive(60, 9);
   for (size_t i = 30; i < 60; ++i) {
     d.measurements[i].root_information.row(0).setZero();  // x of the body
     d.measurements[i].known_directions = 5;
@@ -213,7 +215,7 @@ TEST(SlidingGraph, AnUnknownDirectionIsTheInertialSensorsToCarry) {
 }
 
 TEST(SlidingGraph, OneFalsePoseHardlyMovesIt) {
-  Drive d = drive(60, 11);
+  GraphDrive d = drive(60, 11);
   const auto clean = run(d, settings(20));
   d.measurements[40].T_map_body.translation().x() += 1.0;
   const auto robust = run(d, settings(20));
@@ -228,7 +230,7 @@ TEST(SlidingGraph, OneFalsePoseHardlyMovesIt) {
 }
 
 TEST(SlidingGraph, WithoutAPoseItGoesOnByInertiaAndKnowsLess) {
-  const Drive d = drive(40, 13);
+  const GraphDrive d = drive(40, 13);
   SlidingGraph graph(settings(20));
   graph.start(d.start);
   for (size_t i = 1; i < 30; ++i) {
@@ -248,7 +250,7 @@ TEST(SlidingGraph, WithoutAPoseItGoesOnByInertiaAndKnowsLess) {
 }
 
 TEST(SlidingGraph, FarBiasesAreIntegratedAgain) {
-  Drive d = drive(60, 15);
+  GraphDrive d = drive(60, 15);
   // Told that there are no biases, and that this is not certain: 0.03 rad/s off, past 2 mrad.
   d.start.origin.bias = {};
   StateVector sigma = start_sigma();
@@ -261,7 +263,7 @@ TEST(SlidingGraph, FarBiasesAreIntegratedAgain) {
 }
 
 TEST(SlidingGraph, ItStopsOnceNothingMoves) {
-  const Drive d = drive(12, 19);
+  const GraphDrive d = drive(12, 19);
   SlidingGraph graph(settings(20));
   graph.start(d.start);
   for (size_t i = 1; i < 11; ++i) {
@@ -282,7 +284,7 @@ TEST(SlidingGraph, ItStopsOnceNothingMoves) {
 }
 
 TEST(SlidingGraph, WithoutTimeForItsStepsItHasNotConverged) {
-  const Drive d = drive(2, 19);
+  const GraphDrive d = drive(2, 19);
   GraphSettings hasty = settings(20);
   hasty.max_iterations = 1;
   SlidingGraph graph(hasty);
@@ -291,7 +293,7 @@ TEST(SlidingGraph, WithoutTimeForItsStepsItHasNotConverged) {
 }
 
 TEST(SlidingGraph, WhatNothingDeterminesIsNoEstimate) {
-  const Drive d = drive(2, 21);
+  const GraphDrive d = drive(2, 21);
   SlidingGraph graph(settings(20));
   graph.start(independent_prior(d.truth[0],
                                 StateVector::Constant(std::numeric_limits<double>::infinity())));
@@ -304,7 +306,7 @@ TEST(SlidingGraph, WhatNothingDeterminesIsNoEstimate) {
 }
 
 TEST(SlidingGraph, WhatIsNotFiniteIsNoEstimate) {
-  Drive d = drive(4, 23);
+  GraphDrive d = drive(4, 23);
   SlidingGraph graph(settings(20));
   graph.start(d.start);
   graph.add(d.readings[1], d.measurements[1]);
@@ -321,7 +323,7 @@ TEST(SlidingGraph, WhatIsNotFiniteIsNoEstimate) {
 }
 
 TEST(SlidingGraph, TheSameInputGivesTheSameBits) {
-  const Drive d = drive(30, 17);
+  const GraphDrive d = drive(30, 17);
   const auto a = run(d, settings(10));
   const auto b = run(d, settings(10));
   for (size_t i = 0; i < a.size(); ++i) {

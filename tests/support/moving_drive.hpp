@@ -64,7 +64,7 @@ inline Sweep scan_moving(const World& world, const WavyMotion& motion,
 inline MovingDrive moving_drive(const World& world, const WavyMotion& motion,
                                 const Eigen::Isometry3d& T_body_lidar, const Lidar& lidar,
                                 int sweeps) {
-  constexpr double kRate = 200.0;
+  constexpr double kReadingRate = 200.0;
   MovingDrive drive;
   for (int i = 0; i < sweeps; ++i) {
     const double time = 0.1 * i;
@@ -73,9 +73,9 @@ inline MovingDrive moving_drive(const World& world, const WavyMotion& motion,
         {at_seconds(time), start_of_street() * motion.state(time).T_map_body * T_body_lidar});
   }
   std::mt19937_64 engine(3);
-  drive.readings = readings(motion, -0.1, 0.1 * sweeps + 0.1, kRate,
+  drive.readings = readings(motion, -0.1, 0.1 * sweeps + 0.1, kReadingRate,
                             {{0.01, -0.02, 0.015}, {0.05, 0.03, -0.04}});
-  add_noise(drive.readings, {.gyro = 5e-4, .accel = 5e-3}, kRate, engine);
+  add_noise(drive.readings, {.gyro = 5e-4, .accel = 5e-3}, kReadingRate, engine);
   return drive;
 }
 

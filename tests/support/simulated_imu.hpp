@@ -12,12 +12,24 @@
 #include <vector>
 
 #include "adit/slam/core/imu_noise.hpp"
+#include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/nav_state.hpp"
 
 namespace adit::test {
 
 inline Nanoseconds at_seconds(double time) {
   return std::chrono::round<Nanoseconds>(std::chrono::duration<double>(time));
+}
+
+/// T_body_lidar of a lidar beside the IMU that looks elsewhere.
+inline Eigen::Isometry3d turned_mounting() {
+  Vector6d xi;
+  xi << 0.05, -0.02, 0.1, 0.0, 0.1, 0.7;
+  return se3_exp(xi);
+}
+
+inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 /// A sine and a constant speed, with their derivatives.

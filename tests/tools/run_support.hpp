@@ -36,8 +36,9 @@ struct Ran {
 };
 
 /// Runs a command on its options.
-template <class Command, class Options>
-Ran ran(Command command, const Options& options) {
+template <class Options>
+Ran ran(int (*command)(const Options&, std::ostream&, std::ostream&),
+        const std::type_identity_t<Options>& options) {
   std::ostringstream out;
   std::ostringstream err;
   const int code = command(options, out, err);

@@ -20,10 +20,6 @@ namespace fs = std::filesystem;
 
 using test::Ran;
 
-Ran ran(const LoopsCommandOptions& options) {
-  return test::ran(loops_command, options);
-}
-
 /// Six keyframes 10 m apart by the odometry, the last of which a loop has 1 m nearer.
 class LoopsCommand : public testing::Test {
  protected:
@@ -69,7 +65,7 @@ class LoopsCommand : public testing::Test {
     LoopsCommandOptions options;
     options.map = map_;
     options.html = page;
-    return ran(options);
+    return test::ran(loops_command, options);
   }
 
   double x_of_last() const {
@@ -81,13 +77,14 @@ class LoopsCommand : public testing::Test {
 };
 
 TEST_F(LoopsCommand, ListsTheLedgerAsATableAndAsJson) {
-  const Ran text = ran({.map = map_});
+  const Ran text = test::ran(loops_command, {.map = map_});
   EXPECT_EQ(text.code, 0) << text.err;
   for (const char* part :
        {"accepted", "rejected", "too_little_overlap 0.12", "0.82", "2 candidates, 1 accepted"}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << "\n" << text.out;
   }
-  const auto json = nlohmann::json::parse(ran({.map = map_, .json = true}).out);
+  const auto json =
+      nlohmann::json::parse(test::ran(loops_command, {.map = map_, .json = true}).out);
   ASSERT_EQ(json.at("loops").size(), 2U);
   EXPECT_EQ(json.at("loops")[0].at("verdict"), "accepted");
   EXPECT_EQ(json.at("loops")[1].at("reason"), "too_little_overlap");
@@ -138,7 +135,7 @@ TEST_F(LoopsCommand, ALoopToAKeyframeThatIsMissingIsDamage) {
 }
 
 TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {
-  const Ran revoked = ran({.map = map_, .revoke = 1});
+  const Ran revoked = test::ran(loops_command, {.map = map_, .revoke = 1});
   EXPECT_EQ(revoked.code, 0) << revoked.err;
   EXPECT_NE(revoked.out.find("revoked   loop 1; cost"), std::string::npos) << revoked.out;
   EXPECT_NE(revoked.out.find("by_hand"), std::string::npos) << revoked.out;
@@ -149,7 +146,7 @@ TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {
     EXPECT_EQ(map.candidates().front().verdict, CandidateVerdict::revoked);
     EXPECT_TRUE(map.check().empty());
   }
-  const Ran restored = ran({.map = map_, .restore = 1, .json = true});
+  const Ran restored = test::ran(loops_command, {.map = map_, .restore = 1, .json = true});
   EXPECT_EQ(restored.code, 0) << restored.err;
   const auto json = nlohmann::json::parse(restored.out);
   EXPECT_EQ(json.at("changed").at("status"), "active");
@@ -158,34 +155,34 @@ TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {
   const double with_loop = x_of_last();
   EXPECT_LT(with_loop, 49.5);
   EXPECT_GT(with_loop, 49.0);
-  EXPECT_EQ(ran({.map = map_, .revoke = 1}).code, 0) << "and again";
-  EXPECT_EQ(ran({.map = map_, .restore = 1}).code, 0);
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .revoke = 1}).code, 0) << "and again";
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .restore = 1}).code, 0);
   EXPECT_NEAR(x_of_last(), with_loop, 1e-6);
 }
 
 TEST_F(LoopsCommand, SaysWhatCannotBeDone) {
-  const Ran none = ran({.map = map_, .revoke = 7});
+  const Ran none = test::ran(loops_command, {.map = map_, .revoke = 7});
   EXPECT_EQ(none.code, 2);
   EXPECT_NE(none.err.find("the map has no loop 7"), std::string::npos) << none.err;
-  const Ran rejected = ran({.map = map_, .revoke = 2});
+  const Ran rejected = test::ran(loops_command, {.map = map_, .revoke = 2});
   EXPECT_EQ(rejected.code, 2);
   EXPECT_NE(rejected.err.find("loop 2 is rejected; only what is accepted can be revoked"),
             std::string::npos)
       << rejected.err;
-  EXPECT_EQ(ran({.map = map_, .restore = 1}).code, 2) << "it is in";
-  EXPECT_EQ(ran({.map = map_, .revoke = 1, .restore = 1}).code, 2);
-  const Ran missing = ran({.map = folder_ / "none.adit", .revoke = 1});
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .restore = 1}).code, 2) << "it is in";
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .revoke = 1, .restore = 1}).code, 2);
+  const Ran missing = test::ran(loops_command, {.map = folder_ / "none.adit", .revoke = 1});
   EXPECT_EQ(missing.code, 1);
   EXPECT_FALSE(fs::exists(folder_ / "none.adit")) << "nothing is made";
   const MapDatabase writer(map_, MapAccess::write);
-  EXPECT_EQ(ran({.map = map_, .revoke = 1}).code, 1) << "another one writes";
-  EXPECT_EQ(ran({.map = map_}).code, 0) << "a reader may";
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .revoke = 1}).code, 1) << "another one writes";
+  EXPECT_EQ(test::ran(loops_command, {.map = map_}).code, 0) << "a reader may";
 }
 
 TEST(LoopsCommandWithoutLoops, SaysThatThereAreNone) {
   const test::TemporaryFolder folder;
   { MapDatabase map(folder / "map.adit", MapAccess::write); }
-  const Ran text = ran({.map = folder / "map.adit"});
+  const Ran text = test::ran(loops_command, {.map = folder / "map.adit"});
   EXPECT_EQ(text.code, 0);
   EXPECT_NE(text.out.find("has no loops"), std::string::npos) << text.out;
 }

@@ -10,6 +10,7 @@
 
 #include "adit/slam/mapping/solver.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/program.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 
@@ -25,23 +26,14 @@ constexpr const char* kTriangle =
     "EDGE_SE2 1 2 1 0 0 100 0 0 100 0 100\n"
     "EDGE_SE2 0 2 2.3 0 0 100 0 0 100 0 100\n";
 
-struct Ran {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
-
-Ran run(const OptimizeCommandOptions& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = optimize_command(options, out, err);
-  return {code, out.str(), err.str()};
+test::Ran optimized(const OptimizeCommandOptions& options) {
+  return test::ran(optimize_command, options);
 }
 
 TEST(OptimizeCommand, WritesTheOptimisedGraphAndSaysWhatItCosts) {
   const test::TemporaryFolder folder;
   const auto input = folder.write("in.g2o", kTriangle);
-  const Ran ran = run({.input = input, .output = folder / "out.g2o"});
+  const test::Ran ran = optimized({.input = input, .output = folder / "out.g2o"});
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(ran.err, "");
   EXPECT_NE(ran.out.find("3 nodes, 3 edges (1 loops), SE(2)"), std::string::npos) << ran.out;
@@ -55,7 +47,7 @@ TEST(OptimizeCommand, WritesTheOptimisedGraphAndSaysWhatItCosts) {
 TEST(OptimizeCommand, ReportsAsJson) {
   const test::TemporaryFolder folder;
   const auto input = folder.write("in.g2o", std::string(kTriangle) + "VERTEX_SE2 9 5 5 0\n");
-  const Ran ran = run({.input = input, .initial = InitialPoses::chordal, .json = true});
+  const test::Ran ran = optimized({.input = input, .initial = InitialPoses::chordal, .json = true});
   EXPECT_EQ(ran.code, 0) << ran.err;
   for (const char* part : {"\"termination\": \"converged\"", "\"initial\": \"chordal\"",
                            "\"worst_edges\"", "\"line\": 6", "\"first\": 9"}) {
@@ -66,7 +58,7 @@ TEST(OptimizeCommand, ReportsAsJson) {
 TEST(OptimizeCommand, NamesPartsThatNothingTies) {
   const test::TemporaryFolder folder;
   const auto input = folder.write("in.g2o", std::string(kTriangle) + "VERTEX_SE2 9 5 5 0\n");
-  const Ran ran = run({.input = input});
+  const test::Ran ran = optimized({.input = input});
   EXPECT_EQ(ran.code, 0);
   EXPECT_NE(ran.out.find("components   2, without an edge between them"), std::string::npos);
   EXPECT_NE(ran.out.find("from node 9: 1 nodes, 0 edges, held at its first node"),
@@ -77,26 +69,27 @@ TEST(OptimizeCommand, NamesPartsThatNothingTies) {
 TEST(OptimizeCommand, FailsOnDamagedFilesWithTheirLine) {
   const test::TemporaryFolder folder;
   const Ran damaged =
-      run({.input = folder.write("bad.g2o", std::string(kTriangle) + "EDGE_SE2 0 7 1")});
+      optimized({.input = folder.write("bad.g2o", std::string(kTriangle) + "EDGE_SE2 0 7 1")});
   EXPECT_EQ(damaged.code, 1);
   EXPECT_NE(damaged.err.find("bad.g2o, line 7: words after EDGE_SE2: 3, expected 11"),
             std::string::npos)
       << damaged.err;
-  EXPECT_EQ(run({.input = folder / "none.g2o"}).code, 1);
+  EXPECT_EQ(optimized({.input = folder / "none.g2o"}).code, 1);
 }
 
 TEST(OptimizeCommand, DoesNotWriteOverItsInputNorIntoNoFolder) {
   const test::TemporaryFolder folder;
   const auto input = folder.write("in.g2o", kTriangle);
-  EXPECT_EQ(run({.input = input, .output = input}).code, 2);
-  EXPECT_EQ(run({.input = input, .output = folder / "none/out.g2o"}).code, 1);
+  EXPECT_EQ(optimized({.input = input, .output = input}).code, 2);
+  EXPECT_EQ(optimized({.input = input, .output = folder / "none/out.g2o"}).code, 1);
 }
 
 TEST(OptimizeCommand, SaysWhereIterationsDidNotDo) {
   const test::TemporaryFolder folder;
   const auto input = folder.write(
       "in.g2o", std::string(kTriangle) + "EDGE_SE2 0 2 1.5 0.7 0.9 100 0 0 100 0 100\n");
-  const Ran ran = run({.input = input, .output = folder / "out.g2o", .max_iterations = 1});
+  const test::Ran ran =
+      optimized({.input = input, .output = folder / "out.g2o", .max_iterations = 1});
   EXPECT_EQ(ran.code, 1);
   EXPECT_NE(ran.err.find("not converged after 1 iterations"), std::string::npos) << ran.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "out.g2o")) << "what there is, is written";

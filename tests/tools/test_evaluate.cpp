@@ -16,8 +16,6 @@
 namespace adit {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Vector6d twist(double x, double y, double z, double a, double b, double c) {
   Vector6d xi;
   xi << x, y, z, a, b, c;
@@ -260,7 +258,7 @@ TEST(Evaluate, ErrorsThatWerePutInComeOut) {
   for (std::size_t i = 0; i < estimate.poses.size(); i += 2) {
     Eigen::Isometry3d& pose = estimate.poses[i].pose;
     pose.translation().z() += 0.5;
-    pose.linear() = pose.linear() * so3_exp(Eigen::Vector3d(kPi / 180.0, 0.0, 0.0));
+    pose.linear() = pose.linear() * so3_exp(Eigen::Vector3d(std::numbers::pi / 180.0, 0.0, 0.0));
   }
   const Evaluation result = evaluate(estimate, truth, with_alignment(Alignment::none));
   EXPECT_NEAR(result.ate.mean, 0.25, 1e-12);

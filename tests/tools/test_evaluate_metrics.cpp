@@ -13,8 +13,6 @@
 namespace adit {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Poses along x, `step` metres apart.
 std::vector<Eigen::Isometry3d> straight(std::size_t count, double step) {
   std::vector<Eigen::Isometry3d> poses(count, Eigen::Isometry3d::Identity());
@@ -83,7 +81,7 @@ TEST(Rpe, RotationIsInDegrees) {
   options.unit = DeltaUnit::frames;
   options.delta = 5.0;
   const RelativeErrors errors =
-      relative_errors(curving(21, 1.0, 0.1 * kPi / 180.0), straight(21, 1.0), options);
+      relative_errors(curving(21, 1.0, 0.1 * std::numbers::pi / 180.0), straight(21, 1.0), options);
   EXPECT_EQ(errors.rotation.count, 4U);
   EXPECT_NEAR(errors.rotation.mean, 0.5, 1e-10);
 }

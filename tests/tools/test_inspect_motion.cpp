@@ -18,8 +18,6 @@ using test::kinds_after;
 using test::MovingRig;
 using test::Recorded;
 
-constexpr double kPi = std::numbers::pi;
-
 nlohmann::json report(const std::vector<Recorded>& events) {
   const test::TemporaryFolder folder;
   std::ostringstream out;
@@ -71,11 +69,11 @@ TEST(InspectMotion, OffsetBesideALeap) {
 }
 
 TEST(InspectMotion, MountingThatIsToldWrongly) {
-  const Eigen::Matrix3d swapped = so3_exp({0.0, 0.0, kPi / 2});
+  const Eigen::Matrix3d swapped = so3_exp({0.0, 0.0, std::numbers::pi / 2});
   const nlohmann::json found = report(told(clean_recording(), swapped));
   ASSERT_EQ(found["findings"].size(), 1U) << found["findings"];
   EXPECT_EQ(found["findings"][0]["kind"], "mounting");
-  EXPECT_NEAR(found["motion"][0]["misalignment_rad"].get<double>(), kPi / 2, 0.08);
+  EXPECT_NEAR(found["motion"][0]["misalignment_rad"].get<double>(), std::numbers::pi / 2, 0.08);
 }
 
 TEST(InspectMotion, MountingThatIsToldTheWrongWayRound) {

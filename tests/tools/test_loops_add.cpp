@@ -19,10 +19,6 @@ namespace {
 
 using test::Ran;
 
-Ran ran(const LoopsCommandOptions& options) {
-  return test::ran(loops_command, options);
-}
-
 class LoopsAdd : public testing::Test {
  protected:
   LoopsAdd() {
@@ -57,7 +53,7 @@ class LoopsAdd : public testing::Test {
 
 TEST_F(LoopsAdd, WhatHoldsIsLetInListedAndCanBeRevoked) {
   const std::size_t edges = MapDatabase(options_.map, MapAccess::read).graph().edges().size();
-  const Ran added = ran(options_);
+  const Ran added = test::ran(loops_command, options_);
   ASSERT_EQ(added.code, 0) << added.err;
   EXPECT_NE(added.out.find("added   loop 1; cost"), std::string::npos) << added.out;
   EXPECT_NE(added.out.find("added_by_hand"), std::string::npos) << added.out;
@@ -66,15 +62,15 @@ TEST_F(LoopsAdd, WhatHoldsIsLetInListedAndCanBeRevoked) {
   EXPECT_EQ(map.graph().edges().back().kind, EdgeKind::loop);
   EXPECT_GT(map.candidates().front().overlap, 0.4);
   EXPECT_TRUE(map.check().empty());
-  const Ran again = ran(options_);
+  const Ran again = test::ran(loops_command, options_);
   EXPECT_EQ(again.code, 2);
   EXPECT_NE(again.err.find("loop 1 is between the two, and accepted"), std::string::npos);
-  EXPECT_EQ(ran({.map = options_.map, .revoke = 1}).code, 0);
+  EXPECT_EQ(test::ran(loops_command, {.map = options_.map, .revoke = 1}).code, 0);
 }
 
 TEST_F(LoopsAdd, AGuessMayComeFromEitherEnd) {
   options_.guess = guess();
-  const Ran forth = ran(options_);
+  const Ran forth = test::ran(loops_command, options_);
   ASSERT_EQ(forth.code, 0) << forth.err;
   const auto poses = keyframes();
   const Eigen::Isometry3d way =
@@ -88,7 +84,7 @@ TEST_F(LoopsAdd, AGuessMayComeFromEitherEnd) {
 TEST_F(LoopsAdd, WhatDoesNotHoldIsRefusedAndNothingChanges) {
   const std::string before = dump();
   options_.guess = {25.0, 3.0, 0.0, 90.0};
-  const Ran refused = ran(options_);
+  const Ran refused = test::ran(loops_command, options_);
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.err.find("there is no loop as it was said"), std::string::npos) << refused.err;
   EXPECT_EQ(dump(), before);
@@ -96,7 +92,9 @@ TEST_F(LoopsAdd, WhatDoesNotHoldIsRefusedAndNothingChanges) {
 
 TEST_F(LoopsAdd, WhatCannotBeAskedIsAUsageError) {
   const auto code = [&](std::vector<int64_t> add, std::vector<double> guess = {}) {
-    return ran({.map = options_.map, .add = std::move(add), .guess = std::move(guess)}).code;
+    return test::ran(loops_command,
+                     {.map = options_.map, .add = std::move(add), .guess = std::move(guess)})
+        .code;
   };
   EXPECT_EQ(code({0, 4711}), 2);
   EXPECT_EQ(code({-1, 2}), 2);
@@ -104,7 +102,7 @@ TEST_F(LoopsAdd, WhatCannotBeAskedIsAUsageError) {
   EXPECT_EQ(code({}, {0.0, 0.0, 0.0, 0.0}), 2);
   LoopsCommandOptions both = options_;
   both.revoke = 1;
-  EXPECT_EQ(ran(both).code, 2);
+  EXPECT_EQ(test::ran(loops_command, both).code, 2);
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ Eigen::Isometry3d pose(double x, double yaw) {
 }
 
 /// Three sweeps of two points each, 1 and 2 m ahead of the sensor; the last one has no points.
-class PlacedCloud : public testing::Test {
+class CloudWherePlaced : public testing::Test {
  protected:
-  PlacedCloud() {
+  CloudWherePlaced() {
     PlyWriter writer(file_);
     for (int i = 0; i < 4; ++i) {
       const Eigen::Isometry3d placed = pose(10.0 * i, 0.1 * i);
@@ -45,7 +45,7 @@ class PlacedCloud : public testing::Test {
   std::vector<CloudPart> parts_;
 };
 
-TEST_F(PlacedCloud, FollowsThePosesThatTheMapHasInTheEnd) {
+TEST_F(CloudWherePlaced, FollowsThePosesThatTheMapHasInTheEnd) {
   const std::vector<StampedPose> poses{{.stamp = Nanoseconds(0), .pose = pose(0.0, 0.0)},
                                        {.stamp = Nanoseconds(100), .pose = pose(5.0, 0.5)},
                                        {.stamp = Nanoseconds(300), .pose = pose(9.0, 0.5)}};
@@ -66,7 +66,7 @@ TEST_F(PlacedCloud, FollowsThePosesThatTheMapHasInTheEnd) {
   EXPECT_FALSE(std::filesystem::exists(file_.string() + ".part"));
 }
 
-TEST_F(PlacedCloud, AFileThatWasCutOffIsToldAndStays) {
+TEST_F(CloudWherePlaced, AFileThatWasCutOffIsToldAndStays) {
   std::filesystem::resize_file(file_, std::filesystem::file_size(file_) - 10);
   const auto size = std::filesystem::file_size(file_);
   EXPECT_THROW(place_again(file_, parts_, {}), OutputError);

@@ -16,7 +16,7 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kSweeps = 4000;
+constexpr std::size_t kManySweeps = 4000;
 constexpr double kMemory = 0.8825;  // from one error to the next: exp(-0.1 s / 0.8 s)
 
 /// A run on a curve, ten sweeps a second, whose poses err as their covariances say, times `factor`:
@@ -36,7 +36,7 @@ Drive drive(double factor) {
       Eigen::Translation3d(50.0, -20.0, 3.0) * Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY());
   Drive result;
   Vector6d error = Vector6d::Zero();
-  for (std::size_t i = 0; i < kSweeps; ++i) {
+  for (std::size_t i = 0; i < kManySweeps; ++i) {
     const double t = 0.1 * static_cast<double>(i);
     const Nanoseconds stamp = std::chrono::milliseconds(100 * i);
     const Eigen::Isometry3d truth = Eigen::Translation3d(2.0 * t, std::sin(t), 0.1 * t) *
@@ -64,12 +64,12 @@ PoseConsistency consistency_of(const Drive& run) {
 
 TEST(PoseConsistency, IsOneWhereErrorsAreWhatCovariancesSay) {
   const PoseConsistency found = consistency_of(drive(1.0));
-  EXPECT_EQ(found.since_first.samples, kSweeps - 1);
+  EXPECT_EQ(found.since_first.samples, kManySweeps - 1);
   EXPECT_NEAR(found.since_first.pose, 1.0, 0.12)
       << "three standard deviations of such a mean: 0.09";
   EXPECT_NEAR(found.since_first.translation, 1.0, 0.15);
   EXPECT_NEAR(found.since_first.rotation, 1.0, 0.15);
-  EXPECT_EQ(found.second.samples, kSweeps - 10);
+  EXPECT_EQ(found.second.samples, kManySweeps - 10);
   EXPECT_NEAR(found.second.pose, 1.0, 0.15);
   EXPECT_LT(found.beyond, 0.01);
 }
@@ -89,7 +89,7 @@ TEST(PoseConsistency, IsUnknownWhereThereIsNoTruthOrNoCovariance) {
       << "the first with a truth is what others are held against";
   EXPECT_TRUE(found.errors[99].hasNaN());
   EXPECT_TRUE(found.errors[101].allFinite());
-  EXPECT_EQ(found.errors.size(), kSweeps);
+  EXPECT_EQ(found.errors.size(), kManySweeps);
   for (SweepRecord& sweep : run.review.sweeps) {
     sweep.uncertainty = kUnknownUncertainty;
   }

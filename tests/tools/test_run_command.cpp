@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kSweeps = 8;
+constexpr std::size_t kRunSweeps = 8;
 
 /// The recording is simulated once for all tests.
 class RunCommand : public testing::Test {
@@ -46,7 +46,7 @@ class RunCommand : public testing::Test {
   }
 
   static test::SmallRecording small_recording(const fs::path& folder) {
-    return test::small_recording(folder, kSweeps);
+    return test::small_recording(folder, kRunSweeps);
   }
 
   RunCommandOptions options() const {
@@ -117,7 +117,7 @@ TEST_F(RunCommand, McapThatWasCutOffIsMappedUpToThereAndSaysSo) {
   EXPECT_EQ(summary()["left_out"]["damaged_places"], 1);
   const std::size_t placed = test::lines(out_ / "out/trajectory.tum");
   EXPECT_GT(placed, 0U);
-  EXPECT_LT(placed, kSweeps);
+  EXPECT_LT(placed, kRunSweeps);
   from.strict_input = true;
   EXPECT_EQ(run(from), 1);
   EXPECT_NE(said_.str().find("its recorder was killed"), std::string::npos) << said_.str();
@@ -140,7 +140,7 @@ TEST_F(RunCommand, DamagedMessagesAreLeftOutCountedAndTold) {
   EXPECT_EQ(summary()["status"], "completed");
   EXPECT_EQ(summary()["left_out"]["damaged_places"], 2);
   EXPECT_EQ(summary()["left_out"]["damage"].size(), 2U);
-  EXPECT_EQ(test::lines(out_ / "out/trajectory.tum"), kSweeps - 2);
+  EXPECT_EQ(test::lines(out_ / "out/trajectory.tum"), kRunSweeps - 2);
   const std::string table = test::content(out_ / "out/sweeps.csv");
   EXPECT_EQ(table.find("\n5,"), std::string::npos) << "sweeps keep their number";
   EXPECT_NE(table.find("\n6,"), std::string::npos);
@@ -188,16 +188,16 @@ TEST_F(RunCommand, McapWithoutAWholeSweepLeftSaysSo) {
 TEST_F(RunCommand, MapsARecordingAndWritesEveryFile) {
   ASSERT_EQ(run(options()), 0) << said_.str();
   const Trajectory estimate = read_trajectory(out_ / "out/trajectory.tum");
-  ASSERT_EQ(estimate.poses.size(), kSweeps);
-  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.kitti").poses.size(), kSweeps);
+  ASSERT_EQ(estimate.poses.size(), kRunSweeps);
+  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.kitti").poses.size(), kRunSweeps);
   EXPECT_GT(read_ply(out_ / "out/map.ply").sweep.points.size(), 1000U);
   const Trajectory truth = read_trajectory(test::SmallRecording(data_->path()).truth);
-  for (std::size_t i = 0; i < kSweeps; ++i) {
+  for (std::size_t i = 0; i < kRunSweeps; ++i) {
     const Eigen::Vector3d error =
         estimate.poses[i].pose.translation() - truth.poses[i].pose.translation();
     EXPECT_LT(error.norm(), 0.15) << "sweep " << i;
   }
-  EXPECT_EQ(test::lines(out_ / "out/sweeps.csv"), kSweeps + 1);
+  EXPECT_EQ(test::lines(out_ / "out/sweeps.csv"), kRunSweeps + 1);
   for (const char* file :
        {"trajectory.tum", "trajectory.kitti", "sweeps.csv", "map.ply", "summary.json"}) {
     EXPECT_NE(printed_.str().find(file), std::string::npos) << printed_.str();
@@ -212,19 +212,19 @@ TEST_F(RunCommand, SummaryTellsWhatWasDoneWithWhat) {
   const nlohmann::json json = summary();
   EXPECT_EQ(json["adit"], version());
   EXPECT_EQ(json["status"], "completed");
-  EXPECT_EQ(json["input"]["sweeps"], kSweeps);
-  EXPECT_EQ(json["sweeps"]["processed"], kSweeps);
+  EXPECT_EQ(json["input"]["sweeps"], kRunSweeps);
+  EXPECT_EQ(json["sweeps"]["processed"], kRunSweeps);
   EXPECT_EQ(json["sweeps"]["failed"], 0);
   EXPECT_EQ(json["sweeps"]["states"]["initializing"], 1);
-  EXPECT_EQ(json["sweeps"]["states"]["tracking"], kSweeps - 1);
-  EXPECT_EQ(json["sweeps"]["registrations"]["converged"], kSweeps - 1);
-  EXPECT_NEAR(json["distance_m"].get<double>(), 0.8 * (kSweeps - 1), 0.2);
+  EXPECT_EQ(json["sweeps"]["states"]["tracking"], kRunSweeps - 1);
+  EXPECT_EQ(json["sweeps"]["registrations"]["converged"], kRunSweeps - 1);
+  EXPECT_NEAR(json["distance_m"].get<double>(), 0.8 * (kRunSweeps - 1), 0.2);
   EXPECT_EQ(json["configuration"]["preprocess"]["beam_spacing"], 0.03);
   EXPECT_EQ(json["configuration"]["submap"]["l"], Config{}.submap.l);
   EXPECT_FALSE(json["device"]["name"].get<std::string>().empty());
   EXPECT_FALSE(json["device"]["driver_version"].get<std::string>().empty());
   EXPECT_GT(json["device"]["memory_peak_bytes"].get<uint64_t>(), 0U);
-  EXPECT_EQ(json["time"]["host_ms"]["total"]["sweeps"], kSweeps);
+  EXPECT_EQ(json["time"]["host_ms"]["total"]["sweeps"], kRunSweeps);
   EXPECT_GT(json["time"]["device_ms"]["total"]["mean"].get<double>(), 0.0);
   EXPECT_NE(printed_.str().find("  device total "), std::string::npos) << printed_.str();
   EXPECT_GT(json["time"]["sweeps_per_s"].get<double>(), 0.0);
@@ -276,7 +276,7 @@ TEST_F(RunCommand, DamagedSweepInTheMiddleKeepsTheTrajectoryAndSaysSo) {
   fs::resize_file(sweep, fs::file_size(sweep) - 7);
   EXPECT_EQ(run(run_options), 0);
   EXPECT_NE(said_.str().find("000005.bin"), std::string::npos) << said_.str();
-  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.tum").poses.size(), kSweeps - 1);
+  EXPECT_EQ(read_trajectory(out_ / "out/trajectory.tum").poses.size(), kRunSweeps - 1);
   run_options.strict_input = true;
   EXPECT_EQ(run(run_options), 1);
   EXPECT_NE(said_.str().find("000005.bin"), std::string::npos) << said_.str();
@@ -307,7 +307,7 @@ TEST_F(RunCommand, SweepWithoutPointsIsAFailureAndTheRunGoesOn) {
   fs::resize_file(run_options.recording / "velodyne/000004.bin", 0);
   EXPECT_EQ(run(run_options), 0) << said_.str();
   const nlohmann::json json = summary();
-  EXPECT_EQ(json["sweeps"]["processed"], kSweeps);
+  EXPECT_EQ(json["sweeps"]["processed"], kRunSweeps);
   ASSERT_EQ(json["sweeps"]["failures"].size(), 1U);
   EXPECT_EQ(json["sweeps"]["failures"][0]["index"], 4);
   EXPECT_EQ(json["sweeps"]["failures"][0]["reason"], "it has no points");
@@ -318,7 +318,7 @@ TEST_F(RunCommand, RecordingWithoutAnyPointFails) {
   const test::TemporaryFolder empty;
   RunCommandOptions run_options = options();
   run_options.recording = small_recording(empty.path()).recording;
-  for (std::size_t i = 0; i < kSweeps; ++i) {
+  for (std::size_t i = 0; i < kRunSweeps; ++i) {
     fs::resize_file(run_options.recording / "velodyne" / ("00000" + std::to_string(i) + ".bin"), 0);
   }
   EXPECT_EQ(run(run_options), 1);
@@ -346,7 +346,7 @@ TEST_F(RunCommand, SignalBeforeTheFirstSweepLeavesASummaryThatSaysSo) {
   terminal.join();
   EXPECT_EQ(code, 128 + SIGHUP) << said_.str();
   EXPECT_EQ(summary()["status"], "interrupted");
-  EXPECT_LT(summary()["sweeps"]["processed"], kSweeps);
+  EXPECT_LT(summary()["sweeps"]["processed"], kRunSweeps);
 }
 
 TEST_F(RunCommand, ReportThatCannotBeWrittenFailsAndTheFilesAreThere) {
@@ -374,7 +374,7 @@ TEST_F(RunCommand, MistakesOnTheCommandLineAreUsageErrors) {
   EXPECT_NE(said_.str().find("4711"), std::string::npos) << said_.str();
   EXPECT_NE(said_.str().find("0: "), std::string::npos) << "the list of devices: " << said_.str();
   RunCommandOptions start = options();
-  start.start = kSweeps;
+  start.start = kRunSweeps;
   EXPECT_EQ(run(start), 2);
   EXPECT_NE(said_.str().find("the sweeps 0 to 7"), std::string::npos) << said_.str();
   RunCommandOptions resolution = options();

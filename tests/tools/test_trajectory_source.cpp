@@ -25,14 +25,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Nanoseconds kBegin{1'700'000'000'000'000'000};
+constexpr Nanoseconds kFirstStamp{1'700'000'000'000'000'000};
 
 /// Half a turn on a circle of 5 m.
 std::vector<StampedPose> half_circle() {
   std::vector<StampedPose> poses;
   for (int i = 0; i <= 50; ++i) {
     const double angle = std::acos(-1.0) * i / 50.0;
-    StampedPose pose{.stamp = kBegin + std::chrono::milliseconds(100 * i)};
+    StampedPose pose{.stamp = kFirstStamp + std::chrono::milliseconds(100 * i)};
     pose.pose.translation() << 5.0 * std::cos(angle), 5.0 * std::sin(angle), 0.1 * i;
     pose.pose.linear() =
         Eigen::AngleAxisd(angle, Eigen::Vector3d(0.1, 0.2, 1.0).normalized()).toRotationMatrix();
