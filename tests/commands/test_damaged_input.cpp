@@ -42,7 +42,10 @@ TEST_F(DamagedInput, EndsEveryCommandWithACodeAndWithNumbers) {
         aligned += outcome.told.find("refused: degenerate") != std::string::npos ? 1 : 0;
       }
     }
-    // Damage that hinders always, or never, would try nothing.
+    // Damage that hinders always, or never, would try nothing; one case a format is too few to say.
+    if (kCases == 1) {
+      continue;
+    }
     if (command == FuzzedCommand::align) {
       EXPECT_GT(told[0] + aligned, 0) << "the small drive's sweeps are sparse: aligned, not held";
     } else {
