@@ -28,7 +28,9 @@ std::string bytes_of(T value, bool reversed = false) {
 /// Several numbers, one after the other.
 template <class... Ts>
 std::string bytes_of_all(Ts... values) {
-  return (bytes_of(values) + ...);
+  std::string all;
+  (all.append(bytes_of(values)), ...);
+  return all;
 }
 
 /// Overwrites the bytes from `at` on.
