@@ -105,8 +105,8 @@ class LoopCloser {
   std::deque<PendingLoop> queue_;  ///< in the order of their later keyframes
   std::vector<PendingLoop> accepted_;
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
-  std::size_t pause_ = 0;   ///< keyframes that are not asked what they look like
-  std::size_t passed_ = 0;  ///< of those
+  std::size_t pause_ = 0;                ///< keyframes that are not asked what they look like
+  std::size_t passed_ = 0;               ///< of those
   int64_t next_id_ = 1;
   LoopReport report_;
 };
