@@ -18,7 +18,7 @@ constexpr double kHillHeight = 8.0;    // m
 constexpr double kHillLength = 120.0;  // m a radian
 
 /// A place on the grid and the way it is faced, in quarter turns.
-struct Place {
+struct DrivenPlace {
   int x = 0;
   int y = 0;
   int heading = 0;
@@ -26,7 +26,7 @@ struct Place {
 
 /// On at a crossing: straight on, left or right, never out of the town, back only where nothing
 /// else is left.
-int turned(const Place& place, int size, Random& random) {
+int turned(const DrivenPlace& place, int size, Random& random) {
   const auto stays = [&](int heading) {
     const int x = place.x + (heading == 0 ? 1 : heading == 2 ? -1 : 0);
     const int y = place.y + (heading == 1 ? 1 : heading == 3 ? -1 : 0);
@@ -43,11 +43,11 @@ int turned(const Place& place, int size, Random& random) {
                       : ways[static_cast<std::size_t>(random.uniform(0.0, last))];
 }
 
-std::vector<Place> walk(std::size_t nodes, int streets, Random& random) {
+std::vector<DrivenPlace> walk(std::size_t nodes, int streets, Random& random) {
   const int size = kBlock * (streets - 1);
-  std::vector<Place> places = {{0, 0, 0}};
+  std::vector<DrivenPlace> places = {{0, 0, 0}};
   while (places.size() < nodes) {
-    Place place = places.back();
+    DrivenPlace place = places.back();
     if (place.x % kBlock == 0 && place.y % kBlock == 0) {
       place.heading = turned(place, size, random);
     }
@@ -58,7 +58,7 @@ std::vector<Place> walk(std::size_t nodes, int streets, Random& random) {
   return places;
 }
 
-Eigen::Isometry3d pose_of(const Place& place, bool planar) {
+Eigen::Isometry3d pose_of(const DrivenPlace& place, bool planar) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const double height =
       planar ? 0.0
@@ -72,7 +72,8 @@ Eigen::Isometry3d pose_of(const Place& place, bool planar) {
 }
 
 /// Pairs of an earlier and a later visit of one place.
-std::vector<std::pair<std::size_t, std::size_t>> visits_again(const std::vector<Place>& places) {
+std::vector<std::pair<std::size_t, std::size_t>> visits_again(
+    const std::vector<DrivenPlace>& places) {
   std::map<std::pair<int, int>, std::size_t> last_visit;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -112,9 +113,9 @@ SimulatedGraph simulated_graph(const SimulatedGraphSettings& settings) {
   Random random(settings.seed);
   const int fitting = static_cast<int>(std::sqrt(static_cast<double>(settings.nodes) / 200.0));
   const int streets = settings.streets > 1 ? settings.streets : std::max(2, fitting);
-  const std::vector<Place> places = walk(settings.nodes, streets, random);
+  const std::vector<DrivenPlace> places = walk(settings.nodes, streets, random);
   SimulatedGraph result{PoseGraph(settings.planar), {}};
-  for (const Place& place : places) {
+  for (const DrivenPlace& place : places) {
     result.truth.push_back(pose_of(place, settings.planar));
   }
   Eigen::Isometry3d reckoned = result.truth.front();

@@ -7,7 +7,7 @@
 namespace adit {
 namespace {
 
-constexpr double kNoShare = 1e-12;
+constexpr double kNegligible = 1e-12;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ StatePrior prior_from(const NavState& state, const StateQuadratic& quadratic) {
   const StateMatrix unit_diagonal =
       scale.cwiseInverse().asDiagonal() * quadratic.h * scale.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<StateMatrix> eigen(unit_diagonal);
-  const double least = kNoShare * eigen.eigenvalues().maxCoeff();
+  const double least = kNegligible * eigen.eigenvalues().maxCoeff();
   const StateVector rotated =
       eigen.eigenvectors().transpose() * scale.cwiseInverse().cwiseProduct(quadratic.g);
   StatePrior prior;

@@ -23,9 +23,6 @@ constexpr RobustLoss kOdometryKernel{.kernel = Kernel::pseudo_huber, .width = 1.
 constexpr NodeId kQueue = 5;        // keyframes
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
 constexpr std::size_t kMostRefuted = 50;
-// Where what looked alike was refused, so many keyframes at the most are not looked up before the
-// next one is.
-constexpr std::size_t kLongestPause = 3;
 // Median of chi squared with 6 directions.
 constexpr double kMedianChi2 = 5.348;
 
@@ -199,8 +196,7 @@ std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places,
 }
 
 // By appearance only where no place that was found by position is borne out, and those again: the
-// gate may have refused them for drift that it does not know of. Galleries and trees look alike
-// for hundreds of keyframes: then fewer and fewer are asked, until one is borne out.
+// gate may have refused them for drift that it does not know of.
 std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
                                           const SurfaceCloud& cloud) {
   const auto start = std::chrono::steady_clock::now();
@@ -210,15 +206,15 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
   std::vector<PendingLoop> found = verified(places, newest, submap, cloud);
   if (is_any_validated(found)) {
-    pause_ = 0;
-    passed_ = 0;
-  } else if (passed_ < pause_) {
-    ++passed_;
-  } else {
+    pauses_.reset();
+  } else if (pauses_.is_due()) {
     const std::vector<LoopPlace> similar = find_similar_places(graph, index_, known, appearance_);
     std::vector<PendingLoop> alike = verified(similar, newest, submap, cloud);
-    passed_ = 0;
-    pause_ = alike.empty() || is_any_validated(alike) ? 0 : std::min(2 * pause_ + 1, kLongestPause);
+    if (alike.empty() || is_any_validated(alike)) {
+      pauses_.reset();
+    } else {
+      pauses_.refused();
+    }
     std::ranges::move(alike, std::back_inserter(found));
   }
   report_.search_ms.push_back(

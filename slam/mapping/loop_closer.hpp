@@ -12,6 +12,7 @@
 #include "adit/slam/mapping/loop_voting.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/place_index.hpp"
+#include "adit/slam/mapping/search_pauses.hpp"
 #include "adit/slam/mapping/solver.hpp"
 #include "adit/slam/mapping/submap_cache.hpp"
 
@@ -105,8 +106,7 @@ class LoopCloser {
   std::deque<PendingLoop> queue_;  ///< in the order of their later keyframes
   std::vector<PendingLoop> accepted_;
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
-  std::size_t pause_ = 0;                ///< keyframes that are not asked what they look like
-  std::size_t passed_ = 0;               ///< of those
+  SearchPauses pauses_;                  ///< of the search by appearance
   int64_t next_id_ = 1;
   LoopReport report_;
 };

@@ -25,7 +25,7 @@ constexpr double kLongestReach = 100.0;  // m
 // Voxels that a key can name in z, the shortest axis.
 constexpr double kKeyRange = gpu::kVoxelsUpwards;
 // Share of it that the sensor may move from the submap's frame, even if points at c_max exceed it.
-constexpr double kLeastFilled = 0.25;
+constexpr double kLeastReachShare = 0.25;
 
 // The most points of one down-sampled cloud that a voxel can hold, however it lies to their grid.
 uint32_t densest(uint32_t points, double voxel_size, double r_input) {
@@ -46,7 +46,7 @@ Submap::Submap(engine::Context& context, const Config& config)
           std::bit_floor(context.device().max_storage_buffer_bytes / sizeof(gpu::GaussianCell)))),
       reach_(std::min(kLongestReach,
                       std::max(kKeyRange * voxel_size_ - with_lengths(config).preprocess.c_max,
-                               kLeastFilled * kKeyRange * voxel_size_))),
+                               kLeastReachShare * kKeyRange * voxel_size_))),
       counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
                                     "submap counters")),
       coarse_counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,

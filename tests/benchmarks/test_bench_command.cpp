@@ -12,24 +12,12 @@
 #include "adit/benchmarks/kernels/report.hpp"
 #include "adit/benchmarks/verify/cases.hpp"
 #include "adit/tests/support/point_files.hpp"
+#include "adit/tests/support/ran.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit::bench {
 namespace {
-
-struct Outcome {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
-
-Outcome run(const BenchCommandOptions& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = bench_command(options, out, err);
-  return {code, out.str(), err.str()};
-}
 
 TEST(BenchCases, HaveNamesOfTheirOwnAndPeersThatExistOrAreLibraries) {
   const std::vector<Case> cases = all_cases();
@@ -45,11 +33,11 @@ TEST(BenchCases, HaveNamesOfTheirOwnAndPeersThatExistOrAreLibraries) {
 // Every case of the list is verified before it is timed: this runs the verifications.
 TEST(BenchCommand, EveryCaseIsRightOnASmallSweep) {
   const test::TemporaryFolder folder;
-  const Outcome outcome = run({.sizes = {20'000},
-                               .batches = {3},
-                               .seconds = 0.0,
-                               .json = folder.path() / "a.json",
-                               .html = folder.path() / "a.html"});
+  const test::Ran outcome = test::ran(bench_command, {.sizes = {20'000},
+                                                      .batches = {3},
+                                                      .seconds = 0.0,
+                                                      .json = folder.path() / "a.json",
+                                                      .html = folder.path() / "a.html"});
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
   EXPECT_EQ(outcome.out.find("WRONG"), std::string::npos) << outcome.out;
   const Report report = read_report(folder.path() / "a.json");
@@ -77,10 +65,11 @@ TEST(BenchCommand, TakesACloudOfTheUser) {
     bytes += test::bytes_of_all(p.x, p.y, p.z, p.intensity);
   }
   write_text_file(folder.path() / "a.pcd", test::pcd_header(points.size(), "binary") + bytes);
-  const Outcome outcome = run({.cases = {"downsample", "linearize/vgicp-7", "align/vgicp"},
-                               .seconds = 0.0,
-                               .input = {folder.path() / "a.pcd"},
-                               .json = folder.path() / "a.json"});
+  const test::Ran outcome =
+      test::ran(bench_command, {.cases = {"downsample", "linearize/vgicp-7", "align/vgicp"},
+                                .seconds = 0.0,
+                                .input = {folder.path() / "a.pcd"},
+                                .json = folder.path() / "a.json"});
   ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
   const Report report = read_report(folder.path() / "a.json");
   ASSERT_EQ(report.rows.size(), 4U) << outcome.out;
@@ -90,19 +79,21 @@ TEST(BenchCommand, TakesACloudOfTheUser) {
 }
 
 TEST(BenchCommand, RefusesWhatIsNotThere) {
-  const Outcome unknown = run({.cases = {"linearise"}});
+  const test::Ran unknown = test::ran(bench_command, {.cases = {"linearise"}});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("there is no case 'linearise'"), std::string::npos) << unknown.err;
-  const Outcome missing = run({.cases = {"surfaces"}, .input = {"/no/such/cloud.pcd"}});
+  const test::Ran missing =
+      test::ran(bench_command, {.cases = {"surfaces"}, .input = {"/no/such/cloud.pcd"}});
   EXPECT_EQ(missing.code, 1);
   EXPECT_NE(missing.err.find("/no/such/cloud.pcd"), std::string::npos) << missing.err;
-  const Outcome report = run({.compare = {"/no/such/a.json", "/no/such/b.json"}});
+  const test::Ran report =
+      test::ran(bench_command, {.compare = {"/no/such/a.json", "/no/such/b.json"}});
   EXPECT_EQ(report.code, 1);
   EXPECT_NE(report.err.find("/no/such/a.json"), std::string::npos) << report.err;
 }
 
 TEST(BenchCommand, ListsWithoutADevice) {
-  const Outcome outcome = run({.cases = {"align"}, .list = true});
+  const test::Ran outcome = test::ran(bench_command, {.cases = {"align"}, .list = true});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.out.find("linearize"), std::string::npos);
   EXPECT_NE(outcome.out.find("align/ndt  (registration)"), std::string::npos) << outcome.out;

@@ -16,6 +16,7 @@
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/benchmarks/slam/slam_run.hpp"
 #include "adit/benchmarks/slam/slam_sequences.hpp"
+#include "adit/tests/support/ran.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/program.hpp"
@@ -35,19 +36,6 @@ const SlamEntry kTiny{.name = "tiny",
                       .trajectory = "drive",
                       .duration = 4.0,
                       .begin = 2.0};
-
-struct SlamBenchOutcome {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
-
-SlamBenchOutcome bench_slam(const BenchSlamOptions& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = bench_slam_command(options, out, err);
-  return {code, out.str(), err.str()};
-}
 
 /// The truth as another system would give it: in a frame of its own, and `scale` times as long.
 void write_estimate(const fs::path& file, const fs::path& truth, double scale) {
@@ -122,12 +110,13 @@ TEST(BenchSlam, PutsRecordingsOfTheUserBesideOtherSystems) {
   write_estimate(folder / "others/wrong/tiny.tum", made.truth, 2.0);
   folder.write("others/absent/another.tum", "");
   folder.write("others/broken/tiny.tum", "not a pose\n");
-  const SlamBenchOutcome outcome = bench_slam({.recordings = folder / "data",
-                                               .trajectories = folder / "others",
-                                               .variants = {"coarse:preprocess.r_input=0.5"},
-                                               .output = folder / "out",
-                                               .json = folder / "a.json",
-                                               .html = folder / "a.html"});
+  const test::Ran outcome =
+      test::ran(bench_slam_command, {.recordings = folder / "data",
+                                     .trajectories = folder / "others",
+                                     .variants = {"coarse:preprocess.r_input=0.5"},
+                                     .output = folder / "out",
+                                     .json = folder / "a.json",
+                                     .html = folder / "a.html"});
   ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
   const nlohmann::json report = test::json_of(folder / "a.json");
   ASSERT_EQ(report.at("sequences").size(), 1U);
@@ -242,7 +231,7 @@ TEST(BenchSlam, RefusesWhatMakesNoSense) {
   const test::TemporaryFolder folder;
   const auto refused = [&](BenchSlamOptions options, int code, const std::string& part) {
     options.output = folder / "out";
-    const SlamBenchOutcome outcome = bench_slam(options);
+    const test::Ran outcome = test::ran(bench_slam_command, options);
     EXPECT_EQ(outcome.code, code) << outcome.out;
     EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "out"));
@@ -262,14 +251,14 @@ TEST(BenchSlam, IsACommandOfItsOwn) {
     testing::internal::CaptureStderr();
     const int code = program(static_cast<int>(words.size()), words.data(), more);
     const std::string out = testing::internal::GetCapturedStdout();
-    return SlamBenchOutcome{code, out, testing::internal::GetCapturedStderr()};
+    return test::Ran{code, out, testing::internal::GetCapturedStderr()};
   };
-  const SlamBenchOutcome list = call({"--list", "--only", "mine", "city"});
+  const test::Ran list = call({"--list", "--only", "mine", "city"});
   EXPECT_EQ(list.code, 0) << list.err;
   EXPECT_NE(list.out.find("mine-vlp16-drive"), std::string::npos) << list.out;
   EXPECT_EQ(list.out.find("room"), std::string::npos) << list.out;
   EXPECT_EQ(list.out.find("downsample"), std::string::npos) << "cases of `adit bench`";
-  const SlamBenchOutcome unknown = call({"--quik"});
+  const test::Ran unknown = call({"--quik"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("adit bench slam: there is no option '--quik'. The nearest valid name "
                              "is '--quick'"),

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::dump_of;
 
-constexpr NodeId kKeyframes = 6;
+constexpr NodeId kContinuedKeyframes = 6;
 
 /// A keyframe of so many sweeps, a second each ten of them.
 KeyframeRecord short_record(NodeId id, SessionId session, int sweeps = 10) {
@@ -67,8 +67,8 @@ class ContinuedMapTest : public testing::Test {
     MapDatabase map(folder_ / "whole.adit", MapAccess::write);
     const SessionId session = test::add_session(map);
     map.begin_run(session);
-    run_up_to(map, session, kKeyframes);
-    end_run(map, session, kKeyframes);
+    run_up_to(map, session, kContinuedKeyframes);
+    end_run(map, session, kContinuedKeyframes);
     whole_ = dump_of(map);
     steps_ = map.progress(session).steps;
   }
@@ -92,21 +92,22 @@ class ContinuedMapTest : public testing::Test {
 };
 
 TEST_F(ContinuedMapTest, EndsAsAnUndisturbedRunDoes) {
-  EXPECT_EQ(steps_, 2 * kKeyframes) << "what the end does is no step";
+  EXPECT_EQ(steps_, 2 * kContinuedKeyframes) << "what the end does is no step";
   for (const bool ended : {false, true}) {
-    for (NodeId stored = 0; stored <= kKeyframes; ++stored) {
+    for (NodeId stored = 0; stored <= kContinuedKeyframes; ++stored) {
       MapDatabase map(begun(stored, ended), MapAccess::write);
       EXPECT_EQ(map.progress(1).ending, ended);
       ContinuedMap continued(map, 1);
       EXPECT_EQ(continued.caught_up(), stored == 0);
-      run_up_to(continued, 1, kKeyframes);
+      run_up_to(continued, 1, kContinuedKeyframes);
       EXPECT_TRUE(continued.caught_up());
-      end_run(continued, 1, kKeyframes);
+      end_run(continued, 1, kContinuedKeyframes);
       EXPECT_EQ(dump_of(map), whole_) << stored << (ended ? ", ended" : ", killed");
       EXPECT_EQ(map.progress(1).steps, steps_);
       EXPECT_FALSE(map.progress(1).edited);
       EXPECT_TRUE(map.check().empty());
-      EXPECT_EQ(map.submaps_within({-1e3, -1e3, -1e3}, {1e3, 1e3, 1e3}).size(), kKeyframes + 1U);
+      EXPECT_EQ(map.submaps_within({-1e3, -1e3, -1e3}, {1e3, 1e3, 1e3}).size(),
+                kContinuedKeyframes + 1U);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/simulator/trajectories.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/simulator/faults.hpp"
@@ -17,10 +18,6 @@ namespace adit {
 namespace {
 
 using Eigen::Vector3d;
-
-SplineTrajectory at_rest() {
-  return {1.0, std::vector<Eigen::Isometry3d>(4, Eigen::Isometry3d::Identity())};
-}
 
 /// A fix in the world frame by the ellipsoid's radii at the origin: another way than the
 /// simulator's, good to a millimetre within a hundred metres.
@@ -42,7 +39,7 @@ struct Statistics {
 };
 
 Statistics statistics_of(const char* model, int count) {
-  const SplineTrajectory rest = at_rest();
+  const SplineTrajectory rest = test::at_rest();
   const RayScene nothing(Mesh{});
   GnssSimulator receiver(gnss_named(model), 1, rest, antenna_mount(), nothing, 3);
   std::vector<Vector3d> errors;
@@ -72,7 +69,7 @@ TEST(Gnss, ErrorsHaveTheStatedSizeAndCorrelation) {
 }
 
 TEST(Gnss, StatedCovarianceIsHonestUnlessItIsNot) {
-  const SplineTrajectory rest = at_rest();
+  const SplineTrajectory rest = test::at_rest();
   const RayScene nothing(Mesh{});
   for (const auto& [name, stated] : {std::pair{"rtk", 0.012}, {"overconfident", 0.0012}}) {
     GnssSimulator receiver(gnss_named(name), 5, rest, antenna_mount(), nothing, 1);
@@ -84,7 +81,7 @@ TEST(Gnss, StatedCovarianceIsHonestUnlessItIsNot) {
 }
 
 TEST(Gnss, TheSkyDecidesOnTheFix) {
-  const SplineTrajectory rest = at_rest();
+  const SplineTrajectory rest = test::at_rest();
   const auto kind_under = [&](double half_roof) {
     Mesh mesh;
     if (half_roof > 0.0) {
@@ -102,7 +99,7 @@ TEST(Gnss, TheSkyDecidesOnTheFix) {
 }
 
 TEST(Gnss, OutliersComeWhereTheSkyIsHidden) {
-  const SplineTrajectory rest = at_rest();
+  const SplineTrajectory rest = test::at_rest();
   Mesh mesh;
   add_block(mesh, {-6.5, -6.5, 4.0}, {6.5, 6.5, 4.2}, Material::concrete);
   const RayScene scene(mesh);

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/simulator/trajectories.hpp"
 #include "adit/tools/simulator/motion.hpp"
 
 namespace adit {
@@ -107,12 +108,8 @@ Scene wall(double distance, Material material) {
   return scene;
 }
 
-SplineTrajectory lying_still() {
-  return {1.0, std::vector<Eigen::Isometry3d>(4, Eigen::Isometry3d::Identity())};
-}
-
 double returned_ahead(const Scene& scene, const RangeEffects& effects) {
-  const SplineTrajectory rest = lying_still();
+  const SplineTrajectory rest = test::at_rest();
   const RangeSimulator lidar(scene, range_sensor_named("VLP-16"), {.trajectory = &rest}, 1,
                              effects);
   const RangeSweep sweep = lidar.sweep(0);
@@ -149,7 +146,7 @@ TEST(RangeSimulator, MostPulsesGoThroughGlass) {
     }
     scene.mesh.triangles.push_back(triangle);
   }
-  const SplineTrajectory rest = lying_still();
+  const SplineTrajectory rest = test::at_rest();
   const RangeSimulator lidar(scene, range_sensor_named("VLP-16"), {.trajectory = &rest}, 1, kNone);
   const RangeSweep sweep = lidar.sweep(0);
   double through = 0.0;
@@ -165,7 +162,7 @@ TEST(RangeSimulator, MostPulsesGoThroughGlass) {
 TEST(RangeSimulator, BeamsOnAnEdgeMeasureBetweenTheSurfaces) {
   Scene scene = wall(6.0, Material::plaster);
   add_block(scene.mesh, {5.5, -0.3, -5.0}, {5.6, 0.3, 5.0}, Material::wood);
-  const SplineTrajectory rest = lying_still();
+  const SplineTrajectory rest = test::at_rest();
   const auto between = [&](bool mixed) {
     RangeEffects effects = kNone;
     effects.mixed_pixels = mixed;
@@ -193,7 +190,7 @@ TEST(RangeSimulator, MovingObjectsAreHitWhereTheyAreAtThatMomentAndLabelled) {
                    }};
   add_block(box.mesh, {-0.5, -30.0, -30.0}, {0.5, 30.0, 30.0}, Material::metal);
   scene.moving.push_back(box);
-  const SplineTrajectory rest = lying_still();
+  const SplineTrajectory rest = test::at_rest();
   const RangeSimulator lidar(scene, range_sensor_named("VLP-16"), {.trajectory = &rest}, 1, kNone);
   const RangeSweep sweep = lidar.sweep(5);
   std::size_t seen = 0;
@@ -231,7 +228,7 @@ TEST(OutOfTheWay, WhatWouldRunIntoTheCarrierIsLeftOut) {
 TEST(RangeSimulator, DustScattersWithItsDensity) {
   Scene scene = wall(1e3, Material::dark);
   scene.dust = 0.02;
-  const SplineTrajectory rest = lying_still();
+  const SplineTrajectory rest = test::at_rest();
   RangeEffects dust = kNone;
   dust.dust = true;
   const RangeSensor sensor = range_sensor_named("VLP-16");

@@ -24,11 +24,11 @@ using test::kBias;
 using test::kRate;
 using test::Outcome;
 using test::T_body_lidar;
+using test::tracker_config;
 using test::without;
 
-constexpr auto config = test::tracker_config;
-
-Outcome run(const test::Fault& fault, double duration = 10.0, const ImuConfig& imu = config()) {
+Outcome run(const test::Fault& fault, double duration = 10.0,
+            const ImuConfig& imu = tracker_config()) {
   return test::run_tracker(fault, duration, imu);
 }
 
@@ -55,7 +55,7 @@ TEST(InertialTracker, StartsInMotionAndFuses) {
 }
 
 TEST(InertialTracker, LevelsTheFirstSweep) {
-  InertialTracker tracker(config());
+  InertialTracker tracker(tracker_config());
   EXPECT_FALSE(tracker.level_lidar(Nanoseconds(0), test::at_seconds(0.1)));
   const test::WavyMotion still{.position = {},
                                .angles = {{{0.2, 0.0, std::numbers::pi / 2, 0.0}, {}, {}}}};
@@ -161,7 +161,7 @@ void expect_covariances(const Outcome& outcome) {
 TEST(InertialTracker, AnAlignmentWhoseInformationIsNotFiniteLosesItForAWhile) {
   for (const double information : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     const Outcome outcome =
-        test::run_tracker([](auto&) {}, 10.0, config(), test::hand_held_motion(),
+        test::run_tracker([](auto&) {}, 10.0, tracker_config(), test::hand_held_motion(),
                           {.alignment = [=](int i, RegistrationResult& alignment) {
                             alignment.information(2, 2) = i == 40 ? information : 1e6;
                           }});
@@ -180,7 +180,7 @@ TEST(InertialTracker, AnAlignmentWhoseInformationIsNotFiniteLosesItForAWhile) {
 // Sweeps that hardly follow one another tie the biases of their states so firmly that rounding
 // hides all else: the worst that valid settings and rising stamps can do.
 TEST(InertialTracker, AGraphThatDeterminesNothingLosesTheSensorAndNotTheRun) {
-  ImuConfig firm = config();
+  ImuConfig firm = tracker_config();
   firm.sensor = "custom";
   firm.gyro_walk = firm.accel_walk = firm.gravity_walk = 1e-9;
   int undetermined = 0;
@@ -199,7 +199,7 @@ TEST(InertialTracker, AGraphThatDeterminesNothingLosesTheSensorAndNotTheRun) {
 }
 
 TEST(InertialTracker, NotToBeUsedItStaysOut) {
-  ImuConfig off = config();
+  ImuConfig off = tracker_config();
   off.use = false;
   const Outcome outcome = run([](auto&) {}, 3.0, off);
   EXPECT_EQ(outcome.reports.back().state, InertialState::absent);

@@ -18,7 +18,7 @@ using test::run_odometry;
 class OdometryGapTest : public test::DeviceTest {};
 
 constexpr size_t kGap = 25;  // sweeps before it
-constexpr double kStep = 0.15;
+constexpr double kGapStep = 0.15;
 
 /// On foot: straight on, a gap of two seconds in which the sensor moves by `jump`, then `forward` m
 /// a sweep again.
@@ -30,7 +30,7 @@ std::vector<StampedPose> walk(const Eigen::Isometry3d& jump, size_t after) {
   for (size_t i = 0; i < kGap + after; ++i) {
     poses.push_back({stamp, pose});
     const bool gap = i + 1 == kGap;
-    pose = gap ? pose * jump : pose * Eigen::Translation3d(kStep, 0.0, 0.0);
+    pose = gap ? pose * jump : pose * Eigen::Translation3d(kGapStep, 0.0, 0.0);
     stamp += gap ? std::chrono::milliseconds(2000) : std::chrono::milliseconds(100);
   }
   return poses;
@@ -80,7 +80,7 @@ TEST_F(OdometryGapTest, InAnotherPlaceTheMapStartsAnewAndNothingIsPretendedBefor
     // The last velocity is given a second and no more.
     const double gone =
         (results[i].T_map_lidar.translation() - results[kGap - 1].T_map_lidar.translation()).norm();
-    EXPECT_LE(gone, 10 * kStep + 0.1) << i;
+    EXPECT_LE(gone, 10 * kGapStep + 0.1) << i;
   }
   for (size_t i = at + 1; i < drive.size(); ++i) {
     EXPECT_EQ(results[i].state, OdometryState::tracking) << i;

@@ -23,27 +23,11 @@
 
 #include "adit/benchmarks/verify/synthetic_world.hpp"
 #include "adit/slam/odometry/odometry.hpp"
+#include "adit/tests/support/ran.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 
 namespace adit::test {
-
-/// What a command has done: its exit code, and what it has printed.
-struct Ran {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
-
-/// Runs a command on its options.
-template <class Options>
-Ran ran(int (*command)(const Options&, std::ostream&, std::ostream&),
-        const std::type_identity_t<Options>& options) {
-  std::ostringstream out;
-  std::ostringstream err;
-  const int code = command(options, out, err);
-  return {code, out.str(), err.str()};
-}
 
 inline std::string content(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);

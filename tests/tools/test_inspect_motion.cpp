@@ -42,11 +42,11 @@ std::vector<Recorded> told(std::vector<Recorded> events, const Eigen::Matrix3d& 
 }
 
 TEST(InspectMotion, ClocksThatAreATenthOfASecondApart) {
-  for (const int milliseconds : {100, -100, 60}) {
+  for (const int late : {100, -100, 60}) {
     std::vector<Recorded> events = clean_recording();
     for (Recorded& event : events) {
       if (auto* imu = std::get_if<ImuSample>(&event.value)) {
-        imu->stamp += std::chrono::milliseconds(milliseconds);
+        imu->stamp += std::chrono::milliseconds(late);
       }
     }
     const nlohmann::json found = report(events);
@@ -54,7 +54,7 @@ TEST(InspectMotion, ClocksThatAreATenthOfASecondApart) {
     EXPECT_EQ(found["findings"][0]["kind"], "sensor_offset");
     EXPECT_EQ(found["findings"][0]["topic"], "/imu");
     const nlohmann::json& motion = found["motion"][0];
-    EXPECT_NEAR(motion["imu_offset_s"].get<double>(), 1e-3 * milliseconds, 0.005);
+    EXPECT_NEAR(motion["imu_offset_s"].get<double>(), 1e-3 * late, 0.005);
     EXPECT_LT(motion["imu_offset_sigma_s"].get<double>(), 0.005);
   }
 }
