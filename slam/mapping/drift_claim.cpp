@@ -60,7 +60,7 @@ bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftL
   const double turn = angle_about_z(error.linear());
   const Eigen::Vector3d& off = error.translation();
   // A turn on the way moves what comes after it aside.
-  return tilt_of(error.linear()) <= limits.tilt && turn <= limits.least_turn + limits.turn * path &&
+  return turn <= limits.least_turn + limits.turn * path &&
          off.head<2>().norm() <= limits.least_distance + (limits.aside + turn) * path &&
          std::abs(off.z()) <= limits.least_distance + limits.height * path;
 }
@@ -78,7 +78,15 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
   }
   const Eigen::Isometry3d T_claimed_map =
       nodes[earlier].T_map_node * T_from_to * nodes[later].T_map_node.inverse();
-  for (;; --later) {  // ends at the first node at the latest: nothing is before it
+  // What was believed of the pair, against what is claimed.
+  const auto is_possible = [&](double way) {
+    const Eigen::Isometry3d error = T_claimed_map.inverse() * nodes[earlier].T_map_node;
+    return is_possible_drift(nodes[earlier].T_map_node.inverse() * error, way, limits);
+  };
+  if (!is_possible(ways_from(graph, later)[earlier])) {
+    return false;
+  }
+  while (later-- > 0) {
     // The earlier stretch's keyframe where this one of the later stretch is claimed to be.
     const Eigen::Isometry3d claimed = T_claimed_map * nodes[later].T_map_node;
     std::optional<std::size_t> same;
@@ -95,14 +103,15 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
       return true;  // the stretches part here
     }
     earlier = *same;
-    // What was believed of the pair, and what is claimed.
-    const Eigen::Isometry3d error =
-        nodes[later].T_map_node * claimed.inverse() * nodes[earlier].T_map_node;
-    if (!is_possible_drift(nodes[earlier].T_map_node.inverse() * error,
-                           ways_from(graph, later)[earlier], limits)) {
+    const double way = ways_from(graph, later)[earlier];
+    if (way <= kSamePlace) {
+      return true;  // loops that were accepted tie them from here on backwards
+    }
+    if (!is_possible(way)) {
       return false;
     }
   }
+  return true;
 }
 
 }  // namespace adit

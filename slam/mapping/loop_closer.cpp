@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "adit/slam/mapping/condensation.hpp"
+#include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 
 namespace adit {
@@ -16,15 +16,9 @@ namespace {
 
 // Measured on the simulated office's odometry, over 20 to 40 edges (docs/theory/loops.md).
 constexpr double kLumps = 4.0;
-// Few edges of the odometry are off by many of their standard deviations: beyond one, errors count
-// as they are and not squared, so that those few take what the loops correct
-// (docs/theory/loops.md).
-constexpr RobustLoss kOdometryKernel{.kernel = Kernel::pseudo_huber, .width = 1.0};
 constexpr NodeId kQueue = 5;        // keyframes
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
 constexpr std::size_t kMostRefuted = 50;
-// Median of chi squared with 6 directions.
-constexpr double kMedianChi2 = 5.348;
 
 LoopSearchSettings search_settings(const Config& config) {
   return {.max_distance = 0.5 * config.preprocess.c_max,
@@ -103,20 +97,6 @@ bool is_any_validated(const std::vector<PendingLoop>& found) {
 }
 
 }  // namespace
-
-OptimizedGraph optimize_with_loops(PoseGraph graph) {
-  OptimizationSettings settings{.convention = ResidualConvention::rotation,
-                                .odometry_kernel = kOdometryKernel};
-  const OptimizedGraph all_believed = optimize_condensed(graph, settings);
-  settings.loop_kernel.kernel = Kernel::dcs;
-  const double cost_before = graph_cost(graph, settings);
-  if (all_believed.report.termination != Termination::failed) {
-    graph.set_poses(all_believed.poses);
-  }
-  OptimizedGraph optimized = optimize_condensed(graph, settings);
-  optimized.report.cost_before = cost_before;
-  return optimized;
-}
 
 LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
                        uint64_t submap_bytes)
@@ -305,27 +285,13 @@ std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Chan
   return accepted;
 }
 
-// What loops have shown of the odometry: where its edges are off by more than they say, so will
-// the next ones be.
-void LoopCloser::learn_scale(const OptimizedGraph& optimized, const PoseGraph& graph) {
-  std::vector<double> chi2;
-  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-    if (graph.edges()[i].kind == EdgeKind::odometry && optimized.report.edges[i]) {
-      chi2.push_back(optimized.report.edges[i]->chi2);
-    }
-  }
-  const double scale = chi2.empty() ? 1.0 : std::max(1.0, median(std::move(chi2)) / kMedianChi2);
-  voting_.short_lumps = scale;
-  voting_.lumps = kLumps * scale;
-}
-
 // Until what is left fits: each round takes back what does not.
 void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in,
                                      Change& change) {
   bool again = true;
   while (again) {
     again = false;
-    const OptimizedGraph optimized = optimize_with_loops(graph);
+    const LoopOptimum optimized = optimize_with_loops(graph);
     ++report_.optimizations;
     const NodeId newest = accepted_.empty() ? graph.nodes().front().id : accepted_.back().loop.to;
     const std::size_t at = graph.index_of(newest);
@@ -333,7 +299,8 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
         report_.largest_correction,
         (optimized.poses[at].translation() - graph.nodes()[at].T_map_node.translation()).norm());
     graph.set_poses(optimized.poses);
-    learn_scale(optimized, graph);
+    voting_.short_lumps = optimized.odometry_scale;
+    voting_.lumps = kLumps * optimized.odometry_scale;
     change.moved = true;
     for (std::size_t i = 0; i < graph.edges().size(); ++i) {
       const PoseEdge& edge = graph.edges()[i];

@@ -13,7 +13,6 @@
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/place_index.hpp"
 #include "adit/slam/mapping/search_pauses.hpp"
-#include "adit/slam/mapping/solver.hpp"
 #include "adit/slam/mapping/submap_cache.hpp"
 
 namespace adit {
@@ -30,15 +29,6 @@ struct LoopReport {
   double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
   std::vector<float> search_ms;     ///< host time per keyframe, with its waits for the device
 };
-
-/// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong
-/// ones. It is looked for from where all loops are accepted: from far off, where much drift is to
-/// be corrected, the kernel would take it from right ones, too.
-OptimizedGraph optimize_with_loops(PoseGraph graph);
-
-/// Loops whose residual is beyond this (chi squared of 6 directions: 99.9 %) after an optimisation
-/// are taken back.
-inline constexpr double kLoopReview = 22.5;
 
 /// What alignments of submaps are expected to leave, where none has shown it yet: rms, m.
 inline constexpr double kFirstRms = 0.05;
@@ -93,7 +83,6 @@ class LoopCloser {
   std::vector<int64_t> let_in(PoseGraph& graph, bool last_chance, Change& change);
   void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
-  void learn_scale(const OptimizedGraph& optimized, const PoseGraph& graph);
 
   SubmapCache submaps_;
   PlaceIndex index_;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/loop_closer.hpp"
+#include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

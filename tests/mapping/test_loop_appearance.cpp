@@ -3,6 +3,7 @@
 //
 // Loops that were found by appearance: how far they may contradict the odometry, and that twins are
 // not taken for a place seen again.
+#include <algorithm>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -278,6 +279,8 @@ TEST(DriftClaim, LimitsGrowWithThePath) {
   EXPECT_TRUE(is_possible_drift(step(10.0), 300.0));
   EXPECT_FALSE(is_possible_drift(up(0.0, 0.5), 100.0));
   EXPECT_TRUE(is_possible_drift(up(0.0, 0.3), 100.0));
+  const Eigen::Isometry3d tilted(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(is_possible_drift(tilted, 1.0)) << "an optimisation may have put it there";
   EXPECT_TRUE(is_possible_drift(step(30.0, 0.3), 100.0)) << "a turn moves what comes after aside";
 }
 
@@ -287,6 +290,27 @@ TEST(DriftClaim, NothingExplainsATilt) {
   EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
   one.T_from_to.linear() *= Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
   EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
+}
+
+// Along a line and along it again, tied over the first 8 m of it and drifting upwards after that.
+TEST(DriftClaim, EndsWhereEarlierLoopsTieTheStretches) {
+  PoseGraph graph = test::line(21);
+  const NodeId again = 100;
+  for (NodeId i = 0; i <= 20; ++i) {
+    const auto x = static_cast<double>(i);
+    const Eigen::Isometry3d pose = step(x) * up(0.14 * std::max(0.0, x - 8.0));
+    graph.add_node({.id = again + i, .T_map_node = pose});
+    const NodeId before = i == 0 ? 20 : again + i - 1;
+    graph.add_edge(
+        edge(before, again + i, graph.nodes()[graph.index_of(before)].T_map_node.inverse() * pose));
+  }
+  EXPECT_TRUE(drift_explains(graph, 8, again + 8, up(0.0)));
+  EXPECT_FALSE(drift_explains(graph, 8, again + 8, up(-12.0)));
+  for (NodeId i = 0; i <= 8; ++i) {
+    graph.add_edge(edge(i, again + i, up(0.0)));
+  }
+  EXPECT_TRUE(drift_explains(graph, 12, again + 12, up(0.0))) << "0.56 m of drift since";
+  EXPECT_FALSE(drift_explains(graph, 9, again + 9, up(-2.0))) << "tied a metre before";
 }
 
 }  // namespace

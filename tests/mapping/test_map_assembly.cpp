@@ -137,12 +137,12 @@ class MapAssemblyTest : public test::DeviceTest {
   }
 };
 
-// A fifth of the error is wanted (it is 0.77 of it here): few keyframes of this short way agree.
-// What does come in has to be right, and the map must not be worse for it.
-TEST_F(MapAssemblyTest, LoopsTakeOutPartOfADriftThatTheCovariancesKnowNothingOf) {
+// Of 2.8 m half a metre is left: the graph knows nothing of gravity and tilts the street to explain
+// part of the climb.
+TEST_F(MapAssemblyTest, LoopsTakeOutADriftThatTheCovariancesKnowNothingOf) {
   const Result drifted = assembled(0.1 * std::numbers::pi / 180.0, 0.1);
   EXPECT_GT(error_of(drifted.odometry), 1.5);
-  EXPECT_LT(error_of(drifted.map), 0.85 * error_of(drifted.odometry));
+  EXPECT_LT(error_of(drifted.map), 0.2 * error_of(drifted.odometry));
   EXPECT_GE(drifted.loops.accepted_by_appearance, 1U);
   EXPECT_GE(drifted.loops.by_appearance, drifted.loops.accepted_by_appearance);
   expect_right_loops(drifted.graph);

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/loop_optimization.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "adit/slam/mapping/condensation.hpp"
+
+namespace adit {
+namespace {
+
+// Few edges of the odometry are off by many of their standard deviations: beyond one, errors count
+// as they are and not squared, so that those few take what the loops correct
+// (docs/theory/loops.md).
+constexpr RobustLoss kOdometryKernel{.kernel = Kernel::pseudo_huber, .width = 1.0};
+// Median of chi squared with 6 directions.
+constexpr double kMedianChi2 = 5.348;
+// The scale is settled once a round leaves it within this factor; each round comes much nearer.
+constexpr double kSettled = 1.1;
+constexpr int kMostRounds = 8;
+
+PoseGraph scaled(const PoseGraph& graph, double scale) {
+  PoseGraph result(graph.planar());
+  for (const PoseNode& node : graph.nodes()) {
+    result.add_node(node);
+  }
+  for (PoseEdge edge : graph.edges()) {
+    if (edge.kind == EdgeKind::odometry) {
+      edge.information /= scale;
+    }
+    result.add_edge(edge);
+  }
+  return result;
+}
+
+/// For each node: whether a loop goes from one before it, or it, to one behind it.
+std::vector<bool> spanned(const PoseGraph& graph) {
+  std::vector<int> changes(graph.nodes().size() + 1);
+  for (const PoseEdge& edge : graph.edges()) {
+    if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active) {
+      const auto [first, last] = std::minmax({graph.index_of(edge.from), graph.index_of(edge.to)});
+      ++changes[first];
+      --changes[last];
+    }
+  }
+  std::vector<bool> result(graph.nodes().size());
+  int open = 0;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    open += changes[i];
+    result[i] = open > 0;
+  }
+  return result;
+}
+
+/// Chi squared of the median odometry edge between the ends of loops; 0 where there is none.
+double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
+  const std::vector<bool> in_a_loop = spanned(graph);
+  std::vector<double> chi2;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const PoseEdge& edge = graph.edges()[i];
+    const std::size_t first = std::min(graph.index_of(edge.from), graph.index_of(edge.to));
+    if (edge.kind == EdgeKind::odometry && report.edges[i] && in_a_loop[first]) {
+      chi2.push_back(report.edges[i]->chi2);
+    }
+  }
+  if (chi2.empty()) {
+    return 0.0;
+  }
+  const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
+  std::ranges::nth_element(chi2, middle);
+  return *middle;
+}
+
+/// With the poses of an optimum, and without the loops that it does not fit.
+PoseGraph fitting_part(PoseGraph graph, const OptimizedGraph& optimum) {
+  graph.set_poses(optimum.poses);
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const std::optional<EdgeResult>& result = optimum.report.edges[i];
+    if (graph.edges()[i].kind == EdgeKind::loop && result && result->chi2 > kLoopReview) {
+      graph.set_status(i, EdgeStatus::revoked);
+    }
+  }
+  return graph;
+}
+
+// A scale that is too small leaves part of the drift to the loops, so that edges seem better than
+// they are: hence the rounds.
+double odometry_scale(const PoseGraph& graph) {
+  const OptimizationSettings squared{.convention = ResidualConvention::rotation};
+  double scale = 1.0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const PoseGraph trial = scaled(graph, scale);
+    const OptimizationReport report = optimize_condensed(trial, squared).report;
+    if (report.termination == Termination::failed) {
+      break;
+    }
+    const double found = scale * median_chi2(trial, report) / kMedianChi2;
+    const bool settled = found < kSettled * scale;
+    scale = std::max(scale, found);
+    if (settled) {
+      break;
+    }
+  }
+  return scale;
+}
+
+// Of all loops under a kernel that takes all influence from wrong ones, looked for from where all
+// are accepted: from far off, where much drift is to be corrected, the kernel would take it from
+// right ones, too.
+OptimizedGraph robust_optimum(PoseGraph graph) {
+  OptimizationSettings settings{.convention = ResidualConvention::rotation,
+                                .odometry_kernel = kOdometryKernel};
+  const OptimizedGraph all_believed = optimize_condensed(graph, settings);
+  settings.loop_kernel.kernel = Kernel::dcs;
+  const double cost_before = graph_cost(graph, settings);
+  if (all_believed.report.termination != Termination::failed) {
+    graph.set_poses(all_believed.poses);
+  }
+  OptimizedGraph optimum = optimize_condensed(graph, settings);
+  optimum.report.cost_before = cost_before;
+  return optimum;
+}
+
+}  // namespace
+
+LoopOptimum optimize_with_loops(const PoseGraph& graph) {
+  LoopOptimum optimum{robust_optimum(graph)};
+  optimum.odometry_scale = odometry_scale(fitting_part(graph, optimum));
+  if (optimum.odometry_scale > 1.0) {
+    static_cast<OptimizedGraph&>(optimum) = robust_optimum(scaled(graph, optimum.odometry_scale));
+  }
+  return optimum;
+}
+
+}  // namespace adit

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The optimisation of a map's graph with its loops (docs/theory/loops.md).
+#pragma once
+
+#include "adit/slam/mapping/solver.hpp"
+
+namespace adit {
+
+/// Loops whose residual is beyond this (chi squared of 6 directions: 99.9 %) after an optimisation
+/// are taken back.
+inline constexpr double kLoopReview = 22.5;
+
+struct LoopOptimum : OptimizedGraph {
+  /// The odometry's covariances counted so many times, 1 or more; chi squared and cost of its edges
+  /// are with those.
+  double odometry_scale = 1.0;
+};
+
+/// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong
+/// ones.
+///
+/// Where the loops that fit show that the odometry's edges as a whole are off by more than their
+/// covariances say, these are scaled until the median edge between the ends of loops is as far off
+/// as it says (an estimate of the variance component). Few edges that are far off do not change
+/// that: they take what the loops correct.
+LoopOptimum optimize_with_loops(const PoseGraph& graph);
+
+}  // namespace adit

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/loop_optimization.hpp"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/mapping/graph_support.hpp"
+
+namespace adit {
+namespace {
+
+/// Round a square of 40 m, a metre a keyframe, with the way of each edge of the odometry changed by
+/// `drift`.
+struct Square {
+  explicit Square(const Eigen::Isometry3d& drift) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d believed = pose;
+    for (NodeId id = 0; id <= 40; ++id) {
+      truth.push_back(pose);
+      graph.add_node({.id = id, .T_map_node = believed});
+      if (id > 0) {
+        PoseEdge edge = test::edge(id - 1, id, ways.back());
+        edge.information.diagonal() << 1e4, 1e4, 1e4, 1e5, 1e5, 1e5;
+        graph.add_edge(edge);
+      }
+      const Eigen::Isometry3d way = test::step(1.0, id % 10 == 9 ? 0.5 * std::numbers::pi : 0.0);
+      ways.push_back(way * drift);
+      pose = pose * way;
+      believed = believed * ways.back();
+    }
+  }
+
+  /// Known to 3 cm; `off` is what it is wrong by.
+  void add_loop(std::size_t from, std::size_t to,
+                const Eigen::Isometry3d& off = Eigen::Isometry3d::Identity()) {
+    PoseEdge loop = test::edge(static_cast<NodeId>(from), static_cast<NodeId>(to),
+                               truth[from].inverse() * truth[to] * off);
+    loop.information.diagonal() << 1e3, 1e3, 1e3, 1e5, 1e5, 1e5;
+    loop.kind = EdgeKind::loop;
+    graph.add_edge(loop);
+  }
+
+  void add_loops_at_the_end() {
+    for (std::size_t i = 0; i < 3; ++i) {
+      add_loop(i, 38 + i);
+    }
+  }
+
+  double error_of(const std::vector<Eigen::Isometry3d>& poses, std::size_t i) const {
+    return (poses[i].translation() - truth[i].translation()).norm();
+  }
+
+  double worst_of(const std::vector<Eigen::Isometry3d>& poses) const {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      worst = std::max(worst, error_of(poses, i));
+    }
+    return worst;
+  }
+
+  PoseGraph graph;
+  std::vector<Eigen::Isometry3d> truth;
+  std::vector<Eigen::Isometry3d> ways;
+};
+
+TEST(OptimizeWithLoops, ARightLoopCorrectsMuchDriftAndAWrongOneNothing) {
+  Square square(test::step(0.0, 0.002));
+  EXPECT_GT(square.error_of(poses_of(square.graph), 40), 0.5);
+  square.add_loops_at_the_end();
+  const LoopOptimum right = optimize_with_loops(square.graph);
+  EXPECT_LT(square.error_of(right.poses, 40), 0.1);
+  EXPECT_EQ(right.odometry_scale, 1.0) << "the drift is one that the covariances allow for";
+  for (std::size_t i = 40; i < 43; ++i) {
+    EXPECT_LT(right.report.edges[i]->chi2, kLoopReview);
+  }
+  square.add_loop(5, 35, test::step(4.0));
+  const LoopOptimum both = optimize_with_loops(square.graph);
+  EXPECT_LT(square.error_of(both.poses, 40), 0.15);
+  EXPECT_EQ(both.odometry_scale, 1.0);
+  EXPECT_GT(both.report.edges.back()->chi2, kLoopReview) << "the review takes it back";
+}
+
+// Two degrees too far about each metre, which the covariances call impossible.
+TEST(OptimizeWithLoops, DriftOfAllEdgesIsSharedOutAmongThem) {
+  Square square(test::step(0.0, 0.035));
+  const double before = square.worst_of(poses_of(square.graph));
+  square.add_loops_at_the_end();
+  const LoopOptimum found = optimize_with_loops(square.graph);
+  EXPECT_GT(found.odometry_scale, 10.0);
+  EXPECT_LT(square.worst_of(found.poses), 0.1 * before);
+  for (std::size_t i = 40; i < 43; ++i) {
+    EXPECT_LT(found.report.edges[i]->chi2, kLoopReview);
+  }
+}
+
+TEST(OptimizeWithLoops, OneEdgeThatIsFarOffDoesNotMakeTheOthersWorse) {
+  Square square(Eigen::Isometry3d::Identity());
+  const PoseEdge off = [&] {
+    PoseEdge edge = square.graph.edges()[20];
+    edge.T_from_to.translation().y() += 0.3;
+    return edge;
+  }();
+  PoseGraph graph;
+  for (const PoseNode& node : square.graph.nodes()) {
+    graph.add_node(node);
+  }
+  for (const PoseEdge& edge : square.graph.edges()) {
+    graph.add_edge(edge.from == off.from ? off : edge);
+  }
+  square.graph = graph;
+  square.add_loops_at_the_end();
+  EXPECT_EQ(optimize_with_loops(square.graph).odometry_scale, 1.0);
+}
+
+}  // namespace
+}  // namespace adit
