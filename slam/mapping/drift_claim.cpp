@@ -19,27 +19,46 @@ namespace {
 constexpr double kSamePlace = 2.5;
 constexpr std::size_t kNeighbours = 3;
 
-/// The shortest way from a node to each, along active edges, m; infinite where there is none.
-std::vector<double> ways_from(const PoseGraph& graph, std::size_t start) {
-  std::vector<double> ways(graph.nodes().size(), std::numeric_limits<double>::infinity());
+// Loops over shorter ways show little, m; and together they have to show as much as one over so
+// many.
+constexpr double kLeastWay = 10.0;
+constexpr double kShown = 50.0;
+// What a climb may differ by from the one that has been shown: m, m a metre, share of it.
+constexpr double kClimbAside = 0.5;
+constexpr double kClimbChange = 0.01;
+constexpr double kClimbShare = 0.5;
+
+struct Way {
+  double length = std::numeric_limits<double>::infinity();  ///< m; infinite: there is none
+  double uncorrected = 0.0;  ///< m that no loop has corrected, from the far end to the start
+};
+
+/// The shortest ways from a node to each, along active edges.
+std::vector<Way> ways_from(const PoseGraph& graph, std::size_t start) {
+  const std::vector<bool> corrected = within_loops(graph);
+  std::vector<Way> ways(graph.nodes().size());
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  ways[start] = 0.0;
+  ways[start].length = 0.0;
   open.emplace(0.0, start);
   while (!open.empty()) {
     const auto [way, at] = open.top();
     open.pop();
-    if (way > ways[at]) {
+    if (way > ways[at].length) {
       continue;
     }
     const NodeId id = graph.nodes()[at].id;
     for (const std::size_t index : graph.edges_of(id)) {
       const PoseEdge& edge = graph.edges()[index];
       const std::size_t next = graph.index_of(edge.from == id ? edge.to : edge.from);
-      const double sum = way + edge.T_from_to.translation().norm();
-      if (edge.status == EdgeStatus::active && sum < ways[next]) {
-        ways[next] = sum;
-        open.emplace(sum, next);
+      const double length = edge.T_from_to.translation().norm();
+      if (edge.status == EdgeStatus::active && way + length < ways[next].length) {
+        const bool counts = edge.kind == EdgeKind::odometry && !corrected[std::min(at, next)];
+        ways[next] = {.length = way + length,
+                      .uncorrected = ways[at].uncorrected + (!counts     ? 0.0
+                                                             : next < at ? length
+                                                                         : -length)};
+        open.emplace(way + length, next);
       }
     }
   }
@@ -73,7 +92,7 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
   if (tilt_of(T_from_to.linear()) > limits.tilt) {
     return false;
   }
-  if (std::isinf(ways_from(graph, later)[earlier])) {
+  if (std::isinf(ways_from(graph, later)[earlier].length)) {
     return true;
   }
   const Eigen::Isometry3d T_claimed_map =
@@ -83,7 +102,7 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
     const Eigen::Isometry3d error = T_claimed_map.inverse() * nodes[earlier].T_map_node;
     return is_possible_drift(nodes[earlier].T_map_node.inverse() * error, way, limits);
   };
-  if (!is_possible(ways_from(graph, later)[earlier])) {
+  if (!is_possible(ways_from(graph, later)[earlier].length)) {
     return false;
   }
   while (later-- > 0) {
@@ -103,7 +122,7 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
       return true;  // the stretches part here
     }
     earlier = *same;
-    const double way = ways_from(graph, later)[earlier];
+    const double way = ways_from(graph, later)[earlier].length;
     if (way <= kSamePlace) {
       return true;  // loops that were accepted tie them from here on backwards
     }
@@ -112,6 +131,54 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
     }
   }
   return true;
+}
+
+std::vector<bool> within_loops(const PoseGraph& graph) {
+  std::vector<int> changes(graph.nodes().size() + 1);
+  for (const PoseEdge& edge : graph.edges()) {
+    if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active) {
+      const auto [first, last] = std::minmax({graph.index_of(edge.from), graph.index_of(edge.to)});
+      ++changes[first];
+      --changes[last];
+    }
+  }
+  std::vector<bool> result(graph.nodes().size());
+  int open = 0;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    open += changes[i];
+    result[i] = open > 0;
+  }
+  return result;
+}
+
+ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
+                           const Eigen::Isometry3d& T_from_to) {
+  const std::size_t earlier = graph.index_of(from);
+  const std::size_t later = graph.index_of(to);
+  const Way way = ways_from(graph, later)[earlier];
+  const Eigen::Isometry3d believed =
+      graph.nodes()[earlier].T_map_node.inverse() * graph.nodes()[later].T_map_node;
+  return {.climb = (believed * T_from_to.inverse()).translation().z(),
+          .length = way.length,
+          .way = way.uncorrected};
+}
+
+void ShownClimb::add(const ClaimedClimb& accepted) {
+  if (std::isfinite(accepted.length) && std::abs(accepted.way) >= kLeastWay) {
+    squared_way_ += accepted.way * accepted.way;
+    way_climb_ += accepted.way * accepted.climb;
+  }
+}
+
+bool ShownClimb::allows(const ClaimedClimb& claim) const {
+  if (squared_way_ < kShown * kShown || !std::isfinite(claim.length)) {
+    return true;
+  }
+  const double rate = way_climb_ / squared_way_;
+  const auto [least, most] = std::minmax({rate * claim.way, rate * claim.length});
+  const double tolerance =
+      kClimbAside + std::max(kClimbChange, kClimbShare * std::abs(rate)) * claim.length;
+  return claim.climb >= least - tolerance && claim.climb <= most + tolerance;
 }
 
 }  // namespace adit

@@ -5,6 +5,8 @@
 // look alike are told from places seen again (docs/theory/loops.md).
 #pragma once
 
+#include <vector>
+
 #include "adit/slam/mapping/pose_graph.hpp"
 
 namespace adit {
@@ -31,5 +33,31 @@ bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftL
 /// is claimed. True where there is none between the two keyframes.
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
                     const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {});
+
+/// For each node, in the graph's order: whether an active loop goes from it or one before it to one
+/// behind it, so that the odometry's edge to the next is one that loops have corrected.
+std::vector<bool> within_loops(const PoseGraph& graph);
+
+/// How far the odometry has climbed too much, as a loop claims.
+struct ClaimedClimb {
+  double climb = 0.0;   ///< m
+  double length = 0.0;  ///< m, of the shortest way; infinite where nothing ties the keyframes
+  double way = 0.0;     ///< m of it that no loop has corrected yet, less what goes back in time
+};
+ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
+                           const Eigen::Isometry3d& T_from_to);
+
+/// What accepted loops have shown of the odometry's climb: the next claims are held against it,
+/// since floors that are built alike lie within what an odometry may drift by at the most.
+class ShownClimb {
+ public:
+  void add(const ClaimedClimb& accepted);
+  /// True as well as long as little has been shown.
+  bool allows(const ClaimedClimb& claim) const;
+
+ private:
+  double squared_way_ = 0.0;  ///< m²
+  double way_climb_ = 0.0;    ///< m²
+};
 
 }  // namespace adit

@@ -239,7 +239,8 @@ void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
   while (!queue_.empty() && queue_.front().loop.to <= oldest) {
     const std::vector<LoopHypothesis> waiting = loops_of(queue_);
     const std::vector<LoopHypothesis> accepted = loops_of(accepted_);
-    const LoopVote vote_ = vote(graph, waiting, {accepted, refuted_}, false, voting_).front();
+    const LoopVote vote_ =
+        vote(graph, waiting, {accepted, refuted_, climb_}, false, voting_).front();
     if (vote_.unexpected && vote_.objection == LoopObjection::odometry) {
       refuted_.push_back(queue_.front().loop);
       refuted_.erase(refuted_.begin(), refuted_.end() - static_cast<std::ptrdiff_t>(std::min(
@@ -262,7 +263,13 @@ std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Chan
   const std::vector<LoopHypothesis> waiting = loops_of(queue_);
   const std::vector<LoopHypothesis> before = loops_of(accepted_);
   const std::vector<LoopVote> votes =
-      vote(graph, waiting, {before, refuted_}, last_chance, voting_);
+      vote(graph, waiting, {before, refuted_, climb_}, last_chance, voting_);
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const LoopHypothesis& loop = waiting[i];
+    if (votes[i].accepted) {
+      climb_.add(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+    }
+  }
   std::deque<PendingLoop> rest;
   std::vector<int64_t> accepted;
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -291,7 +298,7 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
   bool again = true;
   while (again) {
     again = false;
-    const LoopOptimum optimized = optimize_with_loops(graph);
+    const OptimizedGraph optimized = optimize_with_loops(graph);
     ++report_.optimizations;
     const NodeId newest = accepted_.empty() ? graph.nodes().front().id : accepted_.back().loop.to;
     const std::size_t at = graph.index_of(newest);
@@ -299,8 +306,6 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
         report_.largest_correction,
         (optimized.poses[at].translation() - graph.nodes()[at].T_map_node.translation()).norm());
     graph.set_poses(optimized.poses);
-    voting_.short_lumps = optimized.odometry_scale;
-    voting_.lumps = kLumps * optimized.odometry_scale;
     change.moved = true;
     for (std::size_t i = 0; i < graph.edges().size(); ++i) {
       const PoseEdge& edge = graph.edges()[i];

@@ -95,6 +95,7 @@ class LoopCloser {
   std::deque<PendingLoop> queue_;  ///< in the order of their later keyframes
   std::vector<PendingLoop> accepted_;
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
+  ShownClimb climb_;                     ///< that the accepted loops have shown
   SearchPauses pauses_;                  ///< of the search by appearance
   int64_t next_id_ = 1;
   LoopReport report_;

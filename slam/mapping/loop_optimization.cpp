@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adit/slam/mapping/condensation.hpp"
+#include "adit/slam/mapping/drift_claim.hpp"
 
 namespace adit {
 namespace {
@@ -36,28 +37,9 @@ PoseGraph scaled(const PoseGraph& graph, double scale) {
   return result;
 }
 
-/// For each node: whether a loop goes from one before it, or it, to one behind it.
-std::vector<bool> spanned(const PoseGraph& graph) {
-  std::vector<int> changes(graph.nodes().size() + 1);
-  for (const PoseEdge& edge : graph.edges()) {
-    if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active) {
-      const auto [first, last] = std::minmax({graph.index_of(edge.from), graph.index_of(edge.to)});
-      ++changes[first];
-      --changes[last];
-    }
-  }
-  std::vector<bool> result(graph.nodes().size());
-  int open = 0;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    open += changes[i];
-    result[i] = open > 0;
-  }
-  return result;
-}
-
 /// Chi squared of the median odometry edge between the ends of loops; 0 where there is none.
 double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
-  const std::vector<bool> in_a_loop = spanned(graph);
+  const std::vector<bool> in_a_loop = within_loops(graph);
   std::vector<double> chi2;
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
     const PoseEdge& edge = graph.edges()[i];

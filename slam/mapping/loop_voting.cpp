@@ -178,6 +178,7 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const LoopHypothes
     };
     if (!vote.unexpected ||
         !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) ||
+        !before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to)) ||
         std::ranges::any_of(before.refuted, claims_the_same)) {
       vote.objection = LoopObjection::odometry;
       return vote;
@@ -275,8 +276,8 @@ double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop)
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings) {
-  Ways ways(graph, settings.short_lumps);  // between neighbours
-  Ways far_ways(graph, settings.lumps);    // whole rounds
+  Ways ways(graph);                      // between neighbours
+  Ways far_ways(graph, settings.lumps);  // whole rounds
   std::vector<LoopVote> votes;
   Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
   for (const LoopHypothesis& loop : hypotheses) {

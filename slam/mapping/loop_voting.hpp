@@ -30,9 +30,8 @@ struct LoopHypothesis {
 struct LoopVotingSettings {
   double agreement = 12.59;  ///< chi squared of 6 directions that two loops agree within: 95 %
   double contradiction =
-      16.81;                 ///< and beyond which odometry or an accepted loop contradicts: 99 %
-  double lumps = 1.0;        ///< see relative_places(): of ways over odometry
-  double short_lumps = 1.0;  ///< and of those between neighbours
+      16.81;           ///< and beyond which odometry or an accepted loop contradicts: 99 %
+  double lumps = 1.0;  ///< see relative_places(): of ways over odometry that are no neighbours
   std::size_t least_voters = 3;      ///< distinct later keyframes
   std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
   DriftLimits drift{};
@@ -62,6 +61,7 @@ struct LoopVote {
 struct EarlierLoops {
   std::span<const LoopHypothesis> accepted{};  ///< the graph's
   std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
+  ShownClimb climb{};                          ///< of the accepted ones
 };
 
 /// A vote per hypothesis, in order. Those of one bundle are accepted together: at least

@@ -5,6 +5,7 @@
 // not taken for a place seen again.
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -311,6 +312,34 @@ TEST(DriftClaim, EndsWhereEarlierLoopsTieTheStretches) {
   }
   EXPECT_TRUE(drift_explains(graph, 12, again + 12, up(0.0))) << "0.56 m of drift since";
   EXPECT_FALSE(drift_explains(graph, 9, again + 9, up(-2.0))) << "tied a metre before";
+}
+
+TEST(ShownClimb, TellsDriftFromAFloorLikeTheOneBelow) {
+  const auto claim = [](double climb, double way) {
+    return ClaimedClimb{.climb = climb, .length = way, .way = way};
+  };
+  ShownClimb shown;
+  EXPECT_TRUE(shown.allows(claim(3.4, 30.0))) << "nothing has been shown yet";
+  shown.add(claim(1.9, 9.0));
+  shown.add(claim(1.8, 40.0));
+  EXPECT_TRUE(shown.allows(claim(3.4, 30.0))) << "little has";
+  shown.add(claim(1.8, 90.0));
+  EXPECT_FALSE(shown.allows(claim(3.4, 30.0)));
+  EXPECT_FALSE(shown.allows(claim(-2.2, 45.0)));
+  EXPECT_TRUE(shown.allows(claim(1.1, 45.0)));
+  EXPECT_TRUE(shown.allows(claim(0.4, 2.0)));
+}
+
+TEST(ClaimedClimb, CountsTheWayThatNoLoopHasCorrected) {
+  PoseGraph graph = test::line(11);
+  const ClaimedClimb whole = claimed_climb(graph, 0, 10, step(10.0) * up(-1.0));
+  EXPECT_NEAR(whole.climb, 1.0, 1e-12);
+  EXPECT_NEAR(whole.length, 10.0, 1e-12);
+  EXPECT_NEAR(whole.way, 10.0, 1e-12);
+  graph.add_edge(edge(2, 6, step(4.0)));
+  EXPECT_NEAR(claimed_climb(graph, 0, 10, step(10.0)).way, 6.0, 1e-12);
+  EXPECT_EQ(within_loops(graph), (std::vector<bool>{false, false, true, true, true, true, false,
+                                                    false, false, false, false}));
 }
 
 }  // namespace
