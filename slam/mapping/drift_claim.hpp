@@ -27,10 +27,11 @@ struct DriftLimits {
 bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits = {});
 
 /// A loop claims that the stretch that led to the later keyframe is the one that led to the earlier
-/// one, as far back as the two lie together: the drift has to be possible for each such pair. (On
-/// the way back the stretches are followed no farther: drift grows along them, and how, no loop
-/// says.) Paths are the shortest along the graph's edges, loops included: drift since then is what
-/// is claimed. True where there is none between the two keyframes.
+/// one, as far back as the two lie together and no accepted loop ties them: the drift has to be
+/// possible for each such pair. (On the way back the stretches are followed no farther: drift grows
+/// along them, and how, no loop says.) Paths are the shortest along the graph's edges, loops
+/// included: drift since then is what is claimed. True where there is none between the two
+/// keyframes.
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
                     const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {});
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "adit/slam/core/median.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 
@@ -23,12 +24,6 @@ constexpr std::size_t kMostRefuted = 50;
 LoopSearchSettings search_settings(const Config& config) {
   return {.max_distance = 0.5 * config.preprocess.c_max,
           .min_path = std::max(10.0, 5.0 * config.keyframe.delta_trans)};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 /// Half of the submap's points are nearer to its origin, m.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "adit/slam/core/median.hpp"
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/drift_claim.hpp"
 
@@ -48,12 +49,7 @@ double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
       chi2.push_back(report.edges[i]->chi2);
     }
   }
-  if (chi2.empty()) {
-    return 0.0;
-  }
-  const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
-  std::ranges::nth_element(chi2, middle);
-  return *middle;
+  return chi2.empty() ? 0.0 : median(std::move(chi2));
 }
 
 /// With the poses of an optimum, and without the loops that it does not fit.

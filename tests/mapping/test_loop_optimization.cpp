@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/loop_optimization.hpp"
 
+#include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -95,7 +97,7 @@ TEST(OptimizeWithLoops, DriftOfAllEdgesIsSharedOutAmongThem) {
   }
 }
 
-TEST(OptimizeWithLoops, OneEdgeThatIsFarOffDoesNotMakeTheOthersWorse) {
+TEST(OptimizeWithLoops, OneEdgeThatIsFarOffDoesNotChangeTheScale) {
   Square square(Eigen::Isometry3d::Identity());
   const PoseEdge off = [&] {
     PoseEdge edge = square.graph.edges()[20];
