@@ -68,7 +68,7 @@ while read -r library path; do
 done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 
 # Compiled or linked in: header-only libraries, the C++ and Fortran runtimes, Ceres and what it needs.
-linked=(libceres-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libgfortran-12-dev
+linked=(libceres-dev libgeographiclib-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libgfortran-12-dev
   libstdc++6)
 for package in libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libxxhash-dev libvulkan-dev "${linked[@]}"; do
   add_license "$package"

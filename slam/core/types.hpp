@@ -72,6 +72,13 @@ struct ImuSample {
 /// What a GNSS receiver says its fix rests on.
 enum class GnssFixKind { none, single, satellite_augmented, ground_augmented };
 
+/// A point on WGS 84.
+struct Geodetic {
+  double latitude = 0.0;   ///< degrees, north positive
+  double longitude = 0.0;  ///< degrees, east positive
+  double altitude = 0.0;   ///< m above the ellipsoid
+};
+
 /// One position of a GNSS antenna on WGS 84.
 struct GnssFix {
   Nanoseconds stamp{0};

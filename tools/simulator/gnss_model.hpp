@@ -19,11 +19,6 @@ inline constexpr double kOriginLongitude = 11.0;  ///< degrees
 inline constexpr double kOriginAltitude = 500.0;  ///< m above the ellipsoid
 
 /// A point of the world frame on WGS 84.
-struct Geodetic {
-  double latitude = 0.0;   ///< degrees
-  double longitude = 0.0;  ///< degrees
-  double altitude = 0.0;   ///< m
-};
 Geodetic geodetic_of(const Eigen::Vector3d& p_world);
 
 struct GnssModel {
