@@ -197,6 +197,18 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
                  "0, or at least 2 sweeps");
 }
 
+void check_gnss(Checks& checks, const GnssConfig& gnss) {
+  constexpr double kFarthestAntenna = 100.0;  // m
+  for (std::size_t i = 0; gnss.antenna && i < gnss.antenna->size(); ++i) {
+    const double place = (*gnss.antenna)[i];
+    checks.require(std::abs(place) <= kFarthestAntenna, "gnss.antenna", place,
+                   "a place x y z within 100 m of the lidar");
+  }
+  checks.between("gnss.noise_scale", gnss.noise_scale, 0.1, 1000.0);
+  checks.between("gnss.correlation", gnss.correlation, 0.1, 3600.0, "s");
+  checks.between("gnss.time_offset", gnss.time_offset, -4e9, 4e9, "s");
+}
+
 }  // namespace
 
 Config with_lengths(const Config& stated, double r_input) {
@@ -234,6 +246,7 @@ std::optional<ConfigProblem> validate(const Config& stated) {
   check_mapping(checks, config);
   check_rest(checks, config);
   check_imu(checks, config.imu);
+  check_gnss(checks, config.gnss);
   return checks.problem();
 }
 

@@ -181,6 +181,35 @@ struct MappingConfig {
   }
 };
 
+/// Positions by satellite, which tie the map to the world (docs/theory/gnss.md).
+struct GnssConfig {
+  bool use = true;
+  std::optional<std::array<double, 3>> antenna{};  ///< m
+  bool height = true;
+  double noise_scale = 1.0;
+  double correlation = 60.0;  ///< s
+  double time_offset = 0.0;   ///< s
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field(
+        "use", self.use, "",
+        "true: fixes that the recording has tie the map to the world; false: they are left alone");
+    field("antenna", self.antenna, "m",
+          "place of the antenna in the lidar's axes: x y z; where it is not given, the recording's "
+          "static transforms tell it, or else it is taken to be the lidar's own");
+    field("height", self.height, "", "true: altitudes count; false: only latitude and longitude");
+    field("noise_scale", self.noise_scale, "",
+          "the receiver's standard deviations are multiplied by this, and are never taken to be "
+          "below what its kind of fix can have");
+    field("correlation", self.correlation, "s",
+          "how long a receiver's errors stay much the same: fixes within that time count together "
+          "as about one");
+    field("time_offset", self.time_offset, "s",
+          "is added to the stamps of fixes, of a receiver that reports late or by another clock");
+  }
+};
+
 /// What to do when a sweep cannot be aligned.
 struct RecoveryConfig {
   int max_coasting = 5;      ///< sweeps
@@ -205,6 +234,7 @@ struct Config {
   MappingConfig mapping;
   RecoveryConfig recovery;
   ImuConfig imu;
+  GnssConfig gnss;
 
   /// Calls section(name, struct) for each section, in the order of the file.
   template <class Self, class Visitor>
@@ -217,6 +247,7 @@ struct Config {
     section("mapping", self.mapping);
     section("recovery", self.recovery);
     section("imu", self.imu);
+    section("gnss", self.gnss);
   }
 };
 

@@ -12,6 +12,7 @@ namespace adit {
 struct RecordingConfig {
   std::optional<std::string> sweep_topic{};
   std::optional<std::string> imu_topic{};
+  std::optional<std::string> gnss_topic{};
   std::optional<std::string> metadata{};
   std::optional<double> point_time_unit{};   ///< s
   std::optional<double> coordinate_scale{};  ///< m
@@ -29,6 +30,7 @@ struct RecordingConfig {
     field("sweep_topic", self.sweep_topic, "",
           "the topic of sweeps to map; not given: the only one");
     field("imu_topic", self.imu_topic, "", "the topic of the IMU; not given: the first");
+    field("gnss_topic", self.gnss_topic, "", "the topic of fixes; not given: the first");
     field("metadata", self.metadata, "",
           "file that tells of the sensor whose packets are recorded (Ouster's JSON, Hesai's angle "
           "correction); not given: what lies beside the recording");

@@ -38,6 +38,7 @@ class OfflineSlam final : public Slam {
  public:
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
       : configured_(config.imu.T_imu_lidar),
+        gnss_(config.gnss),
         inertial_(options.inertial && config.imu.use),
         feed_(inertial_),
         odometry_(context, config),
@@ -53,9 +54,15 @@ class OfflineSlam final : public Slam {
   void add(Measurement measurement, std::string_view frame) override {
     std::string* named = std::holds_alternative<Sweep>(measurement)       ? &lidar_frame_
                          : std::holds_alternative<ImuSample>(measurement) ? &imu_frame_
-                                                                          : nullptr;
-    if (named != nullptr && named->empty()) {
+                                                                          : &gnss_frame_;
+    if (named->empty()) {
       *named = frame;
+    }
+    if (auto* fix = std::get_if<GnssFix>(&measurement)) {
+      if (map_ == nullptr || !gnss_.use) {
+        return;
+      }
+      fix->stamp += nanoseconds(gnss_.time_offset);
     }
     feed_.add(std::move(measurement));
   }
@@ -75,6 +82,8 @@ class OfflineSlam final : public Slam {
       }
       if (const auto* reading = std::get_if<ImuSample>(&*due)) {
         take(*reading);
+      } else {
+        take(std::get<GnssFix>(*due));
       }
     }
     ReadingTaken taken = std::move(taken_.front());
@@ -105,6 +114,25 @@ class OfflineSlam final : public Slam {
           {.arrival = known.arrival,
            .motion = high_rate_ ? high_rate_->add(known.sample, known.arrival) : std::nullopt});
     }
+  }
+
+  void take(const GnssFix& fix) {
+    if (!mapper_) {
+      before_map_fixes_.push_back(fix);
+      return;
+    }
+    mapper_->add(fix, antenna());
+  }
+
+  Eigen::Vector3d antenna() {
+    if (!p_lidar_antenna_) {
+      const bool named = !gnss_frame_.empty() && !lidar_frame_.empty();
+      const auto told = named ? transforms_.transform(lidar_frame_, gnss_frame_) : std::nullopt;
+      p_lidar_antenna_ = gnss_.antenna ? Eigen::Vector3d(gnss_.antenna->data())
+                         : told        ? Eigen::Vector3d(told->translation())
+                                       : Eigen::Vector3d::Zero();
+    }
+    return *p_lidar_antenna_;
   }
 
   SlamResult place(Sweep sweep) {
@@ -145,6 +173,9 @@ class OfflineSlam final : public Slam {
       return;
     }
     mapper_.emplace(*context_, odometry_.config(), *map_, session_, submap_bytes_);
+    for (const GnssFix& fix : std::exchange(before_map_fixes_, {})) {
+      take(fix);
+    }
     for (const SweepResult& result : before_map_) {
       static_cast<void>(mapper_->add(Sweep{}, result, {}));
     }
@@ -164,6 +195,7 @@ class OfflineSlam final : public Slam {
   }
 
   std::optional<std::array<double, 7>> configured_;
+  GnssConfig gnss_;
   bool inertial_;
   SensorFeed feed_;
   Odometry odometry_;
@@ -174,11 +206,14 @@ class OfflineSlam final : public Slam {
   double waited_s_ = 0.0;  ///< for the map
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
+  std::vector<GnssFix> before_map_fixes_;
   std::optional<HighRateStream> high_rate_;
   std::deque<ReadingTaken> taken_;  ///< not asked for yet
   FrameTree transforms_;
   std::string lidar_frame_;
   std::string imu_frame_;
+  std::string gnss_frame_;
+  std::optional<Eigen::Vector3d> p_lidar_antenna_;  ///< once it is asked for
   std::optional<Mounting> mounting_;
   std::optional<Nanoseconds> last_sweep_;  ///< its stamp
 };

@@ -73,8 +73,8 @@ class Slam {
   Slam& operator=(const Slam&) = delete;
 
   /// Takes a measurement, in any order of arrival (SensorFeed puts them into theirs). `frame` names
-  /// the sensor's frame, where static transforms are to tell the mounting. GNSS fixes are taken,
-  /// and not used yet.
+  /// the sensor's frame, where static transforms are to tell the mounting. GNSS fixes tie the map
+  /// to the world, and are passed over where none is made.
   virtual void add(Measurement measurement, std::string_view frame = {}) = 0;
 
   /// How two frames are mounted; counts for the mounting if it comes before the first sweep is

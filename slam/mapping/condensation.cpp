@@ -126,12 +126,26 @@ class Condenser {
     for (const Chain& chain : result.chains) {
       result.graph.add_edge(as_edge(chain));
     }
+    for (const PositionFix& fix : graph_.fixes()) {
+      result.graph.add_fix(fix);
+    }
+    for (const LevelledNode& level : graph_.levels()) {
+      result.graph.add_level(level);
+    }
+    result.graph.set_T_world_map(graph_.T_world_map());
     return result;
   }
 
  private:
   std::vector<bool> inner_nodes() const {
     const std::vector<NodeId> held = nodes_to_hold(connected_components(graph_));
+    std::vector<bool> in_world(graph_.nodes().size());
+    for (const PositionFix& fix : graph_.fixes()) {
+      in_world[graph_.index_of(fix.node)] = true;
+    }
+    for (const LevelledNode& level : graph_.levels()) {
+      in_world[graph_.index_of(level.node)] = true;
+    }
     std::vector<bool> inner(graph_.nodes().size());
     for (std::size_t i = 0; i < inner.size(); ++i) {
       const PoseNode& node = graph_.nodes()[i];
@@ -145,8 +159,8 @@ class Condenser {
                      inverse(edge.information, graph_.planar()).has_value();
         }
       }
-      inner[i] =
-          active == 2 && odometry && !node.fixed && !std::ranges::binary_search(held, node.id);
+      inner[i] = active == 2 && odometry && !node.fixed && !in_world[i] &&
+                 !std::ranges::binary_search(held, node.id);
     }
     return inner;
   }
@@ -252,12 +266,15 @@ OptimizedGraph optimize_condensed(const PoseGraph& graph, const OptimizationSett
   }
   const OptimizedGraph ends = optimize(small.graph, settings);
   if (ends.report.termination == Termination::stopped) {
-    OptimizedGraph stopped{expanded(graph, small, ends.poses, settings.convention), ends.report};
+    OptimizedGraph stopped{expanded(graph, small, ends.poses, settings.convention),
+                           ends.T_world_map, ends.report};
     stopped.report.edges = edge_results(graph, stopped.poses, settings);
+    stopped.report.fixes = fix_results(graph, stopped.T_world_map, stopped.poses, settings);
     return stopped;
   }
   PoseGraph whole = graph;
   whole.set_poses(expanded(graph, small, ends.poses, settings.convention));
+  whole.set_T_world_map(ends.T_world_map);
   OptimizedGraph result = optimize(whole, settings);
   result.report.cost_before = graph_cost(graph, settings);
   result.report.iterations += ends.report.iterations;

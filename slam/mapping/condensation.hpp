@@ -23,8 +23,9 @@ struct CondensedGraph {
   std::vector<Chain> chains;  ///< each with at least three nodes
 };
 
-/// Inside a chain are nodes that may move, have two active edges, both of odometry, and whose edges
-/// know all directions. `convention` is the one that informations belong to.
+/// Inside a chain are nodes that may move, have two active edges, both of odometry, that know all
+/// directions, and nothing that ties them to the world. `convention` is the one that informations
+/// belong to.
 CondensedGraph condensed(const PoseGraph& graph, ResidualConvention convention);
 
 /// Poses of the whole graph from those of the condensed one: what is left at the end of a chain is

@@ -37,19 +37,75 @@ std::vector<std::optional<EdgeResult>> edge_results(const PoseGraph& graph,
   return results;
 }
 
-double cost_of(const PoseGraph& graph, std::span<const std::optional<EdgeResult>> edges,
+WhitenedTie<3> FixResidual::linearized(const Eigen::Isometry3d& T_world_map,
+                                       const Eigen::Isometry3d& T_map_node) const {
+  const Eigen::Vector3d p_map = T_map_node * p_node_;
+  const Eigen::Matrix3d rows = root_ * T_world_map.linear();
+  WhitenedTie<3> tie;
+  tie.residual = root_ * (T_world_map * p_map - p_world_);
+  tie.by_world << rows, -rows * skew(p_map);
+  const Eigen::Matrix3d turned = rows * T_map_node.linear();
+  tie.by_node << turned, -turned * skew(p_node_);
+  return tie;
+}
+
+WhitenedTie<2> LevelResidual::linearized(const Eigen::Isometry3d& T_world_map,
+                                         const Eigen::Isometry3d& T_map_node) const {
+  const Eigen::Vector3d up_map = T_world_map.linear().transpose() * Eigen::Vector3d::UnitZ();
+  const Eigen::Matrix3d R_node_map = T_map_node.linear().transpose();
+  const Eigen::Vector3d up_node = R_node_map * up_map;
+  WhitenedTie<2> tie;
+  tie.residual = root_ * up_node.head<2>();
+  tie.by_world.setZero();
+  tie.by_node.setZero();
+  tie.by_world.rightCols<3>() = root_ * (R_node_map * skew(up_map)).topRows<2>();
+  tie.by_node.rightCols<3>() = root_ * skew(up_node).topRows<2>();
+  return tie;
+}
+
+std::vector<std::optional<EdgeResult>> fix_results(const PoseGraph& graph,
+                                                   const Eigen::Isometry3d& T_world_map,
+                                                   std::span<const Eigen::Isometry3d> poses,
+                                                   const OptimizationSettings& settings) {
+  std::vector<std::optional<EdgeResult>> results(graph.fixes().size());
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const PositionFix& fix = graph.fixes()[i];
+    if (fix.status == EdgeStatus::active) {
+      const double value = FixResidual(fix)
+                               .linearized(T_world_map, poses[graph.index_of(fix.node)])
+                               .residual.squaredNorm();
+      results[i] = EdgeResult{value, apply(settings.fix_kernel, value).weight};
+    }
+  }
+  return results;
+}
+
+double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
                const OptimizationSettings& settings) {
   double cost = 0.0;
+  const std::vector<std::optional<EdgeResult>>& edges = optimized.report.edges;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (edges[i]) {
       cost += apply(kernel_of(graph.edges()[i], settings), edges[i]->chi2).cost;
     }
   }
+  for (const std::optional<EdgeResult>& fix : optimized.report.fixes) {
+    cost += fix ? apply(settings.fix_kernel, fix->chi2).cost : 0.0;
+  }
+  for (const LevelledNode& level : graph.levels()) {
+    cost += LevelResidual(level)
+                .linearized(optimized.T_world_map, optimized.poses[graph.index_of(level.node)])
+                .residual.squaredNorm();
+  }
   return cost;
 }
 
 double graph_cost(const PoseGraph& graph, const OptimizationSettings& settings) {
-  return cost_of(graph, edge_results(graph, poses_of(graph), settings), settings);
+  OptimizedGraph as_it_is{
+      .poses = poses_of(graph), .T_world_map = graph.T_world_map(), .report = {}};
+  as_it_is.report.edges = edge_results(graph, as_it_is.poses, settings);
+  as_it_is.report.fixes = fix_results(graph, graph.T_world_map(), as_it_is.poses, settings);
+  return cost_of(graph, as_it_is, settings);
 }
 
 std::string_view to_string(Termination termination) {

@@ -4,6 +4,7 @@
 // The edges of a graph as whitened residuals, for the solver and for the report on its result.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -110,13 +111,57 @@ class EdgeResidual {
   ResidualConvention convention_;
 };
 
+/// A residual between the world and a node; Jacobians by the tangent vectors of T_world_map and
+/// T_map_node.
+template <int kRows>
+struct WhitenedTie {
+  Eigen::Matrix<double, kRows, 1> residual;
+  Eigen::Matrix<double, kRows, 6> by_world;
+  Eigen::Matrix<double, kRows, 6> by_node;
+};
+
+/// T_world_map T_map_node p_node - p_world.
+class FixResidual {
+ public:
+  static constexpr int kRows = 3;
+  explicit FixResidual(const PositionFix& fix)
+      : p_node_(fix.p_node), p_world_(fix.p_world), root_(root_information<3>(fix.information)) {}
+
+  WhitenedTie<kRows> linearized(const Eigen::Isometry3d& T_world_map,
+                                const Eigen::Isometry3d& T_map_node) const;
+
+ private:
+  Eigen::Vector3d p_node_;
+  Eigen::Vector3d p_world_;
+  Eigen::Matrix3d root_;
+};
+
+/// x and y of the world's vertical in the node's axes: the tilts of the node.
+class LevelResidual {
+ public:
+  static constexpr int kRows = 2;
+  explicit LevelResidual(const LevelledNode& level) : root_(std::sqrt(level.information)) {}
+
+  WhitenedTie<kRows> linearized(const Eigen::Isometry3d& T_world_map,
+                                const Eigen::Isometry3d& T_map_node) const;
+
+ private:
+  double root_;
+};
+
+/// Residuals of the active fixes, with the nodes at these poses.
+std::vector<std::optional<EdgeResult>> fix_results(const PoseGraph& graph,
+                                                   const Eigen::Isometry3d& T_world_map,
+                                                   std::span<const Eigen::Isometry3d> poses,
+                                                   const OptimizationSettings& settings);
+
 /// Residuals of the active edges, with the nodes at these poses.
 std::vector<std::optional<EdgeResult>> edge_results(const PoseGraph& graph,
                                                     std::span<const Eigen::Isometry3d> poses,
                                                     const OptimizationSettings& settings);
 
-/// The sum of chi squared under the kernels.
-double cost_of(const PoseGraph& graph, std::span<const std::optional<EdgeResult>> edges,
+/// The sum of chi squared under the kernels, levels included, where the optimisation has come to.
+double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
                const OptimizationSettings& settings);
 
 }  // namespace adit

@@ -37,18 +37,6 @@ uint32_t pack(const Eigen::Vector3d& direction, uint32_t kind) {
 
 }  // namespace
 
-std::string_view to_string(Vertical vertical) {
-  switch (vertical) {
-    case Vertical::unknown:
-      return "unknown";
-    case Vertical::gravity:
-      return "gravity";
-    case Vertical::ground:
-      return "ground";
-  }
-  return "unknown";
-}
-
 Eigen::Vector3d surface_direction(uint32_t packed) {
   Eigen::Vector2d o((packed >> kFirstAt) & kAxisMask, packed & kAxisMask);
   o = (o.array() - kHalfRange) / kHalfRange;

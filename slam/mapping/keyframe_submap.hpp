@@ -11,17 +11,10 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/slam/mapping/vertical.hpp"
 #include "adit/slam/registration/alignment_clouds.hpp"
 
 namespace adit {
-
-/// What tells a submap which way is up: its z axis.
-enum class Vertical {
-  unknown,  ///< nothing: its axes are the lidar's
-  gravity,  ///< an inertial sensor
-  ground,   ///< the ground it lies on, a plane fitted to its points
-};
-std::string_view to_string(Vertical vertical);
 
 /// Points lie on a grid of so many steps a metre.
 inline constexpr double kSubmapSteps = 2048.0;

@@ -301,6 +301,7 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
         report_.largest_correction,
         (optimized.poses[at].translation() - graph.nodes()[at].T_map_node.translation()).norm());
     graph.set_poses(optimized.poses);
+    graph.set_T_world_map(optimized.T_world_map);
     change.moved = true;
     for (std::size_t i = 0; i < graph.edges().size(); ++i) {
       const PoseEdge& edge = graph.edges()[i];

@@ -25,17 +25,9 @@ constexpr double kSettled = 1.1;
 constexpr int kMostRounds = 8;
 
 PoseGraph scaled(const PoseGraph& graph, double scale) {
-  PoseGraph result(graph.planar());
-  for (const PoseNode& node : graph.nodes()) {
-    result.add_node(node);
-  }
-  for (PoseEdge edge : graph.edges()) {
-    if (edge.kind == EdgeKind::odometry) {
-      edge.information /= scale;
-    }
-    result.add_edge(edge);
-  }
-  return result;
+  return graph.with_information([scale](const PoseEdge& edge) -> Matrix6d {
+    return edge.kind == EdgeKind::odometry ? Matrix6d(edge.information / scale) : edge.information;
+  });
 }
 
 /// Chi squared of the median odometry edge between the ends of loops; 0 where there is none.
@@ -55,6 +47,7 @@ double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
 /// With the poses of an optimum, and without the loops that it does not fit.
 PoseGraph fitting_part(PoseGraph graph, const OptimizedGraph& optimum) {
   graph.set_poses(optimum.poses);
+  graph.set_T_world_map(optimum.T_world_map);
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
     const std::optional<EdgeResult>& result = optimum.report.edges[i];
     if (graph.edges()[i].kind == EdgeKind::loop && result && result->chi2 > kLoopReview) {
@@ -96,6 +89,7 @@ OptimizedGraph robust_optimum(PoseGraph graph) {
   const double cost_before = graph_cost(graph, settings);
   if (all_believed.report.termination != Termination::failed) {
     graph.set_poses(all_believed.poses);
+    graph.set_T_world_map(all_believed.T_world_map);
   }
   OptimizedGraph optimum = optimize_condensed(graph, settings);
   optimum.report.cost_before = cost_before;

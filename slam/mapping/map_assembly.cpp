@@ -11,7 +11,7 @@ namespace adit {
 
 MapAssembly::MapAssembly(engine::Context& context, const Config& config, MapStore& store,
                          uint64_t submap_bytes)
-    : store_(&store), delay_(config.mapping.delay) {
+    : store_(&store), delay_(config.mapping.delay), world_(config.gnss) {
   if (config.mapping.loops) {
     loops_.emplace(context, config, store, submap_bytes);
   }
@@ -34,8 +34,14 @@ void MapAssembly::add(const AssembledKeyframe& added) {
   if (loops_) {
     descriptor = loops_->describe(*added.submap, *added.cloud);
   }
-  store_->store({.keyframe = keyframe, .submap = encode(*added.submap, descriptor)});
+  keyframe.vertical = added.submap->vertical;
+  store_->store(
+      {.keyframe = keyframe, .submap = encode(*added.submap, descriptor), .fixes = added.fixes});
   graph_.add_node({.id = keyframe.id, .T_map_node = keyframe.T_map_keyframe});
+  if (const auto level = level_of(keyframe.id, keyframe.vertical)) {
+    graph_.add_level(*level);
+  }
+  world_.add(added.fixes);
   T_odom_keyframes_.push_back(added.T_odom_keyframe);
   due_.push_back({.at = keyframe.id + delay_, .keyframe = keyframe.id, .edge = added.edge});
   if (loops_) {
@@ -49,6 +55,7 @@ void MapAssembly::finish() {
   if (loops_) {
     close_loops(loops_->finish(graph_), graph_.nodes().size());
   }
+  tie_to_world(world_.finish(graph_), graph_.nodes().size());
   store_->revise({.poses = graph_.nodes()});
 }
 
@@ -87,6 +94,8 @@ void MapAssembly::take_effect(NodeId until) {
       store_edges();
       close_loops(loops_->take_effect(graph_, due.keyframe, std::move(due.loops)), at);
     }
+    store_edges();
+    tie_to_world(world_.take_effect(graph_, due.keyframe), at);
   }
   store_edges();
 }
@@ -99,6 +108,15 @@ void MapAssembly::close_loops(const LoopCloser::Change& change, std::size_t last
   }
   if (!revision.edges.empty() || !revision.candidates.empty()) {
     store_->revise(revision);
+  }
+  if (change.moved && last_tied < graph_.nodes().size()) {
+    follow(last_tied);
+  }
+}
+
+void MapAssembly::tie_to_world(const WorldTies::Change& change, std::size_t last_tied) {
+  if (!change.fixes.empty() || change.georeference) {
+    store_->revise({.fixes = change.fixes, .georeference = change.georeference});
   }
   if (change.moved && last_tied < graph_.nodes().size()) {
     follow(last_tied);

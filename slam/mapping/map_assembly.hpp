@@ -10,6 +10,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/mapping/loop_closer.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/world_ties.hpp"
 
 namespace adit {
 
@@ -20,6 +21,7 @@ struct AssembledKeyframe {
   const KeyframeSubmap* submap = nullptr;
   const SurfaceCloud* cloud = nullptr;  ///< the submap on the device
   std::optional<PoseEdge> edge{};       ///< from the one before; none: nothing ties it to that
+  std::vector<MapFix> fixes{};          ///< in the order of their times
 };
 
 /// Puts keyframes together to a map: edges and loops take effect after the delay, the graph is
@@ -42,6 +44,8 @@ class MapAssembly {
   void add_expected_rms(double rms);
   /// None: loops are not looked for.
   std::optional<LoopReport> loops() const;
+  /// Fixes that have no place in the map, for the report.
+  WorldTies& world() { return world_; }
 
  private:
   struct Due {
@@ -54,11 +58,13 @@ class MapAssembly {
   PoseGraph known_graph() const;
   void take_effect(NodeId until);
   void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
+  void tie_to_world(const WorldTies::Change& change, std::size_t last_tied);
   void follow(std::size_t last_tied);
 
   MapStore* store_;
   int delay_;  ///< keyframes
   std::optional<LoopCloser> loops_;
+  WorldTies world_;
   PoseGraph graph_;
   std::vector<Eigen::Isometry3d> T_odom_keyframes_;  ///< in the order of the graph's nodes
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,7 +15,10 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/slam/mapping/map_fix.hpp"
 #include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/mapping/vertical.hpp"
+#include "adit/slam/mapping/world_frame.hpp"
 
 namespace adit {
 
@@ -37,6 +41,7 @@ struct MapKeyframe {
   Eigen::Isometry3d T_map_keyframe = Eigen::Isometry3d::Identity();
   bool fixed = false;
   Matrix6d covariance = Matrix6d::Zero();  ///< the pose's, [rho, phi]: m^2, rad^2
+  Vertical vertical = Vertical::unknown;   ///< its submap's
 };
 
 /// What a keyframe has seen, in its own frame.
@@ -102,6 +107,7 @@ struct KeyframeRecord {
   MapSubmap submap{};
   std::vector<PoseEdge> edges{};
   std::vector<LoopCandidate> candidates{};
+  std::vector<MapFix> fixes{};
 };
 
 /// What changes in a map besides new keyframes.
@@ -110,6 +116,8 @@ struct MapRevision {
   std::vector<LoopCandidate> candidates{};  ///< those with the id of a stored one replace it
   std::vector<std::pair<std::size_t, EdgeStatus>> statuses{};  ///< new ones of stored edges
   std::vector<PoseNode> poses{};                               ///< new ones of stored keyframes
+  std::vector<MapFix> fixes{};                                 ///< in place of those stored
+  std::optional<Georeference> georeference{};                  ///< in place of that stored
 };
 
 class MapStore {
@@ -126,9 +134,13 @@ class MapStore {
 
   virtual std::vector<MapSession> sessions() const = 0;
   virtual std::vector<MapKeyframe> keyframes() const = 0;
-  /// Edges in the order in which they were stored: MapRevision::statuses counts them so.
+  /// Edges in the order in which they were stored: MapRevision::statuses counts them so. Tied to
+  /// the world by the verticals of keyframes and, where the map has its place there, by the fixes
+  /// used.
   virtual PoseGraph graph() const = 0;
   virtual std::vector<LoopCandidate> candidates() const = 0;
+  virtual std::vector<MapFix> fixes() const = 0;
+  virtual std::optional<Georeference> georeference() const = 0;
   virtual MapSubmap submap(NodeId keyframe) const = 0;
   /// One chunk of it alone, the first is 0.
   virtual std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const = 0;

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/mapper.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <utility>
 
+#include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/submap_alignment.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
 
@@ -29,6 +31,7 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
     beam_spacing_ = measured_beam_spacing(sweep.points).value_or(0.0);
   }
   const bool restarted = result.state == OdometryState::restarted;
+  place_fixes(result);
   if (!open_ || result.keyframe || restarted || builder_.full()) {
     if (open_) {
       freeze();
@@ -43,27 +46,73 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                 .cloud = believed ? cloud : std::span<const Point>(),
                 .gravity_odom = result.inertial.gravity_map});
   last_sweep_ = result.stamp;
+  path_ += last_pose_ && !restarted
+               ? (result.T_map_lidar.translation() - last_pose_->pose.translation()).norm()
+               : 0.0;
+  last_pose_ = {.stamp = result.stamp, .pose = result.T_map_lidar};
   ++report_.sweeps;
   return {.keyframe = open_->id, .T_map_lidar = assembly_.T_map_odom() * result.T_map_lidar};
 }
 
+void Mapper::add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
+  if (fix.kind == GnssFixKind::none) {
+    assembly_.world().count_without_position();
+    return;
+  }
+  const auto later = std::ranges::upper_bound(
+      pending_, fix.stamp, {}, [](const PendingFix& pending) { return pending.fix.stamp; });
+  pending_.insert(later, {.fix = fix, .p_lidar_antenna = p_lidar_antenna});
+}
+
+// Those between the sweep before and this one, which the keyframe that is open has seen.
+void Mapper::place_fixes(const SweepResult& next) {
+  constexpr double kLongestGap = 1.0;  // s
+  const bool known = open_ && last_pose_ && next.state != OdometryState::restarted &&
+                     seconds(next.stamp - last_pose_->stamp) < kLongestGap;
+  for (; !pending_.empty() && pending_.front().fix.stamp < next.stamp; pending_.pop_front()) {
+    const auto& [fix, p_lidar_antenna] = pending_.front();
+    if (!known || fix.stamp < last_pose_->stamp) {
+      assembly_.world().count_outside(1);
+      continue;
+    }
+    const Eigen::Isometry3d T_last_next = last_pose_->pose.inverse() * next.T_map_lidar;
+    const double part =
+        seconds(fix.stamp - last_pose_->stamp) / seconds(next.stamp - last_pose_->stamp);
+    const Eigen::Isometry3d T_odom_lidar = last_pose_->pose * se3_exp(part * se3_log(T_last_next));
+    open_->fixes.push_back({.id = next_fix_++,
+                            .keyframe = open_->id,
+                            .stamp = fix.stamp,
+                            .kind = fix.kind,
+                            .place = {fix.latitude, fix.longitude, fix.altitude},
+                            .covariance = fix_covariance(fix, config_.gnss),
+                            .p_keyframe_antenna = T_odom_lidar * p_lidar_antenna,
+                            .path = path_ + part * T_last_next.translation().norm()});
+  }
+}
+
 void Mapper::finish() {
+  assembly_.world().count_outside(pending_.size());
+  pending_.clear();
   store_->begin_end(last_sweep_);
   if (open_) {
     freeze();
   }
   assembly_.finish();
   report_.loops = assembly_.loops();
+  report_.gnss = assembly_.world().report();
   report_.components = connected_components(assembly_.graph()).components.size();
 }
 
 // Whatever fails on the way, it is open no more: its sweeps have left the builder.
 void Mapper::freeze() {
   const auto start = std::chrono::steady_clock::now();
-  const Open open = *std::exchange(open_, std::nullopt);
+  Open open = *std::exchange(open_, std::nullopt);
   const FrozenSubmap frozen = builder_.freeze(beam_spacing_);
   const KeyframeSubmap& submap = frozen.submap;
   const SurfaceCloud cloud = make_surface_cloud(*context_, submap);
+  for (MapFix& fix : open.fixes) {
+    fix.p_keyframe_antenna = frozen.T_odom_keyframe.inverse() * fix.p_keyframe_antenna;
+  }
   std::optional<PoseEdge> edge;
   if (last_ && !open.detached) {
     edge = tie(*last_, open, frozen, cloud);
@@ -77,7 +126,8 @@ void Mapper::freeze() {
        .T_odom_keyframe = frozen.T_odom_keyframe,
        .submap = &submap,
        .cloud = &cloud,
-       .edge = edge});
+       .edge = edge,
+       .fixes = std::move(open.fixes)});
   const bool has_points = cloud.size > 0;
   last_.emplace(Frozen{.id = open.id,
                        .lidar = open.lidar,

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <vector>
@@ -35,6 +37,7 @@ struct MapReport {
   std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
   double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's
   std::optional<LoopReport> loops;  ///< none: not looked for
+  GnssReport gnss;
 };
 
 /// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges
@@ -53,6 +56,10 @@ class Mapper {
   /// is its down-sampled cloud, lidar axes. What the store throws comes through.
   MapPlacement add(const Sweep& sweep, const SweepResult& result, std::span<const Point> cloud);
 
+  /// A fix of the antenna at that place of the lidar's axes (m). It counts once the sweeps before
+  /// and after it have come, whose poses by the odometry tell where it was taken.
+  void add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna);
+
   /// The last keyframe is stored, everything takes effect, and final poses go to the store.
   void finish();
 
@@ -63,8 +70,13 @@ class Mapper {
   /// The keyframe whose submap grows.
   struct Open {
     NodeId id = 0;
-    UncertainPose lidar;    ///< pose of its first sweep, in the odometry's frame
-    bool detached = false;  ///< the odometry started anew with it
+    UncertainPose lidar;          ///< pose of its first sweep, in the odometry's frame
+    bool detached = false;        ///< the odometry started anew with it
+    std::vector<MapFix> fixes{};  ///< p_keyframe_antenna in the odometry's frame as yet
+  };
+  struct PendingFix {
+    GnssFix fix;
+    Eigen::Vector3d p_lidar_antenna;
   };
   /// One that is stored.
   struct Frozen {
@@ -74,6 +86,7 @@ class Mapper {
     AlignmentTarget target;
     bool has_points = false;
   };
+  void place_fixes(const SweepResult& next);
   void freeze();
   PoseEdge tie(const Frozen& from, const Open& to, const FrozenSubmap& submap,
                const SurfaceCloud& cloud);
@@ -90,6 +103,11 @@ class Mapper {
   std::optional<Open> open_;
   std::optional<Frozen> last_;
   NodeId next_ = 0;
+  std::deque<PendingFix> pending_;  ///< in the order of their stamps
+  /// The sweep before, for what is between it and the next.
+  std::optional<StampedPose> last_pose_;
+  double path_ = 0.0;  ///< m, up to that sweep
+  int64_t next_fix_ = 1;
   Nanoseconds last_sweep_{0};  ///< its stamp
   MapReport report_;
 };

@@ -42,21 +42,21 @@ void require_pose(const Eigen::Isometry3d& pose, bool planar, const std::string&
   }
 }
 
-void require_information(const PoseEdge& edge) {
-  const Matrix6d& information = edge.information;
+template <class Matrix>
+void require_information(const Matrix& information, const std::string& owner) {
   if (!information.allFinite()) {
-    throw GraphError("the information of " + name(edge) + " is not finite");
+    throw GraphError("the information of " + owner + " is not finite");
   }
   const double largest = information.cwiseAbs().maxCoeff();
   if ((information - information.transpose()).cwiseAbs().maxCoeff() > kRounding * largest) {
-    throw GraphError("the information of " + name(edge) + " is not symmetric");
+    throw GraphError("the information of " + owner + " is not symmetric");
   }
-  if (Eigen::LLT<Matrix6d>(information).info() == Eigen::Success) {
+  if (Eigen::LLT<Matrix>(information).info() == Eigen::Success) {
     return;
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information, Eigen::EigenvaluesOnly);
   if (eigen.eigenvalues()(0) < -kRounding * largest) {
-    throw GraphError("the information of " + name(edge) + " has a negative eigenvalue (" +
+    throw GraphError("the information of " + owner + " has a negative eigenvalue (" +
                      std::to_string(eigen.eigenvalues()(0)) + ")");
   }
 }
@@ -113,11 +113,39 @@ void PoseGraph::add_edge(const PoseEdge& edge) {
     throw GraphError(name(edge) + " ties a node to itself");
   }
   require_pose(edge.T_from_to, planar_, name(edge));
-  require_information(edge);
+  require_information(edge.information, name(edge));
   for (const NodeId id : {edge.from, edge.to}) {
     edges_of_[index_of(id)].push_back(edges_.size());
   }
   edges_.push_back(edge);
+}
+
+void PoseGraph::add_fix(const PositionFix& fix) {
+  const std::string name = "a fix of node " + std::to_string(fix.node);
+  require_in_space(fix.node, name);
+  if (!fix.p_node.allFinite() || !fix.p_world.allFinite()) {
+    throw GraphError(name + " is not finite");
+  }
+  require_information(fix.information, name);
+  fixes_.push_back(fix);
+}
+
+void PoseGraph::add_level(const LevelledNode& level) {
+  const std::string name = "the level of node " + std::to_string(level.node);
+  require_in_space(level.node, name);
+  if (!std::isfinite(level.information) || level.information < 0.0) {
+    throw GraphError("the information of " + name + " is none");
+  }
+  levels_.push_back(level);
+}
+
+void PoseGraph::require_in_space(NodeId id, const std::string& name) const {
+  if (planar_) {
+    throw GraphError(name + " has no place in a planar graph");
+  }
+  if (!contains(id)) {
+    throw GraphError(name + " has no node: there is no node " + std::to_string(id));
+  }
 }
 
 void PoseGraph::set_poses(std::span<const Eigen::Isometry3d> poses) {

@@ -41,13 +41,30 @@ struct PoseEdge {
   EdgeStatus status = EdgeStatus::active;
 };
 
+/// Where a point of a node was measured to lie in the world.
+struct PositionFix {
+  NodeId node = 0;
+  Eigen::Vector3d p_node = Eigen::Vector3d::Zero();   ///< the point in the node's axes, m
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  ///< m
+  /// 1/m^2, world axes: symmetric, without negative eigenvalues.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  EdgeStatus status = EdgeStatus::active;
+};
+
+/// A node whose z axis was measured to point up in the world.
+struct LevelledNode {
+  NodeId node = 0;
+  double information = 0.0;  ///< 1/rad^2, about each of the two level axes
+};
+
 /// A graph that cannot be optimised. what() says which node or edge is wrong, and why.
 class GraphError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Nodes in order of their ids, edges in the order in which they were added.
+/// Nodes in order of their ids, edges in the order in which they were added. Nodes may be tied to
+/// the world, too, by positions and by levels; where the map lies in it is a variable then.
 class PoseGraph {
  public:
   /// `planar`: poses are (x, y, yaw) in the plane z = 0 and edges are compared in these alone.
@@ -73,6 +90,28 @@ class PoseGraph {
   /// All poses at once, in the order of nodes().
   void set_poses(std::span<const Eigen::Isometry3d> poses);
 
+  const std::vector<PositionFix>& fixes() const { return fixes_; }
+  const std::vector<LevelledNode>& levels() const { return levels_; }
+  /// Throw GraphError: no such node, not finite, or an information that is none. Not for planar
+  /// graphs.
+  void add_fix(const PositionFix& fix);
+  void add_level(const LevelledNode& level);
+  void set_fix(std::size_t fix, const PositionFix& changed) { fixes_.at(fix) = changed; }
+  void clear_fixes() { fixes_.clear(); }
+
+  const Eigen::Isometry3d& T_world_map() const { return T_world_map_; }
+  void set_T_world_map(const Eigen::Isometry3d& T_world_map) { T_world_map_ = T_world_map; }
+
+  /// The same with other informations of the edges: `scaled(edge)` gives them.
+  template <class Scaled>
+  PoseGraph with_information(const Scaled& scaled) const {
+    PoseGraph result = *this;
+    for (PoseEdge& edge : result.edges_) {
+      edge.information = scaled(edge);
+    }
+    return result;
+  }
+
   /// Positions in edges() of those that touch the node, whatever their status, as they were added.
   std::span<const std::size_t> edges_of(NodeId id) const { return edges_of_[index_of(id)]; }
   bool contains(NodeId id) const;
@@ -80,10 +119,15 @@ class PoseGraph {
   std::size_t index_of(NodeId id) const;
 
  private:
+  void require_in_space(NodeId id, const std::string& name) const;
+
   bool planar_;
   std::vector<PoseNode> nodes_;
   std::vector<PoseEdge> edges_;
   std::vector<std::vector<std::size_t>> edges_of_;  ///< indices of each node's edges
+  std::vector<PositionFix> fixes_;
+  std::vector<LevelledNode> levels_;
+  Eigen::Isometry3d T_world_map_ = Eigen::Isometry3d::Identity();
 };
 
 /// Nodes that active edges tie to each other.

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <tuple>
 
@@ -95,6 +96,60 @@ class BetweenCost final : public ceres::SizedCostFunction<kFreedom, kBlock, kBlo
   EdgeResidual<kFreedom> residual_;
 };
 
+/// A residual between T_world_map and a node.
+template <class Residual>
+class TieCost final : public ceres::SizedCostFunction<Residual::kRows, kBlock, kBlock> {
+ public:
+  explicit TieCost(const Residual& residual) : residual_(residual) {}
+
+  bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const override {
+    const auto tie = residual_.linearized(to_pose(blocks[0]), to_pose(blocks[1]));
+    Eigen::Map<Eigen::Matrix<double, kRows, 1>>{residual} = tie.residual;
+    if (jacobians != nullptr) {
+      write(tie.by_world, jacobians[0]);
+      write(tie.by_node, jacobians[1]);
+    }
+    return tie.residual.allFinite();
+  }
+
+ private:
+  static constexpr int kRows = Residual::kRows;
+  static void write(const Eigen::Matrix<double, kRows, 6>& by_pose, double* jacobian) {
+    if (jacobian != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, kRows, kBlock, Eigen::RowMajor>> whole(jacobian);
+      whole.setZero();
+      whole.template leftCols<6>() = by_pose;
+    }
+  }
+
+  Residual residual_;
+};
+
+/// Holds T_world_map near its start in what neither fixes nor levels tell of it.
+class WorldPrior final : public ceres::SizedCostFunction<6, kBlock> {
+ public:
+  explicit WorldPrior(const Eigen::Isometry3d& start) : start_(start) {}
+
+  bool Evaluate(const double* const* blocks, double* residual, double** jacobians) const override {
+    constexpr double kPosition = 1e-4;  // 1/m: ten kilometres count as one
+    constexpr double kRotation = 1e-2;  // 1/rad
+    Vector6d root;
+    root << Eigen::Vector3d::Constant(kPosition), Eigen::Vector3d::Constant(kRotation);
+    const Eigen::Isometry3d moved = start_.inverse() * to_pose(blocks[0]);
+    const BetweenResidual between = between_residual(moved, ResidualConvention::rotation);
+    Eigen::Map<Vector6d>{residual} = root.cwiseProduct(between.residual);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 6, kBlock, Eigen::RowMajor>> whole(jacobians[0]);
+      whole.setZero();
+      whole.leftCols<6>() = root.asDiagonal() * between.by_error;
+    }
+    return true;
+  }
+
+ private:
+  Eigen::Isometry3d start_;
+};
+
 class KernelLoss final : public ceres::LossFunction {
  public:
   explicit KernelLoss(const RobustLoss& kernel) : kernel_(kernel) {}
@@ -165,6 +220,19 @@ std::vector<std::size_t> canonical_order(const PoseGraph& graph) {
   return order;
 }
 
+/// The active fixes, likewise.
+std::vector<PositionFix> canonical_fixes(const PoseGraph& graph) {
+  std::vector<PositionFix> fixes;
+  std::ranges::copy_if(graph.fixes(), std::back_inserter(fixes),
+                       [](const PositionFix& fix) { return fix.status == EdgeStatus::active; });
+  const auto key = [](const PositionFix& fix) {
+    return std::tuple(fix.node, fix.p_world.x(), fix.p_world.y(), fix.p_world.z(),
+                      fix.information(0, 0));
+  };
+  std::ranges::stable_sort(fixes, {}, key);
+  return fixes;
+}
+
 /// A graph as Ceres's problem, over blocks of its nodes.
 template <int kFreedom>
 class GraphProblem {
@@ -173,6 +241,9 @@ class GraphProblem {
                const OptimizationSettings& settings)
       : odometry_loss_(settings.odometry_kernel),
         loop_loss_(settings.loop_kernel),
+        fix_loss_(settings.fix_kernel),
+        world_(numbers_of(graph.T_world_map())),
+        world_start_(world_),
         problem_(problem_options()) {
     blocks_.reserve(graph.nodes().size());
     for (const PoseNode& node : graph.nodes()) {
@@ -199,11 +270,20 @@ class GraphProblem {
                                 loss(edge, settings), blocks_[graph.index_of(edge.from)].data(),
                                 blocks_[graph.index_of(edge.to)].data());
     }
+    if constexpr (kFreedom == 6) {
+      tie_to_world(graph, tied, settings);
+    }
     start_ = blocks_;
   }
 
   ceres::Problem& problem() { return problem_; }
-  void return_to_start() { blocks_ = start_; }  // in place: Ceres knows the blocks by their address
+  void return_to_start() {  // in place: Ceres knows the blocks by their address
+    blocks_ = start_;
+    world_ = world_start_;
+  }
+  Eigen::Isometry3d T_world_map(const PoseGraph& graph) const {
+    return world_ == world_start_ ? graph.T_world_map() : to_pose(world_.data());
+  }
   /// The graph's own where a node has not moved: a quaternion would change their last digits.
   std::vector<Eigen::Isometry3d> poses(const PoseGraph& graph) const {
     std::vector<Eigen::Isometry3d> result = poses_of(graph);
@@ -223,6 +303,32 @@ class GraphProblem {
     return options;
   }
 
+  /// What no edge ties has no part in the graph's shape, and its fixes none in where that lies.
+  void tie_to_world(const PoseGraph& graph, const std::vector<bool>& tied,
+                    const OptimizationSettings& settings) {
+    bool any = false;
+    const auto add = [&](NodeId node, ceres::CostFunction* cost, ceres::LossFunction* loss) {
+      if (!any) {
+        problem_.AddParameterBlock(world_.data(), kBlock, &manifold_);
+        problem_.AddResidualBlock(new WorldPrior(graph.T_world_map()), nullptr, world_.data());
+        any = true;
+      }
+      problem_.AddResidualBlock(cost, loss, world_.data(), blocks_[graph.index_of(node)].data());
+    };
+    ceres::LossFunction* fix_loss =
+        settings.fix_kernel.kernel == Kernel::none ? nullptr : &fix_loss_;
+    for (const PositionFix& fix : canonical_fixes(graph)) {
+      if (tied[graph.index_of(fix.node)]) {
+        add(fix.node, new TieCost<FixResidual>(FixResidual(fix)), fix_loss);
+      }
+    }
+    for (const LevelledNode& level : graph.levels()) {
+      if (tied[graph.index_of(level.node)]) {
+        add(level.node, new TieCost<LevelResidual>(LevelResidual(level)), nullptr);
+      }
+    }
+  }
+
   ceres::LossFunction* loss(const PoseEdge& edge, const OptimizationSettings& settings) {
     const bool loop = edge.kind == EdgeKind::loop;
     const RobustLoss& kernel = loop ? settings.loop_kernel : settings.odometry_kernel;
@@ -232,8 +338,11 @@ class GraphProblem {
   PoseManifold<kFreedom> manifold_;
   KernelLoss odometry_loss_;
   KernelLoss loop_loss_;
+  KernelLoss fix_loss_;
   std::vector<Block> blocks_;
   std::vector<Block> start_;
+  Block world_;
+  Block world_start_;
   ceres::Problem problem_;
 };
 
@@ -292,6 +401,7 @@ void solve(const PoseGraph& graph, const OptimizationSettings& settings, Optimiz
     }
   }
   result.poses = problem.poses(graph);
+  result.T_world_map = problem.T_world_map(graph);
 }
 
 bool can_move(const PoseGraph& graph, const std::vector<NodeId>& held) {
@@ -318,6 +428,7 @@ OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& sett
   report.held = nodes_to_hold(report.components);
   report.cost_before = graph_cost(graph, settings);
   result.poses = poses_of(graph);
+  result.T_world_map = graph.T_world_map();
   if (can_move(graph, report.held)) {
     if (graph.planar()) {
       solve<3>(graph, settings, result);
@@ -326,7 +437,8 @@ OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& sett
     }
   }
   report.edges = edge_results(graph, result.poses, settings);
-  report.cost_after = cost_of(graph, report.edges, settings);
+  report.fixes = fix_results(graph, result.T_world_map, result.poses, settings);
+  report.cost_after = cost_of(graph, result, settings);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

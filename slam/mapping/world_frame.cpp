@@ -108,4 +108,12 @@ Geodetic place_of(const UtmPosition& position, double altitude) {
   return place;
 }
 
+std::optional<Georeference> placed(std::optional<Georeference> georeference,
+                                   const Eigen::Isometry3d& T_world_map) {
+  if (georeference) {
+    georeference->T_world_map = T_world_map;
+  }
+  return georeference;
+}
+
 }  // namespace adit

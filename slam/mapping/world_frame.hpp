@@ -68,5 +68,8 @@ struct Georeference {
   Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< of T_world_map, [rho, phi]: m^2, rad^2
 };
+/// The same with another place of the map; nothing stays nothing.
+std::optional<Georeference> placed(std::optional<Georeference> georeference,
+                                   const Eigen::Isometry3d& T_world_map);
 
 }  // namespace adit

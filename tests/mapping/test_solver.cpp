@@ -11,6 +11,7 @@
 
 #include "adit/slam/mapping/graph_residuals.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
+#include "adit/tests/support/numerical_jacobian.hpp"
 
 namespace adit {
 namespace {
@@ -42,6 +43,100 @@ TEST(PoseGraphSolver, SharesAnErrorOutAndReportsIt) {
   for (const auto& edge : result.report.edges) {
     EXPECT_NEAR(edge->chi2, 1.0, 1e-8);
   }
+}
+
+Eigen::Isometry3d random_pose(std::mt19937& random) {
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const auto vector = [&] { return Eigen::Vector3d(any(random), any(random), any(random)); };
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = so3_exp(2.0 * vector());
+  pose.translation() = 10.0 * vector();
+  return pose;
+}
+
+template <class Residual>
+void expect_right_jacobians(const Residual& residual, const Eigen::Isometry3d& T_world_map,
+                            const Eigen::Isometry3d& T_map_node) {
+  constexpr int kRows = Residual::kRows;
+  const auto tie = residual.linearized(T_world_map, T_map_node);
+  const auto by_world = test::numerical_jacobian<kRows, 6>([&](const Vector6d& xi) {
+    return residual.linearized(retract(T_world_map, xi), T_map_node).residual;
+  });
+  const auto by_node = test::numerical_jacobian<kRows, 6>([&](const Vector6d& xi) {
+    return residual.linearized(T_world_map, retract(T_map_node, xi)).residual;
+  });
+  EXPECT_LT((tie.by_world - by_world).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((tie.by_node - by_node).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST(PoseGraphSolver, TiesToTheWorldHaveRightJacobians) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Isometry3d world = random_pose(random);
+    const Eigen::Isometry3d node = random_pose(random);
+    const Eigen::Matrix3d root = random_pose(random).linear() + Eigen::Matrix3d::Identity();
+    expect_right_jacobians(FixResidual({.p_node = random_pose(random).translation(),
+                                        .p_world = random_pose(random).translation(),
+                                        .information = root.transpose() * root}),
+                           world, node);
+    expect_right_jacobians(LevelResidual({.information = 7.0}), world, node);
+  }
+}
+
+// A line that climbs as drift does, levelled by nothing but the fixes, and placed by them.
+TEST(PoseGraphSolver, FixesPlaceTheMapAndStraightenIt) {
+  Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+  T_world_map.linear() = so3_exp(Eigen::Vector3d(0.01, -0.02, 2.0));
+  T_world_map.translation() = Eigen::Vector3d(100.0, -50.0, 7.0);
+  PoseGraph truth = test::line(30);
+  PoseGraph graph;
+  for (const PoseNode& node : truth.nodes()) {
+    PoseNode drifted = node;
+    drifted.T_map_node.translation().z() += 0.02 * static_cast<double>(node.id);
+    graph.add_node(drifted);
+    if (node.id > 0) {
+      graph.add_edge(edge(node.id - 1, node.id, step(1.0)));
+    }
+    const Eigen::Vector3d arm(0.3, 0.1 * static_cast<double>(node.id % 5), 0.5);
+    graph.add_fix({.node = node.id,
+                   .p_node = arm,
+                   .p_world = T_world_map * (node.T_map_node * arm),
+                   .information = 1e4 * Eigen::Matrix3d::Identity()});
+  }
+  graph.set_T_world_map(Eigen::Isometry3d(Eigen::AngleAxisd(1.9, Eigen::Vector3d::UnitZ())));
+  const OptimizedGraph result = optimize(graph, {});
+  EXPECT_EQ(result.report.termination, Termination::converged);
+  EXPECT_LT(test::largest_difference(result.poses, poses_of(truth)), 1e-6);
+  EXPECT_LT((result.T_world_map.matrix() - T_world_map.matrix()).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NEAR(result.report.cost_after, 0.0, 1e-9);
+  EXPECT_EQ(result.report.fixes.size(), 30U);
+  EXPECT_GT(result.report.cost_before, 1e6);
+}
+
+TEST(PoseGraphSolver, LevelsTurnTheWorldAndLeaveTheRestOfItAlone) {
+  PoseGraph graph = test::line(5);
+  const Eigen::Matrix3d tilt = so3_exp(Eigen::Vector3d(0.05, 0.1, 0.0));
+  for (const PoseNode& node : test::line(5).nodes()) {
+    Eigen::Isometry3d tilted = node.T_map_node;
+    tilted.linear() = tilt;
+    graph.set_pose(node.id, tilted);
+    graph.add_level({.node = node.id, .information = 1e4});
+  }
+  PoseGraph straight;
+  for (const PoseNode& node : graph.nodes()) {
+    straight.add_node(node);
+    straight.add_level({.node = node.id, .information = 1e4});
+    if (node.id > 0) {
+      const Eigen::Isometry3d& before =
+          graph.nodes()[static_cast<std::size_t>(node.id) - 1].T_map_node;
+      straight.add_edge(edge(node.id - 1, node.id, before.inverse() * node.T_map_node));
+    }
+  }
+  const OptimizedGraph result = optimize(straight, {});
+  EXPECT_LT(test::largest_difference(result.poses, poses_of(straight)), 1e-6);
+  const Eigen::Vector3d up = result.T_world_map.linear() * tilt.col(2);
+  EXPECT_NEAR(up.z(), 1.0, 1e-6);
+  EXPECT_LT(result.T_world_map.translation().norm(), 1e-3);
 }
 
 TEST(PoseGraphSolver, LeavesFixedNodesAndInactiveEdgesAlone) {

@@ -121,7 +121,10 @@ Changed change(const LoopsCommandOptions& options) {
   const std::vector<LoopCandidate> records =
       with_residuals(candidates, graph, optimized.report, options.map);
   graph.set_poses(optimized.poses);
-  map.revise({.candidates = records, .statuses = {{edge, status}}, .poses = graph.nodes()});
+  map.revise({.candidates = records,
+              .statuses = {{edge, status}},
+              .poses = graph.nodes(),
+              .georeference = placed(map.georeference(), optimized.T_world_map)});
   return changed;
 }
 
@@ -234,7 +237,10 @@ Changed add(const LoopsCommandOptions& options) {
   const std::vector<LoopCandidate> records =
       with_residuals(candidates, graph, optimized.report, options.map);
   graph.set_poses(optimized.poses);
-  map.revise({.edges = {edge}, .candidates = records, .poses = graph.nodes()});
+  map.revise({.edges = {edge},
+              .candidates = records,
+              .poses = graph.nodes(),
+              .georeference = placed(map.georeference(), optimized.T_world_map)});
   return changed;
 }
 

@@ -134,6 +134,7 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   outcome.optimized =
       options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
   graph.set_poses(outcome.optimized.poses);
+  graph.set_T_world_map(outcome.optimized.T_world_map);
   outcome.worst = worst_edges(outcome.optimized.report);
   return outcome;
 }
@@ -267,7 +268,9 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
   if (options.output && !failed) {
     write_g2o(*options.output, outcome.file.graph);
   } else if (outcome.is_map && !failed) {
-    MapDatabase(options.input, MapAccess::write).revise({.poses = outcome.file.graph.nodes()});
+    MapDatabase map(options.input, MapAccess::write);
+    map.revise({.poses = outcome.file.graph.nodes(),
+                .georeference = placed(map.georeference(), outcome.file.graph.T_world_map())});
   }
   out << (options.json ? to_json(options, outcome) : describe(options, outcome));
   if (options.output && !failed && !options.json) {

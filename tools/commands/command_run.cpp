@@ -66,23 +66,34 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
   return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
 }
 
-/// The IMU to use: the one that is named, else the first. None where there is none or
-/// imu.use is false.
-std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
-  const std::optional<std::string>& name = config.recording.imu_topic;
+/// The first topic of that kind, or the one that is named by the setting. None where there is none.
+std::optional<std::size_t> choose_topic(const Recording& recording, TopicKind kind,
+                                        const std::optional<std::string>& name,
+                                        const std::string& setting, const std::string& sensor) {
   const std::vector<Topic>& topics = recording.topics();
-  if (!config.imu.use) {
-    return std::nullopt;
-  }
   const auto found = std::ranges::find_if(topics, [&](const Topic& topic) {
-    return topic.kind == TopicKind::imu && (!name || topic.name == *name);
+    return topic.kind == kind && (!name || topic.name == *name);
   });
   if (found == topics.end() && name) {
-    throw UsageError("recording.imu_topic: the recording has no IMU on '" + *name +
+    throw UsageError(setting + ": the recording has no " + sensor + " on '" + *name +
                      "'; adit inspect lists its topics.");
   }
   return found == topics.end() ? std::nullopt
                                : std::optional(static_cast<std::size_t>(found - topics.begin()));
+}
+
+std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
+  return config.imu.use ? choose_topic(recording, TopicKind::imu, config.recording.imu_topic,
+                                       "recording.imu_topic", "IMU")
+                        : std::nullopt;
+}
+
+/// Only a map has a use for fixes.
+std::optional<std::size_t> choose_gnss(const Recording& recording, const Config& config) {
+  return config.gnss.use && config.mapping.enabled
+             ? choose_topic(recording, TopicKind::gnss, config.recording.gnss_topic,
+                            "recording.gnss_topic", "GNSS receiver")
+             : std::nullopt;
 }
 
 /// How the IMU was found to be mounted is the effective setting.
@@ -316,6 +327,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
                                       .topic = sweeps.topic,
                                       .range = sweeps.range,
                                       .imu_topic = imu_topic,
+                                      .gnss_topic = choose_gnss(*recording, config),
                                       .slam = *slam,
                                       .stop = [] { return StopSignal::received() != 0; },
                                       .memory = &memory,

@@ -28,7 +28,7 @@ constexpr const char* kTables =
     "CREATE TABLE keyframes(id INTEGER PRIMARY KEY, session INTEGER NOT NULL REFERENCES "
     "sessions(id),"
     " stamp_ns INTEGER NOT NULL, fixed INTEGER NOT NULL, pose BLOB NOT NULL,"
-    " covariance BLOB NOT NULL);"
+    " covariance BLOB NOT NULL, vertical INTEGER NOT NULL DEFAULT 0);"
     "CREATE TABLE submaps(keyframe INTEGER PRIMARY KEY REFERENCES keyframes(id), box BLOB NOT NULL,"
     " chunks INTEGER NOT NULL);"
     "CREATE TABLE chunks(keyframe INTEGER NOT NULL REFERENCES submaps(keyframe),"
@@ -77,6 +77,25 @@ constexpr const char* kToSchema4 =
     "ALTER TABLE candidates ADD COLUMN source INTEGER NOT NULL DEFAULT 0;";
 constexpr const char* kEndToSchema4 =
     "ALTER TABLE end_candidates ADD COLUMN source INTEGER NOT NULL DEFAULT 0;";
+
+// What schema 4 lacks: how a map lies in the world, and by what.
+constexpr const char* kToSchema5 =
+    "ALTER TABLE keyframes ADD COLUMN vertical INTEGER NOT NULL DEFAULT 0;";
+constexpr const char* kTablesOfTheWorld =
+    "CREATE TABLE fixes(id INTEGER PRIMARY KEY, keyframe INTEGER NOT NULL REFERENCES "
+    "keyframes(id),"
+    " stamp_ns INTEGER NOT NULL, kind INTEGER NOT NULL, latitude REAL NOT NULL,"
+    " longitude REAL NOT NULL, altitude REAL NOT NULL, covariance BLOB NOT NULL,"
+    " antenna BLOB NOT NULL, path REAL NOT NULL, verdict INTEGER NOT NULL, chi2 REAL NOT NULL,"
+    " information BLOB NOT NULL);"
+    "CREATE TABLE georeference(id INTEGER PRIMARY KEY CHECK(id = 1), latitude REAL NOT NULL,"
+    " longitude REAL NOT NULL, altitude REAL NOT NULL, pose BLOB NOT NULL,"
+    " covariance BLOB NOT NULL);"
+    "CREATE TABLE end_fixes(id INTEGER PRIMARY KEY, verdict INTEGER NOT NULL, chi2 REAL NOT NULL,"
+    " information BLOB NOT NULL);"
+    "CREATE TABLE end_georeference(id INTEGER PRIMARY KEY, latitude REAL NOT NULL,"
+    " longitude REAL NOT NULL, altitude REAL NOT NULL, pose BLOB NOT NULL,"
+    " covariance BLOB NOT NULL);";
 
 int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement = database.prepare("PRAGMA " + name);
@@ -194,6 +213,7 @@ void MapDatabase::create_tables() {
   SqliteTransaction transaction(database_);
   database_.execute(kTables);
   database_.execute(kTablesOfTheEnd);
+  database_.execute(kTablesOfTheWorld);
   database_.execute("PRAGMA application_id = " + std::to_string(kApplication));
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
@@ -212,10 +232,14 @@ void MapDatabase::migrate() {
   if (schema < 3) {
     database_.execute(kToSchema3);
     database_.execute(kTablesOfTheEnd);
-  } else {
+  } else if (schema < 4) {
     database_.execute(kEndToSchema4);
   }
-  database_.execute(kToSchema4);
+  if (schema < 4) {
+    database_.execute(kToSchema4);
+  }
+  database_.execute(kToSchema5);
+  database_.execute(kTablesOfTheWorld);
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }
@@ -240,7 +264,7 @@ void MapDatabase::store(const KeyframeRecord& record) {
   const MapKeyframe& keyframe = record.keyframe;
   SqliteTransaction transaction(database_);
   prepare_step();
-  database_.prepare("INSERT INTO keyframes VALUES(?, ?, ?, ?, ?, ?)")
+  database_.prepare("INSERT INTO keyframes VALUES(?, ?, ?, ?, ?, ?, ?)")
       .bind(1, keyframe.id)
       .bind(2, keyframe.session)
       .bind(3, int64_t{keyframe.stamp.count()})
@@ -248,6 +272,7 @@ void MapDatabase::store(const KeyframeRecord& record) {
       .bind(5, as_bytes(
                    pose_numbers(in_session(keyframe.session, keyframe.T_map_keyframe, anchors()))))
       .bind(6, as_bytes(matrix_numbers(keyframe.covariance)))
+      .bind(7, static_cast<int64_t>(keyframe.vertical))
       .step();
   std::array<double, 6> box{};
   Eigen::Map<Vector6d>(box.data()) << record.submap.lower, record.submap.upper;
@@ -273,6 +298,9 @@ void MapDatabase::store(const KeyframeRecord& record) {
   for (const LoopCandidate& candidate : record.candidates) {
     insert(candidate);
   }
+  for (const MapFix& fix : record.fixes) {
+    insert(fix);
+  }
   count_step();
   transaction.commit();
   takes_back_ = begins_end_ = false;
@@ -286,6 +314,12 @@ void MapDatabase::revise(const MapRevision& revision) {
   }
   for (const LoopCandidate& candidate : revision.candidates) {
     insert(candidate);
+  }
+  for (const MapFix& fix : revision.fixes) {
+    insert(fix);
+  }
+  if (revision.georeference) {
+    insert(*revision.georeference);
   }
   for (const auto& [edge, status] : revision.statuses) {
     database_.prepare("UPDATE edges SET status = ? WHERE id = ?")
@@ -351,6 +385,34 @@ void MapDatabase::insert(const LoopCandidate& candidate) {
     statement.bind(15, candidate.id);
   }
   statement.step();
+}
+
+void MapDatabase::insert(const MapFix& fix) {
+  database_.prepare("INSERT OR REPLACE INTO fixes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(1, fix.id)
+      .bind(2, fix.keyframe)
+      .bind(3, int64_t{fix.stamp.count()})
+      .bind(4, static_cast<int64_t>(fix.kind))
+      .bind(5, fix.place.latitude)
+      .bind(6, fix.place.longitude)
+      .bind(7, fix.place.altitude)
+      .bind(8, as_bytes(square_numbers(fix.covariance)))
+      .bind(9, as_bytes(vector_numbers(fix.p_keyframe_antenna)))
+      .bind(10, fix.path)
+      .bind(11, static_cast<int64_t>(fix.verdict))
+      .bind(12, fix.chi2)
+      .bind(13, as_bytes(square_numbers(fix.information)))
+      .step();
+}
+
+void MapDatabase::insert(const Georeference& georeference) {
+  database_.prepare("INSERT OR REPLACE INTO georeference VALUES(1, ?, ?, ?, ?, ?)")
+      .bind(1, georeference.origin.latitude)
+      .bind(2, georeference.origin.longitude)
+      .bind(3, georeference.origin.altitude)
+      .bind(4, as_bytes(pose_numbers(georeference.T_world_map)))
+      .bind(5, as_bytes(matrix_numbers(georeference.covariance)))
+      .step();
 }
 
 // The box of the submap's box, turned into the map frame.

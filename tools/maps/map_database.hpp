@@ -23,7 +23,7 @@
 namespace adit {
 
 /// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 4;
+inline constexpr int64_t kMapSchema = 5;
 
 enum class MapAccess {
   read,   ///< any number, also beside a writer
@@ -83,6 +83,8 @@ class MapDatabase final : public MapStore {
   std::vector<MapKeyframe> keyframes() const override;
   PoseGraph graph() const override;
   std::vector<LoopCandidate> candidates() const override;
+  std::vector<MapFix> fixes() const override;
+  std::optional<Georeference> georeference() const override;
   MapSubmap submap(NodeId keyframe) const override;
   std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override;
   std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
@@ -96,6 +98,7 @@ class MapDatabase final : public MapStore {
   std::optional<MapKeyframe> keyframe(NodeId id) const;
   std::optional<PoseEdge> edge(int64_t id) const;
   std::optional<LoopCandidate> candidate(int64_t id) const;
+  std::optional<MapFix> fix(int64_t id) const;
 
   /// What is wrong with the map, for people; empty: it is whole. Reads everything.
   std::vector<std::string> check() const;
@@ -109,6 +112,8 @@ class MapDatabase final : public MapStore {
   void make_anchors();
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
+  void insert(const MapFix& fix);
+  void insert(const Georeference& georeference);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
   void prepare_step();
   void count_step();
@@ -117,6 +122,7 @@ class MapDatabase final : public MapStore {
   MapKeyframe keyframe_at(const SqliteStatement& row) const;
   PoseEdge edge_at(const SqliteStatement& row) const;
   LoopCandidate candidate_at(const SqliteStatement& row) const;
+  MapFix fix_at(const SqliteStatement& row) const;
 
   std::optional<WriterLock> lock_;
   SqliteDatabase database_;

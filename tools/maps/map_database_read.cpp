@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "adit/tools/containers/compression.hpp"
@@ -61,14 +62,24 @@ std::vector<std::byte> unpacked(int64_t bytes, std::span<const std::byte> zstd,
 }
 
 constexpr const char* kSessions = "SELECT id, name, configuration FROM sessions";
-constexpr const char* kKeyframes =
-    "SELECT id, session, stamp_ns, fixed, pose, covariance FROM keyframes";
+constexpr const char* kFixes =
+    "SELECT id, keyframe, stamp_ns, kind, latitude, longitude, altitude, covariance, antenna, "
+    "path, verdict, chi2, information FROM fixes";
 constexpr const char* kEdges =
     "SELECT id, node_from, node_to, kind, status, pose, information FROM edges";
-/// Columns that older schemas lack are 0.
-std::string candidates_of(const SqliteDatabase& database) {
+int64_t schema_of(const SqliteDatabase& database) {
   SqliteStatement version = database.prepare("PRAGMA user_version");
-  const int64_t schema = version.step() ? version.integer(0) : kMapSchema;
+  return version.step() ? version.integer(0) : kMapSchema;
+}
+
+// Columns that older schemas lack are 0, and so are their tables' rows.
+constexpr int64_t kFirstWithWorld = 5;
+std::string keyframes_of(const SqliteDatabase& database) {
+  return std::string("SELECT id, session, stamp_ns, fixed, pose, covariance, ") +
+         (schema_of(database) < kFirstWithWorld ? "0" : "vertical") + " FROM keyframes";
+}
+std::string candidates_of(const SqliteDatabase& database) {
+  const int64_t schema = schema_of(database);
   return std::string(
              "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, ") +
          (schema < 2 ? "0.0, 0.0, 0.0, 0.0, 0.0, " : "rms, correction, turn, through, figure, ") +
@@ -131,6 +142,8 @@ MapKeyframe MapDatabase::keyframe_at(const SqliteStatement& row) const {
       pose_from(numbers<12>(row.blob(4), file, "the pose of keyframe", keyframe.id));
   keyframe.covariance =
       matrix_from(numbers<36>(row.blob(5), file, "the covariance of keyframe", keyframe.id));
+  keyframe.vertical =
+      enumerator(row.integer(6), Vertical::ground, file, "the vertical of a keyframe");
   return keyframe;
 }
 
@@ -170,6 +183,23 @@ LoopCandidate MapDatabase::candidate_at(const SqliteStatement& row) const {
   return candidate;
 }
 
+MapFix MapDatabase::fix_at(const SqliteStatement& row) const {
+  const auto& file = database_.path();
+  MapFix fix;
+  fix.id = row.integer(0);
+  fix.keyframe = row.integer(1);
+  fix.stamp = Nanoseconds(row.integer(2));
+  fix.kind = enumerator(row.integer(3), GnssFixKind::ground_augmented, file, "the kind of a fix");
+  fix.place = {row.real(4), row.real(5), row.real(6)};
+  fix.covariance = square_from(numbers<9>(row.blob(7), file, "the covariance of fix", fix.id));
+  fix.p_keyframe_antenna = vector_from(numbers<3>(row.blob(8), file, "the antenna of fix", fix.id));
+  fix.path = row.real(9);
+  fix.verdict = enumerator(row.integer(10), FixVerdict::apart, file, "the verdict about a fix");
+  fix.chi2 = row.real(11);
+  fix.information = square_from(numbers<9>(row.blob(12), file, "the information of fix", fix.id));
+  return fix;
+}
+
 std::vector<MapSession> MapDatabase::sessions() const {
   return all_rows(database_, kSessions, [&](const auto& row) { return session_at(row); });
 }
@@ -179,11 +209,11 @@ std::optional<MapSession> MapDatabase::session(SessionId id) const {
 
 std::vector<MapKeyframe> MapDatabase::keyframes() const {
   const Anchors anchored = anchors();
-  return all_rows(database_, kKeyframes,
+  return all_rows(database_, keyframes_of(database_),
                   [&](const auto& row) { return in_map(keyframe_at(row), anchored); });
 }
 std::optional<MapKeyframe> MapDatabase::keyframe(NodeId id) const {
-  return one_row(database_, kKeyframes, id,
+  return one_row(database_, keyframes_of(database_), id,
                  [&](const auto& row) { return in_map(keyframe_at(row), anchors()); });
 }
 
@@ -203,15 +233,60 @@ std::optional<LoopCandidate> MapDatabase::candidate(int64_t id) const {
                  [&](const auto& row) { return candidate_at(row); });
 }
 
+std::vector<MapFix> MapDatabase::fixes() const {
+  if (schema_of(database_) < kFirstWithWorld) {
+    return {};
+  }
+  return all_rows(database_, kFixes, [&](const auto& row) { return fix_at(row); });
+}
+std::optional<MapFix> MapDatabase::fix(int64_t id) const {
+  if (schema_of(database_) < kFirstWithWorld) {
+    return std::nullopt;
+  }
+  return one_row(database_, kFixes, id, [&](const auto& row) { return fix_at(row); });
+}
+
+std::optional<Georeference> MapDatabase::georeference() const {
+  if (schema_of(database_) < kFirstWithWorld) {
+    return std::nullopt;
+  }
+  return one_row(
+      database_, "SELECT id, latitude, longitude, altitude, pose, covariance FROM georeference", 1,
+      [&](const SqliteStatement& row) {
+        const auto& file = database_.path();
+        Georeference georeference;
+        georeference.origin = {row.real(1), row.real(2), row.real(3)};
+        georeference.T_world_map =
+            pose_from(numbers<12>(row.blob(4), file, "the pose of georeference", 1));
+        georeference.covariance =
+            matrix_from(numbers<36>(row.blob(5), file, "the covariance of georeference", 1));
+        return georeference;
+      });
+}
+
 PoseGraph MapDatabase::graph() const {
   PoseGraph graph;
   try {
     for (const MapKeyframe& keyframe : keyframes()) {
       graph.add_node({keyframe.id, keyframe.T_map_keyframe, keyframe.fixed});
+      if (const auto level = level_of(keyframe.id, keyframe.vertical)) {
+        graph.add_level(*level);
+      }
     }
     for (const PoseEdge& edge : edges()) {
       graph.add_edge(edge);
     }
+    if (const std::optional<Georeference> world = georeference()) {
+      const WorldFrame frame(world->origin);
+      for (const MapFix& fix : fixes()) {
+        if (fix.verdict == FixVerdict::used) {
+          graph.add_fix(as_measured(fix, frame));
+        }
+      }
+      graph.set_T_world_map(world->T_world_map);
+    }
+  } catch (const std::invalid_argument& error) {
+    throw InputError(database_.path(), {}, error.what(), "The map is damaged");
   } catch (const GraphError& error) {
     throw InputError(database_.path(), {}, error.what(), "The map is damaged");
   }
@@ -306,6 +381,7 @@ std::vector<std::string> MapDatabase::check() const {
   attempt([&] { static_cast<void>(sessions()); });
   attempt([&] { static_cast<void>(graph()); });
   attempt([&] { static_cast<void>(candidates()); });
+  attempt([&] { static_cast<void>(fixes()); });
   std::set<NodeId> nodes;
   ask("SELECT id FROM keyframes",
       [&](const SqliteStatement& row) { nodes.insert(row.integer(0)); });
@@ -340,7 +416,7 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
     text += keyframe.fixed ? " fixed" : "";
     append_all(text, "pose", pose_numbers(keyframe.T_map_keyframe));
     append_all(text, "covariance", matrix_numbers(keyframe.covariance));
-    line(text);
+    line(text + " vertical " + std::string(to_string(keyframe.vertical)));
     const MapSubmap content = submap(keyframe.id);
     text = "submap " + std::to_string(keyframe.id);
     append_all(text, "lower", std::vector<double>(content.lower.begin(), content.lower.end()));
@@ -373,6 +449,27 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
                           candidate.figure});
     append_all(text, "pose", pose_numbers(candidate.T_from_to));
     line(text + " reason " + in_one_line(candidate.reason));
+  }
+  for (const MapFix& fix : fixes()) {
+    std::string text =
+        "fix " + std::to_string(fix.id) + " keyframe " + std::to_string(fix.keyframe) + " stamp ";
+    append_stamp(text, fix.stamp);
+    text += " kind " + std::to_string(static_cast<int>(fix.kind));
+    append_all(text, "place",
+               std::array{fix.place.latitude, fix.place.longitude, fix.place.altitude});
+    append_all(text, "covariance", square_numbers(fix.covariance));
+    append_all(text, "antenna", vector_numbers(fix.p_keyframe_antenna));
+    append_all(text, "figures", std::array{fix.path, fix.chi2});
+    append_all(text, "information", square_numbers(fix.information));
+    line(text + " verdict " + std::string(to_string(fix.verdict)));
+  }
+  if (const std::optional<Georeference> world = georeference()) {
+    std::string text = "georeference";
+    append_all(text, "origin",
+               std::array{world->origin.latitude, world->origin.longitude, world->origin.altitude});
+    append_all(text, "pose", pose_numbers(world->T_world_map));
+    append_all(text, "covariance", matrix_numbers(world->covariance));
+    line(text);
   }
 }
 

@@ -10,6 +10,9 @@ namespace {
 
 constexpr const char* kRememberAll =
     "DELETE FROM end_keyframes; DELETE FROM end_edges; DELETE FROM end_candidates;"
+    "DELETE FROM end_fixes; DELETE FROM end_georeference;"
+    "INSERT INTO end_fixes SELECT id, verdict, chi2, information FROM fixes;"
+    "INSERT INTO end_georeference SELECT * FROM georeference;"
     "INSERT INTO end_keyframes SELECT id, fixed, pose FROM keyframes;"
     "INSERT INTO end_edges SELECT id, status FROM edges;"
     "INSERT INTO end_candidates(id, node_from, node_to, verdict, pose, score, overlap, chi2, "
@@ -26,13 +29,18 @@ constexpr const char* kTakeBack =
     " turn, through, figure, source FROM end_candidates;"
     "DELETE FROM edges WHERE id NOT IN (SELECT id FROM end_edges);"
     "UPDATE edges SET status = was.status FROM end_edges AS was WHERE was.id = edges.id;"
+    "DELETE FROM fixes WHERE id NOT IN (SELECT id FROM end_fixes);"
+    "UPDATE fixes SET verdict = was.verdict, chi2 = was.chi2, information = was.information"
+    " FROM end_fixes AS was WHERE was.id = fixes.id;"
+    "DELETE FROM georeference; INSERT INTO georeference SELECT * FROM end_georeference;"
     "DELETE FROM places;"
     "DELETE FROM chunks WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"
     "DELETE FROM submaps WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"
     "DELETE FROM keyframes WHERE id NOT IN (SELECT id FROM end_keyframes);"
     "UPDATE keyframes SET fixed = was.fixed, pose = was.pose FROM end_keyframes AS was"
     " WHERE was.id = keyframes.id;"
-    "DELETE FROM end_keyframes; DELETE FROM end_edges; DELETE FROM end_candidates;";
+    "DELETE FROM end_keyframes; DELETE FROM end_edges; DELETE FROM end_candidates;"
+    "DELETE FROM end_fixes; DELETE FROM end_georeference;";
 
 }  // namespace
 

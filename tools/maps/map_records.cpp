@@ -31,4 +31,22 @@ Matrix6d matrix_from(const MatrixNumbers& numbers) {
   return Eigen::Map<const Matrix6d>(numbers.data());
 }
 
+VectorNumbers vector_numbers(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Eigen::Vector3d vector_from(const VectorNumbers& numbers) {
+  return Eigen::Vector3d(numbers.data());
+}
+
+SquareNumbers square_numbers(const Eigen::Matrix3d& matrix) {
+  SquareNumbers numbers{};
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data()) = matrix;
+  return numbers;
+}
+
+Eigen::Matrix3d square_from(const SquareNumbers& numbers) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
+}
+
 }  // namespace adit

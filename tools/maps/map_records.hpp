@@ -30,6 +30,14 @@ using MatrixNumbers = std::array<double, 36>;
 MatrixNumbers matrix_numbers(const Matrix6d& matrix);
 Matrix6d matrix_from(const MatrixNumbers& numbers);
 
+using VectorNumbers = std::array<double, 3>;
+VectorNumbers vector_numbers(const Eigen::Vector3d& vector);
+Eigen::Vector3d vector_from(const VectorNumbers& numbers);
+
+using SquareNumbers = std::array<double, 9>;
+SquareNumbers square_numbers(const Eigen::Matrix3d& matrix);
+Eigen::Matrix3d square_from(const SquareNumbers& numbers);
+
 template <std::size_t kSize>
 std::span<const std::byte> as_bytes(const std::array<double, kSize>& numbers) {
   return std::as_bytes(std::span(numbers));

@@ -71,6 +71,12 @@ class Recovery {
     done_.lost_keyframes = each("keyframes", [&](int64_t id) { take_keyframe(id); });
     done_.lost_edges = each("edges", [&](int64_t id) { take_edge(id); });
     each("candidates", [&](int64_t id) { take_candidate(id); });
+    each("fixes", [&](int64_t id) { take_fix(id); });
+    try {
+      target_.revise({.georeference = source_.georeference()});
+    } catch (const InputError& error) {
+      done_.problems.push_back("the map's place in the world: " + error.found());
+    }
     return std::move(done_);
   }
 
@@ -144,6 +150,13 @@ class Recovery {
     if (candidate && keyframes_.contains(candidate->from) && keyframes_.contains(candidate->to)) {
       target_.revise({.candidates = {*candidate}});
       ++done_.candidates;
+    }
+  }
+
+  void take_fix(int64_t id) {
+    const std::optional<MapFix> fix = source_.fix(id);
+    if (fix && keyframes_.contains(fix->keyframe)) {
+      target_.revise({.fixes = {*fix}});
     }
   }
 

@@ -115,10 +115,15 @@ void write_results(const Mapping& mapping, Mapped& done) {
   }
 }
 
+/// Sensors besides the range sensor.
+bool has_others(const Mapping& mapping) {
+  return mapping.imu_topic || mapping.gnss_topic;
+}
+
 void add(const Mapping& mapping, Event event, Mapped& done) {
   if (auto* sweep = std::get_if<Sweep>(&event.value)) {
-    // Without an IMU the recording passes over what lies before the range.
-    if (mapping.imu_topic && done.passed_over < mapping.range.first) {
+    // Of sweeps alone the recording passes over those before the range itself.
+    if (has_others(mapping) && done.passed_over < mapping.range.first) {
       ++done.passed_over;
       return;
     }
@@ -130,14 +135,22 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
     mapping.slam.add(std::move(*sweep), event.frame);
   } else if (const auto* reading = std::get_if<ImuSample>(&event.value)) {
     mapping.slam.add(*reading, event.frame);
+  } else if (const auto* fix = std::get_if<GnssFix>(&event.value)) {
+    mapping.slam.add(*fix, event.frame);
   }
 }
 
 std::unique_ptr<EventStream> open_events(const Mapping& mapping) {
-  if (!mapping.imu_topic) {
+  if (!has_others(mapping)) {
     return mapping.recording.events({.topics = {mapping.topic}, .skip = mapping.range.first});
   }
-  return mapping.recording.events({.topics = {mapping.topic, *mapping.imu_topic}});
+  EventSelection selection{.topics = {mapping.topic}};
+  for (const std::optional<std::size_t>& other : {mapping.imu_topic, mapping.gnss_topic}) {
+    if (other) {
+      selection.topics.push_back(*other);
+    }
+  }
+  return mapping.recording.events(selection);
 }
 
 /// True where the range ends with the recording.

@@ -50,7 +50,8 @@ struct Mapping {
   const Recording& recording;
   std::size_t topic;  ///< index of the sweeps' topic
   SweepRange range;
-  std::optional<std::size_t> imu_topic{};  ///< none: there is none, or it is not used
+  std::optional<std::size_t> imu_topic{};   ///< none: there is none, or it is not used
+  std::optional<std::size_t> gnss_topic{};  ///< likewise
   Slam& slam;
   std::function<bool()> stop;           ///< asked before each event is read
   const MemoryLimit* memory = nullptr;  ///< none: no limit

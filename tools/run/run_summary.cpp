@@ -8,6 +8,7 @@
 
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
+#include "adit/tools/run/gnss_text.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -137,6 +138,9 @@ ordered_json describe_map(const MapReport& map) {
        {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
   if (map.loops) {
     json["loops"] = describe_loops(*map.loops);
+  }
+  if (map.gnss.any()) {
+    json["gnss"] = to_json(map.gnss);
   }
   return json;
 }

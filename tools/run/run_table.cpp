@@ -3,6 +3,7 @@
 #include "adit/tools/run/device_session.hpp"
 
 #include <fmt/core.h>
+#include "adit/tools/run/gnss_text.hpp"
 #include "adit/tools/run/run_summary.hpp"
 #include "adit/tools/run/verdict_text.hpp"
 #include "adit/tools/support/progress.hpp"
@@ -172,6 +173,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
     text += "map      " + as_rows(map_text(*outcome.result.map, outcome.wall_s)) + "\n";
     if (outcome.result.map->loops) {
       text += "loops    " + loops_text(*outcome.result.map->loops) + "\n";
+    }
+    if (outcome.result.map->gnss.any()) {
+      text += "gnss     " + as_rows(describe(outcome.result.map->gnss)) + "\n";
     }
   }
   text += "time     " + host_times(statistics) + "\n";

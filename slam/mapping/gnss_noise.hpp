@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// How far GNSS fixes are off: how much of what receivers say of themselves is believed.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/core/types.hpp"
+
+namespace adit {
+
+/// The covariance (east north up, m^2) that a fix counts with: the receiver's times the configured
+/// scale, but no standard deviation below that of a good receiver with such a fix, since many state
+/// a tenth of their errors: ground-augmented (RTK) 0.02 m, satellite-augmented 0.3 m, single 1.5 m,
+/// upwards twice that. What the receiver does not state is three times those.
+Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config);
+
+/// How many independent fixes each of these counts as. A receiver's errors stay much the same for
+/// about `correlation` (s): a stretch of T seconds, however many fixes it has, knows its mean as
+/// well as 1 + T / (2 correlation) independent ones do (first-order Gauss-Markov), which its fixes
+/// share by the time that each stands for. Times in s, increasing.
+std::vector<double> independent_shares(std::span<const double> times, double correlation);
+
+}  // namespace adit

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/mapping/vertical.hpp"
+
+namespace adit {
+
+std::optional<LevelledNode> level_of(NodeId node, Vertical vertical) {
+  constexpr double kGravity = 0.02;  // rad
+  constexpr double kGround = 0.1;
+  switch (vertical) {
+    case Vertical::gravity:
+      return LevelledNode{.node = node, .information = 1.0 / (kGravity * kGravity)};
+    case Vertical::ground:
+      return LevelledNode{.node = node, .information = 1.0 / (kGround * kGround)};
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace adit

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "adit/slam/mapping/pose_graph.hpp"
+
+namespace adit {
+
+/// What tells a submap which way is up: its z axis.
+enum class Vertical {
+  unknown,  ///< nothing: its axes are the lidar's
+  gravity,  ///< an inertial sensor
+  ground,   ///< the ground it lies on, a plane fitted to its points
+};
+/// The enumerator's name.
+constexpr std::string_view to_string(Vertical vertical) {
+  switch (vertical) {
+    case Vertical::unknown:
+      return "unknown";
+    case Vertical::gravity:
+      return "gravity";
+    case Vertical::ground:
+      return "ground";
+  }
+  return "unknown";
+}
+
+/// What it says of a node in the graph; nothing where there is no vertical. Errors of gravity come
+/// from the accelerometer's bias, which keyframes share: each counts as 20 mrad, so that a hundred
+/// know the vertical to 2 mrad. The ground is as level as roads are: 0.1 rad.
+std::optional<LevelledNode> level_of(NodeId node, Vertical vertical);
+
+}  // namespace adit

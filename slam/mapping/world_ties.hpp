@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/slam/mapping/map_fix.hpp"
+#include "adit/slam/mapping/world_fit.hpp"
+#include "adit/slam/mapping/world_frame.hpp"
+
+namespace adit {
+
+/// What has become of a run's GNSS fixes.
+struct GnssReport {
+  std::size_t fixes = 0;             ///< with a position, among the map's sweeps
+  std::size_t without_position = 0;  ///< the receiver had none
+  std::size_t outside = 0;           ///< before the first sweep, after the last or in a gap
+  std::array<std::size_t, kFixVerdicts> verdicts{};  ///< by FixVerdict
+  std::optional<Georeference> georeference{};        ///< none: the fixes do not tell it
+  double extent = 0.0;      ///< m, between the places that are farthest apart, along x or y
+  double yaw_sigma = 0.0;   ///< rad, where a fit was found; 0: none
+  double horizontal = 0.0;  ///< m, rms of what is left of used fixes
+  double vertical = 0.0;
+  bool swapped = false;  ///< with latitude and longitude exchanged the fixes would agree
+  std::size_t optimizations = 0;
+
+  /// There was a receiver at all.
+  bool any() const { return fixes + without_position + outside > 0; }
+};
+
+/// Ties a map to the world by GNSS fixes: looks for its place until that is known well enough,
+/// judges each fix by where the map has it, and optimises the graph with those that agree
+/// (docs/theory/gnss.md). The map's first node stays where it is: what moves is T_world_map, and
+/// the map in itself by as much as the fixes correct of its drift.
+class WorldTies {
+ public:
+  explicit WorldTies(const GnssConfig& config) : config_(config) {}
+
+  /// Of a node that the graph will have, in the order of their times.
+  void add(std::span<const MapFix> fixes);
+  void count_without_position() { ++report_.without_position; }
+  void count_outside(std::size_t fixes) { report_.outside += fixes; }
+
+  /// What a step has changed.
+  struct Change {
+    std::vector<MapFix> fixes;  ///< those with another verdict or residual
+    std::optional<Georeference> georeference{};
+    bool moved = false;  ///< the graph has other poses
+  };
+  /// The fixes of nodes up to `keyframe` take effect.
+  Change take_effect(PoseGraph& graph, NodeId keyframe);
+  /// All do, and those judged before are judged again.
+  Change finish(PoseGraph& graph);
+
+  const GnssReport& report() const { return report_; }
+
+ private:
+  bool is_repeated(std::size_t fix) const;
+  bool is_near_the_last(std::size_t fix) const;
+  void judge_new(const PoseGraph& graph);
+  bool find_place(PoseGraph& graph);
+  void judge_again(const PoseGraph& graph, double widest);
+  void tie(PoseGraph& graph);
+  void optimize(PoseGraph& graph);
+  void fill(Change& change, const PoseGraph& graph, const std::vector<MapFix>& before);
+  double distance2(const PoseGraph& graph, const MapFix& fix, double drift) const;
+  std::optional<WorldFit> fit(const PoseGraph& graph, const WorldFrame& frame, bool swapped) const;
+
+  GnssConfig config_;
+  std::vector<MapFix> fixes_;
+  std::size_t judged_ = 0;                ///< of fixes_, from the first
+  std::optional<std::size_t> last_kept_;  ///< the latest fix that is neither thinned nor frozen
+  std::optional<WorldFrame> frame_;
+  double optimized_path_ = 0.0;  ///< m, of the last used fix in the last optimisation
+  std::size_t optimized_nodes_ = 0;
+  std::size_t used_since_ = 0;
+  GnssReport report_;
+};
+
+}  // namespace adit

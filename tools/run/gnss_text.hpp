@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What has become of a run's GNSS fixes, for people and for programs.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/slam/mapping/world_ties.hpp"
+
+namespace adit {
+
+/// One line; where the map has no place in the world, why, and what to do about it.
+std::string describe(const GnssReport& gnss);
+nlohmann::ordered_json to_json(const GnssReport& gnss);
+
+}  // namespace adit
