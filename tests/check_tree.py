@@ -171,14 +171,19 @@ def check_vulkan(files):
             yield path, f"{how} <vulkan/...>; only engine/vulkan/ and engine/*.cpp do"
 
 
-def check_ceres(files):
-    """The solver of pose graphs can be replaced in one file; tests use it as an oracle."""
+# A library that can be replaced in one file; tests use it as an oracle.
+ONE_FILE = {"ceres/": "slam/mapping/solver.cpp", "glog/": "slam/mapping/solver.cpp",
+            "GeographicLib/": "slam/mapping/world_frame.cpp"}
+
+
+def check_libraries(files):
     for path, text in files.items():
-        if suffix(path) not in CXX or path == "slam/mapping/solver.cpp" or path.startswith("tests/"):
+        if suffix(path) not in CXX or path.startswith("tests/"):
             continue
         for _, name in includes(text):
-            if name.startswith(("ceres/", "glog/")):
-                yield path, f"includes <{name}>; only slam/mapping/solver.cpp does"
+            for library, only in ONE_FILE.items():
+                if name.startswith(library) and path != only:
+                    yield path, f"includes <{name}>; only {only} does"
 
 
 def check_command_line(files):
@@ -223,7 +228,7 @@ def check(files):
     """All violations in a tree given as {path: text}, as sorted 'path: message' lines."""
     folders = {str(parent) for path in files for parent in pathlib.PurePosixPath(path).parents}
     found = [*check_layout(files), *check_text(files), *check_markdown(files), *check_groups(files),
-             *check_includes(files), *check_silence(files), *check_vulkan(files), *check_ceres(files), *check_command_line(files),
+             *check_includes(files), *check_silence(files), *check_vulkan(files), *check_libraries(files), *check_command_line(files),
              *check_headers(files), *check_links(files, folders)]
     return sorted(f"{path}: {message}" for path, message in found)
 

@@ -83,7 +83,8 @@ class CheckTree(unittest.TestCase):
     def test_vulkan_outside_the_engine_is_found(self):
         self.expect("engine/kernels/a.cpp", SPDX + "#include <vulkan/vulkan.h>\n", "only engine/")
 
-    def test_ceres_outside_its_file_is_found(self):
+    def test_a_library_outside_its_file_is_found(self):
+        self.expect("slam/mapping/world_fit.cpp", SPDX + "#include <GeographicLib/UTMUPS.hpp>\n", "only slam/mapping/world_frame.cpp")
         self.expect("slam/mapping/pose_graph.hpp", HEADER + "#include <ceres/ceres.h>\n", "only slam/mapping/solver.cpp")
         self.assertEqual(check_tree.check({**SOUND, "slam/mapping/solver.cpp": SPDX + "#include <ceres/ceres.h>\n"}), [])
 

@@ -116,7 +116,9 @@ void MapAssembly::close_loops(const LoopCloser::Change& change, std::size_t last
 
 void MapAssembly::tie_to_world(const WorldTies::Change& change, std::size_t last_tied) {
   if (!change.fixes.empty() || change.georeference) {
-    store_->revise({.fixes = change.fixes, .georeference = change.georeference});
+    store_->revise({.fixes = change.fixes,
+                    .georeference = change.georeference,
+                    .drops_georeference = change.place_is_lost});
   }
   if (change.moved && last_tied < graph_.nodes().size()) {
     follow(last_tied);

@@ -118,6 +118,7 @@ struct MapRevision {
   std::vector<PoseNode> poses{};                               ///< new ones of stored keyframes
   std::vector<MapFix> fixes{};                                 ///< in place of those stored
   std::optional<Georeference> georeference{};                  ///< in place of that stored
+  bool drops_georeference = false;                             ///< the map has no place any more
 };
 
 class MapStore {

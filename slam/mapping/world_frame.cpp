@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <GeographicLib/Constants.hpp>
+#include <GeographicLib/LocalCartesian.hpp>
 #include <GeographicLib/TransverseMercator.hpp>
 #include <GeographicLib/UTMUPS.hpp>
 
@@ -76,6 +77,14 @@ double WorldFrame::convergence_at(const Eigen::Vector3d& position) const {
   projection(scale_).Reverse(origin_.longitude, position.x(), position.y() + northing_of_origin_,
                              latitude, longitude, degrees, scale);
   return degrees * kDegree;
+}
+
+Geodetic place_in_tangent_plane(const Geodetic& origin, const Eigen::Vector3d& east_north_up) {
+  const GeographicLib::LocalCartesian plane(origin.latitude, origin.longitude, origin.altitude);
+  Geodetic place;
+  plane.Reverse(east_north_up.x(), east_north_up.y(), east_north_up.z(), place.latitude,
+                place.longitude, place.altitude);
+  return place;
 }
 
 UtmPosition utm_of(const Geodetic& place, std::optional<UtmZone> in) {

@@ -41,6 +41,9 @@ class WorldFrame {
   double northing_of_origin_;
 };
 
+/// A place given by metres east, north and up in the plane that touches the ellipsoid at a place.
+Geodetic place_in_tangent_plane(const Geodetic& origin, const Eigen::Vector3d& east_north_up);
+
 /// A place in the Universal Transverse Mercator projection on WGS 84.
 struct UtmPosition {
   int zone = 0;  ///< 1 to 60

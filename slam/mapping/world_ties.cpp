@@ -17,13 +17,15 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kLeastTime = 0.5;  // s, between fixes that count, unless they are
-constexpr double kLeastWay = 2.0;   // m apart
+constexpr double kLeastWay = 1.0;   // m apart
 constexpr double kMoved = 0.5;      // m, while which a receiver does not repeat itself
 constexpr double kYawKnown = 1.0 * kDegree;
 constexpr double kLeastAgreement = 0.5;  // of the fixes that have been seen by then
 constexpr std::size_t kFewestFixes = 5;
-constexpr double kFixGate = 11.34;    // chi squared of three directions, 99 %
-constexpr double kDrift = 0.01;    // of the way since the last fix that the map was fitted to
+constexpr double kLeastExtent = 10.0;      // m, of the fixes that agree
+constexpr std::size_t kManyOutliers = 20;  // more than are used: the place is wrong
+constexpr double kFixGate = 11.34;         // chi squared of three directions, 99 %
+constexpr double kDrift = 0.01;      // of the way since the last fix that the map was fitted to
 constexpr double kShapeNoise = 0.1;  // m, of the map's own shape
 constexpr std::size_t kNodesBetween = 20;  // optimisations, at the least
 constexpr int kMostRounds = 4;
@@ -197,8 +199,15 @@ bool WorldTies::find_place(PoseGraph& graph) {
   report_.yaw_sigma = found->yaw_sigma;
   const auto used =
       static_cast<std::size_t>(std::ranges::count(fixes_, FixVerdict::used, &MapFix::verdict));
+  Eigen::AlignedBox2d box;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    if (found->agrees[i]) {
+      box.extend(p_map(graph, fixes_[part[i]]).head<2>());
+    }
+  }
   const bool known =
       found->yaw_sigma < kYawKnown && found->agreeing >= kFewestFixes &&
+      box.sizes().norm() >= kLeastExtent &&
       static_cast<double>(found->agreeing) >= kLeastAgreement * static_cast<double>(part.size());
   if (!known || (frame_ && 2 * found->agreeing < 3 * used)) {
     return false;
@@ -217,6 +226,25 @@ bool WorldTies::find_place(PoseGraph& graph) {
   T_world_map.linear() *= levelling(graph);
   graph.set_T_world_map(orthonormalized(T_world_map));
   return true;
+}
+
+// Of a short way a wrong place may fit, too.
+bool WorldTies::is_contradicted() const {
+  const auto used = std::ranges::count(fixes_, FixVerdict::used, &MapFix::verdict);
+  const auto outliers = std::ranges::count(fixes_, FixVerdict::outlier, &MapFix::verdict);
+  return frame_ && outliers > used && static_cast<std::size_t>(outliers) >= kManyOutliers;
+}
+
+void WorldTies::forget_place(PoseGraph& graph) {
+  frame_.reset();
+  report_.georeference.reset();
+  graph.clear_fixes();
+  used_since_ = 0;
+  for (MapFix& fix : fixes_) {
+    fix.verdict = takes_part(fix.verdict) ? FixVerdict::waiting : fix.verdict;
+    fix.information.setZero();
+    fix.chi2 = 0.0;
+  }
 }
 
 void WorldTies::tie(PoseGraph& graph) {
@@ -317,8 +345,12 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe) {
     return change;
   }
   const std::vector<MapFix> before = fixes_;
+  const bool had_place = frame_.has_value();
   const std::size_t nodes = graph.nodes().size();
   judge_new(graph);
+  if (is_contradicted()) {
+    forget_place(graph);
+  }
   bool wanted = false;
   if (!frame_) {
     wanted = find_place(graph);
@@ -331,6 +363,7 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe) {
     judge_again(graph, 1.5 * kFixGate);
     change.moved = true;
   }
+  change.place_is_lost = had_place && !frame_;
   fill(change, graph, before);
   return change;
 }
@@ -341,7 +374,11 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph) {
     return change;
   }
   const std::vector<MapFix> before = fixes_;
+  const bool had_place = frame_.has_value();
   judge_new(graph);
+  if (is_contradicted()) {
+    forget_place(graph);
+  }
   find_place(graph);
   for (int round = 0; frame_ && round < kMostRounds; ++round) {
     optimize(graph);
@@ -351,6 +388,10 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph) {
     if (std::ranges::equal(judged, fixes_, {}, &MapFix::verdict, &MapFix::verdict)) {
       break;
     }
+  }
+  if (is_contradicted()) {
+    forget_place(graph);
+    optimize(graph);
   }
   if (!frame_ && judged_ > 0) {
     // Not where exchanging them makes no place on the Earth.
@@ -367,6 +408,7 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph) {
           exchanged && exchanged->yaw_sigma < kYawKnown && 10 * exchanged->agreeing > 8 * judged_;
     }
   }
+  change.place_is_lost = had_place && !frame_;
   fill(change, graph, before);
   return change;
 }

@@ -50,7 +50,8 @@ class WorldTies {
   struct Change {
     std::vector<MapFix> fixes;  ///< those with another verdict or residual
     std::optional<Georeference> georeference{};
-    bool moved = false;  ///< the graph has other poses
+    bool place_is_lost = false;  ///< later fixes contradict it
+    bool moved = false;          ///< the graph has other poses
   };
   /// The fixes of nodes up to `keyframe` take effect.
   Change take_effect(PoseGraph& graph, NodeId keyframe);
@@ -64,6 +65,8 @@ class WorldTies {
   bool is_near_the_last(std::size_t fix) const;
   void judge_new(const PoseGraph& graph);
   bool find_place(PoseGraph& graph);
+  bool is_contradicted() const;
+  void forget_place(PoseGraph& graph);
   void judge_again(const PoseGraph& graph, double widest);
   void tie(PoseGraph& graph);
   void optimize(PoseGraph& graph);

@@ -206,6 +206,8 @@ class LosingStore final : public MapStore {
   std::vector<MapKeyframe> keyframes() const override { return map_->keyframes(); }
   PoseGraph graph() const override { return map_->graph(); }
   std::vector<LoopCandidate> candidates() const override { return map_->candidates(); }
+  std::vector<MapFix> fixes() const override { return map_->fixes(); }
+  std::optional<Georeference> georeference() const override { return map_->georeference(); }
   MapSubmap submap(NodeId keyframe) const override { return map_->submap(keyframe); }
   std::vector<std::byte> chunk(NodeId keyframe, std::size_t number) const override {
     return map_->chunk(keyframe, number);

@@ -106,17 +106,18 @@ TEST(PoseGraphSolver, FixesPlaceTheMapAndStraightenIt) {
   graph.set_T_world_map(Eigen::Isometry3d(Eigen::AngleAxisd(1.9, Eigen::Vector3d::UnitZ())));
   const OptimizedGraph result = optimize(graph, {});
   EXPECT_EQ(result.report.termination, Termination::converged);
-  EXPECT_LT(test::largest_difference(result.poses, poses_of(truth)), 1e-6);
-  EXPECT_LT((result.T_world_map.matrix() - T_world_map.matrix()).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT(test::largest_difference(result.poses, poses_of(truth)), 1e-5);
+  EXPECT_LT((result.T_world_map.matrix() - T_world_map.matrix()).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_NEAR(result.report.cost_after, 0.0, 1e-9);
   EXPECT_EQ(result.report.fixes.size(), 30U);
   EXPECT_GT(result.report.cost_before, 1e6);
 }
 
 TEST(PoseGraphSolver, LevelsTurnTheWorldAndLeaveTheRestOfItAlone) {
-  PoseGraph graph = test::line(5);
+  const PoseGraph level = test::line(5);
+  PoseGraph graph = level;
   const Eigen::Matrix3d tilt = so3_exp(Eigen::Vector3d(0.05, 0.1, 0.0));
-  for (const PoseNode& node : test::line(5).nodes()) {
+  for (const PoseNode& node : level.nodes()) {
     Eigen::Isometry3d tilted = node.T_map_node;
     tilted.linear() = tilt;
     graph.set_pose(node.id, tilted);

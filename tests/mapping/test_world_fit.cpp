@@ -87,7 +87,8 @@ TEST(WorldFit, KnowsLittleOfAShortWayAndNothingOfNone) {
 }
 
 TEST(GnssNoise, ReceiversAreNotBelievedBelowWhatAFixCanHave) {
-  GnssFix fix{.kind = GnssFixKind::ground_augmented};
+  GnssFix fix;
+  fix.kind = GnssFixKind::ground_augmented;
   fix.covariance = 1e-6 * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d least = fix_covariance(fix, {});
   EXPECT_NEAR(least(0, 0), 0.02 * 0.02, 1e-9);

@@ -21,6 +21,7 @@
 #include "adit/tools/evaluation/run_evaluation.hpp"
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
+#include "adit/tools/evaluation/world_error.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -118,6 +119,11 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   if (options.loops && truth) {
     loops = score_loops(map, *truth, read_true_loops(*options.loops));
   }
+  std::optional<WorldError> world;
+  if (!options.world.empty() && truth) {
+    world = world_error(map, *truth, {options.world[0], options.world[1], options.world[2]},
+                        options.evaluation.tolerance);
+  }
   write_page(found, page);
   if (options.json) {
     nlohmann::ordered_json json = to_json(found, truth ? truth->file : fs::path());
@@ -127,11 +133,14 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
     if (loops) {
       json["loops"] = to_json(*loops);
     }
+    if (world) {
+      json["world"] = to_json(*world);
+    }
     out << json.dump(2) << "\n" << std::flush;
   } else {
     out << found.report << "\n"
-        << (edges ? describe(*edges) : "") << (loops ? describe(*loops) : "") << "look at      "
-        << page.string() << "\n"
+        << (edges ? describe(*edges) : "") << (loops ? describe(*loops) : "")
+        << (world ? describe(*world) : "") << "look at      " << page.string() << "\n"
         << std::flush;
   }
   if (found.truth) {
@@ -326,6 +335,13 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
               "Which places of a simulated recording see the same (NAME.truth.loops.csv): the "
               "loops of a run's map are scored")
       .value_name("FILE");
+  command
+      .option(
+          "--world", options->world,
+          "The truth's frame is east, north and up at this place: a run's map is compared in the "
+          "world, without any alignment")
+      .values(3, 3)
+      .value_name("LAT LON ALT");
   command.action([options, paths, delta, done = std::move(done)]() {
     RpeOptions& chosen = options->evaluation.rpe;
     if (chosen.unit == DeltaUnit::frames) {
@@ -349,6 +365,9 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
     options->truth = alone ? fs::path() : paths->back();
     if (options->html && (!run || options->estimates.size() > 1)) {
       refuse_option("--html", "needs the folder of a run; `--plot NAME.html` draws trajectories");
+    }
+    if (!options->world.empty() && (!run || alone || options->estimates.size() > 1)) {
+      refuse_option("--world", "needs the folder of a run and the truth");
     }
     if (options->loops && (!run || alone || options->estimates.size() > 1)) {
       refuse_option("--loops", "needs the folder of a run and the truth");

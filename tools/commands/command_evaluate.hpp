@@ -33,6 +33,8 @@ struct EvaluateCommandOptions {
   std::optional<std::filesystem::path> html{};
   /// Pairs of moments that see the same: scores the loops of a run's map.
   std::optional<std::filesystem::path> loops{};
+  /// LAT LON ALT where the truth's frame touches the Earth; empty: not compared in the world.
+  std::vector<double> world{};
 };
 
 /// Evaluates, prints the report on `out` and what went wrong on `err`. Returns the exit code: 0

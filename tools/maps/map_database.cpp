@@ -318,6 +318,9 @@ void MapDatabase::revise(const MapRevision& revision) {
   for (const MapFix& fix : revision.fixes) {
     insert(fix);
   }
+  if (revision.drops_georeference) {
+    database_.execute("DELETE FROM georeference");
+  }
   if (revision.georeference) {
     insert(*revision.georeference);
   }

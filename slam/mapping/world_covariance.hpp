@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "adit/slam/mapping/pose_graph.hpp"
+
+namespace adit {
+
+/// Covariances (m^2, world axes) of where nodes lie in the world: the inverse of the whole graph's
+/// information, of edges, fixes and levels, where it is. Empty where that is singular. One for each
+/// of the nodes, which are of the part of the graph that fixes tie to the world.
+std::vector<Eigen::Matrix3d> world_covariances(const PoseGraph& graph,
+                                               std::span<const NodeId> nodes);
+
+}  // namespace adit
