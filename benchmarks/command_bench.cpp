@@ -97,6 +97,10 @@ Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& ca
       out << std::flush;
     }
   }
+  const DeviceLimits again = measure_limits(context, kLimitSeconds);
+  report.limits_moved = moved(report.limits, again);
+  report.limits = best_of(report.limits, again);
+  print_limits(report, out);
   return report;
 }
 

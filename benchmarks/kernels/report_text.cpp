@@ -80,6 +80,15 @@ void print_row(const Row& row, const Report& report, std::ostream& out) {
   out << "\n";
 }
 
+void print_limits(const Report& report, std::ostream& out) {
+  const LimitsMoved& moved = report.limits_moved;
+  out << fmt::format("\nlimits   measured again at the end; {} moved most, by {:.0f} %\n",
+                     moved.which, 100.0 * (moved.ratio - 1.0));
+  if (!limits_hold(report)) {
+    out << "note: the machine was disturbed: shares of limits are void, and times too long\n";
+  }
+}
+
 void print_comparison(const Report& before, const Report& after, std::ostream& out) {
   out << "before   " << before.setting.device << ", " << before.setting.version << " ("
       << before.setting.commit << "), " << before.setting.date << "\n"
@@ -88,9 +97,15 @@ void print_comparison(const Report& before, const Report& after, std::ostream& o
   if (before.setting.device != after.setting.device || before.setting.host != after.setting.host) {
     out << "note: not the same device and host\n";
   }
+  const bool comparable = limits_hold(before) && limits_hold(after);
+  if (!comparable) {
+    out << "note: a machine was disturbed (its limits moved by more than 25 %): nothing is called "
+           "faster or slower\n";
+  }
   out << "\n"
       << std::left << std::setw(22) << "case" << std::right << std::setw(9) << "size"
       << std::setw(11) << "before ms" << std::setw(11) << "after ms" << std::setw(9) << "ratio"
+      << std::setw(11) << "by limits"
       << "\n";
   for (const Row& row : after.rows) {
     const auto old = std::ranges::find_if(before.rows, [&](const Row& other) {
@@ -101,12 +116,22 @@ void print_comparison(const Report& before, const Report& after, std::ostream& o
     }
     const Spread& a = old->timing.best();
     const Spread& b = row.timing.best();
-    const char* verdict = b.high < a.low ? "  faster" : (b.low > a.high ? "  slower" : "");
+    // What the limits let the machine do after, over before: above 1 it was slower as a whole.
+    const double then = bound_of(row.cost, before.limits).ms;
+    const double now = bound_of(row.cost, after.limits).ms;
+    const double machine = then > 0.0 && now > 0.0 ? now / then : 1.0;
+    const char* verdict = !comparable                ? ""
+                          : b.high < machine * a.low ? "  faster"
+                          : b.low > machine * a.high ? "  slower"
+                                                     : "";
     out << std::left << std::setw(22) << row.name << std::right << std::setw(9) << row.size
         << std::setw(11) << three_digits(a.median) << std::setw(11) << three_digits(b.median)
-        << std::setw(9) << three_digits(b.median / a.median) << verdict << "\n";
+        << std::setw(9) << three_digits(b.median / a.median) << std::setw(11)
+        << three_digits(b.median / a.median / machine) << verdict << "\n";
   }
-  out << "\nfaster, slower: the 10th to 90th percentiles do not overlap\n";
+  out << "\nby limits: the ratio over that of the machine's limits each time; faster, slower: the "
+         "10th "
+         "to 90th\npercentiles, taken so, do not overlap\n";
 }
 
 }  // namespace adit::bench
