@@ -12,6 +12,7 @@
 #include "adit/benchmarks/command_bench_consistency.hpp"
 #include "adit/benchmarks/command_bench_slam.hpp"
 #include "adit/benchmarks/kernels/cases.hpp"
+#include "adit/benchmarks/kernels/compile_table.hpp"
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/report.hpp"
 #include "adit/tools/commands/command_guard.hpp"
@@ -96,6 +97,10 @@ Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& ca
       out << std::flush;
     }
   }
+  const DeviceLimits again = measure_limits(context, kLimitSeconds);
+  report.limits_moved = moved(report.limits, again);
+  report.limits = best_of(report.limits, again);
+  print_limits(report, out);
   return report;
 }
 
@@ -121,6 +126,20 @@ int bench_device(const BenchCommandOptions& options, std::ostream& out, std::ost
                                                                                               : 1;
 }
 
+int compile_for(const BenchCommandOptions& options, std::ostream& out) {
+  std::vector<CompileTable> tables;
+  for (const std::string& family : options.compile) {
+    tables.push_back(compile_table(family));
+    print(tables.back(), out);
+    out << std::endl;
+  }
+  if (!options.json.empty()) {
+    write_text_file(options.json, to_json(tables).dump(1) + "\n");
+    out << "wrote    " << options.json.string() << "\n";
+  }
+  return 0;
+}
+
 }  // namespace
 
 int bench_command(const BenchCommandOptions& options, std::ostream& out, std::ostream& err) {
@@ -130,6 +149,9 @@ int bench_command(const BenchCommandOptions& options, std::ostream& out, std::os
       const Report after = read_report(options.compare[1]);
       print_comparison(before, after, out);
       return 0;
+    }
+    if (!options.compile.empty()) {
+      return compile_for(options, out);
     }
     return bench_device(options, out, err);
   });
@@ -148,6 +170,7 @@ void add_bench_command(Command app, std::function<void(int)> done) {
       "  adit bench --html report.html --json a.json  with roofline and scaling plots\n"
       "  adit bench --input sweep.pcd downsample      on your own cloud\n"
       "  adit bench --compare a.json b.json\n"
+      "  adit bench --compile NAVI21 VEGA10           what AMD's GPUs would get, without one\n"
       "  adit bench slam                              how accurate, see `adit bench slam "
       "--help`\n"
       "  adit bench consistency                       whether it knows how accurate it is\n\n"
@@ -184,6 +207,12 @@ void add_bench_command(Command app, std::function<void(int)> done) {
   command.option("--compare", options->compare, "Compare two files of --json, measure nothing")
       .values(2, 2)
       .value_name("BEFORE AFTER");
+  command
+      .option("--compile", options->compile,
+              "Registers, spills and waves of every kernel on these families of GPUs (by Mesa's "
+              "RADV, without hardware), measure nothing")
+      .values(1, 16)
+      .value_name("FAMILY");
   command.option("--device", options->device.device, "Index, UUID or part of the name")
       .value_name("DEVICE");
   add_bench_slam_command(command, done);

@@ -29,6 +29,7 @@ struct BenchCommandOptions {
   bool list = false;
   std::filesystem::path json{};                  ///< empty: not written
   std::filesystem::path html{};                  ///< empty: not written
+  std::vector<std::string> compile{};            ///< families of GPUs: nothing is run
   std::vector<std::filesystem::path> compare{};  ///< two reports: nothing is measured
   DeviceOptions device{};
 };

@@ -63,6 +63,19 @@ Submission Context::submit(Recorder&& recorder) {
   return Submission(std::make_unique<Submission::State>(*device_, std::move(state.slot), value));
 }
 
+std::vector<std::byte> Context::pipeline_cache() const {
+  return device_->pipeline_cache_data();
+}
+
+void Context::add_to_pipeline_cache(std::span<const std::byte> earlier) {
+  device_->add_to_pipeline_cache(earlier);
+}
+
+std::vector<KernelStatistics> Context::kernel_statistics() const {
+  const std::scoped_lock lock(device_->statistics_mutex);
+  return device_->statistics;
+}
+
 std::vector<std::string> Context::validation_messages() const {
   return device_->instance.log->messages();
 }

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "adit/engine/buffer.hpp"
@@ -27,6 +30,15 @@ struct ContextOptions {
   bool synchronization_validation = false;  ///< also look for missing barriers (implies validation)
   bool profile = false;                     ///< measure Recorder::scope()
   uint64_t memory_budget_bytes = 0;         ///< 0: no limit but the device's
+  /// Nothing can run: for statistics of what a compiler makes of kernels, without its device.
+  bool compile_only = false;
+};
+
+/// What a driver's compiler tells of a kernel that it made.
+struct KernelStatistics {
+  std::string kernel;
+  std::vector<Specialization> specializations;
+  std::vector<std::pair<std::string, double>> values;  ///< by the driver's names, in its order
 };
 
 /// A device, its memory and its queue; the one object of the engine that is passed around. It
@@ -55,6 +67,16 @@ class Context {
   Recorder make_recorder();
   /// Starts the work; submissions run in the order of these calls.
   Submission submit(Recorder&& recorder);
+
+  /// What the driver would compile again without it, for add_to_pipeline_cache() of a later
+  /// context; empty where it keeps nothing here (Mesa's software driver has a cache of its own).
+  std::vector<std::byte> pipeline_cache() const;
+  /// Kernels made after this are found there. What another device or driver wrote, and what is no
+  /// pipeline cache, is passed over.
+  void add_to_pipeline_cache(std::span<const std::byte> earlier);
+
+  /// Of every kernel made so far; with ContextOptions::compile_only alone.
+  std::vector<KernelStatistics> kernel_statistics() const;
 
   /// Warnings and errors of the validation layer so far; empty is what it should be.
   std::vector<std::string> validation_messages() const;

@@ -105,8 +105,12 @@ void create_pipeline(Kernel::State& state, std::span<const uint32_t> words,
                                               values.data());
   const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
                                                 "main", &specialization);
-  state.pipeline = vk::raii::Pipeline(device, state.device->pipeline_cache,
-                                      vk::ComputePipelineCreateInfo({}, stage, *state.layout));
+  state.pipeline = vk::raii::Pipeline(
+      device, state.device->pipeline_cache,
+      vk::ComputePipelineCreateInfo(state.device->pipeline_flags(), stage, *state.layout));
+  if (state.device->compile_only) {
+    state.device->note_statistics(*state.pipeline, {state.name, values, {}});
+  }
   state.device->set_name(state.pipeline, state.name);
 }
 

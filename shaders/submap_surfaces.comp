@@ -39,7 +39,8 @@ void main() {
     }
     const SurfaceMoments moments =
         moments_of(head, surfaces[3 * slot + 1], surfaces[3 * slot + 2], vec3(0.0));
-    const uint packed = head.x == key ? surface_of(moments, ray, false) : no_surface();
+    const bool whole = head.x == key && head.y <= kMostCellPoints;
+    const uint packed = whole ? surface_of(moments, ray, false) : no_surface();
     surface_cloud[i] = uvec4(point.xyz, packed);
   }
 }

@@ -28,17 +28,17 @@ layout(push_constant, scalar) uniform Push { SurfacePush push; };
 
 const uint kNoSlot = 0xffffffffu;
 
-// The slot of a cell, or kNoSlot.
+// The slot of a cell, or kNoSlot where there is none, or its sums may have overflowed.
 uint slot_of(uint key) {
   uint slot = mix32(key) & push.surface_mask;
   uint probes = 0;
-  uint owner = FETCH(surfaces, 3 * slot).x;
-  while (owner != key && owner != kFree && probes < kMaxProbes) {
+  uvec2 head = FETCH(surfaces, 3 * slot).xy;
+  while (head.x != key && head.x != kFree && probes < kMaxProbes) {
     slot = (slot + 1) & push.surface_mask;
-    owner = FETCH(surfaces, 3 * slot).x;
+    head = FETCH(surfaces, 3 * slot).xy;
     probes += 1;
   }
-  return owner == key ? slot : kNoSlot;
+  return head.x == key && head.y <= kMostCellPoints ? slot : kNoSlot;
 }
 
 SurfaceMoments moments_at(uint slot, ivec3 shift) {

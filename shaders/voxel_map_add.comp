@@ -65,7 +65,10 @@ void main() {
         !kMoments && (point.w >> 30) == kPlane ? dot(v, vec3(kFacingX, kFacingY, kFacingZ)) : 0.0;
     const uint along = facing > kUnclearFacing ? 1u << kFacingShift : 0u;
     const uint against = facing < -kUnclearFacing ? 1u << kFacingShift : 0u;
-    atomicAdd(voxels[slot].count, (1u + along) * push.sign);
+    const uint before = atomicAdd(voxels[slot].count, (1u + along) * push.sign);
+    if (push.sign == 1u && (before & kCountMask) == kMostCellPoints) {
+      atomicAdd(counters.crowded, 1);
+    }
     atomicAdd(voxels[slot].sum_x, offset.x * push.sign);
     atomicAdd(voxels[slot].sum_y, offset.y * push.sign);
     atomicAdd(voxels[slot].sum_z, offset.z * push.sign);

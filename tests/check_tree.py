@@ -36,7 +36,7 @@ GROUPS = [
 # Includes of the project's own files begin so, that none can collide with a user's.
 PREFIX = "adit/"
 # Where threads may be started: tests and benchmarks aside.
-THREADS = {"slam/executor/", "tools/simulator/parallel.hpp"}
+THREADS = {"engine/self_test/", "slam/executor/", "tools/simulator/parallel.hpp"}
 # What these layers are not to include; they do not print or end the process either (PRINTS).
 FORBIDDEN_HEADERS = {
     "engine": {"iostream", "cstdio", "stdio.h"},

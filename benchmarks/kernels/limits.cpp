@@ -27,7 +27,7 @@ struct Seconds {
   double host = 0.0;
 };
 
-// Medians of a submission that is recorded anew each time.
+// The fastest tenth of submissions that are recorded anew each time.
 Seconds time(engine::Context& context, double seconds,
              const std::function<void(Recorder&)>& record) {
   using Clock = std::chrono::steady_clock;
@@ -45,7 +45,7 @@ Seconds time(engine::Context& context, double seconds,
         .device_ms = submission.scope_times().front().device_ms, .wait_ms = host, .host_ms = host};
   }};
   const Timing timing = measure(work, {.seconds = seconds, .least_runs = 5, .most_runs = 200});
-  return {1e-3 * timing.device->median, 1e-3 * timing.wait->median};
+  return {1e-3 * timing.device->low, 1e-3 * timing.wait->low};
 }
 
 Buffer filled(engine::Context& context, uint64_t bytes, std::string_view name) {
@@ -101,6 +101,25 @@ DeviceLimits measure_limits(engine::Context& context, double seconds) {
   limits.dispatch_s = (dispatches(kDispatches + 1).device - dispatches(1).device) / kDispatches;
   limits.submission_s = time(context, seconds, [](Recorder&) {}).host;
   return limits;
+}
+
+DeviceLimits best_of(const DeviceLimits& a, const DeviceLimits& b) {
+  return {.copy_bytes = std::max(a.copy_bytes, b.copy_bytes),
+          .flop = std::max(a.flop, b.flop),
+          .reads = std::max(a.reads, b.reads),
+          .near_reads = std::max(a.near_reads, b.near_reads),
+          .atomics = std::max(a.atomics, b.atomics),
+          .dispatch_s = std::min(a.dispatch_s, b.dispatch_s),
+          .submission_s = std::min(a.submission_s, b.submission_s)};
+}
+
+LimitsMoved moved(const DeviceLimits& before, const DeviceLimits& after) {
+  const auto ratio = [](double a, double b) { return std::max(a, b) / std::min(a, b); };
+  const std::array<LimitsMoved, 4> all = {{{ratio(before.copy_bytes, after.copy_bytes), "memory"},
+                                           {ratio(before.flop, after.flop), "arithmetic"},
+                                           {ratio(before.near_reads, after.near_reads), "reads"},
+                                           {ratio(before.atomics, after.atomics), "atomics"}}};
+  return *std::ranges::max_element(all, {}, &LimitsMoved::ratio);
 }
 
 Bound bound_of(const Cost& cost, const DeviceLimits& limits) {

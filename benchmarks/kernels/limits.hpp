@@ -21,8 +21,22 @@ struct DeviceLimits {
   double submission_s = 0.0;  ///< an empty submission and the wait for it, host's clock
 };
 
-/// Takes about ten times `seconds`. The context must profile.
+/// The best of several runs each: what disturbs a machine only makes it slower. Takes about ten
+/// times `seconds`. The context must profile.
 DeviceLimits measure_limits(engine::Context& context, double seconds);
+
+/// Of each limit the better one.
+DeviceLimits best_of(const DeviceLimits& a, const DeviceLimits& b);
+
+/// How far limits that were measured twice lie apart.
+struct LimitsMoved {
+  double ratio = 1.0;   ///< the larger over the smaller one, of the limit that moved most
+  std::string which{};  ///< "memory", "arithmetic", "reads" or "atomics"
+};
+LimitsMoved moved(const DeviceLimits& before, const DeviceLimits& after);
+
+/// Beyond this ratio shares of a limit say nothing: the machine did something else, too.
+inline constexpr double kMostMoved = 1.25;
 
 /// The least time for a cost by these limits, if everything that can overlap does, and which limit
 /// gives it.

@@ -116,6 +116,8 @@ Json to_json(const Report& report) {
   Json json = {{"format", kFormat},
                {"setting", write(report.setting)},
                {"limits", write(report.limits)},
+               {"limits_moved",
+                {{"ratio", report.limits_moved.ratio}, {"which", report.limits_moved.which}}},
                {"rows", Json::array()}};
   for (const Row& row : report.rows) {
     Json one = write(row);
@@ -145,6 +147,10 @@ Report read_report(const std::filesystem::path& path) {
     }
     Report report{.setting = read<Setting>(json.at("setting")),
                   .limits = read<DeviceLimits>(json.at("limits"))};
+    if (const auto moved = json.find("limits_moved"); moved != json.end()) {
+      report.limits_moved = {moved->at("ratio").get<double>(),
+                             moved->at("which").get<std::string>()};
+    }
     for (const Json& one : json.at("rows")) {
       Row row = read<Row>(one);
       row.kind = kind_of(one.at("kind"), path);

@@ -38,6 +38,7 @@ struct Row {
 struct Report {
   Setting setting{};
   DeviceLimits limits{};
+  LimitsMoved limits_moved{};  ///< between the beginning and the end
   std::vector<Row> rows{};
 };
 
@@ -50,11 +51,20 @@ void print_setting(const Report& report, std::ostream& out);
 void print_head(std::ostream& out);
 void print_row(const Row& row, const Report& report, std::ostream& out);
 
+/// After the last row: how far the limits moved, and whether shares of them say anything.
+void print_limits(const Report& report, std::ostream& out);
+
 /// A self-contained HTML page with roofline and scaling.
 std::string to_html(const Report& report);
 
-/// Both reports, row by row: the ratio of the medians, and whether the spreads are apart.
+/// Both reports, row by row: the ratio of the medians, the same by how fast the machine was each
+/// time, and whether the spreads are apart then.
 void print_comparison(const Report& before, const Report& after, std::ostream& out);
+
+/// Shares of the limits mean something.
+inline bool limits_hold(const Report& report) {
+  return report.limits_moved.ratio <= kMostMoved;
+}
 
 /// The row's peer at the same size; null where it was not measured.
 const Row* peer_of(const Row& row, const Report& report);

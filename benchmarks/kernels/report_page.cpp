@@ -253,8 +253,9 @@ std::string table(const Report& report) {
         << cell(row.timing.host) << "<td>" << digits(row.ns_an_item()) << "</td>";
     if (bound.ms > 0.0) {
       out << "<td>" << digits(1e-6 * row.cost.bytes / ms) << "</td><td>"
-          << digits(1e-6 * row.cost.flop / ms) << "</td><td>" << digits(100.0 * bound.ms / ms)
-          << " % of " << bound.by << "</td>";
+          << digits(1e-6 * row.cost.flop / ms) << "</td><td>"
+          << (limits_hold(report) ? digits(100.0 * bound.ms / ms) + " % of " + bound.by : "void")
+          << "</td>";
     } else {
       out << "<td></td><td></td><td></td>";
     }
@@ -303,7 +304,12 @@ std::string to_html(const Report& report) {
       << " M/s</tr><tr><td>integer atomic additions at random places of 1 MiB<td>"
       << digits(1e-6 * l.atomics) << " M/s</tr><tr><td>a further dispatch after a barrier<td>"
       << digits(1e6 * l.dispatch_s) << " us</tr><tr><td>an empty submission and its wait<td>"
-      << digits(1e6 * l.submission_s) << " us</tr></table></div>\n"
+      << digits(1e6 * l.submission_s)
+      << " us</tr></table></div>\n<p>The better of two measurements, "
+         "at the beginning and the end. What moved most: "
+      << report.limits_moved.which << ", by " << digits(100.0 * (report.limits_moved.ratio - 1.0))
+      << (limits_hold(report) ? " %." : " %: the machine was disturbed, and shares are void.")
+      << "</p>\n"
       << "<h2>Roofline</h2>\n<p>Work and bytes are what a kernel has to do at least; what stays in "
          "caches can be above the slanted roof. Dots of a case: its sizes.</p>\n"
       << roofline(report) << "\n<h2>Scaling of kernels</h2>\n"

@@ -9,31 +9,29 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+
+#include <fmt/core.h>
 
 #include "adit/engine/context.hpp"
 #include "adit/engine/kernels/registration.hpp"
 #include "adit/engine/kernels/voxel_map.hpp"
+#include "adit/engine/self_test/self_test_alignment.hpp"
 #include "adit/engine/self_test/self_test_checks.hpp"
 #include "adit/engine/self_test/self_test_deskew.hpp"
-#include "adit/engine/self_test/self_test_places.hpp"
-#include "adit/engine/self_test/self_test_submap.hpp"
+#include "adit/engine/self_test/self_test_parts.hpp"
+#include "adit/engine/self_test/self_test_sweeps.hpp"
+#include "adit/shaders/embedded.hpp"
 #include "adit/shaders/shared/engine_probe.h"
 
 namespace adit::engine {
 namespace {
 
-constexpr uint32_t kSlots = 4096;     // slots of the voxel map; about 150 voxels
-constexpr double kVoxelSize = 0.5;    // m
-constexpr float kMaxSquared = 0.25F;  // d_max^2, m^2
-constexpr RegistrationSettings kAlignment = {
-    .translation_epsilon = 1e-4, .rotation_epsilon = 1e-4, .max_iterations = 30};
-// The score of NDT for voxels of this size and half outliers (Magnusson 2009): d1, d2.
-constexpr float kScoreD1 = -0.704447F;
-constexpr float kScoreD2 = 0.756363F;
-constexpr FinishSettings kGaussians = {.min_points = 3, .least_ratio = 0.01, .least_sigma = 0.02};
-constexpr uint64_t kProgressBytes =
-    sizeof(gpu::RegistrationHeader) + sizeof(gpu::RegistrationProgress);
+constexpr RegistrationSettings kAlignment = {.translation_epsilon = 1e-4,
+                                             .rotation_epsilon = 1e-4,
+                                             .max_iterations = 30,
+                                             .robust_width = 1e3};  // far from everything
 constexpr uint32_t kProbeItems = 1000;
 constexpr uint32_t kProbeScale = 3;
 constexpr uint32_t kProbeOffset = 11;
@@ -75,9 +73,8 @@ struct Inputs {
 // Zero before the run, so that what a kernel leaves out is not what happened to lie there. Buffers
 // of points have room for every raw point: a wrong count writes nowhere else.
 struct Outputs {
-  Slice counters, moved, cloud, surface_cloud, map, map_counters, gaussians, gaussian_counters,
-      finished;
-  Slice state, progress, ndt_state, ndt_progress, probe, texel_probe;
+  Slice counters, moved, cloud, surface_cloud, map, map_counters;
+  Slice state, progress, probe, texel_probe;
 
   Outputs(Layout& layout, const KnownScene& scene)
       : counters(layout.take(sizeof(gpu::SweepCounters))),
@@ -86,13 +83,8 @@ struct Outputs {
         surface_cloud(layout.take(scene.raw.size() * sizeof(gpu::uvec4))),
         map(layout.take(VoxelMapKernels::table_bytes(kSlots))),
         map_counters(layout.take(sizeof(gpu::VoxelMapCounters))),
-        gaussians(layout.take(VoxelMapKernels::table_bytes(kSlots))),
-        gaussian_counters(layout.take(sizeof(gpu::VoxelMapCounters))),
-        finished(layout.take(VoxelMapKernels::table_bytes(kSlots))),
         state(layout.take(sizeof(gpu::RegistrationState))),
         progress(layout.take(kProgressBytes)),
-        ndt_state(layout.take(sizeof(gpu::RegistrationState))),
-        ndt_progress(layout.take(kProgressBytes)),
         probe(layout.take(sizeof(gpu::ProbeSums) + kProbeItems * sizeof(uint32_t))),
         texel_probe(layout.take(sizeof(gpu::ProbeSums) + kTexels * sizeof(gpu::uvec4))) {}
 };
@@ -154,26 +146,6 @@ SelfTestCase check_texel_probe(std::span<const uint32_t> output) {
               ", of which " + std::to_string(wrong) + " wrong"};
 }
 
-gpu::RegistrationState identity_state() {
-  gpu::RegistrationState state{};
-  state.pose = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-  state.guess = state.pose;
-  return state;
-}
-
-gpu::RegistrationJob job_of(uint32_t points, uint32_t groups) {
-  gpu::RegistrationJob job{};
-  job.source_count = points;
-  job.table_mask = kSlots - 1;
-  job.groups = groups;
-  job.cell = static_cast<float>(kVoxelSize);
-  job.inverse_cell = static_cast<float>(1.0 / kVoxelSize);
-  job.max_squared = kMaxSquared;
-  job.score_weight = -kScoreD1 * kScoreD2;
-  job.score_exponent = 0.5F * kScoreD2;
-  return job;
-}
-
 FoundAlignment found_alignment(Slice state, Slice progress) {
   const auto* header = reinterpret_cast<const gpu::RegistrationHeader*>(progress.mapped());
   return {*reinterpret_cast<const gpu::RegistrationState*>(state.mapped()), *header,
@@ -201,14 +173,13 @@ bool SelfTestReport::passed() const {
                      [](const SelfTestCase& test) { return test.passed; });
 }
 
-SelfTestReport run_self_test(Context& context) {
+std::vector<SelfTestCase> test_sweeps(Context& context) {
   const KnownScene scene = make_known_scene();
   const Preprocess preprocess(context);
   const Deskew deskew(context);
   const VoxelMapKernels voxel_maps(context);
-  const VoxelMapKernels moment_maps(context, VoxelContent::moments);
-  const RegistrationKernels vgicp(context, {});
-  const RegistrationKernels ndt(context, {.method = gpu::kNdt});
+  // As the odometry specialises them: what is compiled here it finds in the driver's cache.
+  const RegistrationKernels vgicp(context, {.robust = gpu::kCauchy});
   const Kernel probe(context, "engine_probe", {{0, kDefaultLocalSize}, {1, kProbeScale}});
   const Kernel texel_probe(context, "engine_texel_probe");
 
@@ -234,7 +205,7 @@ SelfTestReport run_self_test(Context& context) {
   write(staged.times, known_times(scene));
   write(staged.knots, known_motion());
   RegistrationKernels::write_start({staged.start.mapped(), kProgressBytes}, 1, groups);
-  write(staged.job, std::array{job_of(cloud_points, groups)});
+  write(staged.job, std::array{known_job(cloud_points, groups)});
   write(staged.state, std::array{identity_state()});
   write(staged.probe, probe_values());
   write(staged.texels, texel_values(1001));
@@ -246,8 +217,6 @@ SelfTestReport run_self_test(Context& context) {
   Layout work_layout(work);
   const Outputs out(work_layout, scene);
   const VoxelMapView map{.table = out.map, .counters = out.map_counters, .voxel_size = kVoxelSize};
-  const VoxelMapView gaussians{
-      .table = out.gaussians, .counters = out.gaussian_counters, .voxel_size = kVoxelSize};
   const gpu::mat3x4 T_map_cloud = known_pose();
   const RegistrationArguments alignment{.count = 1,
                                         .group_stride = groups,
@@ -257,17 +226,12 @@ SelfTestReport run_self_test(Context& context) {
                                         .start = in.start,
                                         .progress = out.progress,
                                         .states = out.state};
-  RegistrationArguments ndt_alignment = alignment;
-  ndt_alignment.target = out.finished;
-  ndt_alignment.progress = out.ndt_progress;
-  ndt_alignment.states = out.ndt_state;
 
   Recorder recorder = context.make_recorder();
   recorder.copy(upload, input);
   recorder.fill(work, 0);
   recorder.barrier();
   recorder.copy(in.state, out.state);
-  recorder.copy(in.state, out.ndt_state);
   recorder.dispatch(probe, 4, gpu::ProbePush{kProbeItems, kProbeOffset}, {in.probe, out.probe});
   recorder.dispatch(texel_probe, 4, gpu::TexelProbePush{kTexels, kProbeOffset},
                     {in.order, in.texels, in.mask, out.texel_probe});
@@ -290,14 +254,8 @@ SelfTestReport run_self_test(Context& context) {
   recorder.barrier();
   voxel_maps.record_clear(recorder, map);
   voxel_maps.record_add(recorder, map, out.surface_cloud, cloud_points, T_map_cloud);
-  moment_maps.record_clear(recorder, gaussians);
-  moment_maps.record_add(recorder, gaussians, out.surface_cloud, cloud_points, T_map_cloud);
-  recorder.barrier();
-  moment_maps.record_finish(recorder, gaussians, kGaussians, out.finished);
   vgicp.record_steps(recorder, kAlignment, alignment, alignment_scratch);
   vgicp.record_assessment(recorder, kAlignment, alignment, alignment_scratch);
-  ndt.record_steps(recorder, kAlignment, ndt_alignment, alignment_scratch);
-  ndt.record_assessment(recorder, kAlignment, ndt_alignment, alignment_scratch);
   recorder.copy(work, results);
   recorder.barrier();
   voxel_maps.record_remove(recorder, map, out.surface_cloud, cloud_points, T_map_cloud);
@@ -308,25 +266,42 @@ SelfTestReport run_self_test(Context& context) {
   Layout result_layout(results);
   const Outputs found(result_layout, scene);
   const gpu::SweepCounters counters = read<gpu::SweepCounters>(found.counters)[0];
-  SelfTestReport report{
-      {check_probe(read<uint32_t>(found.probe)),
-       check_texel_probe(read<uint32_t>(found.texel_probe)),
-       check_deskew(scene, read<gpu::vec4>(found.moved)), check_insert(scene, counters),
-       check_count(scene, counters), check_emit(scene, read<gpu::vec4>(found.cloud)),
-       check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
-       check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),
-                               .emptied = read<gpu::GaussianCell>(emptied),
-                               .counters = read<gpu::VoxelMapCounters>(found.map_counters)[0],
-                               .voxel_size = kVoxelSize}),
-       check_finished_map(scene, read<gpu::GaussianCell>(found.finished)),
-       check_alignment(scene, "vgicp", found_alignment(found.state, found.progress)),
-       check_alignment(scene, "ndt", found_alignment(found.ndt_state, found.ndt_progress)),
-       check_directions(found_alignment(found.state, found.progress))}};
-  for (SelfTestCase& one : test_submap(context)) {
-    report.cases.push_back(std::move(one));
+  return {check_probe(read<uint32_t>(found.probe)),
+          check_texel_probe(read<uint32_t>(found.texel_probe)),
+          check_deskew(scene, read<gpu::vec4>(found.moved)),
+          check_insert(scene, counters),
+          check_count(scene, counters),
+          check_emit(scene, read<gpu::vec4>(found.cloud)),
+          check_normals(scene, read<gpu::uvec4>(found.surface_cloud), counters),
+          check_voxel_map(scene, {.cells = read<gpu::GaussianCell>(found.map),
+                                  .emptied = read<gpu::GaussianCell>(emptied),
+                                  .counters = read<gpu::VoxelMapCounters>(found.map_counters)[0],
+                                  .voxel_size = kVoxelSize}),
+          check_alignment(scene, "vgicp", found_alignment(found.state, found.progress)),
+          check_directions(found_alignment(found.state, found.progress))};
+}
+
+// FNV-1a, of names and words.
+std::string kernels_identity() {
+  uint64_t hash = 0xcbf29ce484222325U;
+  const auto add = [&](std::span<const std::byte> bytes) {
+    for (const std::byte byte : bytes) {
+      hash = (hash ^ static_cast<uint64_t>(byte)) * 0x100000001b3U;
+    }
+  };
+  for (const std::string_view name : shaders::names()) {
+    add(std::as_bytes(std::span(name)));
+    add(std::as_bytes(shaders::find(name)));
   }
-  for (SelfTestCase& one : test_places(context)) {
-    report.cases.push_back(std::move(one));
+  return fmt::format("{:016x}", hash);
+}
+
+SelfTestReport run_self_test(Context& context) {
+  SelfTestReport report;
+  for (const SelfTestPart part : kSelfTestParts) {
+    for (SelfTestCase& one : part(context)) {
+      report.cases.push_back(std::move(one));
+    }
   }
   return report;
 }

@@ -3,7 +3,10 @@
 #include "adit/engine/vulkan/device.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "adit/engine/context.hpp"
@@ -11,9 +14,28 @@
 
 namespace adit::engine {
 
+namespace {
+
+// Whether the driver wrote these bytes, by the header that Vulkan gives every cache.
+bool is_cache_of(const vk::raii::PhysicalDevice& device, std::span<const std::byte> bytes) {
+  vk::PipelineCacheHeaderVersionOne header;
+  if (bytes.size() < sizeof(header)) {
+    return false;
+  }
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  const vk::PhysicalDeviceProperties properties = device.getProperties();
+  return header.headerSize == sizeof(header) &&
+         header.headerVersion == vk::PipelineCacheHeaderVersion::eOne &&
+         header.vendorID == properties.vendorID && header.deviceID == properties.deviceID &&
+         header.pipelineCacheUUID == properties.pipelineCacheUUID;
+}
+
+}  // namespace
+
 Device::Device(const ContextOptions& options)
     : instance(make_instance(options.validation, options.synchronization_validation)),
-      profile(options.profile) {
+      profile(options.profile),
+      compile_only(options.compile_only) {
   std::vector<vk::raii::PhysicalDevice> devices = enumerate_devices(instance);
   std::vector<DeviceInfo> infos;
   for (const vk::raii::PhysicalDevice& each : devices) {
@@ -48,13 +70,67 @@ void Device::create_device() {
   vk::PhysicalDeviceVulkan13Features vulkan13;
   vulkan13.synchronization2 = VK_TRUE;
   vulkan13.maintenance4 = VK_TRUE;  // for work-group sizes given by specialization constants
-  const vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info), vulkan12, vulkan13);
+  vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables(VK_TRUE);
+  vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info), vulkan12, vulkan13, executables);
+  const std::array extensions = {VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME};
+  if (compile_only) {
+    chain.get<vk::DeviceCreateInfo>().setPEnabledExtensionNames(extensions);
+  } else {
+    chain.unlink<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>();
+  }
   device = vk::raii::Device(physical, chain.get<vk::DeviceCreateInfo>());
   queue = vk::raii::Queue(device, family, 0);
   pipeline_cache = vk::raii::PipelineCache(device, vk::PipelineCacheCreateInfo());
+  if (compile_only) {
+    return;  // a compiler without its device has no semaphores
+  }
   const vk::StructureChain semaphore(vk::SemaphoreCreateInfo(),
                                      vk::SemaphoreTypeCreateInfo(vk::SemaphoreType::eTimeline, 0));
   timeline = vk::raii::Semaphore(device, semaphore.get<vk::SemaphoreCreateInfo>());
+}
+
+void Device::add_to_pipeline_cache(std::span<const std::byte> earlier) {
+  if (!is_cache_of(physical, earlier)) {
+    return;
+  }
+  try {
+    const vk::raii::PipelineCache piece(
+        device, vk::PipelineCacheCreateInfo({}, earlier.size(), earlier.data()));
+    pipeline_cache.merge(*piece);
+  } catch (const vk::SystemError&) {
+    // A driver may refuse what it wrote; then it compiles again.
+  }
+}
+
+std::vector<std::byte> Device::pipeline_cache_data() const {
+  return translated("reading the pipeline cache", [&] {
+    const std::vector<uint8_t> bytes = pipeline_cache.getData();
+    if (bytes.size() <= sizeof(vk::PipelineCacheHeaderVersionOne)) {
+      return std::vector<std::byte>();
+    }
+    const std::span<const std::byte> view = std::as_bytes(std::span(bytes));
+    return std::vector<std::byte>(view.begin(), view.end());
+  });
+}
+
+vk::PipelineCreateFlags Device::pipeline_flags() const {
+  return compile_only ? vk::PipelineCreateFlagBits::eCaptureStatisticsKHR
+                      : vk::PipelineCreateFlags();
+}
+
+void Device::note_statistics(vk::Pipeline pipeline, KernelStatistics kernel) {
+  for (const vk::PipelineExecutableStatisticKHR& statistic :
+       device.getPipelineExecutableStatisticsKHR({pipeline, 0})) {
+    using Format = vk::PipelineExecutableStatisticFormatKHR;
+    const vk::PipelineExecutableStatisticValueKHR& value = statistic.value;
+    const double number = statistic.format == Format::eUint64    ? static_cast<double>(value.u64)
+                          : statistic.format == Format::eInt64   ? static_cast<double>(value.i64)
+                          : statistic.format == Format::eFloat64 ? value.f64
+                                                                 : (value.b32 != 0 ? 1.0 : 0.0);
+    kernel.values.emplace_back(statistic.name.data(), number);
+  }
+  const std::scoped_lock lock(statistics_mutex);
+  statistics.push_back(std::move(kernel));
 }
 
 std::unique_ptr<CommandSlot> Device::begin_commands() {

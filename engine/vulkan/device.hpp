@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +19,7 @@
 namespace adit::engine {
 
 struct ContextOptions;
+struct KernelStatistics;
 
 /// What a Context owns: the logical device, its queue and timeline, memory and recycled command
 /// buffers. Members are destroyed in reverse order. Stays in one place: buffers and kernels point
@@ -33,6 +36,12 @@ struct Device {
   /// done.
   uint64_t submit(const CommandSlot& slot);
   void wait(uint64_t value) const;
+  /// Empty where the driver keeps nothing in it.
+  std::vector<std::byte> pipeline_cache_data() const;
+  void add_to_pipeline_cache(std::span<const std::byte> earlier);
+  /// Adds what the driver tells of a pipeline that was made with this device's pipeline_flags().
+  void note_statistics(vk::Pipeline pipeline, KernelStatistics kernel);
+  vk::PipelineCreateFlags pipeline_flags() const;
   bool reached(uint64_t value) const;
 
   template <class Object>
@@ -48,6 +57,7 @@ struct Device {
 
   Instance instance;
   bool profile = false;
+  bool compile_only = false;
   bool software_fallback = false;
   vk::raii::PhysicalDevice physical{nullptr};
   DeviceInfo info;
@@ -60,6 +70,8 @@ struct Device {
   vk::raii::PipelineCache pipeline_cache{nullptr};
   vk::raii::Semaphore timeline{nullptr};
   std::optional<Allocator> memory;
+  std::mutex statistics_mutex;
+  std::vector<KernelStatistics> statistics;
 
  private:
   void create_device();

@@ -37,7 +37,7 @@ uvec3 fixed_offset(vec3 scaled, vec3 corner) {
 }
 
 // The first point of a run of raw points: its cell's slot and its place in its block of at most 8
-// points.
+// points. Slots are below 2^29: a table of more would not fit a storage buffer.
 struct RunHead {
   uint slot;
   uint first;  // raw index

@@ -7,11 +7,12 @@
 #define ADIT_SURFACE_SUMS_GLSL
 #include "adit/shaders/include/surface.glsl"
 
-// False where the point found no slot and is left out.
+// False where the point found no slot, or its cell is beyond kMostCellPoints and shows no surface.
 bool add_to_surface(SurfaceCellId id, uint mask) {
   uint slot = mix32(id.key) & mask;
   uint probes = 0;
   bool found = false;
+  uint before = 0;
   while (!found && probes < kMaxProbes) {
     const uint key = atomicCompSwap(surfaces[slot].key, kFree, id.key);
     found = key == kFree || key == id.key;
@@ -22,7 +23,7 @@ bool add_to_surface(SurfaceCellId id, uint mask) {
     const uvec3 o = id.offset;
     const uvec3 x = (o * o.x + 32768) >> 16;  // xx, xy, xz
     const uvec3 y = (o * o.y + 32768) >> 16;  // xy, yy, yz
-    atomicAdd(surfaces[slot].count, 1);
+    before = atomicAdd(surfaces[slot].count, 1);
     atomicAdd(surfaces[slot].sum_x, o.x);
     atomicAdd(surfaces[slot].sum_y, o.y);
     atomicAdd(surfaces[slot].sum_z, o.z);
@@ -33,7 +34,7 @@ bool add_to_surface(SurfaceCellId id, uint mask) {
     atomicAdd(surfaces[slot].yz, y.z);
     atomicAdd(surfaces[slot].zz, (o.z * o.z + 32768) >> 16);
   }
-  return found;
+  return found && before < kMostCellPoints;
 }
 
 #endif

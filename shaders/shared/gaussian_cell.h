@@ -13,7 +13,8 @@ namespace adit::gpu {
 // Keys, owners and slot numbers are stored plus one: a table is free when it is zero.
 const uint kFree = 0;
 
-// More points than these may overflow a cell's sums.
+// A cell's 32-bit sums hold so many points whatever their offsets are; one more may overflow them.
+// Every kind of cell says what happens then.
 const uint kMostCellPoints = 65535;
 // Keys of voxel maps name so many cells from the origin, in x and y, and in z (pack_voxel).
 const int kVoxelsSideways = 1023;
@@ -21,7 +22,11 @@ const int kVoxelsUpwards = 511;
 
 // 48 bytes, read by kernels as three uvec4. Sums are fixed point: offsets from the cell's corner in
 // 1/65536 of its edge; the six matrix entries in 1/65536 (surface cells: products of offsets), or,
-// of points with a surface, as (entry + 1) * 32768 (voxel maps). At most kMostCellPoints.
+// of points with a surface, as (entry + 1) * 32768 (voxel maps).
+//
+// At most kMostCellPoints. A surface cell with more shows no surface, and the points beyond are
+// counted as having found no slot. A voxel with more is counted (VoxelMapCounters::crowded); its
+// sums are modulo 2^32, so that they are right again once enough points are taken out.
 struct GaussianCell {
   uint key;    // packed cell coordinates; kFree: free
   uint count;  // voxel maps: below; above it the planes that face along kFacing
@@ -33,7 +38,7 @@ struct GaussianCell {
 
 // Both faces of a thin wall lie in one voxel. Which of them it shows is told by how many of its
 // planes face along an axis that is none of a building's, and how many against it; planes that
-// are nearly along it are neither. Counts stay below kMostCellPoints: two share a word.
+// are nearly along it are neither. Counts are at most kMostCellPoints: two share a word.
 const float kFacingX = 0.524f;  // of unit length
 const float kFacingY = 0.667f;
 const float kFacingZ = 0.530f;
@@ -50,11 +55,12 @@ inline uint points_of(const GaussianCell& voxel) { return voxel.count & kCountMa
 inline uint surfaces_of(const GaussianCell& voxel) { return voxel.surfaces & kCountMask; }
 #endif
 
+// Counts of points, since the map was cleared, of which fewer than 2^32 are added.
 struct VoxelMapCounters {
   uint used_slots;    // slots claimed since the map was cleared
   uint failures;      // points that found no slot: 0, or the table is too small
   uint out_of_range;  // points outside the key's range
-  uint unused0;
+  uint crowded;       // times that a voxel's count went beyond kMostCellPoints
 };
 
 struct VoxelMapAddPush {

@@ -45,11 +45,14 @@ struct DescribePush {
   uint place;  // in its block
 };
 
+// A match is its hits * kPlaceSectors + turn. Hits are at most 2 kPolarWords 32, every bit on both
+// views: 20 bits in all.
 struct MatchPush {
   uint place_count;  // of the block
 };
 
-// A plan turned by an angle is held against that of a place.
+// A match is its hits << kShiftBits | shift. Hits are at most 2 a cell, and the cells of a plan
+// kPlanSide^2: 24 bits in all. A plan turned by an angle is held against that of a place.
 struct PlanJob {
   float cosine, sine;
   uint place;  // in its block

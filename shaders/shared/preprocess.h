@@ -20,13 +20,14 @@ struct InputCell {
   uint sum_x, sum_y, sum_z;
 };
 
-// What the kernels of one sweep report. Zeroed by the host before the sweep.
+// What the kernels of one sweep report: counts of its points, which are fewer than 2^29 (RunHead in
+// hash.glsl). Zeroed by the host before the sweep.
 struct SweepCounters {
   uint valid_points;      // raw points left after NaN, no-return and range clipping
   uint cloud_points;      // points of the down-sampled cloud
   uint input_failures;    // raw points that found no slot: 0, or the table is too small
   uint surface_failures;  // surface cells that found no slot for a point: 0, or the table is too
-                          // small
+                          // small; and points beyond what a surface cell's sums hold
   uint crowded_cells;     // with more raw points than their sums hold for certain
 };
 

@@ -15,8 +15,8 @@ const uint kSweepBits = 10;
 const float kRangeSteps = 2048.0f;
 
 // One cell of the submap while clouds are merged. Sums are offsets from the cell's corner in
-// 1/65536 of its edge: integers, so that any order of addition gives the same bits. At most 65535
-// points a cell.
+// 1/65536 of its edge: integers, so that any order of addition gives the same bits. Of at most
+// kMostCellPoints (gaussian_cell.h): beyond, the host takes the cell's centre and counts the cell.
 struct MergeCell {
   uint key;  // packed cell coordinates; kFree: free
   uint count;
@@ -24,6 +24,7 @@ struct MergeCell {
   uint inverted_nearest;
 };
 
+// Counts of points, since the table was cleared, of which fewer than 2^32 are added.
 struct MergeCounters {
   uint used_slots;    // slots claimed since the table was cleared
   uint failures;      // points that found no slot: 0, or the table is too small

@@ -141,6 +141,7 @@ void Mapper::freeze() {
   report_.points += submap.points.size();
   report_.seen_through += submap.points.size() - cloud.size;
   report_.lost_points += frozen.lost_points;
+  report_.crowded_cells += frozen.crowded_cells;
   report_.keyframe_ms.push_back(
       std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
 }

@@ -34,6 +34,7 @@ struct MapReport {
   uint64_t points = 0;              ///< total over all submaps
   uint64_t seen_through = 0;        ///< of them, which have moved: docs/theory/mapping.md
   uint64_t lost_points = 0;         ///< lay too far from their keyframe for its cells
+  uint64_t crowded_cells = 0;       ///< of submaps: the mean of their points is lost
   std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
   double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's
   std::optional<LoopReport> loops;  ///< none: not looked for

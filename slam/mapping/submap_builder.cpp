@@ -182,14 +182,18 @@ std::vector<gpu::MergeCell> SubmapBuilder::read_cells() const {
 }
 
 // Cells as points, in the order of their keys: where they lie in the table is chance.
-std::vector<SubmapBuilder::Merged> SubmapBuilder::merged() const {
+std::vector<SubmapBuilder::Merged> SubmapBuilder::merged() {
   std::vector<Merged> points;
   if (!cleared_) {
     return points;
   }
   for (const gpu::MergeCell& cell : read_cells()) {
+    const bool crowded = cell.count > gpu::kMostCellPoints;
+    crowded_cells_ += crowded ? 1 : 0;
     const Eigen::Vector3d sum(cell.sum_x, cell.sum_y, cell.sum_z);
-    const Eigen::Vector3d offset = (sum.array() / cell.count + 0.5) / kOffsetSteps;
+    const Eigen::Vector3d offset =
+        crowded ? Eigen::Vector3d::Constant(0.5)
+                : Eigen::Vector3d((sum.array() / cell.count + 0.5) / kOffsetSteps);
     const Eigen::Vector3d p = (unpack_voxel(cell.key) + offset) * settings_.r_input;
     points.push_back(
         {.key = cell.key,
@@ -291,9 +295,11 @@ FrozenSubmap SubmapBuilder::freeze(double beam_spacing) {
   }
   sights_.clear();
   frozen.lost_points = counted_.failures + counted_.out_of_range;
+  frozen.crowded_cells = crowded_cells_;
   sweeps_.clear();
   gravity_odom_.setZero();
   counted_ = {};
+  crowded_cells_ = 0;
   cleared_ = false;
   return frozen;
 }

@@ -31,6 +31,8 @@ struct FrozenSubmap {
   /// The keyframe has its origin at its first sweep's lidar.
   Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
   uint32_t lost_points = 0;  ///< lay too far away or found no cell
+  uint32_t crowded_cells =
+      0;  ///< with more points than their sums hold: their centre stands for them
 };
 
 /// Merges the sweeps of a keyframe on the device and, when it is frozen, estimates their surfaces
@@ -67,7 +69,7 @@ class SubmapBuilder {
   void make_room(uint32_t cells);
   engine::MergeView view() const;
   std::vector<gpu::MergeCell> read_cells() const;
-  std::vector<Merged> merged() const;
+  std::vector<Merged> merged();
   std::vector<uint32_t> surfaces(std::span<const Merged> points, double beam_spacing) const;
 
   engine::Context* context_;
@@ -79,6 +81,7 @@ class SubmapBuilder {
   engine::Buffer counters_;
   engine::Buffer counters_readback_;
   gpu::MergeCounters counted_{};
+  uint32_t crowded_cells_ = 0;
   bool cleared_ = false;  ///< the table, for the current submap
 
   Eigen::Isometry3d T_odom_first_ = Eigen::Isometry3d::Identity();  ///< the first sweep's lidar

@@ -52,11 +52,11 @@ struct SweepResult {
   int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
-  int crowded_voxels = 0;         ///< of the down-sampling, with more than 65 535 raw points: their
-                                  ///< first point stands for them
-  InertialReport inertial;        ///< state of the inertial sensor, where there is one
-  bool deskewed = false;          ///< points were moved to the sweep's start
-  std::vector<Point> cloud;       ///< keyframes only: the down-sampled sweep, lidar frame
+  int crowded_voxels = 0;    ///< with more than 65 535 points: of the down-sampling, where their
+                             ///< first point stands for them, or of the submap
+  InertialReport inertial;   ///< state of the inertial sensor, where there is one
+  bool deskewed = false;     ///< points were moved to the sweep's start
+  std::vector<Point> cloud;  ///< keyframes only: the down-sampled sweep, lidar frame
   std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
   double host_ms = 0.0;           ///< host work: copy into staging, record, read back
   double inertial_ms = 0.0;       ///< part of host_ms: preintegration and the sliding graph

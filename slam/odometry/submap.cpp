@@ -200,10 +200,13 @@ engine::VoxelMapView Submap::record_coarse(engine::Recorder& recorder, double fa
                  : view;
 }
 
-uint32_t Submap::note_counters(const gpu::VoxelMapCounters& counters) {
+SubmapLoss Submap::note_counters(const gpu::VoxelMapCounters& counters) {
   const auto lost = [](const gpu::VoxelMapCounters& c) { return c.failures + c.out_of_range; };
-  const uint32_t before =
-      lost(noted_) <= lost(counters) ? lost(noted_) : 0;  // a rebuild starts from zero
+  const auto since = [](uint32_t before, uint32_t now) {
+    return before <= now ? now - before : now;  // a rebuild starts from zero
+  };
+  const SubmapLoss loss{.points = since(lost(noted_), lost(counters)),
+                        .crowded_voxels = since(noted_.crowded, counters.crowded)};
   noted_ = counters;
   if (rebuilt_) {
     live_voxels_ = counters.used_slots;
@@ -212,7 +215,7 @@ uint32_t Submap::note_counters(const gpu::VoxelMapCounters& counters) {
   if (counters.failures > 0 || counters.used_slots > kFullestLoad * view_.slots()) {
     rebuild_ = true;
   }
-  return lost(counters) - before;
+  return loss;
 }
 
 }  // namespace adit

@@ -19,6 +19,12 @@ class Recorder;
 
 namespace adit {
 
+/// What the submap's table could not hold; zero is normal.
+struct SubmapLoss {
+  uint32_t points = 0;          ///< found no slot, or lay outside the keys' range
+  uint32_t crowded_voxels = 0;  ///< times that a voxel's sums overflowed
+};
+
 /// The rolling submap S_t (LG-SLAM): the last l aligned clouds and their Gaussian voxel map, on the
 /// device.
 ///
@@ -49,9 +55,8 @@ class Submap {
   /// call overwrites it. For coarse-to-fine alignment. The oldest clouds are left out where a voxel
   /// might not hold all of their points.
   engine::VoxelMapView record_coarse(engine::Recorder& recorder, double factor);
-  /// After the submission: what the map's counters say now. Returns how many points they lost since
-  /// last time.
-  uint32_t note_counters(const gpu::VoxelMapCounters& counters);
+  /// After the submission: what the map's counters say now. Returns what was lost since last time.
+  SubmapLoss note_counters(const gpu::VoxelMapCounters& counters);
   /// After a submission that failed: the voxel map may hold anything.
   void invalidate() { rebuild_ = true; }
 

@@ -86,10 +86,12 @@ SurfaceCloud AlignmentClouds::make_cloud(std::span<const Point> points,
     front_end_.invalidate();
     throw;
   }
-  const uint32_t size = front_end_.read_counters().cloud_points;
+  const gpu::SweepCounters counters = front_end_.read_counters();
+  const uint32_t size = counters.cloud_points;
   SurfaceCloud cloud{.points = context_->make_buffer(std::max(size, 1U) * sizeof(gpu::uvec4),
                                                      engine::Memory::device, "surface cloud"),
                      .size = size,
+                     .crowded_voxels = counters.crowded_cells,
                      .origin = viewpoint,
                      .viewpoint = viewpoint};
   if (size > 0) {
@@ -137,6 +139,12 @@ AlignmentTarget::Level AlignmentClouds::make_level(const SurfaceCloud& cloud,
         counters.failures + counters.out_of_range, cloud.size, voxel_size, gpu::kVoxelsSideways,
         gpu::kVoxelsUpwards));
   }
+  if (counters.crowded > 0) {
+    throw engine::Error(
+        fmt::format("a voxel of {:f} m holds more than {} points of the cloud; take smaller voxels "
+                    "or thin the cloud (preprocess.r_input)",
+                    voxel_size, gpu::kMostCellPoints));
+  }
   voxels = counters.used_slots;
   const uint32_t slots = std::bit_ceil(std::max(2 * voxels, kSmallestTable));
   AlignmentTarget::Level level{.voxel_size = voxel_size, .table = table_of(slots), .slots = slots};
@@ -156,10 +164,6 @@ AlignmentTarget::Level AlignmentClouds::make_level(const SurfaceCloud& cloud,
 gpu::VoxelMapCounters AlignmentClouds::build(const engine::VoxelMapKernels& kernels,
                                              const SurfaceCloud& cloud,
                                              const engine::VoxelMapView& map) {
-  if (cloud.size > gpu::kMostCellPoints && map.voxel_size > 1e3) {
-    throw engine::Error("voxels of " + std::to_string(map.voxel_size) + " m may hold more than " +
-                        std::to_string(gpu::kMostCellPoints) + " points");
-  }
   engine::Recorder recorder = context_->make_recorder();
   kernels.record_clear(recorder, map);
   kernels.record_add(recorder, map, cloud.points, cloud.size,

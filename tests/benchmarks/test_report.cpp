@@ -122,6 +122,49 @@ TEST(Report, ComparesWhatBothHave) {
   EXPECT_EQ(text.find("broken"), std::string::npos);
 }
 
+TEST(Report, ComparesByHowFastTheMachineWas) {
+  const Report before = test::small_report();
+  Report after = before;
+  after.limits.copy_bytes *= 0.5;
+  for (double* value : {&after.rows[1].timing.device->low, &after.rows[1].timing.device->median,
+                        &after.rows[1].timing.device->high}) {
+    *value *= 2.0;
+  }
+  std::ostringstream slower_machine;
+  print_comparison(before, after, slower_machine);
+  EXPECT_NE(slower_machine.str().find("2.00       1.00\n"), std::string::npos)
+      << slower_machine.str();
+  after.limits_moved = {1.3, "memory"};
+  after.rows[1].timing = before.rows[1].timing;
+  std::ostringstream disturbed;
+  print_comparison(before, after, disturbed);
+  EXPECT_NE(disturbed.str().find("disturbed"), std::string::npos);
+  EXPECT_EQ(disturbed.str().find("  faster\n"), std::string::npos) << disturbed.str();
+}
+
+TEST(Limits, OfTwoMeasurementsTheBetterCountsAndHowFarTheyLieApart) {
+  const DeviceLimits a = test::small_report().limits;
+  DeviceLimits b = a;
+  b.flop *= 0.5;
+  b.atomics *= 1.5;
+  b.dispatch_s *= 2.0;
+  const DeviceLimits best = best_of(a, b);
+  EXPECT_EQ(best.flop, a.flop);
+  EXPECT_EQ(best.atomics, b.atomics);
+  EXPECT_EQ(best.dispatch_s, a.dispatch_s);
+  EXPECT_EQ(moved(a, b).which, "arithmetic");
+  EXPECT_DOUBLE_EQ(moved(a, b).ratio, 2.0);
+  EXPECT_DOUBLE_EQ(moved(a, a).ratio, 1.0);
+  Report report = test::small_report();
+  EXPECT_TRUE(limits_hold(report));
+  report.limits_moved = moved(a, b);
+  EXPECT_FALSE(limits_hold(report));
+  std::ostringstream out;
+  print_limits(report, out);
+  EXPECT_NE(out.str().find("arithmetic moved most, by 100 %"), std::string::npos) << out.str();
+  EXPECT_NE(out.str().find("void"), std::string::npos) << out.str();
+}
+
 TEST(Report, PageStandsAlone) {
   const std::string page = to_html(test::small_report());
   EXPECT_NE(page.find("a &lt;device&gt;"), std::string::npos);

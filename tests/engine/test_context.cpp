@@ -1,40 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdlib>
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/environment.hpp"
 
 namespace adit::engine {
 namespace {
-
-// Sets an environment variable for one test.
-class Environment {
- public:
-  Environment(const char* name, const char* value) : name_(name) {
-    if (const char* old = std::getenv(name); old != nullptr) {
-      old_ = old;
-    }
-    setenv(name, value, 1);
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-  ~Environment() {
-    if (old_.has_value()) {
-      setenv(name_, old_->c_str(), 1);
-    } else {
-      unsetenv(name_);
-    }
-  }
-
- private:
-  const char* name_;
-  std::optional<std::string> old_;
-};
 
 template <class Call>
 std::string message(Call&& call) {
@@ -88,8 +67,8 @@ TEST(Context, DeviceThatDoesNotExistIsAnErrorThatListsWhatThereIs) {
 }
 
 TEST(Context, MachineWithoutADriverIsToldWhatToInstall) {
-  const Environment no_driver("VK_DRIVER_FILES", "/nonexistent/driver.json");
-  const Environment older_name("VK_ICD_FILENAMES", "/nonexistent/driver.json");
+  const test::Variable no_driver("VK_DRIVER_FILES", "/nonexistent/driver.json");
+  const test::Variable older_name("VK_ICD_FILENAMES", "/nonexistent/driver.json");
   const std::string text = message([] { Context context(named("")); });
   EXPECT_NE(text.find("no Vulkan driver"), std::string::npos) << text;
   EXPECT_NE(text.find("mesa-vulkan-drivers"), std::string::npos) << text;
@@ -97,11 +76,33 @@ TEST(Context, MachineWithoutADriverIsToldWhatToInstall) {
 }
 
 TEST(Context, MissingValidationLayerNamesItsPackage) {
-  const Environment no_layers("VK_LAYER_PATH", "/nonexistent");
+  const test::Variable no_layers("VK_LAYER_PATH", "/nonexistent");
   ContextOptions options;
   options.validation = true;
   const std::string text = message([&] { Context context(options); });
   EXPECT_NE(text.find("vulkan-validationlayers"), std::string::npos) << text;
+}
+
+TEST(Context, TakesThePipelineCacheOfAnEarlierOneAndNothingElse) {
+  std::vector<std::byte> kept;
+  {
+    Context context(test::test_options());
+    const Kernel kernel(context, "engine_probe");
+    kept = context.pipeline_cache();  // empty where the driver keeps nothing in it
+  }
+  std::vector<std::byte> foreign = kept;
+  for (std::size_t i = 8; i < std::min<std::size_t>(16, foreign.size()); ++i) {
+    foreign[i] ^= std::byte{0xff};  // vendor and device
+  }
+  const std::vector<std::byte> noise(5000, std::byte{0x5a});
+  Context context(test::test_options());
+  for (const std::vector<std::byte>& bytes : {std::vector<std::byte>(), noise, foreign, kept}) {
+    context.add_to_pipeline_cache(bytes);
+    context.add_to_pipeline_cache(std::span(bytes).first(std::min<std::size_t>(20, bytes.size())));
+  }
+  const Kernel kernel(context, "engine_probe");
+  EXPECT_EQ(kernel.name(), "engine_probe");
+  EXPECT_TRUE(context.validation_messages().empty());
 }
 
 TEST(Context, CanBeMovedWhileItsBuffersLive) {

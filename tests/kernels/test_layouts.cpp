@@ -92,7 +92,7 @@ TEST(KernelLayouts, VoxelMapStructsAreTheSameInCppAndGlsl) {
                                   {{"used_slots", offsetof(VoxelMapCounters, used_slots)},
                                    {"failures", offsetof(VoxelMapCounters, failures)},
                                    {"out_of_range", offsetof(VoxelMapCounters, out_of_range)},
-                                   {"unused0", offsetof(VoxelMapCounters, unused0)}});
+                                   {"crowded", offsetof(VoxelMapCounters, crowded)}});
   using gpu::VoxelMapAddPush;
   expect_layout<VoxelMapAddPush>("VoxelMapAddPush",
                                  {{"pose", offsetof(VoxelMapAddPush, pose)},

@@ -126,6 +126,38 @@ TEST_F(PlaceKernelsTest, MatchesAreTheTwinsWhateverTheTurn) {
   EXPECT_TRUE(run.matches().empty());
 }
 
+// Hits share a word with the turn or the shift: the most there can be leave that alone.
+TEST_F(PlaceKernelsTest, AViewAndAPlanWithEveryBitSetAreCountedWhole) {
+  std::vector<gpu::uvec4> full;
+  for (uint32_t sector = 0; sector < gpu::kPlaceSectors; ++sector) {
+    for (int ring = 0; ring < 32; ++ring) {
+      const double angle = (sector + 0.5) * 2.0 * std::numbers::pi / gpu::kPlaceSectors;
+      const double range = std::exp2(1.0 + (ring + 0.5) / 6.0);
+      for (const double z : {0.0, 2.0}) {
+        full.push_back(point(range * std::cos(angle), range * std::sin(angle), z));
+      }
+    }
+  }
+  for (uint32_t i = 0; i < gpu::kPlanSide * gpu::kPlanSide; ++i) {
+    const double half = gpu::kPlanSide / 2.0 - 0.5;
+    full.push_back(
+        point(kCell * (i % gpu::kPlanSide - half), kCell * (i / gpu::kPlanSide - half), 0.0));
+  }
+  test::PlaceRun run(context());
+  run.describe(full, kCell);
+  run.match(1);
+  constexpr uint32_t kMostHits = 2 * gpu::kPolarWords * 32;
+  EXPECT_EQ(run.matches()[0], kMostHits * gpu::kPlaceSectors + gpu::kPlaceSectors - 1);
+
+  std::vector<Eigen::Vector2d> cells = test::plan_centres(run.record());
+  ASSERT_EQ(cells.size(), gpu::kPlanSide * gpu::kPlanSide);
+  // As many as are ever correlated, and near enough that every shift keeps them on the plan.
+  std::erase_if(cells, [](const Eigen::Vector2d& c) { return c.cwiseAbs().maxCoeff() > 32.0; });
+  ASSERT_EQ(cells.size(), engine::kMostPlanCells);
+  run.correlate(cells, {{.cosine = 1.0F, .sine = 0.0F, .place = 0, .unused0 = 0}});
+  EXPECT_EQ(run.matches()[0], (2 * engine::kMostPlanCells << gpu::kShiftBits) | (gpu::kShifts - 1));
+}
+
 TEST_F(PlaceKernelsTest, CorrelationsAreTheTwinsAndFindTheShift) {
   test::PlaceRun run(context());
   const std::vector<gpu::uvec4> place = turned(random_place(400, 3, 20.0), 0.0);

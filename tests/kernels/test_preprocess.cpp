@@ -208,6 +208,34 @@ TEST_F(PreprocessKernels, FullCellsKeepTheirMean) {
   EXPECT_TRUE(verdict.passed()) << verdict.text();
 }
 
+// Points of a wall, one a voxel of 2 cm, in one surface cell.
+std::vector<Point> fine_wall(size_t count) {
+  std::vector<Point> raw;
+  for (size_t i = 0; i < count; ++i) {
+    raw.push_back({8.01F, 1.01F + 0.02F * static_cast<float>(i % 300),
+                   1.01F + 0.02F * static_cast<float>(i / 300), 0.0F});
+  }
+  return raw;
+}
+
+TEST_F(PreprocessKernels, ASurfaceCellWithMorePointsThanItsSumsHoldShowsNone) {
+  const engine::PreprocessSettings settings{
+      .c_min = 0.5, .c_max = 100.0, .r_input = 0.02, .beam_spacing = 0.01, .surface_size = 16.0};
+  for (const uint32_t beyond : {0U, 1U, 20'000U}) {
+    SCOPED_TRACE(beyond);
+    PreprocessRun run(context(), settings, fine_wall(gpu::kMostCellPoints + beyond));
+    run.run();
+    ASSERT_EQ(run.counters().cloud_points, gpu::kMostCellPoints + beyond);
+    // A point is in a cell and in one that is twice as wide.
+    EXPECT_EQ(run.counters().surface_failures, 2 * beyond);
+    size_t planes = 0;
+    for (const reference::SurfacePoint& point : reference::decode(run.surface_cloud())) {
+      planes += reference::is_plane(point.kind) && std::abs(point.direction.x()) > 0.999 ? 1U : 0U;
+    }
+    EXPECT_EQ(planes, beyond == 0 ? gpu::kMostCellPoints : 0U);
+  }
+}
+
 TEST_F(PreprocessKernels, EverySizeAroundRunsAndGroupsIsWhole) {
   // One point a cell, so that a point that some thread forgets or takes twice is seen.
   std::vector<Point> raw;

@@ -11,6 +11,7 @@
 #include "adit/benchmarks/verify/device_runs.hpp"
 #include "adit/benchmarks/verify/synthetic_world.hpp"
 #include "adit/benchmarks/verify/verify.hpp"
+#include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/tests/support/device_fixture.hpp"
 
 namespace adit {
@@ -88,6 +89,42 @@ TEST_F(SubmapKernels, PointsTooFarAwayAreCounted) {
   run.run();
   EXPECT_EQ(run.counters().out_of_range, 1U);
   EXPECT_EQ(run.counters().used_slots, 1U);
+}
+
+TEST_F(SubmapKernels, FullCellsKeepTheirMeanAndCountThoseBeyond) {
+  for (const std::size_t count : {std::size_t{gpu::kMostCellPoints}, std::size_t{70'000}}) {
+    const std::vector<Point> points(count, Point{0.29999F, 0.29999F, 0.29999F, 0.0F});
+    const std::vector<reference::CloudToMerge> clouds = {{.points = points}};
+    test::SubmapMergeRun run(context(), clouds, kEdge, 64);
+    run.run();
+    for (const gpu::MergeCell& cell : run.cells()) {
+      if (cell.key != gpu::kFree) {
+        EXPECT_EQ(cell.count, count) << "the host sees that there were too many";
+        const double mean = static_cast<double>(cell.sum_x) / static_cast<double>(count) / 65536.0;
+        EXPECT_EQ(mean > 0.9999, count <= gpu::kMostCellPoints);
+      }
+    }
+  }
+}
+
+TEST_F(SubmapKernels, ASurfaceCellWithMorePointsThanItsSumsHoldShowsNone) {
+  const engine::PreprocessSettings settings{
+      .r_input = kEdge, .beam_spacing = 0.01, .surface_size = 16.0};
+  for (const uint32_t count : {gpu::kMostCellPoints, gpu::kMostCellPoints + 1U}) {
+    std::vector<gpu::uvec4> points;
+    for (uint32_t i = 0; i < count; ++i) {
+      points.push_back({std::bit_cast<uint32_t>(8.0F),
+                        std::bit_cast<uint32_t>(1.0F + 0.02F * static_cast<float>(i % 300)),
+                        std::bit_cast<uint32_t>(1.0F + 0.02F * static_cast<float>(i / 300)), 0});
+    }
+    test::SubmapSurfacesRun run(context(), settings, points, {Eigen::Vector3f::Zero()});
+    run.run();
+    std::size_t planes = 0;
+    for (const reference::SurfacePoint& point : reference::decode(run.surface_cloud())) {
+      planes += reference::is_plane(point.kind) ? 1U : 0U;
+    }
+    EXPECT_EQ(planes, count == gpu::kMostCellPoints ? count : 0U);
+  }
 }
 
 TEST_F(SubmapKernels, SurfacesAreTheTwinsSeenFromEachSensor) {

@@ -138,6 +138,39 @@ TEST_F(VoxelMapKernel, MapDoesNotDependOnTheOrderOfPointsOrClouds) {
   EXPECT_EQ(map.counters().used_slots, other.counters().used_slots);
 }
 
+// So many points of all three kinds in one voxel, near its upper corner, where sums are largest.
+std::vector<gpu::uvec4> crowd(size_t count) {
+  return with_random_surfaces(std::vector<Point>(count, Point{1.9999F, 1.9999F, 1.9999F, 0.0F}),
+                              61);
+}
+
+TEST_F(VoxelMapKernel, OnePointBeyondWhatAVoxelsSumsHoldIsCounted) {
+  const Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (const engine::VoxelContent content :
+       {engine::VoxelContent::surfaces, engine::VoxelContent::moments}) {
+    const DeviceCloud full(context(), crowd(gpu::kMostCellPoints));
+    const DeviceCloud one(context(), crowd(1));
+    VoxelMapRun map(context(), 1.0, kMapSlots, content);
+    map.add(full, pose);
+    EXPECT_EQ(map.counters().crowded, 0U);
+    const auto whole = by_key(map.cells());
+    ASSERT_EQ(whole.size(), 1U);
+    const auto& [count, x, y, z, xx, xy, xz, yy, yz, zz, surfaces] = whole.begin()->second;
+    EXPECT_EQ(count & gpu::kCountMask, gpu::kMostCellPoints);
+    const double mean = static_cast<double>(x) / gpu::kMostCellPoints / 65536.0;
+    EXPECT_NEAR(mean, 0.9999, 1e-5);
+    map.add(one, pose);
+    EXPECT_EQ(map.counters().crowded, 1U);
+    map.remove(one, pose);
+    EXPECT_EQ(map.counters().crowded, 1U) << "what is taken out is not counted";
+    EXPECT_EQ(by_key(map.cells()), whole) << "right again below the bound";
+    for (int more = 0; more < 2; ++more) {
+      map.add(full, pose);  // 131 070 and 196 605 points: beyond 65 535, and beyond 131 071
+    }
+    EXPECT_EQ(map.counters().crowded, 3U);
+  }
+}
+
 TEST_F(VoxelMapKernel, CloudThatIsTakenOutLeavesNoTrace) {
   const DeviceCloud staying(context(), with_random_surfaces(test::room(6000, 41), 42));
   const DeviceCloud leaving(context(), with_random_surfaces(test::room(9000, 43), 44));

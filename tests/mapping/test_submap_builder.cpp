@@ -121,6 +121,24 @@ TEST_F(SubmapBuilderTest, CellsHoldTheMeanOfTheirPointsAndTheNearestSensor) {
   EXPECT_EQ(built.frozen.lost_points, 0U);
 }
 
+TEST_F(SubmapBuilderTest, ACellWithMorePointsThanItsSumsHoldIsCounted) {
+  for (const std::size_t count : {65'535UL, 65'536UL, 140'000UL}) {
+    SCOPED_TRACE(count);
+    const std::vector<Point> points(count, Point{3.24F, 2.24F, 1.24F, 0.0F});
+    SubmapBuilder builder(context(), test::submap_config().preprocess, kCell);
+    builder.add({.cloud = points, .gravity_odom = kGravity});
+    const FrozenSubmap frozen = builder.freeze(0.01);
+    ASSERT_EQ(frozen.submap.points.size(), 1U);
+    const bool fits = count == 65'535;
+    EXPECT_EQ(frozen.crowded_cells, fits ? 0U : 1U);
+    const Eigen::Vector3d expected =
+        fits ? Eigen::Vector3d(3.24, 2.24, 1.24) : Eigen::Vector3d(3.125, 2.125, 1.125);
+    EXPECT_LT((frozen.submap.points[0].position() - expected).norm(), 2e-3);
+    builder.add({.cloud = std::span(points).first(1), .gravity_odom = kGravity});
+    EXPECT_EQ(builder.freeze(0.01).crowded_cells, 0U) << "of one submap, not of all";
+  }
+}
+
 TEST_F(SubmapBuilderTest, TheSameBytesWhateverTheTableBeganWith) {
   const test::SubmapDrive drive = test::submap_drive(12, 0.3);
   const Built roomy = build(drive, 0, 12, Eigen::Vector3d::Zero(), 1U << 18U);

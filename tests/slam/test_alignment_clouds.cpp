@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/registration/alignment_clouds.hpp"
 
+#include <array>
 #include <cstring>
 #include <vector>
 
@@ -46,6 +47,46 @@ TEST_F(AlignmentCloudsTest, ACloudDoesNotDependOnThoseMadeBefore) {
   config.beam_spacing = test::Lidar{.beams = 64}.beam_spacing();
   AlignmentClouds told(context(), config);
   EXPECT_FALSE(same_bytes(make(told, 16), sparse_first)) << "the angle makes a difference";
+}
+
+TEST_F(AlignmentCloudsTest, AVoxelWithMorePointsThanItsSumsHoldIsToldOf) {
+  PreprocessConfig config;
+  config.c_min = 0.5;
+  config.c_max = 100.0;
+  config.r_input = 0.02;
+  config.beam_spacing = 0.01;
+  AlignmentClouds maker(context(), config);
+  std::vector<Point> points;
+  for (int i = 0; i < 65'536; ++i) {
+    points.push_back({8.01F, 1.01F + 0.02F * static_cast<float>(i % 256),
+                      1.01F + 0.02F * static_cast<float>(i / 256), 0.0F});
+  }
+  for (const bool fits : {false, true}) {
+    if (fits) {
+      points.pop_back();
+    }
+    const SurfaceCloud cloud = maker.make_cloud(points);
+    ASSERT_EQ(cloud.size, points.size());
+    for (const RegistrationMethod method : {RegistrationMethod::vgicp, RegistrationMethod::ndt}) {
+      const auto make = [&] { maker.make_target(cloud, method, std::array{16.0}); };
+      if (fits) {
+        EXPECT_NO_THROW(make());
+      } else {
+        EXPECT_THROW(make(), engine::Error);
+      }
+    }
+  }
+}
+
+TEST_F(AlignmentCloudsTest, ACloudThatCrowdsTheDownSamplingTells) {
+  PreprocessConfig config;
+  config.r_input = 0.25;
+  config.beam_spacing = 0.01;
+  AlignmentClouds maker(context(), config);
+  EXPECT_EQ(maker.make_cloud(std::vector<Point>(65'535, {3.2F, 2.2F, 1.2F, 0.0F})).crowded_voxels,
+            0U);
+  EXPECT_EQ(maker.make_cloud(std::vector<Point>(65'536, {3.2F, 2.2F, 1.2F, 0.0F})).crowded_voxels,
+            1U);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ Voxels voxels_of(const std::vector<gpu::GaussianCell>& table) {
 class SubmapTest : public test::DeviceTest {
  protected:
   /// What Odometry does with an aligned sweep: its cloud joins, and the map is brought up to date.
-  uint32_t add(Submap& submap, const Cloud& cloud) {
+  SubmapLoss add(Submap& submap, const Cloud& cloud) {
     const auto count = static_cast<uint32_t>(cloud.points.size());
     const engine::Slice next = submap.next_cloud(count);
     const engine::Buffer points = upload(cloud.points);
@@ -81,8 +81,7 @@ class SubmapTest : public test::DeviceTest {
     submap.push(count, cloud.T_map_lidar);
     return update(submap);
   }
-  /// Returns how many points the map lost.
-  uint32_t update(Submap& submap) {
+  SubmapLoss update(Submap& submap) {
     run([&](engine::Recorder& recorder) { submap.record_update(recorder); });
     return submap.note_counters(download<gpu::VoxelMapCounters>(submap.voxel_map().counters)[0]);
   }
@@ -132,13 +131,23 @@ TEST_F(SubmapTest, IsEmptyUntilACloudJoinsAndAfterClear) {
   EXPECT_TRUE(submap.empty());
 }
 
+TEST_F(SubmapTest, TellsOfAVoxelThatHoldsMorePointsThanItsSums) {
+  Submap submap(context(), config_of(3));
+  Cloud crowd = some_cloud(7, pose_after(0.0), 30'000);
+  std::ranges::fill(crowd.points, crowd.points.front());
+  EXPECT_EQ(add(submap, crowd).crowded_voxels, 0U);
+  EXPECT_EQ(add(submap, crowd).crowded_voxels, 0U);
+  EXPECT_EQ(add(submap, crowd).crowded_voxels, 1U) << "90 000 points";
+  EXPECT_EQ(update(submap).crowded_voxels, 0U) << "since last time";
+}
+
 TEST_F(SubmapTest, HoldsTheLastCloudsAndNoTraceOfThoseBefore) {
   Submap submap(context(), config_of(3));
   std::vector<Cloud> last;
   for (uint64_t i = 0; i < 8; ++i) {
     const Cloud cloud =
         some_cloud(i, pose_after(0.8 * static_cast<double>(i), 0.02 * static_cast<double>(i)));
-    EXPECT_EQ(add(submap, cloud), 0U) << "points lost";
+    EXPECT_EQ(add(submap, cloud).points, 0U) << "points lost";
     last.push_back(cloud);
     if (last.size() > 3) {
       last.erase(last.begin());
@@ -226,7 +235,7 @@ TEST_F(SubmapTest, TheFrameStaysWhileTheSensorIsNearAndFollowsItBeyondReach) {
   Eigen::Isometry3d frame;
   for (int i = 0; i < 12; ++i) {  // 330 m
     clouds.push_back(some_cloud(static_cast<uint64_t>(i), pose_after(30.0 * i, 0.01 * i)));
-    EXPECT_EQ(add(submap, clouds.back()), 0U) << "points lost";
+    EXPECT_EQ(add(submap, clouds.back()).points, 0U) << "points lost";
     const double distance =
         (submap.pose().translation() - clouds.back().T_map_lidar.translation()).norm();
     EXPECT_LE(distance, 100.0) << "cloud " << i;
@@ -262,7 +271,7 @@ TEST_F(SubmapTest, ATableThatFillsUpIsReplacedByALargerOne) {
   std::vector<Cloud> clouds;
   for (int i = 0; i < 6; ++i) {
     clouds.push_back(some_cloud(static_cast<uint64_t>(i), pose_after(0.1 * i), 12'000));
-    EXPECT_EQ(add(submap, clouds.back()), 0U) << "cloud " << i;
+    EXPECT_EQ(add(submap, clouds.back()).points, 0U) << "cloud " << i;
   }
   EXPECT_GT(submap.voxel_map().slots(), slots);
   EXPECT_EQ(voxels_in(submap), from_scratch(submap, clouds));
@@ -271,9 +280,9 @@ TEST_F(SubmapTest, ATableThatFillsUpIsReplacedByALargerOne) {
 TEST_F(SubmapTest, ATableTooSmallForACloudSaysWhatItLostAndIsWholeAfterwards) {
   Submap submap(context(), config_of(2, 0.25));
   const Cloud cloud = some_cloud(1, pose_after(0.0), 120'000);
-  EXPECT_GT(add(submap, cloud), 0U)
+  EXPECT_GT(add(submap, cloud).points, 0U)
       << "120 000 voxels do not fit into " << submap.voxel_map().slots() << " slots";
-  EXPECT_EQ(update(submap), 0U);
+  EXPECT_EQ(update(submap).points, 0U);
   EXPECT_EQ(voxels_in(submap), from_scratch(submap, {cloud}));
 }
 

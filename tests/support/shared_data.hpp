@@ -10,6 +10,9 @@
 
 namespace adit::test {
 
+/// The source tree that the tests were built from.
+std::filesystem::path tree();
+
 /// ../shared/data/NAME beside the source tree, where it exists.
 std::optional<std::filesystem::path> shared_data(std::string_view name);
 

@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/tests/support/environment.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/clouds/ply_reader.hpp"
@@ -91,6 +92,45 @@ fs::path write_mcap(const fs::path& folder, const fs::path& file,
   }
   writer.close();
   return file;
+}
+
+/// Ends the run as Ctrl-C does, as soon as it says these words.
+class StopsAt : public std::stringbuf {
+ public:
+  explicit StopsAt(std::string words) : words_(std::move(words)) {}
+
+ protected:
+  std::streamsize xsputn(const char* text, std::streamsize count) override {
+    const std::streamsize written = std::stringbuf::xsputn(text, count);
+    if (!raised_ && str().find(words_) != std::string::npos) {
+      raised_ = true;
+      std::raise(SIGINT);
+    }
+    return written;
+  }
+
+ private:
+  std::string words_;
+  bool raised_ = false;
+};
+
+TEST_F(RunCommand, AFirstStartSaysThatKernelsAreCompiledAndLaterOnesRelyOnIt) {
+  const test::Variable cache("XDG_CACHE_HOME", (out_ / "cache").string());
+  const std::string words = "compiling kernels for";
+  StopsAt stops(words);
+  std::ostream said(&stops);
+  EXPECT_EQ(run_command(options(), printed_, said), 128 + SIGINT) << stops.str();
+  EXPECT_NE(stops.str().find("stopped by a signal while kernels were compiled"), std::string::npos)
+      << stops.str();
+  EXPECT_FALSE(fs::exists(options().output / "summary.json"));
+  fs::remove_all(out_ / "cache" / "adit");
+  EXPECT_EQ(run(options()), 0) << said_.str();
+  EXPECT_NE(said_.str().find(words), std::string::npos) << said_.str();
+  const std::string first = test::content(out_ / "out/trajectory.tum");
+  EXPECT_GT(summary()["time"]["start_s"], 0.0);
+  EXPECT_EQ(run(options()), 0) << said_.str();
+  EXPECT_EQ(said_.str().find(words), std::string::npos) << said_.str();
+  EXPECT_EQ(test::content(out_ / "out/trajectory.tum"), first);
 }
 
 TEST_F(RunCommand, McapGivesTheSameBytesAsTheFolder) {

@@ -55,7 +55,7 @@ std::vector<NamedPair> wanted(const AlignCommandOptions& options) {
 /// Clouds by name, as long as pairs want them.
 class Clouds {
  public:
-  explicit Clouds(CloudAligner& aligner) : aligner_(&aligner) {}
+  Clouds(CloudAligner& aligner, std::ostream& notes) : aligner_(&aligner), notes_(&notes) {}
 
   /// Forgets those that none of the pairs has.
   void keep(std::span<const NamedPair> pairs) {
@@ -71,12 +71,17 @@ class Clouds {
     auto found = clouds_.find(name);
     if (found == clouds_.end()) {
       found = clouds_.emplace(name, aligner_->prepare(read_cloud(name).points)).first;
+      if (const uint32_t crowded = found->second.cloud.crowded_voxels; crowded > 0) {
+        *notes_ << "note: " << crowded << " voxels of " << name
+                << " hold more than 65535 points; the first of each stands for them" << std::endl;
+      }
     }
     return found->second;
   }
 
  private:
   CloudAligner* aligner_;
+  std::ostream* notes_;
   std::map<std::string, AlignableCloud> clouds_;
 };
 
@@ -147,7 +152,7 @@ int run(const AlignCommandOptions& options, std::ostream& out, std::ostream& err
     err << software_note(context.device()) << std::endl;
   }
   CloudAligner aligner(context, options.settings);
-  Clouds clouds(aligner);
+  Clouds clouds(aligner, err);
   std::vector<AlignedPair> pairs;
   while (pairs.size() < named.size()) {
     const auto part =

@@ -267,8 +267,17 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     others.insert(others.end(), {files.odometry, files.database});
   }
   check_writable(options.output, options.map, others);
-  DeviceSession session(options.device);
-  engine::Context& context = session.context();
+  const auto started = std::chrono::steady_clock::now();
+  DeviceOptions device_options = options.device;
+  device_options.notes = options.quiet ? nullptr : &err;
+  std::optional<DeviceSession> session;
+  try {
+    session.emplace(device_options);
+  } catch (const StoppedWhileCompiling& stopped) {
+    err << "adit run: " << stopped.what() << std::endl;
+    return 128 + StopSignal::received();
+  }
+  engine::Context& context = session->context();
   if (context.software_fallback() && !options.quiet) {
     err << software_note(context.device()) << std::endl;
   }
@@ -314,6 +323,8 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   for (const StaticTransform& transform : static_transforms(*recording)) {
     slam->add(transform);
   }
+  const double start_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);
@@ -343,6 +354,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   if (mounting && mounting->source == MountingSource::assumed && !options.quiet) {
     err << kMountingIsAssumed;
   }
+  outcome.start_s = start_s;
   outcome.device_peak_bytes = context.memory_peak();
   outcome.resident_peak_bytes = peak_resident_bytes();
   outcome.validation_messages = context.validation_messages();

@@ -2,24 +2,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/device_session.hpp"
 
+#include <chrono>
 #include <cstdlib>
+#include <ostream>
+#include <vector>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/engine/error.hpp"
 #include "adit/engine/self_test/self_test.hpp"
+#include "adit/tools/run/device_cache.hpp"
+#include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
 
-void require_known_answers(engine::Context& context) {
-  const engine::SelfTestReport report = engine::run_self_test(context);
+void require_known_answers(const engine::SelfTestReport& report, const engine::DeviceInfo& device) {
   if (report.passed()) {
     return;
   }
-  std::string message = "the device '" + context.device().name +
-                        "' is refused: its kernels do not give the known answers";
+  std::string message =
+      "the device '" + device.name + "' is refused: its kernels do not give the known answers";
   for (const engine::SelfTestCase& test : report.cases) {
     if (!test.passed) {
       message += "\n  " + test.kernel + ": " + test.detail;
@@ -27,6 +33,70 @@ void require_known_answers(engine::Context& context) {
   }
   throw engine::Error(
       message + "\nUpdate its driver, or choose another device of `adit devices` with --device.");
+}
+
+// What a first start says while it compiles. A signal is answered at once, though the driver cannot
+// be stopped.
+class CompilingNotes {
+ public:
+  CompilingNotes(std::ostream* stream, const engine::DeviceInfo& device)
+      : stream_(stream), redraws_(progress_style_of_stderr() == ProgressStyle::bar) {
+    say("note: compiling kernels for " + device.name + ", once for this device");
+    if (stream_ != nullptr && !redraws_) {
+      *stream_ << std::endl;
+    }
+  }
+
+  void wait() {
+    if (StopSignal::received() != 0 && !stopped_) {
+      stopped_ = true;
+      say(std::string(redraws_ ? "\n" : "") +
+          "note: stopping as soon as the driver has compiled what it has begun\n");
+    }
+    const auto seconds = static_cast<int>(elapsed());
+    if (redraws_ && seconds > drawn_) {
+      drawn_ = seconds;
+      say(".");
+    }
+  }
+
+  void finish() {
+    say(fmt::format("{} compiled and tested in {:.1f} s\n", redraws_ ? "" : "note:", elapsed()));
+    if (StopSignal::received() != 0) {
+      throw StoppedWhileCompiling(
+          "stopped by a signal while kernels were compiled; nothing was begun");
+    }
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  void say(const std::string& text) {
+    if (stream_ != nullptr) {
+      *stream_ << text << std::flush;
+    }
+  }
+
+  std::ostream* stream_;
+  bool redraws_;
+  Clock::time_point start_ = Clock::now();
+  int drawn_ = 0;
+  bool stopped_ = false;
+};
+
+// A device that no earlier run has tested.
+void compile_and_test(engine::Context& context, const DeviceCache& cache, std::ostream* notes) {
+  const engine::DeviceInfo& device = context.device();
+  CompilingNotes compiling(notes, device);
+  const engine::ParallelSelfTest test = engine::run_self_test(
+      engine::ContextOptions{.device = std::to_string(device.index)}, [&] { compiling.wait(); });
+  require_known_answers(test.report, device);
+  for (const std::vector<std::byte>& pipelines : test.pipeline_caches) {
+    context.add_to_pipeline_cache(pipelines);
+  }
+  cache.keep(device, context.pipeline_cache());
+  compiling.finish();
 }
 
 }  // namespace
@@ -41,17 +111,38 @@ std::string requested_device(const std::string& option) {
 
 engine::Context open_device(const DeviceOptions& options) {
   const std::string requested = requested_device(options.device);
+  give_mesa_a_cache();
   try {
     engine::Context context({.device = requested,
                              .validation = options.validation,
                              .synchronization_validation = options.validation,
                              .profile = options.profile,
                              .memory_budget_bytes = options.max_vram_bytes});
-    require_known_answers(context);
+    if (options.validation) {
+      // Here, where the layer's messages are collected, and whatever is known of the device.
+      require_known_answers(engine::run_self_test(context), context.device());
+      return context;
+    }
+    const DeviceCache cache(cache_folder());
+    if (const auto pipelines = cache.find(context.device())) {
+      context.add_to_pipeline_cache(*pipelines);
+    } else {
+      compile_and_test(context, cache, options.notes);
+    }
     return context;
   } catch (const engine::NoSuchDevice& error) {
     throw UsageError((options.device.empty() ? "ADIT_DEVICE: " : "--device: ") +
                      std::string(error.what()));
+  }
+}
+
+DeviceSession::~DeviceSession() {
+  try {
+    if (own_ && own_->pipeline_cache().size() > kept_bytes_) {
+      DeviceCache(cache_folder()).keep(own_->device(), own_->pipeline_cache());
+    }
+  } catch (const std::exception&) {
+    // Then the next run compiles again.
   }
 }
 

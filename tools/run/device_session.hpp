@@ -4,8 +4,11 @@
 // Opening a device for a command: what was asked for, what was found, whether it can be trusted.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <iosfwd>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,14 +23,22 @@ struct DeviceOptions {
   bool validation = false;
   bool profile = true;  ///< device timestamps around every stage; they cost nothing measurable
   engine::Context* opened = nullptr;  ///< a device to work on instead of opening one
+  std::ostream* notes = nullptr;      ///< where a first start, which takes a while, says so
+};
+
+/// A signal came while kernels were compiled.
+class StoppedWhileCompiling : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// The device asked for by option or environment; empty where none was.
 std::string requested_device(const std::string& option);
 
-/// Opens the device and runs the self-test on it. Throws UsageError where the request names no
-/// device (with the list), engine::Error where there is no device or where its kernels do not give
-/// the known answers (with what failed).
+/// Opens the device and, unless an earlier run has found it right (DeviceCache), runs the self-test
+/// on it, which compiles its kernels. Throws UsageError where the request names no device (with the
+/// list), engine::Error where there is no device or where its kernels do not give the known answers
+/// (with what failed), StoppedWhileCompiling where a StopSignal has come.
 engine::Context open_device(const DeviceOptions& options);
 
 /// The device that a command works on: one that is open already, else one that it opens.
@@ -36,9 +47,12 @@ class DeviceSession {
   explicit DeviceSession(const DeviceOptions& options) {
     if (options.opened == nullptr) {
       own_.emplace(open_device(options));
+      kept_bytes_ = own_->pipeline_cache().size();
     }
     context_ = own_ ? &*own_ : options.opened;
   }
+  /// Keeps what the driver has compiled since.
+  ~DeviceSession();
   DeviceSession(const DeviceSession&) = delete;
   DeviceSession& operator=(const DeviceSession&) = delete;
 
@@ -46,6 +60,7 @@ class DeviceSession {
 
  private:
   std::optional<engine::Context> own_;
+  std::size_t kept_bytes_ = 0;
   engine::Context* context_ = nullptr;
 };
 

@@ -133,6 +133,7 @@ ordered_json describe_map(const MapReport& map) {
       {"points", map.points},
       {"seen_through_points", map.seen_through},
       {"lost_points", map.lost_points},
+      {"crowded_cells", map.crowded_cells},
       {"waited_s", map.waited_s},
       {"keyframe_ms",
        {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
@@ -176,7 +177,8 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
     json["map"] = describe_map(*outcome.result.map);
   }
   json["distance_m"] = statistics.distance();
-  json["time"] = {{"wall_s", outcome.wall_s},
+  json["time"] = {{"start_s", outcome.start_s},
+                  {"wall_s", outcome.wall_s},
                   {"recorded_s", statistics.recorded_seconds()},
                   {"sweeps_per_s", rate(outcome, statistics)},
                   {"host_ms", describe_stages(statistics.host_stages())},

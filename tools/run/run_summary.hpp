@@ -45,6 +45,7 @@ struct RunDescription {
 /// What is known after the last.
 struct RunOutcome {
   MappingResult result;
+  double start_s = 0.0;  ///< before: the device and its kernels made ready
   double wall_s =
       0.0;  ///< s, mapping alone, from the first sweep's reading to the last one's writing
   uint64_t map_points = 0;

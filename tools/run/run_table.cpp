@@ -31,8 +31,8 @@ std::string counts(const RunStatistics& statistics) {
   }
   if (statistics.crowded_voxels() > 0) {
     text += fmt::format(
-        "; {} times a voxel held more than 65535 raw points, the first of which stands for it: a "
-        "smaller preprocess.r_input keeps their mean",
+        "; {} times a voxel held more than 65535 points, and their mean is lost: a smaller "
+        "preprocess.r_input keeps that of a sweep's, a smaller registration.r_align the submap's",
         statistics.crowded_voxels());
   }
   return text;
@@ -88,6 +88,12 @@ std::string map_text(const MapReport& map, double wall_s) {
   }
   if (map.lost_points > 0) {
     text += fmt::format("; {} points too far from their keyframe", map.lost_points);
+  }
+  if (map.crowded_cells > 0) {
+    text += fmt::format(
+        "; {} cells held more than 65535 points, and their mean is lost: a smaller "
+        "mapping.r_submap keeps it",
+        map.crowded_cells);
   }
   text += fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
   return text + fmt::format("; sweeps waited {:.1f} s for it, {:.0f} % of the run", map.waited_s,
@@ -180,7 +186,8 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   }
   text += "time     " + host_times(statistics) + "\n";
   text += "device   " + describe(run.device) +
-          fmt::format("; {:.1f} MiB at most", in_mebibytes(outcome.device_peak_bytes)) +
+          fmt::format("; ready in {:.1f} s, {:.1f} MiB at most", outcome.start_s,
+                      in_mebibytes(outcome.device_peak_bytes)) +
           limit_text(run.memory_budget_bytes, "--max-vram") + "\n";
   text += fmt::format("memory   {:.0f} MiB resident at most",
                       in_mebibytes(outcome.resident_peak_bytes)) +

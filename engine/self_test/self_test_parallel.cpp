@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <future>
+#include <utility>
+
+#include "adit/engine/context.hpp"
+#include "adit/engine/self_test/self_test_parts.hpp"
+
+namespace adit::engine {
+namespace {
+
+struct PartResult {
+  std::vector<SelfTestCase> cases;
+  std::vector<std::byte> pipeline_cache;
+};
+
+}  // namespace
+
+ParallelSelfTest run_self_test(const ContextOptions& options,
+                               const std::function<void()>& waiting) {
+  std::vector<std::future<PartResult>> parts;
+  for (const SelfTestPart part : kSelfTestParts) {
+    parts.push_back(std::async(std::launch::async, [&options, part] {
+      Context context(options);
+      PartResult result{.cases = part(context), .pipeline_cache = {}};
+      result.pipeline_cache = context.pipeline_cache();
+      return result;
+    }));
+  }
+  ParallelSelfTest all;
+  for (std::future<PartResult>& part : parts) {
+    while (part.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
+      waiting();
+    }
+    PartResult result = part.get();
+    for (SelfTestCase& one : result.cases) {
+      all.report.cases.push_back(std::move(one));
+    }
+    all.pipeline_caches.push_back(std::move(result.pipeline_cache));
+  }
+  return all;
+}
+
+}  // namespace adit::engine
