@@ -6,15 +6,9 @@ namespace adit {
 
 std::optional<LevelledNode> level_of(NodeId node, Vertical vertical) {
   constexpr double kGravity = 0.02;  // rad
-  constexpr double kGround = 0.1;
-  switch (vertical) {
-    case Vertical::gravity:
-      return LevelledNode{.node = node, .information = 1.0 / (kGravity * kGravity)};
-    case Vertical::ground:
-      return LevelledNode{.node = node, .information = 1.0 / (kGround * kGround)};
-    default:
-      return std::nullopt;
-  }
+  return vertical == Vertical::gravity
+             ? std::optional(LevelledNode{.node = node, .information = 1.0 / (kGravity * kGravity)})
+             : std::nullopt;
 }
 
 }  // namespace adit

@@ -28,9 +28,9 @@ constexpr std::string_view to_string(Vertical vertical) {
   return "unknown";
 }
 
-/// What it says of a node in the graph; nothing where there is no vertical. Errors of gravity come
-/// from the accelerometer's bias, which keyframes share: each counts as 20 mrad, so that a hundred
-/// know the vertical to 2 mrad. The ground is as level as roads are: 0.1 rad.
+/// What it says of a node in the graph; nothing but of gravity, since the ground may slope for as
+/// long as the map. Errors of gravity come from the accelerometer's bias, which keyframes share:
+/// each counts as 20 mrad, so that a hundred know the vertical to 2 mrad.
 std::optional<LevelledNode> level_of(NodeId node, Vertical vertical);
 
 }  // namespace adit
