@@ -24,25 +24,16 @@ shared bool is_last;
 // The group that finished last: what comes next for its alignment.
 void go_on(uint job) {
   const uint phase = push.serves;
+  if (kGeometry && (phase == kPhaseAssess || phase == kPhaseReassess)) {
+    write_directions(job);
+    progress[job].phase = phase + 1;
+    return;
+  }
   float h[36];
   float gradient[6];
+  unpack_system(h, gradient);
   if (kGeometry) {
-    isotropic_information();
-    unpack_without_fictitious();
-    if (phase == kPhaseAssess || phase == kPhaseReassess) {
-      write_directions(job);
-      progress[job].phase = phase + 1;
-      return;
-    }
-    constrain(job);
-    for (uint i = 0; i < 36; ++i) {
-      h[i] = work[i];
-    }
-    for (uint i = 0; i < 6; ++i) {
-      gradient[i] = work[kGradientAt + i];
-    }
-  } else {
-    unpack_system(h, gradient);
+    constrain(job, h, gradient);
   }
   if (take_step(job, h, gradient)) {
     return;

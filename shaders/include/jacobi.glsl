@@ -5,7 +5,6 @@
 // simple eigenvalue, faster).
 #ifndef ADIT_JACOBI_GLSL
 #define ADIT_JACOBI_GLSL
-#extension GL_EXT_control_flow_attributes : require
 #include "adit/shaders/include/sym3.glsl"
 
 // One Jacobi rotation that zeroes entry (p, q) of the symmetric a; v gathers the eigenvectors as
@@ -45,7 +44,7 @@ void eigen(Sym3 m, out vec4 pairs[3]) {
   const Sym3 u = scaled(m, 1.0 / max(scale, 1e-30));
   float a[9] = float[9](u.xx, u.xy, u.xz, u.xy, u.yy, u.yz, u.xz, u.yz, u.zz);
   float v[9] = float[9](1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
-  [[dont_unroll]] for (uint sweep = 0; sweep < 4; ++sweep) {
+  for (uint sweep = 0; sweep < 4; ++sweep) {
     rotate(a, v, 0, 1);
     rotate(a, v, 0, 2);
     rotate(a, v, 1, 2);
