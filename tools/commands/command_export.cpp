@@ -18,6 +18,7 @@
 #include "adit/tools/commands/export_cloud.hpp"
 #include "adit/tools/commands/export_job.hpp"
 #include "adit/tools/commands/export_poses.hpp"
+#include "adit/tools/commands/export_raster.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -54,32 +55,56 @@ void check_frames(const ExportCommandOptions& options) {
 }
 
 void check_selection(const ExportCommandOptions& options) {
-  const bool points = !options.cloud.empty() || !options.dense.empty() || options.tiles;
+  const bool points =
+      !options.cloud.empty() || !options.dense.empty() || options.tiles || !options.raster.empty();
   if (!options.box.empty() && options.polygon) {
     throw UsageError("--box and --polygon exclude each other.");
   }
   if ((!options.box.empty() || options.polygon || options.without_moving) && !points) {
     throw UsageError(
         "--box, --polygon and --without-moving are for points: --cloud, --dense, "
-        "--tiles.");
+        "--tiles, --raster.");
   }
-  if ((!options.sessions.empty() || options.from || options.until) && !points &&
+  if ((!options.sessions.empty() || options.from || options.until) && !points && !options.grid &&
       options.trajectory.empty()) {
-    throw UsageError("--session, --from and --until are for points and trajectories.");
+    throw UsageError("--session, --from and --until are for points, grids and trajectories.");
+  }
+}
+
+void check_rasters(const ExportCommandOptions& options) {
+  const auto ends = [&](const char* extension) { return options.output->extension() == extension; };
+  if (!options.raster.empty() && !ends(".tif") && !ends(".tiff") && !ends(".png")) {
+    throw UsageError("-o " + options.output->string() +
+                     ": rasters are GeoTIFF or PNG files; name it *.tif or *.png.");
+  }
+  if (options.grid && !ends(".yaml")) {
+    throw UsageError("-o " + options.output->string() +
+                     ": a grid is a YAML file with a picture beside it; name it *.yaml.");
+  }
+  if (options.cell && options.raster.empty() && !options.grid) {
+    throw UsageError("--cell needs --raster or --grid.");
+  }
+  if (options.cell && !(*options.cell >= 0.005 && *options.cell <= 1e3)) {
+    throw UsageError("--cell: must be between 0.005 and 1000 m.");
+  }
+  if (!options.heights.empty() && !options.grid) {
+    throw UsageError("--heights needs --grid.");
   }
 }
 
 void check_options(const ExportCommandOptions& options) {
-  const std::array<bool, 6> wanted = {!options.trajectory.empty(),
+  const std::array<bool, 8> wanted = {!options.trajectory.empty(),
                                       !options.graph.empty(),
                                       !options.cloud.empty() || options.tiles.has_value(),
                                       !options.dense.empty(),
+                                      !options.raster.empty(),
+                                      options.grid,
                                       options.picture,
                                       options.dump};
   if (std::ranges::count(wanted, true) != 1) {
     throw UsageError(
-        "say what to export: one of --trajectory, --graph, --cloud, --dense, --tiles, --picture "
-        "and --dump.");
+        "say what to export: one of --trajectory, --graph, --cloud, --dense, --tiles, --raster, "
+        "--grid, --picture and --dump.");
   }
   if (!options.dump && !options.output) {
     throw UsageError("say where to: -o FILE.");
@@ -98,9 +123,10 @@ void check_options(const ExportCommandOptions& options) {
                          *options.tiles == std::round(*options.tiles))) {
     throw UsageError("--tiles: must be a whole number of metres from 1 to 100000.");
   }
-  if (options.recording && options.dense.empty()) {
-    throw UsageError("--recording needs --dense.");
+  if (options.recording && options.dense.empty() && options.raster != "intensity") {
+    throw UsageError("--recording needs --dense or --raster intensity.");
   }
+  check_rasters(options);
   check_frames(options);
   check_selection(options);
   std::error_code ignored;
@@ -143,6 +169,12 @@ std::string write(const ExportJob& job) {
   }
   if (!options.graph.empty()) {
     return export_graph(job);
+  }
+  if (!options.raster.empty()) {
+    return export_raster(job);
+  }
+  if (options.grid) {
+    return export_grid(job);
   }
   return options.tiles ? export_tiles(job) : export_cloud(job);
 }
@@ -195,7 +227,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.footer(
       "MAP is what `adit run` leaves as OUT/map.adit. Without --frame, points and poses are in "
       "the\n"
-      "map's frame, m; of a map that is georeferenced LAS files and tiles are in UTM.\n"
+      "map's frame, m; of a map that is georeferenced LAS files, tiles and rasters are in UTM.\n"
       "\nExamples:\n"
       "  adit export out/map.adit --trajectory tum -o trajectory.tum\n"
       "  adit export out/map.adit --graph g2o -o graph.g2o\n"
@@ -203,6 +235,8 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out/map.adit --cloud las --origin 48.1,11.5,520,90 -o cloud.las\n"
       "  adit export out/map.adit --dense ply -o dense.ply\n"
       "  adit export out/map.adit --tiles 20 -o autoware\n"
+      "  adit export out/map.adit --raster height --cell 0.5 -o height.tif\n"
+      "  adit export out/map.adit --grid -o grid.yaml\n"
       "  adit export out/map.adit --picture -o map.png\n"
       "  adit export out/map.adit --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
@@ -235,6 +269,21 @@ void add_export_command(Command app, std::function<void(int)> done) {
               "The points of all submaps in squares of this (m), a file each, in a folder with the "
               "index that Autoware reads; --cloud chooses their format (pcd)")
       .value_name("M");
+  command
+      .option("--raster", options->raster,
+              "The map from above as GeoTIFF, or PNG with world file by FILE's end: height (of the "
+              "highest point), intensity (of the recording's returns)")
+      .one_of({"height", "intensity"})
+      .value_name("WHAT");
+  command.flag("--grid", options->grid,
+               "Occupancy grid of ROS map_server: a YAML file, and its PGM beside it");
+  command.option("--cell", options->cell, "Size of cells (m); 0.25 of rasters, 0.05 of grids")
+      .value_name("M");
+  command
+      .option("--heights", options->heights,
+              "What stands in the way in a grid: LOW,HIGH above the sensor (m), -0.3,0.3; what is "
+              "lower is ground")
+      .value_name("LOW,HIGH");
   command
       .option("--frame", options->frame, "Coordinates: map, local (east, north, up), utm, geodetic")
       .one_of({"map", "local", "utm", "geodetic"})

@@ -16,8 +16,8 @@ namespace adit {
 
 class Command;
 
-/// One of trajectory, graph, cloud, dense, tiles, picture and dump is set; tiles and cloud go
-/// together.
+/// One of trajectory, graph, cloud, dense, tiles, raster, grid, picture and dump is set; tiles and
+/// cloud go together.
 struct ExportCommandOptions {
   std::filesystem::path map{};
   std::optional<std::filesystem::path> output{};     ///< none: standard output, for the dump alone
@@ -40,6 +40,10 @@ struct ExportCommandOptions {
   std::optional<double> from{};     ///< s, stamps
   std::optional<double> until{};
   bool without_moving = false;
+  std::string raster{};          ///< height, intensity
+  bool grid = false;             ///< occupancy grid of ROS map_server
+  std::optional<double> cell{};  ///< m, of rasters and grids
+  std::string heights{};         ///< "LOW,HIGH", m above the sensor: what stands in the way
 };
 
 /// Returns the exit code: 0 done, 1 the map cannot be read or the file not written, 2 usage.

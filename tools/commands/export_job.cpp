@@ -18,23 +18,6 @@
 namespace adit {
 namespace {
 
-/// Numbers with commas between them; nothing where one is none.
-std::optional<std::vector<double>> parse_numbers(std::string_view text) {
-  std::vector<double> numbers;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::optional<double> number = parse_double(text.substr(0, comma));
-    if (!number) {
-      return std::nullopt;
-    }
-    numbers.push_back(*number);
-    if (comma == std::string_view::npos) {
-      return numbers;
-    }
-    text.remove_prefix(comma + 1);
-  }
-}
-
 [[noreturn]] void fail_georeference(const std::string& wanted) {
   throw UsageError(wanted +
                    ": the map is not georeferenced. Place it by hand with --origin "
@@ -59,7 +42,7 @@ ProductCoordinates coordinates_in(const ExportJob& job, ProductFrame frame) {
 }
 
 std::vector<Eigen::Vector2d> box_of(const std::string& text) {
-  const auto numbers = parse_numbers(text);
+  const auto numbers = parse_number_list(text);
   if (!numbers || numbers->size() != 4 || !((*numbers)[0] < (*numbers)[2]) ||
       !((*numbers)[1] < (*numbers)[3])) {
     throw UsageError("--box " + text +
@@ -139,12 +122,28 @@ std::vector<Eigen::Vector2d> read_polygon(const std::filesystem::path& file,
 
 }  // namespace
 
+std::optional<std::vector<double>> parse_number_list(std::string_view text) {
+  std::vector<double> numbers;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::optional<double> number = parse_double(text.substr(0, comma));
+    if (!number) {
+      return std::nullopt;
+    }
+    numbers.push_back(*number);
+    if (comma == std::string_view::npos) {
+      return numbers;
+    }
+    text.remove_prefix(comma + 1);
+  }
+}
+
 std::optional<Georeference> georeference_of(const MapDatabase& /*map*/) {
   return std::nullopt;
 }
 
 Georeference parse_origin(const std::string& text) {
-  const auto numbers = parse_numbers(text);
+  const auto numbers = parse_number_list(text);
   if (!numbers || numbers->size() < 3 || numbers->size() > 4) {
     throw UsageError("--origin " + text +
                      ": expected LAT,LON,ALT or LAT,LON,ALT,YAW (degrees, degrees, m above the "

@@ -9,6 +9,8 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/maps/cloud_selection.hpp"
@@ -29,6 +31,9 @@ struct ExportJob {
 
 /// Where the map lies by its own account.
 std::optional<Georeference> georeference_of(const MapDatabase& map);
+/// Numbers with commas between them; nothing where one is none.
+std::optional<std::vector<double>> parse_number_list(std::string_view text);
+
 /// "LAT,LON,ALT[,YAW]": where the map's origin lies, and its x axis counter-clockwise from east
 /// (degrees, m). Throws UsageError.
 Georeference parse_origin(const std::string& text);

@@ -54,6 +54,8 @@ class ProductCoordinates {
 
   ProductFrame frame() const { return frame_; }
   const UtmZone& zone() const { return zone_; }
+  /// Needs a georeference.
+  const WorldFrame& world() const { return world_.value(); }
 
   /// The same, counted from a place of this frame: nothing else of it changes.
   ProductCoordinates counted_from(const Eigen::Vector3d& place) const;
