@@ -107,7 +107,9 @@ class MapProducts : public testing::Test {
     std::mt19937 random(7);
     std::uniform_int_distribution<int32_t> wide(-20 * 2048, 20 * 2048);
     for (NodeId id = 0; id < kKeyframes; ++id) {
-      KeyframeSubmap submap{.r_submap = 0.25, .vertical = Vertical::gravity};
+      KeyframeSubmap submap;
+      submap.r_submap = 0.25;
+      submap.vertical = Vertical::gravity;
       const Nanoseconds stamp = kBegin + std::chrono::milliseconds(1000 * id);
       submap.sweeps = {{.stamp = stamp, .merged = true},
                        {.stamp = stamp + std::chrono::milliseconds(100), .merged = true}};
@@ -386,6 +388,18 @@ TEST_F(MapProducts, RastersSayWhereTheyLie) {
   const std::string pgm = test::content(folder_ / "grid.pgm");
   EXPECT_GT(std::ranges::count(pgm, '\0'), 20);
   EXPECT_GT(std::ranges::count(pgm, static_cast<char>(254)), 500);
+}
+
+TEST_F(MapProducts, AReportNamesWhatIsToBeWatched) {
+  const std::string placed =
+      test::content(exported({.origin = kOrigin, .report = true}, "report.html"));
+  for (const char* part : {"WGS 84 / UTM zone 30N", "41.650000000, -0.880000000 degrees",
+                           "1200, of which 120 moved", "placed by hand", "<svg", "North is up"}) {
+    EXPECT_NE(placed.find(part), std::string::npos) << part;
+  }
+  const std::string unplaced = test::content(exported({.report = true}, "report.html"));
+  EXPECT_NE(unplaced.find("has no place on the Earth"), std::string::npos);
+  refuses({.output = folder_ / "r.pdf", .report = true}, "*.html");
 }
 
 TEST_F(MapProducts, ArePartsWhereSomebodyAsksForParts) {

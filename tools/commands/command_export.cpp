@@ -19,6 +19,7 @@
 #include "adit/tools/commands/export_job.hpp"
 #include "adit/tools/commands/export_poses.hpp"
 #include "adit/tools/commands/export_raster.hpp"
+#include "adit/tools/commands/export_report.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -93,24 +94,28 @@ void check_rasters(const ExportCommandOptions& options) {
 }
 
 void check_options(const ExportCommandOptions& options) {
-  const std::array<bool, 8> wanted = {!options.trajectory.empty(),
+  const std::array<bool, 9> wanted = {!options.trajectory.empty(),
                                       !options.graph.empty(),
                                       !options.cloud.empty() || options.tiles.has_value(),
                                       !options.dense.empty(),
                                       !options.raster.empty(),
                                       options.grid,
+                                      options.report,
                                       options.picture,
                                       options.dump};
   if (std::ranges::count(wanted, true) != 1) {
     throw UsageError(
         "say what to export: one of --trajectory, --graph, --cloud, --dense, --tiles, --raster, "
-        "--grid, --picture and --dump.");
+        "--grid, --report, --picture and --dump.");
   }
   if (!options.dump && !options.output) {
     throw UsageError("say where to: -o FILE.");
   }
   if (options.resolution && options.cloud.empty() && !options.tiles) {
     throw UsageError("--resolution needs --cloud or --tiles.");
+  }
+  if (options.report && options.output->extension() != ".html") {
+    throw UsageError("-o " + options.output->string() + ": a report is a page; name it *.html.");
   }
   if (options.picture && !is_picture(*options.output)) {
     throw UsageError("-o " + options.output->string() +
@@ -176,6 +181,9 @@ std::string write(const ExportJob& job) {
   if (options.grid) {
     return export_grid(job);
   }
+  if (options.report) {
+    return export_report(job);
+  }
   return options.tiles ? export_tiles(job) : export_cloud(job);
 }
 
@@ -237,6 +245,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out/map.adit --tiles 20 -o autoware\n"
       "  adit export out/map.adit --raster height --cell 0.5 -o height.tif\n"
       "  adit export out/map.adit --grid -o grid.yaml\n"
+      "  adit export out/map.adit --report -o report.html\n"
       "  adit export out/map.adit --picture -o map.png\n"
       "  adit export out/map.adit --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
@@ -279,6 +288,8 @@ void add_export_command(Command app, std::function<void(int)> done) {
                "Occupancy grid of ROS map_server: a YAML file, and its PGM beside it");
   command.option("--cell", options->cell, "Size of cells (m); 0.25 of rasters, 0.05 of grids")
       .value_name("M");
+  command.flag("--report", options->report,
+               "A page to print: coordinates, coverage, loops, warnings, a picture, versions");
   command
       .option("--heights", options->heights,
               "What stands in the way in a grid: LOW,HIGH above the sensor (m), -0.3,0.3; what is "

@@ -16,7 +16,8 @@ namespace adit {
 
 class Command;
 
-/// One of trajectory, graph, cloud, dense, tiles, raster, grid, picture and dump is set; tiles and
+/// One of trajectory, graph, cloud, dense, tiles, raster, grid, report, picture
+/// and dump is set; tiles and
 /// cloud go together.
 struct ExportCommandOptions {
   std::filesystem::path map{};
@@ -41,6 +42,7 @@ struct ExportCommandOptions {
   std::optional<double> until{};
   bool without_moving = false;
   std::string raster{};          ///< height, intensity
+  bool report = false;           ///< a page for whoever takes delivery
   bool grid = false;             ///< occupancy grid of ROS map_server
   std::optional<double> cell{};  ///< m, of rasters and grids
   std::string heights{};         ///< "LOW,HIGH", m above the sensor: what stands in the way

@@ -67,13 +67,17 @@ std::string export_cloud(const ExportJob& job) {
   CloudHeading heading = heading_of(coordinates);
   heading.unix_times = has_unix_times(*job.map);
   const std::unique_ptr<CloudProduct> product = make_cloud_product(job.file, format, heading);
-  Progress progress(*job.err, progress_style_of_stderr(), "export", job.map->keyframes().size());
+  // Of a thinned cloud nobody knows how many pieces it comes in.
+  std::optional<Progress> progress;
+  if (!options.resolution) {
+    progress.emplace(*job.err, progress_style_of_stderr(), "export", job.map->keyframes().size());
+  }
   std::size_t pieces = 0;
   const TakeCloud take = [&](std::span<const CloudPoint> points) {
     product->write(points);
     require_within(job);
-    if (!options.resolution) {
-      progress.update(++pieces, 0);
+    if (progress) {
+      progress->update(++pieces, 0);
     }
   };
   if (options.resolution) {
@@ -82,7 +86,9 @@ std::string export_cloud(const ExportJob& job) {
   } else {
     visit_cloud(*job.map, coordinates, selection, take);
   }
-  progress.finish();
+  if (progress) {
+    progress->finish();
+  }
   product->close();
   return fmt::format("{} points{}{}", product->count(), in_coordinates(coordinates),
                      times_of(format, heading));

@@ -69,37 +69,49 @@ std::string export_graph(const ExportJob& job) {
                      in_coordinates(coordinates));
 }
 
-std::string export_picture(const ExportJob& job, PictureFormat format) {
+std::string drawing_of(const ExportJob& job, const ProductCoordinates& coordinates,
+                       const std::string& title, PictureFormat format) {
   const MapDatabase& map = *job.map;
   std::vector<Point> points;
   PictureGraph drawn;
+  const auto place = [&](const Eigen::Isometry3d& pose) -> Eigen::Vector2d {
+    return coordinates.from_map(Eigen::Vector3d(pose.translation())).head<2>();
+  };
   for (const MapKeyframe& keyframe : map.keyframes()) {
-    drawn.keyframes.emplace_back(keyframe.T_map_keyframe.translation().head<2>());
+    drawn.keyframes.push_back(place(keyframe.T_map_keyframe));
   }
   Eigen::AlignedBox3d extent;
   for (const auto& [id, box] : map.boxes()) {
     extent.extend(box);
   }
   const double widest = extent.isEmpty() ? 0.0 : extent.sizes().head<2>().maxCoeff();
-  visit_thinned_cloud(map, std::max(kFinestOfPicture, widest / kVoxelsAPicture),
-                      job.memory->submap_bytes(), [&](std::span<const Point> tile) {
-                        points.insert(points.end(), tile.begin(), tile.end());
+  visit_thinned_cloud(map, coordinates, {}, std::max(kFinestOfPicture, widest / kVoxelsAPicture),
+                      job.memory->submap_bytes(), [&](std::span<const CloudPoint> tile) {
+                        for (const CloudPoint& point : tile) {
+                          const Eigen::Vector3f p = point.position.cast<float>();
+                          points.push_back({.x = p.x(), .y = p.y(), .z = p.z()});
+                        }
                         require_within(job);
                       });
   const PoseGraph graph = map.graph();
-  const auto place = [&](NodeId id) -> Eigen::Vector2d {
-    return graph.nodes()[graph.index_of(id)].T_map_node.translation().head<2>();
-  };
+  const auto node = [&](NodeId id) { return place(graph.nodes()[graph.index_of(id)].T_map_node); };
   for (const PoseEdge& edge : graph.edges()) {
     if (edge.kind == EdgeKind::loop) {
-      drawn.loops.push_back({.from = place(edge.from),
-                             .to = place(edge.to),
+      drawn.loops.push_back({.from = node(edge.from),
+                             .to = node(edge.to),
                              .revoked = edge.status == EdgeStatus::revoked});
     }
   }
-  write_text_file(job.file, map_picture(points, map_trajectory(map, job.options->map),
-                                        job.options->map.filename().string(), drawn, format));
-  return fmt::format("{} keyframes", drawn.keyframes.size());
+  std::vector<StampedPose> path = map_trajectory(map, job.options->map);
+  for (StampedPose& pose : path) {
+    pose.pose = coordinates.from_map(pose.pose);
+  }
+  return map_picture(points, path, title, drawn, format);
+}
+
+std::string export_picture(const ExportJob& job, PictureFormat format) {
+  write_text_file(job.file, drawing_of(job, {}, job.options->map.filename().string(), format));
+  return fmt::format("{} keyframes", job.map->keyframes().size());
 }
 
 }  // namespace adit

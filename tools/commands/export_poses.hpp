@@ -14,6 +14,9 @@ namespace adit {
 std::string export_trajectory(const ExportJob& job);
 std::string export_graph(const ExportJob& job);
 /// The points of all submaps, thinned, with sweeps and loops over them.
+std::string drawing_of(const ExportJob& job, const ProductCoordinates& coordinates,
+                       const std::string& title, PictureFormat format);
+/// The same as a file, in the map's frame.
 std::string export_picture(const ExportJob& job, PictureFormat format);
 
 }  // namespace adit

@@ -103,13 +103,14 @@ std::vector<Field> keys_of(const GeoTiffHeading& heading) {
   }
   if (heading.epsg) {
     key(3072, static_cast<uint16_t>(*heading.epsg));
-    key(3076, 9001);
   } else if (heading.projection) {
     key(2048, 4326);
     key(3072, kUserDefined);
     key(3074, kUserDefined);
     key(3075, 1);  // transverse Mercator
-    key(3076, 9001);
+  }
+  key(3076, 9001);  // metres
+  if (heading.projection && !heading.epsg) {
     double_key(3080, heading.projection->longitude);
     double_key(3081, heading.projection->latitude);
     double_key(3082, 0.0);

@@ -119,8 +119,9 @@ std::string OccupancyGrid::yaml(const std::string& picture) const {
   return fmt::format(
       "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
       "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
-      picture, shortest(config_.cell), shortest(config_.cell * static_cast<double>(low_.x())),
-      shortest(config_.cell * static_cast<double>(low_.y())));
+      picture, shortest(config_.cell),
+      with_decimals(config_.cell * static_cast<double>(low_.x()), 6),
+      with_decimals(config_.cell * static_cast<double>(low_.y()), 6));
 }
 
 }  // namespace adit

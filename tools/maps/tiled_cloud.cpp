@@ -25,6 +25,9 @@ constexpr double kWidest = 256.0;    // m
 constexpr double kMargin = 1e-3;  // m
 constexpr double kMarginShare = 1e-3;
 
+// m: points of a square of that side are in memory at a time.
+constexpr double kFilledAtATime = 64.0;
+
 int64_t voxels_across(double resolution) {
   const double width = std::clamp(kVoxelsAcross * resolution, kNarrowest, kWidest);
   return std::max(int64_t{1}, std::lround(width / resolution));
@@ -165,7 +168,28 @@ void visit_cloud(const MapDatabase& map, const ProductCoordinates& coordinates,
 
 void visit_tiles(const MapDatabase& map, const ProductCoordinates& coordinates,
                  const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take) {
-  visit(map, coordinates, {.cell = wanted.size, .across = 1}, wanted, submap_bytes, take);
+  // A submap reaches into dozens of small tiles: several are filled at a time.
+  const auto across = static_cast<int64_t>(std::max(1.0, std::floor(kFilledAtATime / wanted.size)));
+  const Grid tiles{.cell = wanted.size, .across = 1};
+  std::map<TileNumber, std::vector<CloudPoint>> filled;
+  TileNumber square;
+  const auto empty_out = [&] {
+    for (const auto& [tile, points] : filled) {
+      take(tile, points);
+    }
+    filled.clear();
+  };
+  visit(map, coordinates, {.cell = wanted.size, .across = across}, wanted, submap_bytes,
+        [&](const TileNumber& number, std::span<const CloudPoint> points) {
+          if (number != square) {
+            empty_out();
+            square = number;
+          }
+          for (const CloudPoint& point : points) {
+            filled[tiles.tile_of(point.position.head<2>())].push_back(point);
+          }
+        });
+  empty_out();
 }
 
 void visit_thinned_cloud(const MapDatabase& map, const ProductCoordinates& coordinates,

@@ -30,7 +30,7 @@ std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
                                            const ProductCoordinates& coordinates,
                                            const CloudSelection& selection);
 
-/// A square of a plane, ordered by rows: from size * (x, y) to size * (x + 1, y + 1).
+/// A square of a plane, compared row by row: from size * (x, y) to size * (x + 1, y + 1).
 struct TileNumber {
   int64_t y = 0;
   int64_t x = 0;
@@ -45,7 +45,7 @@ struct TiledCloud {
   CloudSelection selection{};
 };
 
-/// Tile by tile; the points of one may come in several pieces, one after the other. Throws
+/// Tile by tile, each once and as a whole, those of a neighbourhood one after the other. Throws
 /// InputError where the map is damaged.
 void visit_tiles(const MapDatabase& map, const ProductCoordinates& coordinates,
                  const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take);
