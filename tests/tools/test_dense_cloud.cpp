@@ -51,13 +51,13 @@ TEST(PlacedPoints, EachReturnIsWhereItsOwnTimePutsIt) {
                     .times = {0.0F, 0.01F, 0.02F, 0.05F},
                     .rings = {3, 4, 5, 6},
                     .source = {}};
-  const std::vector<TimedPoint> placed = placed_points(sweep, *path.from(milliseconds(1000)));
+  const std::vector<CloudPoint> placed = placed_points(sweep, *path.from(milliseconds(1000)));
   ASSERT_EQ(placed.size(), 2U);
-  EXPECT_FLOAT_EQ(placed[0].x, 5.0F);
+  EXPECT_NEAR(placed[0].position.x(), 5.0, 1e-6);
   EXPECT_FLOAT_EQ(placed[0].intensity, 7.0F);
   EXPECT_EQ(placed[0].ring, 3);
-  EXPECT_FLOAT_EQ(placed[1].x, 5.5F);
-  EXPECT_NEAR(placed[1].time, 1.05, 1e-6);
+  EXPECT_NEAR(placed[1].position.x(), 5.5, 1e-6);
+  EXPECT_NEAR(seconds(placed[1].time), 1.05, 1e-6);
   EXPECT_EQ(placed[1].ring, 6);
 }
 

@@ -18,13 +18,18 @@ std::string zero_padded(uint64_t count) {
 }  // namespace
 
 template <class P>
-BasicPcdWriter<P>::BasicPcdWriter(std::filesystem::path path) : file_(std::move(path)) {
-  std::string head =
-      std::is_same_v<P, TimedPoint>
-          ? "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity time ring\nSIZE 4 4 4 4 8 2\n"
-            "TYPE F F F F F U\nCOUNT 1 1 1 1 1 1\nWIDTH "
-          : "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
-            "COUNT 1 1 1 1\nWIDTH ";
+BasicPcdWriter<P>::BasicPcdWriter(std::filesystem::path path,
+                                  const std::vector<std::string>& comments)
+    : file_(std::move(path)) {
+  std::string head = "# .PCD v0.7\n";
+  for (const std::string& comment : comments) {
+    head += "# " + comment + "\n";
+  }
+  head += std::is_same_v<P, TimedPoint>
+              ? "VERSION 0.7\nFIELDS x y z intensity time ring\nSIZE 4 4 4 4 8 2\n"
+                "TYPE F F F F F U\nCOUNT 1 1 1 1 1 1\nWIDTH "
+              : "VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
+                "COUNT 1 1 1 1\nWIDTH ";
   width_offset_ = head.size();
   head += zero_padded(0) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS ";
   points_offset_ = head.size();

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/clouds/timed_point.hpp"
@@ -17,7 +19,9 @@ namespace adit {
 template <class P>
 class BasicPcdWriter {
  public:
-  explicit BasicPcdWriter(std::filesystem::path path);
+  /// `comments` stand in the header, a line each.
+  explicit BasicPcdWriter(std::filesystem::path path,
+                          const std::vector<std::string>& comments = {});
 
   void write(std::span<const P> points);
   void close();  ///< must be called for the file to be whole; the destructor cannot report

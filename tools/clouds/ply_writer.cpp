@@ -23,8 +23,14 @@ std::string space_padded(uint64_t count) {
 }  // namespace
 
 template <class P>
-BasicPlyWriter<P>::BasicPlyWriter(std::filesystem::path path) : file_(std::move(path)) {
-  const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+BasicPlyWriter<P>::BasicPlyWriter(std::filesystem::path path,
+                                  const std::vector<std::string>& comments)
+    : file_(std::move(path)) {
+  std::string head = "ply\nformat binary_little_endian 1.0\n";
+  for (const std::string& comment : comments) {
+    head += "comment " + comment + "\n";
+  }
+  head += "element vertex ";
   count_offset_ = head.size();
   file_.write(head);
   file_.write(space_padded(0));

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/clouds/timed_point.hpp"
@@ -18,7 +20,9 @@ namespace adit {
 template <class P>
 class BasicPlyWriter {
  public:
-  explicit BasicPlyWriter(std::filesystem::path path);
+  /// `comments` stand in the header, a line each.
+  explicit BasicPlyWriter(std::filesystem::path path,
+                          const std::vector<std::string>& comments = {});
 
   void write(std::span<const P> points);
   void flush();  ///< brings the file's vertex count up to date

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct Image {
 
 /// The picture as PNG: all bytes of such a file.
 std::string png_bytes(const Image& image);
+
+/// The same of red, green, blue and opacity a pixel, row by row from the top.
+std::string png_bytes_with_alpha(int width, int height, std::span<const uint8_t> pixels);
 
 /// Writes the picture as PNG. Throws OutputError.
 void write_png(const std::filesystem::path& file, const Image& image);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "adit/tools/clouds/returns.hpp"
@@ -45,10 +46,9 @@ std::optional<SensorPath::Stretch> SensorPath::from(Nanoseconds stamp) const {
   return stretch;
 }
 
-std::vector<TimedPoint> placed_points(const Sweep& sweep, const SensorPath::Stretch& path) {
-  std::vector<TimedPoint> placed;
+std::vector<CloudPoint> placed_points(const Sweep& sweep, const SensorPath::Stretch& path) {
+  std::vector<CloudPoint> placed;
   placed.reserve(sweep.points.size());
-  const double begin = seconds(sweep.stamp);
   float last_time = -1.0F;
   Eigen::Isometry3d T_map_lidar = path.at(0.0);
   for (std::size_t i = 0; i < sweep.points.size(); ++i) {
@@ -61,14 +61,11 @@ std::vector<TimedPoint> placed_points(const Sweep& sweep, const SensorPath::Stre
       T_map_lidar = path.at(static_cast<double>(time));
       last_time = time;
     }
-    const Eigen::Vector3f p =
-        (T_map_lidar * Eigen::Vector3d(point.x, point.y, point.z)).cast<float>();
-    placed.push_back({.x = p.x(),
-                      .y = p.y(),
-                      .z = p.z(),
-                      .intensity = point.intensity,
-                      .time = begin + static_cast<double>(time),
-                      .ring = sweep.rings.empty() ? uint16_t{0} : sweep.rings[i]});
+    placed.push_back(
+        {.position = T_map_lidar * Eigen::Vector3d(point.x, point.y, point.z),
+         .time = sweep.stamp + nanoseconds(std::isfinite(time) ? static_cast<double>(time) : 0.0),
+         .intensity = point.intensity,
+         .ring = sweep.rings.empty() ? uint16_t{0} : sweep.rings[i]});
   }
   return placed;
 }

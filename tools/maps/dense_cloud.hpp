@@ -8,7 +8,7 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/types.hpp"
-#include "adit/tools/clouds/timed_point.hpp"
+#include "adit/tools/maps/cloud_selection.hpp"
 
 namespace adit {
 
@@ -39,6 +39,6 @@ class SensorPath {
 };
 
 /// The returns of a sweep in the map's frame, each from where the sensor was at its time.
-std::vector<TimedPoint> placed_points(const Sweep& sweep, const SensorPath::Stretch& path);
+std::vector<CloudPoint> placed_points(const Sweep& sweep, const SensorPath::Stretch& path);
 
 }  // namespace adit

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,8 +20,13 @@ namespace {
 constexpr double kVoxelsAcross = 512.0;
 constexpr double kNarrowest = 16.0;  // m
 constexpr double kWidest = 256.0;    // m
-// The index of places is in single precision, and rounds outwards.
+// The index of places is in single precision, and rounds outwards; in coordinates that are turned
+// and scaled a box is no box any more, by less than this share of it.
 constexpr double kMargin = 1e-3;  // m
+constexpr double kMarginShare = 1e-3;
+
+// m: points of a square of that side are in memory at a time.
+constexpr double kFilledAtATime = 64.0;
 
 int64_t voxels_across(double resolution) {
   const double width = std::clamp(kVoxelsAcross * resolution, kNarrowest, kWidest);
@@ -37,95 +41,177 @@ int64_t floor_divided(int64_t number, int64_t by) {
 constexpr double kFarthest = 1e8;  // m
 constexpr double kLargest = 1e4;   // m
 
-/// Ordered by rows.
-struct Tile {
-  int64_t y = 0;
-  int64_t x = 0;
-  auto operator<=>(const Tile&) const = default;
+bool is_possible(const Eigen::AlignedBox3d& box) {
+  return (box.min().array().abs() < kFarthest).all() &&
+         (box.max().array().abs() < kFarthest).all() && (box.sizes().array() < kLargest).all();
+}
+
+Eigen::AlignedBox2d box_in(const ProductCoordinates& coordinates, const Eigen::AlignedBox3d& box) {
+  Eigen::AlignedBox2d plane;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto type = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
+    plane.extend(
+        Eigen::Vector2d(coordinates.from_map(Eigen::Vector3d(box.corner(type))).head<2>()));
+  }
+  const double margin =
+      kMargin +
+      (coordinates.frame() == ProductFrame::map ? 0.0 : kMarginShare * plane.sizes().maxCoeff());
+  return {plane.min() - Eigen::Vector2d::Constant(margin),
+          plane.max() + Eigen::Vector2d::Constant(margin)};
+}
+
+/// Squares of `across` cells of `cell` m: a voxel is never in two of them.
+struct Grid {
+  double cell = 1.0;  ///< m
+  int64_t across = 1;
+
+  int64_t number(double coordinate) const {
+    return floor_divided(static_cast<int64_t>(std::floor(coordinate / cell)), across);
+  }
+  TileNumber tile_of(const Eigen::Vector2d& p) const {
+    return {.y = number(p.y()), .x = number(p.x())};
+  }
 };
 
-class Tiles {
- public:
-  Tiles(const MapDatabase& map, double resolution, uint64_t submap_bytes)
-      : map_(&map),
-        resolution_(resolution),
-        across_(voxels_across(resolution)),
-        cache_(map, submap_bytes) {
-    const std::map<NodeId, Eigen::AlignedBox3d> boxes = map.boxes();
-    for (const MapKeyframe& keyframe : map.keyframes()) {
-      const auto box = boxes.find(keyframe.id);
-      if (box == boxes.end() || !is_possible(box->second)) {
-        throw InputError(map.file(), {},
-                         "submap " + std::to_string(keyframe.id) +
-                             " has no place, or none that is "
-                             "possible",
-                         "`adit check` says what else is wrong");
+/// Keyframes whose submaps may reach into each tile, in the order of ids.
+std::map<TileNumber, std::vector<MapKeyframe>> keyframes_by_tile(
+    const MapDatabase& map, const ProductCoordinates& coordinates, const CloudSelection& selection,
+    const Grid& grid) {
+  std::map<TileNumber, std::vector<MapKeyframe>> tiles;
+  const std::map<NodeId, Eigen::AlignedBox3d> boxes = map.boxes();
+  for (const MapKeyframe& keyframe : map.keyframes()) {
+    const auto box = boxes.find(keyframe.id);
+    if (box == boxes.end() || !is_possible(box->second)) {
+      throw InputError(map.file(), {},
+                       "submap " + std::to_string(keyframe.id) +
+                           " has no place, or none that is "
+                           "possible",
+                       "`adit check` says what else is wrong");
+    }
+    if (!selection.sessions.empty() && !selection.sessions.contains(keyframe.session)) {
+      continue;
+    }
+    const Eigen::AlignedBox2d plane = box_in(coordinates, box->second);
+    const TileNumber first = grid.tile_of(plane.min());
+    const TileNumber last = grid.tile_of(plane.max());
+    for (TileNumber tile = first; tile.y <= last.y; ++tile.y) {
+      for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
+        tiles[tile].push_back(keyframe);
       }
-      poses_.emplace(keyframe.id, keyframe.T_map_keyframe);
-      const Tile first = tile_of(box->second.min() - Eigen::Vector3d::Constant(kMargin));
-      const Tile last = tile_of(box->second.max() + Eigen::Vector3d::Constant(kMargin));
-      for (Tile tile = first; tile.y <= last.y; ++tile.y) {
-        for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
-          submaps_[tile].push_back(keyframe.id);
+    }
+  }
+  return tiles;
+}
+
+void visit(const MapDatabase& map, const ProductCoordinates& coordinates, const Grid& grid,
+           const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take) {
+  SubmapCache cache(map, submap_bytes);
+  std::vector<CloudPoint> chosen;
+  for (const auto& [tile, keyframes] :
+       keyframes_by_tile(map, coordinates, wanted.selection, grid)) {
+    std::optional<MapThinning> thinning;
+    if (wanted.resolution) {
+      thinning.emplace(*wanted.resolution);
+    }
+    for (const MapKeyframe& keyframe : keyframes) {
+      chosen.clear();
+      const auto submap = load_submap(cache, keyframe.id, map.file());
+      for (const CloudPoint& point :
+           points_of_keyframe(keyframe, *submap, coordinates, wanted.selection)) {
+        if (grid.tile_of(point.position.head<2>()) == tile &&
+            (!thinning || thinning->take(point.position))) {
+          chosen.push_back(point);
         }
       }
-    }
-  }
-
-  void visit(const std::function<void(std::span<const Point>)>& take) {
-    for (const auto& [tile, ids] : submaps_) {
-      const std::vector<Point>& points = points_of(tile, ids);
-      if (!points.empty()) {
-        take(points);
+      if (!chosen.empty()) {
+        take(tile, chosen);
       }
     }
   }
-
- private:
-  int64_t voxel_of(double coordinate) const {
-    return static_cast<int64_t>(std::floor(coordinate / resolution_));
-  }
-  Tile tile_of(const Eigen::Vector3d& point) const {
-    return {.y = floor_divided(voxel_of(point.y()), across_),
-            .x = floor_divided(voxel_of(point.x()), across_)};
-  }
-
-  static bool is_possible(const Eigen::AlignedBox3d& box) {
-    return (box.min().array().abs() < kFarthest).all() &&
-           (box.max().array().abs() < kFarthest).all() && (box.sizes().array() < kLargest).all();
-  }
-
-  const std::vector<Point>& points_of(const Tile& tile, const std::vector<NodeId>& ids) {
-    points_.clear();
-    MapThinning thinning(resolution_);
-    for (const NodeId id : ids) {
-      const auto submap = load_submap(cache_, id, map_->file());
-      const Eigen::Isometry3d& T_map_keyframe = poses_.at(id);
-      for (const SubmapPoint& point : submap->points) {
-        const Eigen::Vector3d p = T_map_keyframe * point.position();
-        if (tile_of(p) == tile && thinning.take(p)) {
-          const Eigen::Vector3f single = p.cast<float>();
-          points_.push_back({.x = single.x(), .y = single.y(), .z = single.z()});
-        }
-      }
-    }
-    return points_;
-  }
-
-  const MapDatabase* map_;
-  double resolution_;
-  int64_t across_;  ///< voxels
-  SubmapCache cache_;
-  std::map<NodeId, Eigen::Isometry3d> poses_;
-  std::map<Tile, std::vector<NodeId>> submaps_;  ///< that reach into them, in the order of ids
-  std::vector<Point> points_;                    ///< of the tile that was visited last
-};
+}
 
 }  // namespace
 
+std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
+                                           const KeyframeSubmap& submap,
+                                           const ProductCoordinates& coordinates,
+                                           const CloudSelection& selection) {
+  std::vector<CloudPoint> points;
+  points.reserve(submap.points.size());
+  for (const SubmapPoint& measured : submap.points) {
+    const Nanoseconds time = measured.sweep < submap.sweeps.size()
+                                 ? submap.sweeps[measured.sweep].stamp
+                                 : keyframe.stamp;
+    const CloudPoint point{.position = coordinates.from_map(
+                               Eigen::Vector3d(keyframe.T_map_keyframe * measured.position())),
+                           .time = time,
+                           .keyframe = keyframe.id,
+                           .session = keyframe.session,
+                           .moving = measured.seen_through};
+    if (is_wanted(selection, point)) {
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+void visit_cloud(const MapDatabase& map, const ProductCoordinates& coordinates,
+                 const CloudSelection& selection, const TakeCloud& take) {
+  for (const MapKeyframe& keyframe : map.keyframes()) {
+    if (!selection.sessions.empty() && !selection.sessions.contains(keyframe.session)) {
+      continue;
+    }
+    take(points_of_keyframe(keyframe, load_submap(map, keyframe.id, map.file()), coordinates,
+                            selection));
+  }
+}
+
+void visit_tiles(const MapDatabase& map, const ProductCoordinates& coordinates,
+                 const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take) {
+  // A submap reaches into dozens of small tiles: several are filled at a time.
+  const auto across = static_cast<int64_t>(std::max(1.0, std::floor(kFilledAtATime / wanted.size)));
+  const Grid tiles{.cell = wanted.size, .across = 1};
+  std::map<TileNumber, std::vector<CloudPoint>> filled;
+  TileNumber square;
+  const auto empty_out = [&] {
+    for (const auto& [tile, points] : filled) {
+      take(tile, points);
+    }
+    filled.clear();
+  };
+  visit(map, coordinates, {.cell = wanted.size, .across = across}, wanted, submap_bytes,
+        [&](const TileNumber& number, std::span<const CloudPoint> points) {
+          if (number != square) {
+            empty_out();
+            square = number;
+          }
+          for (const CloudPoint& point : points) {
+            filled[tiles.tile_of(point.position.head<2>())].push_back(point);
+          }
+        });
+  empty_out();
+}
+
+void visit_thinned_cloud(const MapDatabase& map, const ProductCoordinates& coordinates,
+                         const CloudSelection& selection, double resolution, uint64_t submap_bytes,
+                         const TakeCloud& take) {
+  visit(map, coordinates, {.cell = resolution, .across = voxels_across(resolution)},
+        {.size = 0.0, .resolution = resolution, .selection = selection}, submap_bytes,
+        [&](const TileNumber&, std::span<const CloudPoint> points) { take(points); });
+}
+
 void visit_thinned_cloud(const MapDatabase& map, double resolution, uint64_t submap_bytes,
                          const std::function<void(std::span<const Point>)>& take) {
-  Tiles(map, resolution, submap_bytes).visit(take);
+  std::vector<Point> single;
+  visit_thinned_cloud(map, {}, {}, resolution, submap_bytes,
+                      [&](std::span<const CloudPoint> points) {
+                        single.clear();
+                        for (const CloudPoint& point : points) {
+                          const Eigen::Vector3f p = point.position.cast<float>();
+                          single.push_back({.x = p.x(), .y = p.y(), .z = p.z()});
+                        }
+                        take(single);
+                      });
 }
 
 }  // namespace adit

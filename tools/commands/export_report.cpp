@@ -1,0 +1,251 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/export_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "adit/slam/core/units.hpp"
+#include "adit/tools/clouds/las_writer.hpp"
+#include "adit/tools/commands/export_poses.hpp"
+#include "adit/tools/drawing/html_page.hpp"
+#include "adit/tools/drawing/markup.hpp"
+#include "adit/tools/maps/cloud_raster.hpp"
+#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/maps/tiled_cloud.hpp"
+#include "adit/tools/maps/trajectory_products.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/version.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kCoverageCell = 0.5;  // m
+
+/// A list of what there is, line by line.
+class Facts {
+ public:
+  void add(std::string_view name, const std::string& value) {
+    html_ += "<dt>" + escape_markup(name) + "</dt><dd>" + escape_markup(value) + "</dd>\n";
+  }
+  std::string section(std::string_view title) const {
+    return "<h2>" + escape_markup(title) + "</h2>\n<dl>\n" + html_ + "</dl>\n";
+  }
+
+ private:
+  std::string html_;
+};
+
+std::string finding(const std::string& text) {
+  return "<div class=\"finding\"><p>" + escape_markup(text) + "</p></div>\n";
+}
+
+/// Standard deviations by a covariance: of the first three or the last three coordinates.
+std::string deviations(const Matrix6d& covariance, Eigen::Index first, double unit,
+                       const char* text) {
+  const Eigen::Vector3d sigma =
+      covariance.diagonal().segment<3>(first).cwiseMax(0.0).cwiseSqrt() * unit;
+  return fmt::format("{:.3f}, {:.3f}, {:.3f} {}", sigma.x(), sigma.y(), sigma.z(), text);
+}
+
+std::string place_section(const ExportJob& job) {
+  Facts facts;
+  if (!job.georeference) {
+    facts.add("georeference", "none: coordinates are those of the map's own frame");
+    return facts.section("Coordinates");
+  }
+  const ProductCoordinates utm = coordinates_of(job, true);
+  const Geodetic& origin = job.georeference->origin;
+  const PlaceOnEarth begin = utm.place(Eigen::Vector3d::Zero());
+  facts.add("coordinate reference system", utm.name());
+  facts.add("datum, heights", "WGS 84; above the ellipsoid, no geoid applied");
+  facts.add("origin", fmt::format("{:.9f}, {:.9f} degrees, {:.3f} m", origin.latitude,
+                                  origin.longitude, origin.altitude));
+  facts.add("map's origin in UTM",
+            fmt::format("{:.3f} E, {:.3f} N, {:.3f} m, zone {}", begin.utm.easting,
+                        begin.utm.northing, begin.geodetic.altitude, to_string(utm.zone())));
+  facts.add("convergence, scale there",
+            fmt::format("{:.6f} degrees from true to grid north, {:.8f}",
+                        begin.utm.convergence * kDegreesPerRadian, begin.utm.scale));
+  if (job.options->origin) {
+    facts.add("placed", "by hand (--origin): its accuracy is not known");
+  } else {
+    const Matrix6d& covariance = job.georeference->covariance;
+    facts.add("placed", "by GNSS");
+    facts.add("standard deviation",
+              deviations(covariance, 0, 1.0, "m along the map's x, y, z; ") +
+                  deviations(covariance, 3, kDegreesPerRadian, "degrees about them"));
+  }
+  return facts.section("Coordinates");
+}
+
+std::string sessions_section(const ExportJob& job, const MapPath& path) {
+  std::string html;
+  for (const MapSession& session : job.map->sessions()) {
+    Facts facts;
+    const auto is_of_it = [&](const MapSweep& sweep) { return sweep.session == session.id; };
+    const auto first = std::ranges::find_if(path.sweeps, is_of_it);
+    if (first != path.sweeps.end()) {
+      const auto last = std::find_if(path.sweeps.rbegin(), path.sweeps.rend(), is_of_it);
+      const auto when = [](Nanoseconds stamp) {
+        std::string text;
+        if (is_unix_time(stamp)) {
+          return iso_time(stamp);
+        }
+        append_stamp(text, stamp);
+        return text + " s";
+      };
+      facts.add("first and last sweep", when(first->stamp) + ", " + when(last->stamp));
+    }
+    for (const auto& [name, value] : session.provenance) {
+      facts.add(name, value);
+    }
+    html += facts.section(fmt::format("Session {}: {}", session.id, session.name));
+  }
+  return html;
+}
+
+/// What was measured of the place: points, cells of a grid with points in them, extent.
+std::string coverage_section(const ExportJob& job, const ProductCoordinates& coordinates,
+                             const MapPath& path) {
+  CloudRaster raster(RasterValue::height, kCoverageCell);
+  uint64_t points = 0;
+  uint64_t moving = 0;
+  Eigen::AlignedBox3d box;
+  visit_cloud(*job.map, coordinates, {}, [&](std::span<const CloudPoint> some) {
+    raster.add(some);
+    points += some.size();
+    for (const CloudPoint& point : some) {
+      moving += point.moving ? 1U : 0U;
+      box.extend(point.position);
+    }
+    require_within(job);
+  });
+  double length = 0.0;
+  for (std::size_t i = 1; i < path.sweeps.size(); ++i) {
+    length +=
+        (path.sweeps[i].T_map_lidar.translation() - path.sweeps[i - 1].T_map_lidar.translation())
+            .norm();
+  }
+  Facts facts;
+  facts.add("path", fmt::format("{:.1f} m, {} sweeps", length, path.sweeps.size()));
+  facts.add("points", fmt::format("{}, of which {} moved and are class 64", points, moving));
+  facts.add("area with points",
+            fmt::format("{:.0f} m² in cells of {} m",
+                        static_cast<double>(raster.filled()) * kCoverageCell * kCoverageCell,
+                        kCoverageCell));
+  if (!box.isEmpty()) {
+    facts.add("extent", fmt::format("{:.3f} to {:.3f}, {:.3f} to {:.3f}, {:.3f} to {:.3f} m",
+                                    box.min().x(), box.max().x(), box.min().y(), box.max().y(),
+                                    box.min().z(), box.max().z()));
+  }
+  facts.add("of the extent", coordinates.name());
+  return facts.section("Coverage");
+}
+
+std::string graph_section(const MapDatabase& map) {
+  std::size_t odometry = 0;
+  std::size_t loops = 0;
+  std::size_t revoked = 0;
+  const PoseGraph graph = map.graph();
+  for (const PoseEdge& edge : graph.edges()) {
+    ++(edge.status == EdgeStatus::revoked ? revoked
+       : edge.kind == EdgeKind::loop      ? loops
+                                          : odometry);
+  }
+  std::map<std::string, std::size_t> reasons;
+  double correction = 0.0;
+  double turn = 0.0;
+  for (const LoopCandidate& candidate : map.candidates()) {
+    if (candidate.verdict == CandidateVerdict::accepted) {
+      correction = std::max(correction, candidate.correction);
+      turn = std::max(turn, candidate.turn);
+    } else {
+      ++reasons[candidate.reason.empty() ? std::string(to_string(candidate.verdict))
+                                         : candidate.reason];
+    }
+  }
+  Facts facts;
+  facts.add("keyframes", std::to_string(graph.nodes().size()));
+  facts.add("edges",
+            fmt::format("{} of the odometry, {} loops, {} revoked", odometry, loops, revoked));
+  if (loops > 0) {
+    facts.add("largest correction by a loop",
+              fmt::format("{:.3f} m, {:.3f} degrees", correction, turn * kDegreesPerRadian));
+  }
+  for (const auto& [reason, count] : reasons) {
+    facts.add("candidates not taken: " + reason, std::to_string(count));
+  }
+  return facts.section("Pose graph");
+}
+
+std::string warnings(const ExportJob& job, const MapPath& path) {
+  std::string html;
+  if (!job.georeference) {
+    html += finding("The map has no place on the Earth.");
+  } else if (job.options->origin) {
+    html += finding("The map was placed by hand. Nothing measured says how well.");
+  }
+  const std::size_t parts = connected_components(job.map->graph()).components.size();
+  if (parts > 1) {
+    html +=
+        finding(fmt::format("The map has {} parts without an edge between them: how they lie "
+                            "to each other is a guess.",
+                            parts));
+  }
+  for (const MapSession& session : job.map->sessions()) {
+    const SessionProgress run = job.map->progress(session.id);
+    if (!run.complete) {
+      html +=
+          finding(fmt::format("The run of session {} is not known to be complete.", session.id));
+    } else if (run.edited) {
+      html += finding(fmt::format("Session {} was edited after its run.", session.id));
+    }
+  }
+  std::size_t level = 0;
+  const std::vector<MapKeyframe> keyframes = job.map->keyframes();
+  for (const MapKeyframe& keyframe : keyframes) {
+    level +=
+        load_sweeps(*job.map, keyframe.id, job.map->file()).vertical == Vertical::unknown ? 0U : 1U;
+  }
+  if (level < keyframes.size()) {
+    html += finding(fmt::format("{} of {} keyframes have nothing that tells which way is up.",
+                                keyframes.size() - level, keyframes.size()));
+  }
+  if (!std::ranges::all_of(path.sweeps,
+                           [](const MapSweep& sweep) { return is_unix_time(sweep.stamp); })) {
+    html += finding("The recording's stamps are not UNIX times: no date is known.");
+  }
+  return html.empty() ? "" : "<h2>To be watched</h2>\n" + html;
+}
+
+}  // namespace
+
+std::string export_report(const ExportJob& job) {
+  const MapPath path = map_path(*job.map, {});
+  const ProductCoordinates coordinates = coordinates_of(job, true);
+  const ProductCoordinates picture =
+      job.georeference ? ProductCoordinates(*job.georeference, ProductFrame::local)
+                       : ProductCoordinates();
+  const std::string name = job.options->map.filename().string();
+  const std::string title = "Report on " + name;
+  Facts made;
+  made.add("map", name);
+  made.add("report by", "adit " + std::string(version()));
+  std::string body =
+      "<h1>" + escape_markup(title) + "</h1>\n" + warnings(job, path) + place_section(job) +
+      coverage_section(job, coordinates, path) + "<h2>From above</h2>\n" +
+      drawing_of(job, picture,
+                 job.georeference ? "North is up; m east and north of the origin"
+                                  : "In the map's frame, m",
+                 PictureFormat::svg) +
+      graph_section(*job.map) + sessions_section(job, path) + made.section("Made by");
+  write_text_file(job.file, html_page(title, body));
+  return "a page for printing" + in_coordinates(coordinates);
+}
+
+}  // namespace adit

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Points of a map on their way into products, and which of them are wanted.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/slam/mapping/map_store.hpp"
+
+namespace adit {
+
+/// A point with what is known of it. Submaps keep neither intensity nor ring: 0.
+struct CloudPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, in the product's coordinates
+  /// When it was measured; of a submap's point the stamp of the sweep whose sensor was nearest.
+  Nanoseconds time{0};
+  float intensity = 0.0F;  ///< the sensor's own scale
+  uint16_t ring = 0;       ///< beam
+  NodeId keyframe = 0;
+  SessionId session = 0;
+  bool moving = false;  ///< other sweeps saw through it
+};
+using TakeCloud = std::function<void(std::span<const CloudPoint>)>;
+
+/// What is wanted; everything unless something is said.
+struct CloudSelection {
+  std::set<SessionId> sessions{};      ///< empty: all
+  std::optional<Nanoseconds> from{};   ///< stamps
+  std::optional<Nanoseconds> until{};  ///< including it
+  /// Corners in the product's coordinates, m, in either sense; empty: everywhere.
+  std::vector<Eigen::Vector2d> polygon{};
+  bool without_moving = false;
+};
+
+/// By session and time: a keyframe or sweep as a whole.
+bool is_wanted(const CloudSelection& selection, SessionId session, Nanoseconds stamp);
+bool is_wanted(const CloudSelection& selection, const CloudPoint& point);
+
+/// Inside, by the number of sides that a ray to the east crosses.
+bool is_within(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& point);
+
+}  // namespace adit

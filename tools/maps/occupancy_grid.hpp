@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A map as robots that drive on a floor know it: what is free, occupied and unknown.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/product_coordinates.hpp"
+#include "adit/tools/maps/tiled_cloud.hpp"
+
+namespace adit {
+
+struct OccupancyGridConfig {
+  double cell = 0.05;  ///< m
+  /// What stands in the way: heights above the sensor that saw it, m. Lower points are ground.
+  double low = -0.3;
+  double high = 0.3;
+};
+
+/// Cells with static points of these heights are occupied. Free are others that such a point was
+/// seen across, from no more than 30 m, or that have ground in them. z must be up.
+class OccupancyGrid {
+ public:
+  explicit OccupancyGrid(const OccupancyGridConfig& config) : config_(config) {}
+
+  void add(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
+           const ProductCoordinates& coordinates);
+
+  bool empty() const { return blocks_.empty(); }
+  int64_t columns() const { return empty() ? 0 : high_.x() - low_.x() + 1; }
+  int64_t rows() const { return empty() ? 0 : high_.y() - low_.y() + 1; }
+
+  /// As ROS map_server reads it: PGM with 0 for occupied, 254 for free and 205 for unknown.
+  void write_pgm(const std::filesystem::path& file) const;
+  std::string yaml(const std::string& picture) const;
+
+ private:
+  using Index = Eigen::Matrix<int64_t, 2, 1>;
+  enum class State : uint8_t { unknown, free, occupied };
+
+  Index index_of(const Eigen::Vector3d& place) const;
+  void mark(const Index& index, State state);
+  void mark_free_between(const Eigen::Vector3d& sensor, const Eigen::Vector3d& end);
+
+  OccupancyGridConfig config_;
+  std::map<TileNumber, std::vector<State>> blocks_;
+  Index low_ = Index::Zero();
+  Index high_ = Index::Zero();
+};
+
+}  // namespace adit
