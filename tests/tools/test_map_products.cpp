@@ -330,12 +330,12 @@ TEST_F(MapProducts, TilesHoldAllPointsOnceAndAreThoseOfAutoware) {
   EXPECT_TRUE(metadata.starts_with("x_resolution: 20.0\ny_resolution: 20.0\n"));
   for (const auto& entry : fs::directory_iterator(folder / "pointcloud_map.pcd")) {
     const std::string name = entry.path().filename().string();
-    const std::size_t at = metadata.find(name + ": [");
+    const std::size_t at = metadata.find("\n" + name + ": [");
     ASSERT_NE(at, std::string::npos) << name;
     double x = 0.0;
     double y = 0.0;
     char comma = ' ';
-    std::istringstream(metadata.substr(at + name.size() + 3)) >> x >> comma >> y;
+    std::istringstream(metadata.substr(at + name.size() + 4)) >> x >> comma >> y;
     for (const Point& point : read_pcd(entry.path()).sweep.points) {
       EXPECT_TRUE(point.x > x - kMillimetre && point.x < x + 20.0 + kMillimetre) << name;
       EXPECT_TRUE(point.y > y - kMillimetre && point.y < y + 20.0 + kMillimetre) << name;
@@ -437,7 +437,7 @@ TEST_F(MapProducts, ArePartsWhereSomebodyAsksForParts) {
   EXPECT_EQ(points({.sessions = {1}}), all.size());
   EXPECT_EQ(points({.from = 1'700'000'001.0, .until = 1'700'000'002.0}), kPoints);
   EXPECT_EQ(points({.without_moving = true}), all.size() - all.size() / 10);
-  EXPECT_LT(points({.resolution = 4.0}), all.size() / 2);
+  EXPECT_LT(points({.resolution = 8.0}), all.size() / 4);
 }
 
 TEST_F(MapProducts, SayWhatCannotBe) {

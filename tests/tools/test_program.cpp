@@ -121,7 +121,7 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
                      "'best' is none of se3, sim3, origin or none");
   expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
                      "'-1' is not possible; it takes a number of 0 or more");
-  expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply or pcd");
+  expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply, pcd or las");
   expect_usage_error({"run", "a", "-o", "b", "--device"}, "--device lacks its DEVICE");
   const test::TemporaryFolder folder;
   expect_usage_error({"evaluate", folder.path().c_str()}, "is no folder of a run");
