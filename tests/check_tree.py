@@ -31,7 +31,7 @@ GROUPS = [
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
     "tools/topics", "tools/results", "tools/simulator", "tools/maps", "tools/run", "tools/evaluation",
     "tools/inspection", "tools/commands",
-    "benchmarks/reference", "benchmarks/verify", "benchmarks", "tests",
+    "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]
 # Includes of the project's own files begin so, that none can collide with a user's.
 PREFIX = "adit/"

@@ -32,24 +32,8 @@ mkdir -p "$stage/bin" "$stage/lib" "$stage/licenses"
 cp "$build/tools/adit" "$stage/bin/"
 cp "$root/README.md" "$root/LICENSE" "$root/CHANGELOG.md" "$stage/"
 
-# Libraries that every glibc system has. All others that the program loads are put beside it.
-is_glibc() { [[ $1 =~ ^(linux-vdso|ld-linux-[^/]*|libc|libm|libdl|librt|libpthread)\.so ]]; }
-
-declare -A licensed=()
-add_license() { # PACKAGE
-  local from=/usr/share/doc/$1/copyright
-  [[ -z ${licensed[$1]:-} ]] || return 0
-  [[ -f $from ]] || die "the licence of $1 is not at $from"
-  cp "$from" "$stage/licenses/$1.txt"
-  licensed[$1]=1
-}
-
-owner_of() { # FILE: the Debian package it comes from
-  local file
-  file=$(realpath "$1")
-  # Files that were packaged before /lib became /usr/lib are known by their old place.
-  { dpkg-query -S "$file" || dpkg-query -S "${file#/usr}" || true; } 2>/dev/null | sed 's/:.*//' | head -n 1
-}
+licenses=$stage/licenses
+source "$root/tools/licenses.sh"
 
 bundle() { # NAME PATH
   local package
@@ -70,12 +54,10 @@ done < <(ldd "$stage/bin/adit" | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 # Compiled or linked in: header-only libraries, the C++ and Fortran runtimes, Ceres and what it needs.
 linked=(libceres-dev libgeographiclib-dev libsuitesparse-dev libatlas-base-dev libgoogle-glog-dev libgflags-dev libgfortran-12-dev
   libstdc++6)
-for package in libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libxxhash-dev libvulkan-dev "${linked[@]}"; do
+for package in "${compiled_in[@]}" "${linked[@]}"; do
   add_license "$package"
 done
-for text in GPL-3 LGPL-2.1 Apache-2.0; do # which those files refer to
-  cp "/usr/share/common-licenses/$text" "$stage/licenses/$text.txt"
-done
+add_common_licenses
 
 # What the package is, and where the source of each part of it is found: one line each.
 {
@@ -90,9 +72,7 @@ Apache License builds adit with a Ceres without SuiteSparse.
 Each part's licence is in licenses/NAME.txt.
 
 EOT
-  for package in "${!licensed[@]}"; do
-    dpkg-query -W -f '${Package} ${Version} (source ${source:Package} ${source:Version})\n' "$package" | head -n 1
-  done | LC_ALL=C sort
+  list_components
 } >"$stage/COMPONENTS.txt"
 
 # What was staged stands alone: nothing from outside but glibc, and no newer glibc than promised.

@@ -26,6 +26,7 @@
 #include "adit/tools/run/run_mapping.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
+#include "adit/tools/run/sensor_topics.hpp"
 #include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -64,36 +65,6 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
   const std::size_t rest = size - start;
   const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
   return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
-}
-
-/// The first topic of that kind, or the one that is named by the setting. None where there is none.
-std::optional<std::size_t> choose_topic(const Recording& recording, TopicKind kind,
-                                        const std::optional<std::string>& name,
-                                        const std::string& setting, const std::string& sensor) {
-  const std::vector<Topic>& topics = recording.topics();
-  const auto found = std::ranges::find_if(topics, [&](const Topic& topic) {
-    return topic.kind == kind && (!name || topic.name == *name);
-  });
-  if (found == topics.end() && name) {
-    throw UsageError(setting + ": the recording has no " + sensor + " on '" + *name +
-                     "'; adit inspect lists its topics.");
-  }
-  return found == topics.end() ? std::nullopt
-                               : std::optional(static_cast<std::size_t>(found - topics.begin()));
-}
-
-std::optional<std::size_t> choose_imu(const Recording& recording, const Config& config) {
-  return config.imu.use ? choose_topic(recording, TopicKind::imu, config.recording.imu_topic,
-                                       "recording.imu_topic", "IMU")
-                        : std::nullopt;
-}
-
-/// Only a map has a use for fixes.
-std::optional<std::size_t> choose_gnss(const Recording& recording, const Config& config) {
-  return config.gnss.use && config.mapping.enabled
-             ? choose_topic(recording, TopicKind::gnss, config.recording.gnss_topic,
-                            "recording.gnss_topic", "GNSS receiver")
-             : std::nullopt;
 }
 
 /// How the IMU was found to be mounted is the effective setting.
@@ -256,7 +227,10 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
       *recording, options, options.topic ? options.topic : config.recording.sweep_topic);
   const std::size_t most_points =
       require_clear_point_times(*recording, sweeps.topic, options.recording);
-  const std::optional<std::size_t> imu_topic = choose_imu(*recording, config);
+  const std::optional<std::size_t> imu = imu_topic(*recording, config);
+  // Only a map has a use for fixes.
+  const std::optional<std::size_t> gnss =
+      config.mapping.enabled ? gnss_topic(*recording, config) : std::nullopt;
   const HighRateFiles high_rate_files(options.output);
   std::vector<std::filesystem::path> others;
   if (options.high_rate.enabled) {
@@ -284,7 +258,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
   const MemoryLimit memory(options.max_ram_bytes,
                            kWorkingBytes + kWorkingBytesAPoint * most_points);
-  SlamOptions wanted{.inertial = imu_topic.has_value(), .submap_bytes = memory.submap_bytes()};
+  SlamOptions wanted{.inertial = imu.has_value(), .submap_bytes = memory.submap_bytes()};
 
   std::optional<MapSession> origin;
   if (config.mapping.enabled) {
@@ -337,8 +311,8 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   RunOutcome outcome = map_and_close({.recording = options.strict_input ? *recording : *whole,
                                       .topic = sweeps.topic,
                                       .range = sweeps.range,
-                                      .imu_topic = imu_topic,
-                                      .gnss_topic = choose_gnss(*recording, config),
+                                      .imu_topic = imu,
+                                      .gnss_topic = gnss,
                                       .slam = *slam,
                                       .stop = [] { return StopSignal::received() != 0; },
                                       .memory = &memory,

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace adit::python {
+
+/// adit.Map and what it holds.
+void bind_map(pybind11::module_& module);
+
+}  // namespace adit::python

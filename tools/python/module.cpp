@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The Python module adit._adit; the package adit gives its content on.
+#include <exception>
+#include <new>
+#include <string>
+
+#include <pybind11/pybind11.h>
+
+#include "adit/engine/error.hpp"
+#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tools/python/clouds.hpp"
+#include "adit/tools/python/configuration.hpp"
+#include "adit/tools/python/device.hpp"
+#include "adit/tools/python/map.hpp"
+#include "adit/tools/python/measurements.hpp"
+#include "adit/tools/python/odometry.hpp"
+#include "adit/tools/python/program.hpp"
+#include "adit/tools/python/recording.hpp"
+#include "adit/tools/python/results.hpp"
+#include "adit/tools/python/slam.hpp"
+#include "adit/tools/python/trajectories.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit::python {
+namespace {
+
+namespace py = pybind11;
+
+/// The classes of Python for what adit throws.
+struct Exceptions {
+  PyObject* error = nullptr;
+  PyObject* input = nullptr;
+  PyObject* output = nullptr;
+  PyObject* usage = nullptr;
+  PyObject* device = nullptr;
+};
+Exceptions exceptions;
+
+PyObject* add_exception(py::module_& module, const char* name, const py::tuple& bases,
+                        const char* doc) {
+  PyObject* type = PyErr_NewExceptionWithDoc(("adit." + std::string(name)).c_str(), doc,
+                                             bases.ptr(), nullptr);
+  if (type == nullptr) {
+    throw py::error_already_set();
+  }
+  module.add_object(name, type);
+  return type;
+}
+
+void bind_exceptions(py::module_& module) {
+  const py::handle runtime_error(PyExc_RuntimeError);
+  exceptions.error = add_exception(module, "Error", py::make_tuple(runtime_error),
+                                   "What adit raises, with the program's own message.");
+  const py::handle error(exceptions.error);
+  exceptions.input = add_exception(
+      module, "InputError", py::make_tuple(error),
+      "A file that cannot be used: its name, the place in it, what was found, what to do.");
+  exceptions.output = add_exception(module, "OutputError", py::make_tuple(error),
+                                    "A result that cannot be written.");
+  exceptions.usage =
+      add_exception(module, "UsageError", py::make_tuple(error, py::handle(PyExc_ValueError)),
+                    "Something is asked for that cannot be: a name, a setting.");
+  exceptions.device =
+      add_exception(module, "DeviceError", py::make_tuple(error),
+                    "There is no device, it is refused, its memory is exhausted, or it failed.");
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) {
+        std::rethrow_exception(thrown);
+      }
+    } catch (const InputError& found) {
+      PyErr_SetString(exceptions.input, found.what());
+    } catch (const OutputError& found) {
+      PyErr_SetString(exceptions.output, found.what());
+    } catch (const FileError& found) {
+      PyErr_SetString(exceptions.input, found.what());
+    } catch (const UsageError& found) {
+      PyErr_SetString(exceptions.usage, found.what());
+    } catch (const SubmapDamaged& found) {
+      PyErr_SetString(exceptions.input, found.what());
+    } catch (const GraphError& found) {
+      PyErr_SetString(exceptions.input, found.what());
+    } catch (const engine::Error& found) {
+      PyErr_SetString(exceptions.device, found.what());
+    }
+  });
+}
+
+}  // namespace
+}  // namespace adit::python
+
+PYBIND11_MODULE(_adit, module) {
+  using namespace adit::python;
+  module.doc() = "Range-inertial-GNSS SLAM on any Vulkan device.";
+  bind_exceptions(module);
+  bind_device(module);
+  bind_configuration(module);
+  bind_measurements(module);
+  bind_recording(module);
+  bind_results(module);
+  bind_odometry(module);
+  bind_trajectories(module);
+  bind_slam(module);
+  bind_clouds(module);
+  bind_map(module);
+  bind_program(module);
+}

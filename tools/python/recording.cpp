@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/python/recording.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "adit/tools/python/configuration.hpp"
+#include "adit/tools/python/gil.hpp"
+#include "adit/tools/python/measurements.hpp"
+#include "adit/tools/recordings/tolerant_recording.hpp"
+#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/sensor_topics.hpp"
+#include "adit/tools/run/static_transforms.hpp"
+#include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit::python {
+namespace {
+
+using SharedRecording = std::shared_ptr<const RecordingFile>;
+
+/// The events of a recording, as a Python iterator; static transforms first.
+class EventIterator {
+ public:
+  EventIterator(SharedRecording recording, const std::vector<std::size_t>& topics,
+                std::vector<StaticTransform> transforms)
+      : recording_(std::move(recording)),
+        events_(recording_->events(topics)),
+        transforms_(std::move(transforms)) {}
+
+  py::object next() {
+    if (given_ < transforms_.size()) {
+      return py::cast(Measured<StaticTransform>{.value = transforms_[given_++]});
+    }
+    std::optional<Event> event;
+    {
+      const py::gil_scoped_release released;
+      const std::lock_guard lock(mutex_);
+      event = events_->next();
+    }
+    if (!event) {
+      throw py::stop_iteration();
+    }
+    return object_of(std::move(*event), recording_->topics());
+  }
+
+ private:
+  SharedRecording recording_;
+  std::unique_ptr<EventStream> events_;
+  std::vector<StaticTransform> transforms_;
+  std::size_t given_ = 0;
+  std::mutex mutex_;
+};
+
+std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& recording,
+                                       const std::optional<std::vector<std::string>>& names) {
+  const py::gil_scoped_release released;
+  std::vector<std::size_t> topics;
+  if (!names) {
+    topics = recording->sensors().all();
+    return std::make_unique<EventIterator>(recording, topics, recording->transforms());
+  }
+  for (const std::string& name : *names) {
+    topics.push_back(recording->topic_named(name));
+  }
+  if (topics.empty()) {
+    throw py::value_error("topics: none is named");
+  }
+  return std::make_unique<EventIterator>(recording, topics, std::vector<StaticTransform>{});
+}
+
+}  // namespace
+
+std::vector<std::size_t> SensorTopics::all() const {
+  std::vector<std::size_t> topics{sweeps};
+  for (const std::optional<std::size_t>& other : {imu, gnss}) {
+    if (other) {
+      topics.push_back(*other);
+    }
+  }
+  return topics;
+}
+
+RecordingFile::RecordingFile(const std::filesystem::path& path, const Config& config, bool strict)
+    : path_(path), config_(config), recording_(open_recording(path, config.recording)) {
+  if (!strict) {
+    whole_ = pass_over_damage(*recording_, [this](const InputError& error) {
+      const std::lock_guard lock(mutex_);
+      if (std::ranges::find(damage_, error.what()) == damage_.end()) {
+        damage_.emplace_back(error.what());
+      }
+    });
+  }
+}
+
+SensorTopics RecordingFile::sensors() const {
+  const std::lock_guard lock(mutex_);
+  if (!sensors_) {
+    const SensorTopics sensors{
+        .sweeps = sweep_topic(*recording_, path_, config_.recording.sweep_topic),
+        .imu = imu_topic(*recording_, config_),
+        .gnss = gnss_topic(*recording_, config_)};
+    static_cast<void>(require_clear_point_times(*recording_, sensors.sweeps, path_));
+    sensors_ = sensors;
+  }
+  return *sensors_;
+}
+
+std::vector<StaticTransform> RecordingFile::transforms() const {
+  return static_transforms(*recording_);
+}
+
+std::size_t RecordingFile::topic_named(const std::string& name) const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < topics().size(); ++i) {
+    if (topics()[i].name == name) {
+      return i;
+    }
+    names.push_back(topics()[i].name);
+  }
+  throw UsageError("there is no topic '" + name + "'. " + suggestion(name, names) + ".");
+}
+
+std::unique_ptr<EventStream> RecordingFile::events(const std::vector<std::size_t>& topics) const {
+  return (whole_ ? *whole_ : *recording_).events({.topics = topics});
+}
+
+std::vector<std::string> RecordingFile::damage() const {
+  const std::lock_guard lock(mutex_);
+  return damage_;
+}
+
+void bind_recording(py::module_& module) {
+  py::class_<Topic>(module, "Topic", "A named series of events of one kind.")
+      .def_readonly("name", &Topic::name, "For folders, what the folder holds.")
+      .def_readonly("type", &Topic::type, "Of its messages or files.")
+      .def_property_readonly(
+          "kind", [](const Topic& self) { return std::string(to_string(self.kind)); },
+          "sweeps, imu, gnss, poses, transforms or other.")
+      .def_readonly("messages", &Topic::messages, "How many there are; None: it is not told.")
+      .def("__repr__", [](const Topic& self) {
+        return "<adit.Topic " + self.name + ": " + std::string(to_string(self.kind)) + ">";
+      });
+  py::class_<EventIterator>(module, "EventIterator",
+                            "Events of a recording in the order in which they were recorded.")
+      .def("__iter__", [](const py::object& self) { return self; })
+      .def("__next__", &EventIterator::next);
+  py::class_<RecordingFile, std::shared_ptr<RecordingFile>>(
+      module, "Recording",
+      "A recording of any format that `adit run` reads. Iterating gives what a run maps: static\n"
+      "transforms, then sweeps, IMU samples and GNSS fixes as they were recorded.")
+      .def_property_readonly(
+          "path", [](const RecordingFile& self) { return self.path(); }, "What was opened.")
+      .def_property_readonly(
+          "config", [](const RecordingFile& self) { return self.config(); },
+          "The configuration that it was opened with.")
+      .def_property_readonly(
+          "topics", [](const RecordingFile& self) { return self.topics(); }, "All of its topics.")
+      .def_property_readonly(
+          "description", [](const RecordingFile& self) { return self.description(); },
+          "One line: what was recognised, and how much it is.")
+      .def_property_readonly(
+          "times_are_assumed", [](const RecordingFile& self) { return self.times_are_assumed(); },
+          "True where nothing tells the times and 10 Hz was assumed.")
+      .def_property_readonly(
+          "has_imu",
+          [](const RecordingFile& self) {
+            return without_gil([&] { return self.sensors().imu.has_value(); });
+          },
+          "True where it has an IMU that imu.use does not leave out.")
+      .def_property_readonly(
+          "has_gnss",
+          [](const RecordingFile& self) {
+            return without_gil([&] { return self.sensors().gnss.has_value(); });
+          },
+          "True where it has GNSS fixes that gnss.use does not leave out.")
+      .def_property_readonly(
+          "damage",
+          [](const RecordingFile& self) { return without_gil([&] { return self.damage(); }); },
+          "What was passed over so far because it is damaged, a sentence each.")
+      .def("events", &iterate, py::arg("topics") = py::none(),
+           "The events of these topics, by name; None: those that `adit run` maps. Where the\n"
+           "recording was opened with strict=True, a damaged place raises InputError, and the next\n"
+           "step of the iterator goes on behind it. UsageError: no such topic.")
+      .def("__iter__",
+           [](const std::shared_ptr<RecordingFile>& self) { return iterate(self, std::nullopt); })
+      .def("__repr__", [](const RecordingFile& self) {
+        return "<adit.Recording " + self.description() + ">";
+      });
+  module.def(
+      "open",
+      [](const std::filesystem::path& path, const py::object& config, bool strict) {
+        const Config wanted = config_of(config);
+        const py::gil_scoped_release released;
+        return std::make_shared<RecordingFile>(path, wanted, strict);
+      },
+      py::arg("path"), py::arg("config") = py::none(), py::kw_only(), py::arg("strict") = false,
+      "Opens an MCAP file, a ROS 1 bag, a rosbag2 folder, a capture of packets, or a folder or file\n"
+      "of sweeps. config: as Config() takes it; its section \"recording\" corrects what the\n"
+      "recording tells wrong. strict: raise at damage instead of passing over it. InputError.");
+}
+
+}  // namespace adit::python

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// adit.Recording: a file of any format that `adit run` reads, and its events.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+
+#include "adit/slam/core/config.hpp"
+#include "adit/tools/recordings/recording.hpp"
+
+namespace adit::python {
+
+namespace py = pybind11;
+
+/// The topics that a run maps, as indices.
+struct SensorTopics {
+  std::size_t sweeps = 0;
+  std::optional<std::size_t> imu{};
+  std::optional<std::size_t> gnss{};
+
+  std::vector<std::size_t> all() const;
+};
+
+class RecordingFile {
+ public:
+  /// Throws InputError.
+  RecordingFile(const std::filesystem::path& path, const Config& config, bool strict);
+
+  const std::filesystem::path& path() const { return path_; }
+  const Config& config() const { return config_; }
+  const std::vector<Topic>& topics() const { return recording_->topics(); }
+  std::string description() const { return recording_->description(); }
+  bool times_are_assumed() const { return recording_->times_are_assumed(); }
+
+  /// As `adit run` chooses them, with its checks: throws InputError, UsageError.
+  SensorTopics sensors() const;
+  std::vector<StaticTransform> transforms() const;
+  /// Index of a topic. Throws UsageError where there is none of that name.
+  std::size_t topic_named(const std::string& name) const;
+
+  /// Unless `strict`, damage is passed over and listed.
+  std::unique_ptr<EventStream> events(const std::vector<std::size_t>& topics) const;
+  std::vector<std::string> damage() const;
+
+ private:
+  std::filesystem::path path_;
+  Config config_;
+  std::unique_ptr<Recording> recording_;
+  std::unique_ptr<Recording> whole_;  ///< the same without its damage; null: strict
+  mutable std::mutex mutex_;
+  std::vector<std::string> damage_;
+  mutable std::optional<SensorTopics> sensors_;
+};
+
+void bind_recording(py::module_& module);
+
+}  // namespace adit::python
