@@ -32,7 +32,7 @@ def program():
 def drive(tmp_path_factory):
     """A small recording with an IMU and GNSS, and its ground truth beside it."""
     file = tmp_path_factory.mktemp("drive") / "drive.mcap"
-    adit.simulate("city", file, sensor="VLP-16", duration=6.0, seed=5, gnss="rtk")
+    adit.simulate("city", file, sensor="VLP-16", duration=4.0, seed=5, gnss="rtk")
     return file
 
 
@@ -48,19 +48,23 @@ def mapped(drive, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def room():
-    """A sweep of a room, (n, 4) float32, seen from (0, 0, 0) and from another place: (points, pose)."""
+    """A sweep of a room that is open on two sides, (n, 4) float32, as it is seen from a pose."""
     random = np.random.default_rng(3)
 
     def seen_from(pose):
         walls = []
-        for axis, place in ((0, -6.0), (0, 8.0), (1, -4.0), (1, 5.0), (2, -1.5), (2, 2.5)):
+        for axis, place in ((0, -6.0), (1, -4.0), (2, -1.5), (2, 2.5)):
             wall = random.uniform((-6.0, -4.0, -1.5), (8.0, 5.0, 2.5), (4000, 3))
             wall[:, axis] = place
             walls.append(wall)
-        box = random.uniform((2.0, 1.0, -1.5), (3.0, 2.5, 0.5), (4000, 3))
-        box[:2000, 0] = 2.0
-        box[2000:, 1] = 1.0
-        world = np.concatenate([*walls, box])
+        for i in range(6):  # boxes from the floor up, each elsewhere and of another size
+            lower = np.array([(-4.5, -2.5), (-3.0, 3.0), (0.5, -3.5), (2.0, 1.5), (4.5, -2.0), (6.0, 3.2)][i])
+            size = 0.5 + 0.2 * i
+            for axis in range(4):
+                side = random.uniform((*lower, -1.5), (*(lower + size), 0.2 * i + 0.2), (900, 3))
+                side[:, axis % 2] = lower[axis % 2] + (size if axis > 1 else 0.0)
+                walls.append(side)
+        world = np.concatenate(walls)
         local = (world - pose[:3, 3]) @ pose[:3, :3]
         return np.concatenate([local, np.ones((len(local), 1))], axis=1).astype(np.float32)
 

@@ -13,7 +13,7 @@ def test_keyframes_and_submaps(mapped):
     map_ = adit.Map(file)
     keyframes = map_.keyframes
     assert [k.id for k in keyframes] == list(range(report.keyframes))
-    assert keyframes[0].stamp == placed[0].stamp and np.array_equal(keyframes[0].pose, np.eye(4))
+    assert keyframes[0].stamp == placed[0].stamp and np.abs(keyframes[0].pose - np.eye(4)).max() < 1e-2
     points = sum(len(map_.submap(k.id)) for k in keyframes)
     assert points == report.points
     submap = map_.submap(keyframes[1].id)
@@ -96,6 +96,6 @@ def test_trajectories_and_evaluation(drive, mapped, tmp_path):
 
 
 def test_simulations_repeat(drive, tmp_path):
-    summary = adit.simulate("city", tmp_path / "again.mcap", sensor="VLP-16", duration=6.0, seed=5, gnss="rtk")
+    summary = adit.simulate("city", tmp_path / "again.mcap", sensor="VLP-16", duration=4.0, seed=5, gnss="rtk")
     assert (tmp_path / "again.mcap").read_bytes() == drive.read_bytes()
-    assert summary.sweeps == 60 and summary.imu_samples > 1000 and summary.gnss_fixes > 10
+    assert summary.sweeps == 40 and summary.imu_samples > 700 and summary.gnss_fixes > 10

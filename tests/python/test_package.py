@@ -57,7 +57,7 @@ def test_the_stubs_are_those_of_the_module(tmp_path):
 
 def test_python_m_adit_is_the_program(tmp_path, program, drive):
     answer = python("-m", "adit", "--version")
-    assert answer.returncode == 0 and answer.stdout == program("--version")
+    assert answer.returncode == 0 and answer.stdout.split("\n")[-2:] == program("--version").split("\n")[-2:]
     assert answer.stdout.startswith(f"adit {adit.version()}\n") and adit.__version__ == adit.version()
     assert python("-m", "adit").returncode == 2
     answer = python("-m", "adit", "rnu")

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import atexit
 import functools
-from typing import Iterable, Optional, Sequence, Union
+from typing import Iterable, Literal, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +32,8 @@ from ._adit import (Aligner, Alignment, Config, Device, DeviceError, DoubtfulStr
 
 __version__ = version()
 
-_Array = npt.NDArray[np.floating]
+_Array = Union[npt.NDArray[np.float32], npt.NDArray[np.float64]]
+_Method = Literal["vgicp", "ndt", "point-to-plane", "ndt-to-ndt"]
 
 __all__ = [
     "Aligner", "Alignment", "Config", "Device", "DeviceError", "DoubtfulStretch", "Edge", "Error", "Evaluation",
@@ -46,20 +47,20 @@ __all__ = [
 
 
 @functools.lru_cache(maxsize=4)
-def _aligner(method: str, resolution: float, min_overlap: float, device: Union[str, Device, None]) -> Aligner:
+def _aligner(method: _Method, resolution: float, min_overlap: float, device: Union[str, Device, None]) -> Aligner:
     return Aligner(method=method, resolution=resolution, min_overlap=min_overlap, device=device)
 
 
 atexit.register(_aligner.cache_clear)  # before the device is closed
 
 
-def align(a: _Array, b: _Array, guess: Optional[_Array] = None, *, method: str = "vgicp", resolution: float = 0.0,
+def align(a: _Array, b: _Array, guess: Optional[_Array] = None, *, method: _Method = "vgicp", resolution: float = 0.0,
           min_overlap: float = 0.4, device: Union[str, Device, None] = None) -> Alignment:
     """The relative pose T_a_b of two clouds, as Aligner.align(); its arguments are those of Aligner."""
     return _aligner(method, resolution, min_overlap, device).align(a, b, guess)
 
 
-def align_batch(pairs: Iterable[Sequence[Optional[_Array]]], *, method: str = "vgicp", resolution: float = 0.0,
+def align_batch(pairs: Iterable[Sequence[Optional[_Array]]], *, method: _Method = "vgicp", resolution: float = 0.0,
                 min_overlap: float = 0.4, device: Union[str, Device, None] = None) -> list[Alignment]:
     """Many pairs at once, (a, b) or (a, b, guess) each, as Aligner.align_batch()."""
     return _aligner(method, resolution, min_overlap, device).align_batch(pairs)

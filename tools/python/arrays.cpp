@@ -111,8 +111,8 @@ std::vector<float> floats_of(const py::object& object, std::string_view name) {
 }
 
 Eigen::Vector3d vector_of(const py::object& object, std::string_view name, bool finite) {
-  const auto numbers =
-      doubles(float_array(py::module_::import("numpy").attr("asarray")(object, "float64"), name, {3}));
+  const auto numbers = doubles(
+      float_array(py::module_::import("numpy").attr("asarray")(object, "float64"), name, {3}));
   if (finite) {
     require_finite(numbers.data(), 3, name);
   }
@@ -130,18 +130,20 @@ Eigen::Isometry3d pose_of_array(const py::object& object, std::string_view name)
   require_finite(numbers.data(), 16, name);
   const Eigen::Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
-  constexpr double kRoundOff = 1e-4; // what float32 and text leave
+  constexpr double kRoundOff = 1e-4;  // what float32 and text leave
+  constexpr double kExact = 1e-12;
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   const bool rigid =
       (rotation * rotation.transpose()).isIdentity(kRoundOff) && rotation.determinant() > 0.0 &&
       (matrix.row(3) - Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)).cwiseAbs().maxCoeff() < kRoundOff;
   if (!rigid) {
-    throw py::value_error(
-        fmt::format("{}: is no rigid transformation: a rotation and a translation above 0 0 0 1",
-                    name));
+    throw py::value_error(fmt::format(
+        "{}: is no rigid transformation: a rotation and a translation above 0 0 0 1", name));
   }
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+  pose.linear() = (rotation * rotation.transpose()).isIdentity(kExact)
+                      ? rotation
+                      : Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
   pose.translation() = matrix.topRightCorner<3, 1>();
   return pose;
 }

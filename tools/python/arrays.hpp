@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <Eigen/Geometry>
 
 #include "adit/slam/core/types.hpp"
 

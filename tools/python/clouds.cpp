@@ -60,9 +60,7 @@ struct Alignment {
 class DeviceAligner {
  public:
   DeviceAligner(SharedDevice device, const CloudAlignerSettings& settings)
-      : device_(std::move(device)),
-        settings_(settings),
-        aligner_(device_->context(), settings) {}
+      : device_(std::move(device)), settings_(settings), aligner_(device_->context(), settings) {}
 
   std::vector<Alignment> align(const std::vector<std::vector<Point>>& clouds,
                                const std::vector<Pair>& pairs) {
@@ -169,8 +167,8 @@ py::array voxel_down_sample(const py::object& points, double size, const py::obj
     FrontEnd front_end(context, preprocess);
     front_end.measure_beam_spacing(sweep.points);
     front_end.upload(sweep);
-    const engine::Buffer surfaces = context.make_buffer(
-        sweep.points.size() * sizeof(Point), engine::Memory::device, "surface cloud");
+    const engine::Buffer surfaces = context.make_buffer(sweep.points.size() * sizeof(Point),
+                                                        engine::Memory::device, "surface cloud");
     engine::Recorder recorder = context.make_recorder();
     front_end.record(recorder, surfaces);
     context.submit(std::move(recorder)).wait();
@@ -226,7 +224,8 @@ Surfaces estimate_surfaces(const py::object& points, double size, const py::obje
 }
 
 void bind_alignment(py::module_& module) {
-  py::class_<Alignment>(module, "Alignment", "The relative pose of two clouds, or why there is none.")
+  py::class_<Alignment>(module, "Alignment",
+                        "The relative pose of two clouds, or why there is none.")
       .def_property_readonly(
           "usable", [](const Alignment& self) { return self.pair.usable(); },
           "True where the pose may be used.")
@@ -284,44 +283,50 @@ void bind_clouds(py::module_& module) {
   bind_alignment(module);
   py::class_<DeviceAligner, std::shared_ptr<DeviceAligner>>(
       module, "Aligner",
-      "Aligns pairs of clouds, from a guess or from nothing, and refuses what it cannot vouch for.\n"
+      "Aligns pairs of clouds, from a guess or from nothing, and refuses what it cannot vouch "
+      "for.\n"
       "The same clouds and guesses give the same bits.")
-      .def(py::init([](const std::string& method, double resolution, double min_overlap,
-                       const py::object& device) {
-             CloudAlignerSettings settings;
-             settings.method = method_named(method);
-             settings.r_input = resolution;
-             settings.min_overlap = min_overlap;
-             if (!(resolution == 0.0 || (resolution >= 0.01 && resolution <= 10.0))) {
-               throw py::value_error(fmt::format(
-                   "resolution: is {}; must be 0 or between 0.01 and 10 m", resolution));
-             }
-             if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) {
-               throw py::value_error(
-                   fmt::format("min_overlap: is {}; must be between 0 and 1", min_overlap));
-             }
-             SharedDevice on = device_of(device);
-             return without_gil(
-                 [&] { return std::make_shared<DeviceAligner>(std::move(on), settings); });
-           }),
-           py::kw_only(), py::arg("method") = "vgicp", py::arg("resolution") = 0.0,
-           py::arg("min_overlap") = CloudAlignerSettings{}.min_overlap,
-           py::arg("device") = py::none(),
-           "method: vgicp, ndt, point-to-plane or ndt-to-ndt. resolution: one point per so many m;\n"
-           "0: by each cloud's extent, 0.05 to 0.25. min_overlap: share of b's points that must lie\n"
-           "on a. device: None, a name or a Device. ValueError, DeviceError.")
-      .def("align", &align, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
-           "a, b: (n, 3) or (n, 4), m; NaN and 0 0 0 are dropped. guess: (4, 4), T_a_b to some 2 m\n"
-           "and 20 degrees; None: it is searched for, which wants clouds with z up. Returns an\n"
-           "Alignment. TypeError, ValueError, DeviceError (more points than fit).")
-      .def("align_batch", &align_batch, py::arg("pairs"),
-           "Many pairs at once: (a, b) or (a, b, guess) each. An array that several pairs share is\n"
-           "prepared once. Returns an Alignment a pair, in their order.");
-  module.def("voxel_down_sample", &voxel_down_sample, py::arg("points"), py::arg("size"),
-             py::kw_only(), py::arg("device") = py::none(),
-             "One point, their centroid, for the points of each voxel. points: (n, 3) or (n, 4), m,\n"
-             "within 1000 m of the origin; NaN and 0 0 0 are dropped. size: edge of a voxel, m.\n"
-             "Returns (m, 4) float32. TypeError, ValueError, DeviceError.");
+      .def(
+          py::init([](const std::string& method, double resolution, double min_overlap,
+                      const py::object& device) {
+            CloudAlignerSettings settings;
+            settings.method = method_named(method);
+            settings.r_input = resolution;
+            settings.min_overlap = min_overlap;
+            if (!(resolution == 0.0 || (resolution >= 0.01 && resolution <= 10.0))) {
+              throw py::value_error(
+                  fmt::format("resolution: is {}; must be 0 or between 0.01 and 10 m", resolution));
+            }
+            if (!(min_overlap >= 0.0 && min_overlap <= 1.0)) {
+              throw py::value_error(
+                  fmt::format("min_overlap: is {}; must be between 0 and 1", min_overlap));
+            }
+            SharedDevice on = device_of(device);
+            return without_gil(
+                [&] { return std::make_shared<DeviceAligner>(std::move(on), settings); });
+          }),
+          py::kw_only(), py::arg("method") = "vgicp", py::arg("resolution") = 0.0,
+          py::arg("min_overlap") = CloudAlignerSettings{}.min_overlap,
+          py::arg("device") = py::none(),
+          "method: vgicp, ndt, point-to-plane or ndt-to-ndt. resolution: one point per so many m;\n"
+          "0: by each cloud's extent, 0.05 to 0.25. min_overlap: share of b's points that must "
+          "lie\n"
+          "on a. device: None, a name or a Device. ValueError, DeviceError.")
+      .def(
+          "align", &align, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
+          "a, b: (n, 3) or (n, 4), m; NaN and 0 0 0 are dropped. guess: (4, 4), T_a_b to some 2 m\n"
+          "and 20 degrees; None: it is searched for, which wants clouds with z up. Returns an\n"
+          "Alignment. TypeError, ValueError, DeviceError (more points than fit).")
+      .def(
+          "align_batch", &align_batch, py::arg("pairs"),
+          "Many pairs at once: (a, b) or (a, b, guess) each. An array that several pairs share is\n"
+          "prepared once. Returns an Alignment a pair, in their order.");
+  module.def(
+      "voxel_down_sample", &voxel_down_sample, py::arg("points"), py::arg("size"), py::kw_only(),
+      py::arg("device") = py::none(),
+      "One point, their centroid, for the points of each voxel. points: (n, 3) or (n, 4), m,\n"
+      "within 1000 m of the origin; NaN and 0 0 0 are dropped. size: edge of a voxel, m.\n"
+      "Returns (m, 4) float32. TypeError, ValueError, DeviceError.");
   py::class_<Surfaces>(module, "Surfaces", "A down-sampled cloud with the surface at each point.")
       .def_property_readonly(
           "points",
@@ -341,11 +346,12 @@ void bind_clouds(py::module_& module) {
           },
           "(m,) bool: the direction is the normal of a plane. A view.")
       .def("__len__", [](const Surfaces& self) { return self.points.size(); });
-  module.def("estimate_surfaces", &estimate_surfaces, py::arg("points"), py::arg("size"),
-             py::kw_only(), py::arg("device") = py::none(),
-             "Down-samples and estimates the surface at each point from its neighbours. points: as\n"
-             "voxel_down_sample() takes them, seen from the origin. size: edge of a voxel, m.\n"
-             "Returns Surfaces. TypeError, ValueError, DeviceError.");
+  module.def(
+      "estimate_surfaces", &estimate_surfaces, py::arg("points"), py::arg("size"), py::kw_only(),
+      py::arg("device") = py::none(),
+      "Down-samples and estimates the surface at each point from its neighbours. points: as\n"
+      "voxel_down_sample() takes them, seen from the origin. size: edge of a voxel, m.\n"
+      "Returns Surfaces. TypeError, ValueError, DeviceError.");
 }
 
 }  // namespace adit::python

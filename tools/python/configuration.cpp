@@ -7,8 +7,9 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include <nlohmann/json.hpp>
 
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/presets.hpp"
@@ -113,15 +114,16 @@ Config config_of(const py::object& source) {
 void bind_configuration(py::module_& module) {
   py::class_<Config>(module, "Config",
                      "Settings, with the names, defaults and checks of `adit config`. Immutable.")
-      .def(py::init([](const py::object& source, const std::string& preset,
-                       const py::kwargs& settings) {
-             return make_config(source, preset, settings);
-           }),
-           py::arg("source") = py::none(), py::kw_only(), py::arg("preset") = "",
-           "Defaults, then the preset, then the TOML file or dictionary, then keywords by section:\n"
-           "Config(\"adit.toml\", preprocess={\"r_input\": 0.5}, mapping={\"enabled\": True}).\n\n"
-           "UsageError: a name that does not exist (with the nearest that does) or a value that\n"
-           "makes no sense. InputError: the same in a file, with line and column.")
+      .def(
+          py::init(
+              [](const py::object& source, const std::string& preset, const py::kwargs& settings) {
+                return make_config(source, preset, settings);
+              }),
+          py::arg("source") = py::none(), py::kw_only(), py::arg("preset") = "",
+          "Defaults, then the preset, then the TOML file or dictionary, then keywords by section:\n"
+          "Config(\"adit.toml\", preprocess={\"r_input\": 0.5}, mapping={\"enabled\": True}).\n\n"
+          "UsageError: a name that does not exist (with the nearest that does) or a value that\n"
+          "makes no sense. InputError: the same in a file, with line and column.")
       .def("__getitem__", &setting_of, py::arg("name"),
            "The value of \"section.key\", or a section as a dictionary.")
       .def(
@@ -139,7 +141,8 @@ void bind_configuration(py::module_& module) {
         for (const auto& [section, settings] : now.items()) {
           for (const auto& [key, value] : settings.items()) {
             if (value != usual[section][key]) {
-              text += fmt::format("{}{}.{}={}", text.empty() ? "" : ", ", section, key, value.dump());
+              text +=
+                  fmt::format("{}{}.{}={}", text.empty() ? "" : ", ", section, key, value.dump());
             }
           }
         }

@@ -28,7 +28,8 @@ Default& of_process() {
 SharedDevice open(const std::string& name, uint64_t max_vram) {
   const py::gil_scoped_release released;
   try {
-    return std::make_shared<DeviceSession>(DeviceOptions{.device = name, .max_vram_bytes = max_vram});
+    return std::make_shared<DeviceSession>(
+        DeviceOptions{.device = name, .max_vram_bytes = max_vram});
   } catch (const UsageError& error) {
     const std::string text = error.what();
     constexpr std::string_view kOption = "--device: ";
@@ -60,8 +61,8 @@ SharedDevice device_of(const py::object& device) {
   if (py::isinstance<DeviceSession>(device)) {
     return device.cast<SharedDevice>();
   }
-  throw py::type_error(fmt::format("device: None, a name or a Device, not {}",
-                                   std::string(py::repr(device))));
+  throw py::type_error(
+      fmt::format("device: None, a name or a Device, not {}", std::string(py::repr(device))));
 }
 
 void bind_device(py::module_& module) {
@@ -69,11 +70,12 @@ void bind_device(py::module_& module) {
       module, "Device",
       "An open Vulkan device, for any number of objects and threads. Without one, all share the\n"
       "device that the environment's ADIT_DEVICE names, or the best there is.")
-      .def(py::init(&open), py::arg("name") = "", py::kw_only(), py::arg("max_vram") = 0,
-           "Index, UUID or part of the name of a device, as `adit devices` lists them. max_vram:\n"
-           "bytes of device memory at most; 0: no limit. The first time that a device is used, its\n"
-           "kernels are compiled and compared with known answers, which takes seconds. UsageError:\n"
-           "no such device. DeviceError: none at all, or its answers are wrong.")
+      .def(
+          py::init(&open), py::arg("name") = "", py::kw_only(), py::arg("max_vram") = 0,
+          "Index, UUID or part of the name of a device, as `adit devices` lists them. max_vram:\n"
+          "bytes of device memory at most; 0: no limit. The first time that a device is used, its\n"
+          "kernels are compiled and compared with known answers, which takes seconds. UsageError:\n"
+          "no such device. DeviceError: none at all, or its answers are wrong.")
       .def_property_readonly(
           "name", [](DeviceSession& self) { return self.context().device().name; },
           "As its driver calls it.")

@@ -79,14 +79,17 @@ py::object rows(const std::vector<float>& numbers, const py::object& owner) {
 }
 
 std::string name_of(EdgeStatus status) {
-  return status == EdgeStatus::active ? "active" : status == EdgeStatus::candidate ? "candidate" : "revoked";
+  return status == EdgeStatus::active      ? "active"
+         : status == EdgeStatus::candidate ? "candidate"
+                                           : "revoked";
 }
 
 void bind_records(py::module_& module) {
   py::class_<MapSession>(module, "MapSession", "One recording's share of a map.")
       .def_readonly("id", &MapSession::id)
       .def_readonly("name", &MapSession::name)
-      .def_readonly("configuration", &MapSession::configuration, "TOML, as `adit config` prints it.")
+      .def_readonly("configuration", &MapSession::configuration,
+                    "TOML, as `adit config` prints it.")
       .def_property_readonly(
           "provenance",
           [](const MapSession& self) {
@@ -111,9 +114,8 @@ void bind_records(py::module_& module) {
       .def_property_readonly(
           "vertical", [](const MapKeyframe& self) { return std::string(to_string(self.vertical)); },
           "What its submap knows the vertical from: gravity, ground or unknown.")
-      .def("__repr__", [](const MapKeyframe& self) {
-        return fmt::format("<adit.Keyframe {}>", self.id);
-      });
+      .def("__repr__",
+           [](const MapKeyframe& self) { return fmt::format("<adit.Keyframe {}>", self.id); });
   py::class_<PoseEdge>(module, "Edge", "A measured pose of one keyframe in another's frame.")
       .def_readonly("from_", &PoseEdge::from, "Id of a keyframe.")
       .def_readonly("to", &PoseEdge::to, "Id of a keyframe.")
@@ -150,7 +152,8 @@ void bind_records(py::module_& module) {
       .def_readonly("correction", &LoopCandidate::correction, "Of the pose that the graph had, m.");
   py::class_<MapFix>(module, "MapFix", "A GNSS fix with its place in the map.")
       .def_readonly("id", &MapFix::id)
-      .def_readonly("keyframe", &MapFix::keyframe, "Id of the keyframe among whose sweeps it falls.")
+      .def_readonly("keyframe", &MapFix::keyframe,
+                    "Id of the keyframe among whose sweeps it falls.")
       .def_property_readonly(
           "stamp", [](const MapFix& self) { return self.stamp.count(); }, "ns.")
       .def_property_readonly(
@@ -176,7 +179,8 @@ void bind_georeference(py::module_& module) {
       .def_property_readonly(
           "origin",
           [](const Georeference& self) {
-            return py::make_tuple(self.origin.latitude, self.origin.longitude, self.origin.altitude);
+            return py::make_tuple(self.origin.latitude, self.origin.longitude,
+                                  self.origin.altitude);
           },
           "Of the world frame: latitude and longitude in degrees, altitude in m (WGS 84).")
       .def_property_readonly(
@@ -188,8 +192,9 @@ void bind_georeference(py::module_& module) {
       .def(
           "place_of",
           [](const Georeference& self, const py::object& position) {
-            const Geodetic place = WorldFrame(self.origin).place_of(
-                self.T_world_map * vector_of(position, "position"));
+            const Geodetic place =
+                WorldFrame(self.origin)
+                    .place_of(self.T_world_map * vector_of(position, "position"));
             return py::make_tuple(place.latitude, place.longitude, place.altitude);
           },
           py::arg("position"),
@@ -199,7 +204,8 @@ void bind_georeference(py::module_& module) {
           [](const Georeference& self, double latitude, double longitude, double altitude) {
             const Eigen::Vector3d world =
                 WorldFrame(self.origin)
-                    .position_of({.latitude = latitude, .longitude = longitude, .altitude = altitude});
+                    .position_of(
+                        {.latitude = latitude, .longitude = longitude, .altitude = altitude});
             return array_of(Eigen::Vector3d(self.T_world_map.inverse() * world));
           },
           py::arg("latitude"), py::arg("longitude"), py::arg("altitude"),
@@ -263,7 +269,8 @@ void bind_map(py::module_& module) {
              return without_gil([&] { return std::make_shared<OpenMap>(file); });
            }),
            py::arg("path"), "InputError: missing, no map, damaged, of a newer version.")
-      .def_property_readonly("path", [](OpenMap& self) { return self.file(); }, "Its file.")
+      .def_property_readonly(
+          "path", [](OpenMap& self) { return self.file(); }, "Its file.")
       .def_property_readonly("sessions", getter(&MapDatabase::sessions), "The recordings in it.")
       .def_property_readonly("keyframes", getter(&MapDatabase::keyframes),
                              "In the order of their ids, the nodes of the pose graph.")
@@ -302,7 +309,8 @@ void bind_map(py::module_& module) {
             return self.with([&](const MapDatabase& map) { return map.submaps_within(from, to); });
           },
           py::arg("lower"), py::arg("upper"),
-          "Ids of the keyframes whose submaps may reach into a box. lower, upper: (3,), corners in\n"
+          "Ids of the keyframes whose submaps may reach into a box. lower, upper: (3,), corners "
+          "in\n"
           "the map, m. TypeError, ValueError.")
       .def(
           "trajectory",

@@ -27,8 +27,8 @@ Sweep make_sweep(const py::object& points, const py::object& times, const py::ob
               .rings = {},
               .source = "from Python"};
   if (!times.is_none() && sweep.times.size() != sweep.points.size()) {
-    throw py::value_error(fmt::format("times: {} for {} points", sweep.times.size(),
-                                      sweep.points.size()));
+    throw py::value_error(
+        fmt::format("times: {} for {} points", sweep.times.size(), sweep.points.size()));
   }
   for (const float time : sweep.times) {
     if (!std::isfinite(time)) {
@@ -38,8 +38,8 @@ Sweep make_sweep(const py::object& points, const py::object& times, const py::ob
   if (!rings.is_none()) {
     sweep.rings = rings.cast<std::vector<uint16_t>>();
     if (sweep.rings.size() != sweep.points.size()) {
-      throw py::value_error(fmt::format("rings: {} for {} points", sweep.rings.size(),
-                                        sweep.points.size()));
+      throw py::value_error(
+          fmt::format("rings: {} for {} points", sweep.rings.size(), sweep.points.size()));
     }
   }
   return sweep;
@@ -72,9 +72,8 @@ GnssFix make_fix(int64_t stamp, double latitude, double longitude, double altitu
           .latitude = latitude,
           .longitude = longitude,
           .altitude = altitude,
-          .covariance = covariance.is_none()
-                            ? std::nullopt
-                            : std::optional(matrix_of(covariance, "covariance"))};
+          .covariance = covariance.is_none() ? std::nullopt
+                                             : std::optional(matrix_of(covariance, "covariance"))};
 }
 
 /// What all of them have. The stamp is the measurement's own.
@@ -106,14 +105,16 @@ py::class_<Measured<Value>> bind(py::module_& module, const char* name, const ch
 void bind_sweep(py::module_& module) {
   using Held = Measured<Sweep>;
   bind<Sweep>(module, "Sweep", "One turn of a range sensor, in its own frame.")
-      .def(py::init([](const py::object& points, const py::object& times, int64_t stamp,
-                       const py::object& rings, std::string frame) {
-             return Held{.value = make_sweep(points, times, rings, stamp), .frame = std::move(frame)};
-           }),
-           py::arg("points"), py::arg("times") = py::none(), py::kw_only(), py::arg("stamp") = 0,
-           py::arg("rings") = py::none(), py::arg("frame") = "",
-           "points: (n, 3) or (n, 4), m and intensity; NaN or 0 0 0 is no return. times: (n,), s\n"
-           "after the stamp. stamp: ns. rings: (n,), the beam of each point. ValueError, TypeError.")
+      .def(
+          py::init([](const py::object& points, const py::object& times, int64_t stamp,
+                      const py::object& rings, std::string frame) {
+            return Held{.value = make_sweep(points, times, rings, stamp),
+                        .frame = std::move(frame)};
+          }),
+          py::arg("points"), py::arg("times") = py::none(), py::kw_only(), py::arg("stamp") = 0,
+          py::arg("rings") = py::none(), py::arg("frame") = "",
+          "points: (n, 3) or (n, 4), m and intensity; NaN or 0 0 0 is no return. times: (n,), s\n"
+          "after the stamp. stamp: ns. rings: (n,), the beam of each point. ValueError, TypeError.")
       .def_property_readonly(
           "points",
           [](const py::object& self) {
@@ -146,16 +147,17 @@ void bind_imu_sample(py::module_& module) {
   bind<ImuSample>(module, "ImuSample", "One reading of an inertial sensor, in its own axes.")
       .def(py::init([](int64_t stamp, const py::object& angular_velocity,
                        const py::object& linear_acceleration, std::string frame) {
-             return Held{
-                 .value = {.stamp = Nanoseconds(stamp),
-                           .angular_velocity = vector_of(angular_velocity, "angular_velocity", false),
-                           .linear_acceleration =
-                               vector_of(linear_acceleration, "linear_acceleration", false)},
-                 .frame = std::move(frame)};
+             return Held{.value = {.stamp = Nanoseconds(stamp),
+                                   .angular_velocity =
+                                       vector_of(angular_velocity, "angular_velocity", false),
+                                   .linear_acceleration = vector_of(linear_acceleration,
+                                                                    "linear_acceleration", false)},
+                         .frame = std::move(frame)};
            }),
            py::arg("stamp"), py::arg("angular_velocity"), py::arg("linear_acceleration"),
            py::kw_only(), py::arg("frame") = "",
-           "stamp: ns. angular_velocity: (3,), rad/s. linear_acceleration: (3,), m/s^2; at rest with\n"
+           "stamp: ns. angular_velocity: (3,), rad/s. linear_acceleration: (3,), m/s^2; at rest "
+           "with\n"
            "z up it is +9.8 along z. What is not measured is NaN. ValueError, TypeError.")
       .def_property_readonly(
           "angular_velocity",
@@ -187,15 +189,19 @@ void bind_gnss_fix(py::module_& module) {
           "kind", [](const Held& self) { return name_of(self.value.kind); },
           "none, single, satellite_augmented or ground_augmented.")
       .def_property_readonly(
-          "latitude", [](const Held& self) { return self.value.latitude; }, "Degrees, north positive.")
+          "latitude", [](const Held& self) { return self.value.latitude; },
+          "Degrees, north positive.")
       .def_property_readonly(
-          "longitude", [](const Held& self) { return self.value.longitude; }, "Degrees, east positive.")
+          "longitude", [](const Held& self) { return self.value.longitude; },
+          "Degrees, east positive.")
       .def_property_readonly(
-          "altitude", [](const Held& self) { return self.value.altitude; }, "m above the ellipsoid.")
+          "altitude", [](const Held& self) { return self.value.altitude; },
+          "m above the ellipsoid.")
       .def_property_readonly(
           "covariance",
           [](const Held& self) -> py::object {
-            return self.value.covariance ? array_of(*self.value.covariance) : py::none().cast<py::object>();
+            return self.value.covariance ? array_of(*self.value.covariance)
+                                         : py::none().cast<py::object>();
           },
           "(3, 3), m^2, east north up; None: the receiver gives none.")
       .def("__repr__", [](const Held& self) {
@@ -210,7 +216,8 @@ void add_transform(py::class_<Measured<Value>>& bound) {
   using Held = Measured<Value>;
   bound
       .def_property_readonly(
-          "parent", [](const Held& self) { return self.value.parent; }, "Name of the parent's frame.")
+          "parent", [](const Held& self) { return self.value.parent; },
+          "Name of the parent's frame.")
       .def_property_readonly(
           "child", [](const Held& self) { return self.value.child; }, "Name of the child's frame.")
       .def_property_readonly(

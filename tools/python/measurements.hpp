@@ -21,9 +21,9 @@ namespace py = pybind11;
 template <class Value>
 struct Measured {
   Value value;
-  std::string frame{};                     ///< the sensor's; empty: not told
-  std::string topic{};                     ///< empty: none
-  std::optional<Nanoseconds> received{};   ///< the recorder's clock
+  std::string frame{};                    ///< the sensor's; empty: not told
+  std::string topic{};                    ///< empty: none
+  std::optional<Nanoseconds> received{};  ///< the recorder's clock
 };
 
 /// "none", "single", "satellite_augmented", "ground_augmented".

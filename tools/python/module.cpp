@@ -42,8 +42,8 @@ Exceptions exceptions;
 
 PyObject* add_exception(py::module_& module, const char* name, const py::tuple& bases,
                         const char* doc) {
-  PyObject* type = PyErr_NewExceptionWithDoc(("adit." + std::string(name)).c_str(), doc,
-                                             bases.ptr(), nullptr);
+  PyObject* type =
+      PyErr_NewExceptionWithDoc(("adit." + std::string(name)).c_str(), doc, bases.ptr(), nullptr);
   if (type == nullptr) {
     throw py::error_already_set();
   }

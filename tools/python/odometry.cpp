@@ -95,15 +95,14 @@ SweepResult register_frame(DeviceOdometry& self, const py::object& points,
   sweep.points = points_of(points, "points");
   sweep.source = "from Python";
   if (std::ranges::none_of(sweep.points, is_return)) {
-    throw py::value_error(
-        fmt::format("points: none of {} is a return: all are NaN, infinite or 0 0 0",
-                    sweep.points.size()));
+    throw py::value_error(fmt::format(
+        "points: none of {} is a return: all are NaN, infinite or 0 0 0", sweep.points.size()));
   }
   if (!timestamps.is_none()) {
     sweep.times = floats_of(timestamps, "timestamps");
     if (sweep.times.size() != sweep.points.size()) {
-      throw py::value_error(fmt::format("timestamps: {} for {} points", sweep.times.size(),
-                                        sweep.points.size()));
+      throw py::value_error(
+          fmt::format("timestamps: {} for {} points", sweep.times.size(), sweep.points.size()));
     }
     if (!std::ranges::all_of(sweep.times, [](float time) { return std::isfinite(time); })) {
       throw py::value_error("timestamps: not finite");
@@ -132,21 +131,22 @@ void bind_odometry(py::module_& module) {
            py::arg("config") = py::none(), py::kw_only(), py::arg("device") = py::none(),
            "config: as Config() takes it. device: None, a name or a Device. DeviceError: there is\n"
            "no device, or its memory is exhausted.")
-      .def("register_frame", &register_frame, py::arg("points"),
-           py::arg("timestamps") = py::none(), py::kw_only(), py::arg("stamp") = py::none(),
-           "Places the next sweep. points: (n, 3) or (n, 4) float32 or float64, lidar axes, m, and\n"
-           "intensity; NaN, infinite or 0 0 0 is no return. timestamps: (n,), s after the sweep's\n"
-           "start; None: all of one moment. stamp: of the start, ns, rising; None: 0.1 s after the\n"
-           "one before. IMU samples up to the sweep's end are added before.\n\n"
-           "TypeError: no array of floats. ValueError: another shape, no return at all, times that\n"
-           "are not finite, a stamp that does not rise. DeviceError: the device failed.")
       .def(
           "register_frame",
           [](Self& self, const Measured<Sweep>& sweep) {
             const py::gil_scoped_release released;
             return self.step(sweep.value);
           },
-          py::arg("sweep"), "The same of a Sweep, with its own stamp and times.")
+          py::arg("sweep"), "Places a Sweep, with its own stamp and times.")
+      .def(
+          "register_frame", &register_frame, py::arg("points"), py::arg("timestamps") = py::none(),
+          py::kw_only(), py::arg("stamp") = py::none(),
+          "The same by its parts. points: (n, 3) or (n, 4) float32 or float64, lidar axes, m, and\n"
+          "intensity; NaN, infinite or 0 0 0 is no return. timestamps: (n,), s after the sweep's\n"
+          "start; None: all of one moment. stamp: of the start, ns, rising; None: 0.1 s after the\n"
+          "one before. IMU samples up to the sweep's end are added before.\n\n"
+          "TypeError: no array of floats. ValueError: another shape, no return at all, times that\n"
+          "are not finite, a stamp that does not rise. DeviceError: the device failed.")
       .def(
           "add_imu",
           [](Self& self, const Measured<ImuSample>& sample) {
@@ -186,7 +186,8 @@ void bind_odometry(py::module_& module) {
           "(4, 4), T_map_lidar of the last sweep; None before the first.")
       .def_property_readonly(
           "config", [](Self& self) { return without_gil([&] { return self.config(); }); },
-          "The configuration in use; lengths that were left at 0 are as the first sweep shows them.")
+          "The configuration in use; lengths that were left at 0 are as the first sweep shows "
+          "them.")
       .def(
           "cloud", [](Self& self) { return array_of(without_gil([&] { return self.cloud(); })); },
           "(n, 4) float32: the last sweep, down-sampled, lidar axes, m.");

@@ -122,9 +122,10 @@ void bind_program(py::module_& module) {
       "receivers and faults. duration: s. speed: m/s. perfect: a range sensor without errors.\n"
       "None: the program's default. The same arguments give the same bytes on any machine.\n"
       "UsageError: a name that does not exist. InputError, OutputError.");
-  module.def("run_program", &run_program, py::arg("arguments"),
-             "The program `adit` with these arguments: prints, and returns its exit code. A signal\n"
-             "that comes meanwhile is the program's.");
+  module.def(
+      "run_program", &run_program, py::arg("arguments"),
+      "The program `adit` with these arguments: prints, and returns its exit code. A signal\n"
+      "that comes meanwhile is the program's.");
   module.def(
       "version", [] { return std::string(version()); }, "As `adit --version` tells it.");
 }

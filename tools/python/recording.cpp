@@ -182,15 +182,15 @@ void bind_recording(py::module_& module) {
           "damage",
           [](const RecordingFile& self) { return without_gil([&] { return self.damage(); }); },
           "What was passed over so far because it is damaged, a sentence each.")
-      .def("events", &iterate, py::arg("topics") = py::none(),
-           "The events of these topics, by name; None: those that `adit run` maps. Where the\n"
-           "recording was opened with strict=True, a damaged place raises InputError, and the next\n"
-           "step of the iterator goes on behind it. UsageError: no such topic.")
+      .def(
+          "events", &iterate, py::arg("topics") = py::none(),
+          "The events of these topics, by name; None: those that `adit run` maps. Where the\n"
+          "recording was opened with strict=True, a damaged place raises InputError, and the next\n"
+          "step of the iterator goes on behind it. UsageError: no such topic.")
       .def("__iter__",
            [](const std::shared_ptr<RecordingFile>& self) { return iterate(self, std::nullopt); })
-      .def("__repr__", [](const RecordingFile& self) {
-        return "<adit.Recording " + self.description() + ">";
-      });
+      .def("__repr__",
+           [](const RecordingFile& self) { return "<adit.Recording " + self.description() + ">"; });
   module.def(
       "open",
       [](const std::filesystem::path& path, const py::object& config, bool strict) {
@@ -199,7 +199,8 @@ void bind_recording(py::module_& module) {
         return std::make_shared<RecordingFile>(path, wanted, strict);
       },
       py::arg("path"), py::arg("config") = py::none(), py::kw_only(), py::arg("strict") = false,
-      "Opens an MCAP file, a ROS 1 bag, a rosbag2 folder, a capture of packets, or a folder or file\n"
+      "Opens an MCAP file, a ROS 1 bag, a rosbag2 folder, a capture of packets, or a folder or "
+      "file\n"
       "of sweeps. config: as Config() takes it; its section \"recording\" corrects what the\n"
       "recording tells wrong. strict: raise at damage instead of passing over it. InputError.");
 }

@@ -111,24 +111,24 @@ void bind_results(py::module_& module) {
           "pose", [](const Result& self) { return array_of(self.T_map_lidar); },
           "(4, 4), T_map_lidar: maps coordinates of the lidar at the sweep's start to the map; m.")
       .def_property_readonly(
-          "position", [](const Result& self) { return array_of(Eigen::Vector3d(self.T_map_lidar.translation())); },
+          "position",
+          [](const Result& self) {
+            return array_of(Eigen::Vector3d(self.T_map_lidar.translation()));
+          },
           "(3,), m: of the lidar in the map.")
       .def_property_readonly(
-          "covariance",
-          [](const Result& self) { return array_of(self.uncertainty.in_map()); },
+          "covariance", [](const Result& self) { return array_of(self.uncertainty.in_map()); },
           "(6, 6), of pose since the first sweep: right perturbation [translation, rotation],\n"
           "lidar axes, m and rad.")
       .def_property_readonly(
-          "local_covariance",
-          [](const Result& self) { return array_of(self.uncertainty.local); },
+          "local_covariance", [](const Result& self) { return array_of(self.uncertainty.local); },
           "(6, 6), the part of it that is relative to the submap.")
       .def_property_readonly(
           "state", [](const Result& self) { return std::string(to_string(self.state)); },
           "initializing, tracking, coasting (could not be aligned: the pose is predicted) or\n"
           "restarted (the submap starts anew).")
       .def_property_readonly(
-          "failure",
-          [](const Result& self) { return failure_reason(self, Config{}); },
+          "failure", [](const Result& self) { return failure_reason(self, Config{}); },
           "Why the sweep could not be aligned, a sentence; None: it could.")
       .def_readonly("registration", &Result::registration, "Its alignment with the submap.")
       .def_readonly("inertial", &Result::inertial, "What the inertial sensor did.")
@@ -141,7 +141,8 @@ void bind_results(py::module_& module) {
       .def_readonly("host_ms", &Result::host_ms, "Host work, ms.")
       .def_readonly("wait_ms", &Result::wait_ms, "Waiting for the device, ms.")
       .def_property_readonly(
-          "cloud", [](const py::object& self) { return view_of(self.cast<const Result&>().cloud, self); },
+          "cloud",
+          [](const py::object& self) { return view_of(self.cast<const Result&>().cloud, self); },
           "(n, 4) float32, keyframes only: the down-sampled sweep, lidar axes, m; a view.")
       .def("__repr__", [](const Result& self) {
         const Eigen::Vector3d p = self.T_map_lidar.translation();

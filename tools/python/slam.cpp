@@ -57,12 +57,11 @@ SharedSlam make(const py::object& config, bool inertial,
   const Config wanted = config_of(config);
   SharedDevice on = device_of(device);
   return without_gil([&] {
-    return std::make_shared<SlamSession>(
-        std::move(on), wanted,
-        SessionOptions{.inertial = inertial,
-                       .high_rate_smoothing = high_rate_smoothing,
-                       .map = map,
-                       .name = name});
+    return std::make_shared<SlamSession>(std::move(on), wanted,
+                                         SessionOptions{.inertial = inertial,
+                                                        .high_rate_smoothing = high_rate_smoothing,
+                                                        .map = map,
+                                                        .name = name});
   });
 }
 
@@ -115,9 +114,10 @@ void bind_slam_results(py::module_& module) {
         return fmt::format("<adit.SweepPlaced {} at ({:.3f}, {:.3f}, {:.3f}) m>",
                            to_string(self.result.state), p.x(), p.y(), p.z());
       });
-  py::class_<SweepLeftOut>(module, "SweepLeftOut",
-                           "A sweep that has no place in a trajectory: its stamp is not after that of\n"
-                           "the sweep before it.")
+  py::class_<SweepLeftOut>(
+      module, "SweepLeftOut",
+      "A sweep that has no place in a trajectory: its stamp is not after that of\n"
+      "the sweep before it.")
       .def_property_readonly(
           "stamp", [](const SweepLeftOut& self) { return self.sweep.stamp.count(); }, "ns.")
       .def_property_readonly(
@@ -133,7 +133,8 @@ void bind_slam_results(py::module_& module) {
           "velocity", [](const LidarMotion& self) { return array_of(self.v_map_lidar); },
           "(3,), m/s, map axes.")
       .def_property_readonly(
-          "angular_velocity", [](const LidarMotion& self) { return array_of(self.angular_velocity); },
+          "angular_velocity",
+          [](const LidarMotion& self) { return array_of(self.angular_velocity); },
           "(3,), rad/s, lidar axes.")
       .def_property_readonly(
           "covariance", [](const LidarMotion& self) { return array_of(self.covariance); },
@@ -161,7 +162,8 @@ void bind_reports(py::module_& module) {
           "end", [](const DoubtfulStretch& self) { return self.end.count(); },
           "Stamp of its last sweep, ns.")
       .def_readonly("distance", &DoubtfulStretch::distance, "Travelled in it, m.");
-  py::class_<Verdict>(module, "Verdict", "What a trajectory is worth: as much as its worst stretch.")
+  py::class_<Verdict>(module, "Verdict",
+                      "What a trajectory is worth: as much as its worst stretch.")
       .def_property_readonly(
           "trust", [](const Verdict& self) { return std::string(to_string(self.trust)); },
           "reliable, doubtful or lost.")
@@ -182,8 +184,7 @@ void bind_reports(py::module_& module) {
           "fixes", [](const MapReport& self) { return self.gnss.fixes; },
           "GNSS fixes that fall among its sweeps.")
       .def_property_readonly(
-          "georeferenced",
-          [](const MapReport& self) { return self.gnss.georeference.has_value(); },
+          "georeferenced", [](const MapReport& self) { return self.gnss.georeference.has_value(); },
           "True where its place on the Earth is known.");
 }
 
@@ -203,21 +204,25 @@ void bind_slam(py::module_& module) {
       });
   py::class_<SlamSession, SharedSlam>(
       module, "Slam",
-      "The whole system: measurements in, in any order of arrival, placed sweeps out. With an IMU a\n"
+      "The whole system: measurements in, in any order of arrival, placed sweeps out. With an IMU "
+      "a\n"
       "measurement is held until one has come whose stamp is 0.5 s later. The same measurements\n"
       "give the same bytes.")
       .def(py::init(&make), py::arg("config") = py::none(), py::kw_only(),
            py::arg("inertial") = true, py::arg("map") = py::none(),
            py::arg("high_rate_smoothing") = py::none(), py::arg("name") = "Python",
            py::arg("device") = py::none(),
-           "config: as Config() takes it. inertial: there is an IMU; without one sweeps do not wait.\n"
+           "config: as Config() takes it. inertial: there is an IMU; without one sweeps do not "
+           "wait.\n"
            "map: a new file for the map; None: odometry alone. high_rate_smoothing: poses at the\n"
-           "rate of the IMU, corrections spread over so many s. name: of the map's session. device:\n"
+           "rate of the IMU, corrections spread over so many s. name: of the map's session. "
+           "device:\n"
            "None, a name or a Device. UsageError, InputError, OutputError, DeviceError.")
-      .def_static("for_recording", &make_for, py::arg("recording"), py::kw_only(),
-                  py::arg("map") = py::none(), py::arg("high_rate_smoothing") = py::none(),
-                  py::arg("device") = py::none(),
-                  "The same with the configuration of a recording, and with an IMU where it has one.")
+      .def_static(
+          "for_recording", &make_for, py::arg("recording"), py::kw_only(),
+          py::arg("map") = py::none(), py::arg("high_rate_smoothing") = py::none(),
+          py::arg("device") = py::none(),
+          "The same with the configuration of a recording, and with an IMU where it has one.")
       .def("add", &add<Sweep>, py::arg("measurement"))
       .def("add", &add<ImuSample>, py::arg("measurement"))
       .def("add", &add<GnssFix>, py::arg("measurement"))
@@ -263,13 +268,16 @@ void bind_slam(py::module_& module) {
           "configured, transforms or assumed; None where mounting is.")
       .def_property_readonly(
           "config", [](SlamSession& self) { return without_gil([&] { return self.config(); }); },
-          "The configuration in use; lengths that were left at 0 are as the first sweep shows them.")
+          "The configuration in use; lengths that were left at 0 are as the first sweep shows "
+          "them.")
       .def_property_readonly(
           "verdict", [](SlamSession& self) { return without_gil([&] { return self.verdict(); }); },
           "What the trajectory is worth so far.")
       .def(
-          "finish_map", [](SlamSession& self) { return without_gil([&] { return self.finish_map(); }); },
-          "Ends the map: its last keyframe and its final poses are stored, and its file is closed.\n"
+          "finish_map",
+          [](SlamSession& self) { return without_gil([&] { return self.finish_map(); }); },
+          "Ends the map: its last keyframe and its final poses are stored, and its file is "
+          "closed.\n"
           "Nothing can be added after that. Returns a MapReport; None where no map is made.");
 }
 

@@ -45,8 +45,7 @@ SlamSession::SlamSession(SharedDevice device, const Config& config, const Sessio
                                           "one away, or name another.");
     }
     map_ = std::make_unique<MapDatabase>(*options.map, MapAccess::write);
-    session_ =
-        map_->add_session(session_of(options, config, device_->context().device()));
+    session_ = map_->add_session(session_of(options, config, device_->context().device()));
     map_->begin_run(session_);
     wanted.map = map_.get();
     wanted.session = session_;

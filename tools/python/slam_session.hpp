@@ -23,7 +23,7 @@ struct SessionOptions {
   bool inertial = true;
   std::optional<double> high_rate_smoothing{};
   std::optional<std::filesystem::path> map{};
-  std::string name = "Python";                     ///< of the map's session
+  std::string name = "Python";                       ///< of the map's session
   std::optional<std::filesystem::path> recording{};  ///< that it maps, for the map's provenance
 };
 

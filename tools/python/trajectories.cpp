@@ -8,9 +8,9 @@
 #include <utility>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <nlohmann/json.hpp>
 
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/evaluation_report.hpp"
@@ -29,8 +29,8 @@ Trajectory make_trajectory(const py::object& stamps, const py::object& poses) {
     throw py::value_error("stamps: (n,) whole numbers are expected, ns");
   }
   if (matrices.ndim() != 3 || matrices.shape(0) != times.shape(0)) {
-    throw py::value_error(fmt::format("poses: ({}, 4, 4) is expected, as there are stamps",
-                                      times.shape(0)));
+    throw py::value_error(
+        fmt::format("poses: ({}, 4, 4) is expected, as there are stamps", times.shape(0)));
   }
   const auto numbers = py::array_t<int64_t, py::array::forcecast>(times).unchecked<1>();
   Trajectory trajectory;
@@ -47,8 +47,8 @@ Trajectory trajectory_of(const py::object& source, const char* name) {
     return source.cast<const Trajectory&>();
   }
   if (!py::isinstance<py::str>(source) && !py::hasattr(source, "__fspath__")) {
-    throw py::type_error(fmt::format("{}: a path or a Trajectory, not {}", name,
-                                     std::string(py::repr(source))));
+    throw py::type_error(
+        fmt::format("{}: a path or a Trajectory, not {}", name, std::string(py::repr(source))));
   }
   const auto path = source.cast<std::filesystem::path>();
   return without_gil([&] { return read_any_trajectory({.path = path}); });
@@ -99,7 +99,8 @@ void bind_evaluation(py::module_& module) {
           "rpe_translation", [](const Evaluation& self) { return self.rpe.translation; },
           "Statistics of relative errors over delta, m.")
       .def_property_readonly(
-          "rpe_rotation", [](const Evaluation& self) { return self.rpe.rotation; }, "Likewise, degrees.")
+          "rpe_rotation", [](const Evaluation& self) { return self.rpe.rotation; },
+          "Likewise, degrees.")
       .def_property_readonly(
           "pairs", [](const Evaluation& self) { return self.association.pairs; }, "Matched poses.")
       .def_property_readonly(
@@ -115,20 +116,22 @@ void bind_evaluation(py::module_& module) {
             return py::module_::import("json").attr("loads")(evaluation_json(self, {}, {}));
           },
           "Everything that `adit evaluate --json` reports of a trajectory.");
-  module.def("evaluate", &evaluated, py::arg("estimate"), py::arg("truth"), py::kw_only(),
-             py::arg("align") = "se3", py::arg("tolerance") = EvaluationOptions{}.tolerance,
-             py::arg("delta") = RpeOptions{}.delta, py::arg("part") = py::none(),
-             "ATE, RPE and KITTI errors, as `adit evaluate` has them. estimate, truth: a Trajectory, or\n"
-             "the path of a file or folder that holds one. align: se3, sim3, origin or none. tolerance:\n"
-             "largest time difference of a matched pair, s. delta: distance between the poses of a pair\n"
-             "of the RPE, m. part: of an estimate whose odometry started anew, from 1.\n\n"
-             "InputError: no trajectory in a file, nothing matches, alignment not determined.");
+  module.def(
+      "evaluate", &evaluated, py::arg("estimate"), py::arg("truth"), py::kw_only(),
+      py::arg("align") = "se3", py::arg("tolerance") = EvaluationOptions{}.tolerance,
+      py::arg("delta") = RpeOptions{}.delta, py::arg("part") = py::none(),
+      "ATE, RPE and KITTI errors, as `adit evaluate` has them. estimate, truth: a Trajectory, or\n"
+      "the path of a file or folder that holds one. align: se3, sim3, origin or none. tolerance:\n"
+      "largest time difference of a matched pair, s. delta: distance between the poses of a pair\n"
+      "of the RPE, m. part: of an estimate whose odometry started anew, from 1.\n\n"
+      "InputError: no trajectory in a file, nothing matches, alignment not determined.");
 }
 
 }  // namespace
 
 Trajectory poses_of(Poses poses, std::vector<std::size_t> parts) {
-  return {.file = "Trajectory", .stamped = true, .poses = std::move(poses), .parts = std::move(parts)};
+  return {
+      .file = "Trajectory", .stamped = true, .poses = std::move(poses), .parts = std::move(parts)};
 }
 
 void bind_trajectories(py::module_& module) {
@@ -138,8 +141,7 @@ void bind_trajectories(py::module_& module) {
       .def_static(
           "read",
           [](const std::filesystem::path& path, const std::string& topic) {
-            return without_gil(
-                [&] { return read_any_trajectory({.path = path, .topic = topic}); });
+            return without_gil([&] { return read_any_trajectory({.path = path, .topic = topic}); });
           },
           py::arg("path"), py::kw_only(), py::arg("topic") = "",
           "TUM or KITTI text, a table with named columns, the folder of a run, or the poses of a\n"
