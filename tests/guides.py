@@ -25,6 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOT_RUN = {
     "./dev ": "installs packages and builds",
     "adit bench": "takes minutes",
+    "pip install tools/python": "builds",
     "python3 -m venv": "needs the network",
     "v/bin/python": "needs what the line before it installs",
     "ADIT_DEVICE=0 build": "is about a device of the reader's machine",

@@ -26,11 +26,12 @@ tools=$work/tools-$name
 }
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 rm -rf "$work/raw" "$work/whole" "$work/content"
+rm -f "$build/.skbuild-info.json" # where that names another Python, all would be built anew
 mkdir -p "$work/raw" "$work/whole" "$root/dist"
+options=(ADIT_STATIC_CERES=ON ADIT_FMT_HEADER_ONLY=ON ADIT_PEERS=OFF CMAKE_SKIP_RPATH=ON # as package.sh has them
+  'CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib')
 PATH=$tools/bin:$PATH "$tools/bin/pip" wheel -v "$root/tools/python" --no-deps --no-build-isolation -w "$work/raw" \
-  --config-settings=build-dir="$build" --config-settings=cmake.define.ADIT_STATIC_CERES=ON --config-settings=cmake.define.ADIT_FMT_HEADER_ONLY=ON \
-  --config-settings=cmake.define.ADIT_PEERS=OFF --config-settings=cmake.define.CMAKE_SKIP_RPATH=ON \
-  "--config-settings=cmake.define.CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\\\$ORIGIN/../lib" >&2
+  --config-settings=build-dir="$build" "${options[@]/#/--config-settings=cmake.define.}" >&2
 raw=("$work"/raw/adit-*.whl)
 
 # The loader, the licences of everything in the wheel, and what they are.
@@ -45,7 +46,7 @@ strip "$package"/_adit.*.so
 cp "$root/LICENSE" "$package/"
 is_of_the_system() { is_glibc "$1" || [[ $1 =~ ^(libstdc\+\+|libgcc_s)\.so ]]; }
 add_license "$(owner_of "$(g++ -print-file-name=libvulkan.so.1)")"
-for one in "${compiled_in[@]}"; do add_license "$one"; done
+for one in "${compiled_in[@]}" libceres-dev; do add_license "$one"; done
 while read -r library path; do
   is_of_the_system "$library" && continue
   owner=$(owner_of "$path")
