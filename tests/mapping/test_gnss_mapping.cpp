@@ -117,7 +117,8 @@ TEST_F(GnssMappingTest, FixesPlaceTheMapInTheWorld) {
         {.antenna = {{kAntenna.x(), kAntenna.y(), kAntenna.z()}}, .correlation = 0.1}, fixes(seed));
     ASSERT_TRUE(mapped.report.gnss.georeference) << seed;
     EXPECT_LT(mapped.error, 0.03) << seed;
-    EXPECT_GT(mapped.report.gnss.verdicts[static_cast<std::size_t>(FixVerdict::used)], 20U);
+    EXPECT_GE(mapped.report.gnss.verdicts[static_cast<std::size_t>(FixVerdict::used)], 18U)
+        << "one each half second or metre";
     EXPECT_EQ(mapped.report.gnss.verdicts[static_cast<std::size_t>(FixVerdict::outlier)], 0U);
     EXPECT_EQ(mapped.report.gnss.fixes + mapped.report.gnss.outside, 2 * (kStreetSweeps - 1));
   }
