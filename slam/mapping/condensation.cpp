@@ -269,7 +269,6 @@ OptimizedGraph optimize_condensed(const PoseGraph& graph, const OptimizationSett
     OptimizedGraph stopped{expanded(graph, small, ends.poses, settings.convention),
                            ends.T_world_map, ends.report};
     stopped.report.edges = edge_results(graph, stopped.poses, settings);
-    stopped.report.fixes = fix_results(graph, stopped.T_world_map, stopped.poses, settings);
     return stopped;
   }
   PoseGraph whole = graph;

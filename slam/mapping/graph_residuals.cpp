@@ -63,23 +63,6 @@ WhitenedTie<2> LevelResidual::linearized(const Eigen::Isometry3d& T_world_map,
   return tie;
 }
 
-std::vector<std::optional<EdgeResult>> fix_results(const PoseGraph& graph,
-                                                   const Eigen::Isometry3d& T_world_map,
-                                                   std::span<const Eigen::Isometry3d> poses,
-                                                   const OptimizationSettings& settings) {
-  std::vector<std::optional<EdgeResult>> results(graph.fixes().size());
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const PositionFix& fix = graph.fixes()[i];
-    if (fix.status == EdgeStatus::active) {
-      const double value = FixResidual(fix)
-                               .linearized(T_world_map, poses[graph.index_of(fix.node)])
-                               .residual.squaredNorm();
-      results[i] = EdgeResult{value, apply(settings.fix_kernel, value).weight};
-    }
-  }
-  return results;
-}
-
 double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
                const OptimizationSettings& settings) {
   double cost = 0.0;
@@ -89,13 +72,15 @@ double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
       cost += apply(kernel_of(graph.edges()[i], settings), edges[i]->chi2).cost;
     }
   }
-  for (const std::optional<EdgeResult>& fix : optimized.report.fixes) {
-    cost += fix ? apply(settings.fix_kernel, fix->chi2).cost : 0.0;
+  const auto add = [&](NodeId node, const auto& residual) {
+    cost += residual.linearized(optimized.T_world_map, optimized.poses[graph.index_of(node)])
+                .residual.squaredNorm();
+  };
+  for (const PositionFix& fix : graph.fixes()) {
+    add(fix.node, FixResidual(fix));
   }
   for (const LevelledNode& level : graph.levels()) {
-    cost += LevelResidual(level)
-                .linearized(optimized.T_world_map, optimized.poses[graph.index_of(level.node)])
-                .residual.squaredNorm();
+    add(level.node, LevelResidual(level));
   }
   return cost;
 }
@@ -104,7 +89,6 @@ double graph_cost(const PoseGraph& graph, const OptimizationSettings& settings) 
   OptimizedGraph as_it_is{
       .poses = poses_of(graph), .T_world_map = graph.T_world_map(), .report = {}};
   as_it_is.report.edges = edge_results(graph, as_it_is.poses, settings);
-  as_it_is.report.fixes = fix_results(graph, graph.T_world_map(), as_it_is.poses, settings);
   return cost_of(graph, as_it_is, settings);
 }
 

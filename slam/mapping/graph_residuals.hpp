@@ -149,18 +149,13 @@ class LevelResidual {
   double root_;
 };
 
-/// Residuals of the active fixes, with the nodes at these poses.
-std::vector<std::optional<EdgeResult>> fix_results(const PoseGraph& graph,
-                                                   const Eigen::Isometry3d& T_world_map,
-                                                   std::span<const Eigen::Isometry3d> poses,
-                                                   const OptimizationSettings& settings);
-
 /// Residuals of the active edges, with the nodes at these poses.
 std::vector<std::optional<EdgeResult>> edge_results(const PoseGraph& graph,
                                                     std::span<const Eigen::Isometry3d> poses,
                                                     const OptimizationSettings& settings);
 
-/// The sum of chi squared under the kernels, levels included, where the optimisation has come to.
+/// The sum of chi squared under the kernels, fixes and levels included, where the optimisation has
+/// come to.
 double cost_of(const PoseGraph& graph, const OptimizedGraph& optimized,
                const OptimizationSettings& settings);
 

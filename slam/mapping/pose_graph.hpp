@@ -48,7 +48,6 @@ struct PositionFix {
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  ///< m
   /// 1/m^2, world axes: symmetric, without negative eigenvalues.
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
-  EdgeStatus status = EdgeStatus::active;
 };
 
 /// A node whose z axis was measured to point up in the world.
@@ -96,7 +95,6 @@ class PoseGraph {
   /// graphs.
   void add_fix(const PositionFix& fix);
   void add_level(const LevelledNode& level);
-  void set_fix(std::size_t fix, const PositionFix& changed) { fixes_.at(fix) = changed; }
   void clear_fixes() { fixes_.clear(); }
 
   const Eigen::Isometry3d& T_world_map() const { return T_world_map_; }

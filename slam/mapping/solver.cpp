@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <span>
 #include <tuple>
 
@@ -220,11 +219,9 @@ std::vector<std::size_t> canonical_order(const PoseGraph& graph) {
   return order;
 }
 
-/// The active fixes, likewise.
+/// The fixes, likewise.
 std::vector<PositionFix> canonical_fixes(const PoseGraph& graph) {
-  std::vector<PositionFix> fixes;
-  std::ranges::copy_if(graph.fixes(), std::back_inserter(fixes),
-                       [](const PositionFix& fix) { return fix.status == EdgeStatus::active; });
+  std::vector<PositionFix> fixes = graph.fixes();
   const auto key = [](const PositionFix& fix) {
     return std::tuple(fix.node, fix.p_world.x(), fix.p_world.y(), fix.p_world.z(),
                       fix.information(0, 0));
@@ -241,7 +238,6 @@ class GraphProblem {
                const OptimizationSettings& settings)
       : odometry_loss_(settings.odometry_kernel),
         loop_loss_(settings.loop_kernel),
-        fix_loss_(settings.fix_kernel),
         world_(numbers_of(graph.T_world_map())),
         world_start_(world_),
         problem_(problem_options()) {
@@ -271,7 +267,7 @@ class GraphProblem {
                                 blocks_[graph.index_of(edge.to)].data());
     }
     if constexpr (kFreedom == 6) {
-      tie_to_world(graph, tied, settings);
+      tie_to_world(graph, tied);
     }
     start_ = blocks_;
   }
@@ -304,27 +300,24 @@ class GraphProblem {
   }
 
   /// What no edge ties has no part in the graph's shape, and its fixes none in where that lies.
-  void tie_to_world(const PoseGraph& graph, const std::vector<bool>& tied,
-                    const OptimizationSettings& settings) {
+  void tie_to_world(const PoseGraph& graph, const std::vector<bool>& tied) {
     bool any = false;
-    const auto add = [&](NodeId node, ceres::CostFunction* cost, ceres::LossFunction* loss) {
+    const auto add = [&](NodeId node, ceres::CostFunction* cost) {
       if (!any) {
         problem_.AddParameterBlock(world_.data(), kBlock, &manifold_);
         problem_.AddResidualBlock(new WorldPrior(graph.T_world_map()), nullptr, world_.data());
         any = true;
       }
-      problem_.AddResidualBlock(cost, loss, world_.data(), blocks_[graph.index_of(node)].data());
+      problem_.AddResidualBlock(cost, nullptr, world_.data(), blocks_[graph.index_of(node)].data());
     };
-    ceres::LossFunction* fix_loss =
-        settings.fix_kernel.kernel == Kernel::none ? nullptr : &fix_loss_;
     for (const PositionFix& fix : canonical_fixes(graph)) {
       if (tied[graph.index_of(fix.node)]) {
-        add(fix.node, new TieCost<FixResidual>(FixResidual(fix)), fix_loss);
+        add(fix.node, new TieCost<FixResidual>(FixResidual(fix)));
       }
     }
     for (const LevelledNode& level : graph.levels()) {
       if (tied[graph.index_of(level.node)]) {
-        add(level.node, new TieCost<LevelResidual>(LevelResidual(level)), nullptr);
+        add(level.node, new TieCost<LevelResidual>(LevelResidual(level)));
       }
     }
   }
@@ -338,7 +331,6 @@ class GraphProblem {
   PoseManifold<kFreedom> manifold_;
   KernelLoss odometry_loss_;
   KernelLoss loop_loss_;
-  KernelLoss fix_loss_;
   std::vector<Block> blocks_;
   std::vector<Block> start_;
   Block world_;
@@ -437,7 +429,6 @@ OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& sett
     }
   }
   report.edges = edge_results(graph, result.poses, settings);
-  report.fixes = fix_results(graph, result.T_world_map, result.poses, settings);
   report.cost_after = cost_of(graph, result, settings);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

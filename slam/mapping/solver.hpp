@@ -25,7 +25,6 @@ struct OptimizationSettings {
   ResidualConvention convention = ResidualConvention::rotation;
   RobustLoss odometry_kernel{};
   RobustLoss loop_kernel{};
-  RobustLoss fix_kernel{};
   int max_iterations = 100;
   /// Converged once an iteration changes the cost by less than this part of it.
   double cost_tolerance = 1e-10;
@@ -63,7 +62,6 @@ struct OptimizationReport {
   double seconds = 0.0;
   /// One per edge, in the graph's order; nothing for those that are not active.
   std::vector<std::optional<EdgeResult>> edges;
-  std::vector<std::optional<EdgeResult>> fixes;  ///< likewise
   GraphComponents components;
   std::vector<NodeId>
       held;  ///< nodes that stayed in place because nothing in their component is fixed
@@ -77,8 +75,8 @@ struct OptimizedGraph {
   OptimizationReport report;
 };
 
-/// Minimises the sum of the squared residuals of active edges and fixes, under their kernels, and
-/// of levels. T_world_map is free where there are any of the latter two; of what they do not tell
+/// Minimises the sum of the squared residuals of active edges, under their kernels, of fixes and of
+/// levels. T_world_map is free where there are any of the latter two; of what they do not tell
 /// it keeps the start's. Deterministic: the order in which nodes and edges were added does not
 /// matter, and time decides nothing.
 OptimizedGraph optimize(const PoseGraph& graph, const OptimizationSettings& settings);

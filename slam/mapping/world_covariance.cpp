@@ -83,10 +83,8 @@ std::vector<Eigen::Matrix3d> world_covariances(const PoseGraph& graph,
     }
   }
   for (const PositionFix& fix : graph.fixes()) {
-    if (fix.status == EdgeStatus::active) {
-      const auto row = FixResidual(fix).linearized(graph.T_world_map(), pose(fix.node));
-      information.add<3>(kWorld, row.by_world, place(fix.node), row.by_node);
-    }
+    const auto row = FixResidual(fix).linearized(graph.T_world_map(), pose(fix.node));
+    information.add<3>(kWorld, row.by_world, place(fix.node), row.by_node);
   }
   for (const LevelledNode& level : graph.levels()) {
     const auto row = LevelResidual(level).linearized(graph.T_world_map(), pose(level.node));

@@ -18,8 +18,6 @@ namespace {
 using GeographicLib::TransverseMercator;
 using GeographicLib::UTMUPS;
 
-constexpr double kMostLatitude = 84.0;  // degrees
-
 const Geodetic& checked(const Geodetic& place) {
   const bool possible = std::isfinite(place.altitude) && std::isfinite(place.longitude) &&
                         std::abs(place.latitude) <= kMostLatitude;

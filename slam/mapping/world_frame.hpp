@@ -11,6 +11,9 @@
 
 namespace adit {
 
+/// Of the origin of a world frame, degrees north or south.
+inline constexpr double kMostLatitude = 84.0;
+
 /// A frame of metres that lies on the WGS 84 ellipsoid: x east and y north at its origin, z up.
 ///
 /// x and y are a transverse Mercator projection with its central meridian through the origin,

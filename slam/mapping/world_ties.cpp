@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/gnss_noise.hpp"
@@ -29,10 +30,11 @@ constexpr double kDrift = 0.01;      // of the way since the last fix that the m
 constexpr double kShapeNoise = 0.1;  // m, of the map's own shape
 constexpr std::size_t kNodesBetween = 20;  // optimisations, at the least
 constexpr int kMostRounds = 4;
+constexpr double kSlack = 1.5;  // of the gate, for what was used before, while more is to come
 
 bool is_possible(const MapFix& fix) {
   const Geodetic& place = fix.place;
-  return std::isfinite(place.altitude) && std::abs(place.latitude) < 84.0 &&
+  return std::isfinite(place.altitude) && std::abs(place.latitude) < kMostLatitude &&
          std::abs(place.longitude) <= 180.0 && std::abs(place.altitude) < 20e3 &&
          !(place.latitude == 0.0 && place.longitude == 0.0);
 }
@@ -88,6 +90,28 @@ Matrix6d covariance_of_world(const PoseGraph& graph) {
 
 void WorldTies::add(std::span<const MapFix> fixes) {
   fixes_.insert(fixes_.end(), fixes.begin(), fixes.end());
+  report_.fixes = fixes_.size();
+  report_.verdicts[static_cast<std::size_t>(FixVerdict::waiting)] += fixes.size();
+}
+
+void WorldTies::set_verdict(std::size_t i, FixVerdict verdict) {
+  if (fixes_[i].verdict != verdict) {
+    --report_.verdicts[static_cast<std::size_t>(fixes_[i].verdict)];
+    ++report_.verdicts[static_cast<std::size_t>(verdict)];
+    fixes_[i].verdict = verdict;
+    changed_.insert(i);
+  }
+}
+
+void WorldTies::set_chi2(std::size_t i, double chi2) {
+  if (fixes_[i].chi2 != chi2) {
+    fixes_[i].chi2 = chi2;
+    changed_.insert(i);
+  }
+}
+
+std::size_t WorldTies::count(FixVerdict verdict) const {
+  return report_.verdicts[static_cast<std::size_t>(verdict)];
 }
 
 // The last digits of a receiver's position change even at rest.
@@ -124,104 +148,103 @@ double WorldTies::distance2(const PoseGraph& graph, const MapFix& fix, double dr
   return apart.dot(covariance.ldlt().solve(apart));
 }
 
-void WorldTies::judge_new(const PoseGraph& graph) {
-  for (; judged_ < fixes_.size() && graph.contains(fixes_[judged_].keyframe); ++judged_) {
-    MapFix& fix = fixes_[judged_];
+// Those of nodes up to `last`.
+void WorldTies::judge_new(const PoseGraph& graph, NodeId last) {
+  for (; judged_ < fixes_.size() && fixes_[judged_].keyframe <= last; ++judged_) {
+    const MapFix& fix = fixes_[judged_];
     if (!is_possible(fix)) {
-      fix.verdict = FixVerdict::impossible;
+      set_verdict(judged_, FixVerdict::impossible);
     } else if (is_repeated(judged_)) {
-      fix.verdict = FixVerdict::frozen;
+      set_verdict(judged_, FixVerdict::frozen);
     } else if (is_near_the_last(judged_)) {
-      fix.verdict = FixVerdict::thinned;
+      set_verdict(judged_, FixVerdict::thinned);
     } else {
       last_kept_ = judged_;
       if (frame_) {
-        fix.chi2 = distance2(graph, fix, kDrift * (fix.path - optimized_path_));
-        fix.verdict = fix.chi2 < kFixGate ? FixVerdict::used : FixVerdict::outlier;
+        set_chi2(judged_, distance2(graph, fix, kDrift * (fix.path - optimized_path_)));
+        set_verdict(judged_, fix.chi2 < kFixGate ? FixVerdict::used : FixVerdict::outlier);
         used_since_ += fix.verdict == FixVerdict::used ? 1 : 0;
       }
     }
   }
 }
 
-std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, const WorldFrame& frame,
-                                       bool swapped) const {
+// Those that the place is told by: of the first part of the map, in order.
+std::vector<std::size_t> WorldTies::told_by(const PoseGraph& graph) {
+  std::vector<std::size_t> part;
+  const FirstPart first(graph);
+  for (std::size_t i = 0; i < judged_; ++i) {
+    if (!takes_part(fixes_[i].verdict)) {
+      continue;
+    }
+    if (!first.has(fixes_[i].keyframe)) {
+      set_verdict(i, FixVerdict::apart);
+      continue;
+    }
+    if (fixes_[i].verdict == FixVerdict::apart) {
+      set_verdict(i, FixVerdict::waiting);
+    }
+    part.push_back(i);
+  }
+  return part;
+}
+
+std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const std::size_t> part,
+                                       const WorldFrame& frame, bool swapped) const {
   const Matrix3d level = levelling(graph);
   std::vector<PositionPair> pairs;
-  for (std::size_t i = 0; i < judged_; ++i) {
+  for (const std::size_t i : part) {
     const MapFix& fix = fixes_[i];
-    if (takes_part(fix.verdict) && fix.verdict != FixVerdict::apart) {
-      Geodetic place = fix.place;
-      if (swapped) {
-        std::swap(place.latitude, place.longitude);
-      }
-      pairs.push_back({.p_map = level * p_map(graph, fix),
-                       .p_world = frame.position_of(place),
-                       .covariance = fix.covariance,
-                       .time = seconds(fix.stamp - fixes_.front().stamp)});
+    Geodetic place = fix.place;
+    if (swapped) {
+      std::swap(place.latitude, place.longitude);
     }
+    pairs.push_back({.p_map = level * p_map(graph, fix),
+                     .p_world = frame.position_of(place),
+                     .covariance = fix.covariance,
+                     .time = seconds(fix.stamp - fixes_.front().stamp)});
   }
   return fit_world(pairs, config_.correlation);
 }
 
 // From all fixes so far; false: they do not tell it yet, or no better than it is known.
 bool WorldTies::find_place(PoseGraph& graph) {
-  std::vector<std::size_t> part;
-  const FirstPart first(graph);
-  for (std::size_t i = 0; i < judged_; ++i) {
-    MapFix& fix = fixes_[i];
-    if (takes_part(fix.verdict)) {
-      if (!first.has(fix.keyframe)) {
-        fix.verdict = FixVerdict::apart;
-      } else {
-        fix.verdict = fix.verdict == FixVerdict::apart ? FixVerdict::waiting : fix.verdict;
-        part.push_back(i);
-      }
-    }
-  }
-  std::erase_if(part, [&](std::size_t i) { return fixes_[i].verdict == FixVerdict::apart; });
+  const std::vector<std::size_t> part = told_by(graph);
+  tried_ = judged_;
   if (part.size() < kFewestFixes) {
     return false;
   }
   // About one of the middle: the first may lie anywhere.
-  std::vector<double> latitudes;
-  for (const std::size_t i : part) {
-    latitudes.push_back(fixes_[i].place.latitude);
-  }
-  const auto middle = latitudes.begin() + static_cast<std::ptrdiff_t>(latitudes.size() / 2);
-  std::ranges::nth_element(latitudes, middle);
-  const std::size_t central = *std::ranges::find_if(
-      part, [&](std::size_t i) { return fixes_[i].place.latitude == *middle; });
-  const std::optional<WorldFit> found = fit(graph, WorldFrame(fixes_[central].place), false);
+  std::vector<std::size_t> by_latitude = part;
+  const auto middle = by_latitude.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+  std::ranges::nth_element(by_latitude, middle, {},
+                           [&](std::size_t i) { return std::pair(fixes_[i].place.latitude, i); });
+  const std::optional<WorldFit> found = fit(graph, part, WorldFrame(fixes_[*middle].place), false);
   if (!found) {
     return false;
   }
   report_.yaw_sigma = found->yaw_sigma;
-  const auto used =
-      static_cast<std::size_t>(std::ranges::count(fixes_, FixVerdict::used, &MapFix::verdict));
+  std::vector<std::size_t> agreeing;
   Eigen::AlignedBox2d box;
   for (std::size_t i = 0; i < part.size(); ++i) {
     if (found->agrees[i]) {
+      agreeing.push_back(part[i]);
       box.extend(p_map(graph, fixes_[part[i]]).head<2>());
     }
   }
   const bool known =
-      found->yaw_sigma < kYawKnown && found->agreeing >= kFewestFixes &&
+      found->yaw_sigma < kYawKnown && agreeing.size() >= kFewestFixes &&
       box.sizes().norm() >= kLeastExtent &&
-      static_cast<double>(found->agreeing) >= kLeastAgreement * static_cast<double>(part.size());
-  if (!known || (frame_ && 2 * found->agreeing < 3 * used)) {
+      static_cast<double>(agreeing.size()) >= kLeastAgreement * static_cast<double>(part.size());
+  const bool better = !frame_ || 2 * agreeing.size() >= 3 * count(FixVerdict::used);
+  if (!known || !better) {
     return false;
   }
-  std::size_t at = 0;
-  frame_.reset();
-  for (const std::size_t i : part) {
-    const bool agrees = found->agrees[at++];
-    fixes_[i].verdict = agrees ? FixVerdict::used : FixVerdict::outlier;
-    if (agrees && !frame_) {
-      frame_.emplace(fixes_[i].place);
-    }
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    set_verdict(part[i], found->agrees[i] ? FixVerdict::used : FixVerdict::outlier);
   }
-  const std::optional<WorldFit> again = fit(graph, *frame_, false);
+  frame_.emplace(fixes_[agreeing.front()].place);
+  const std::optional<WorldFit> again = fit(graph, part, *frame_, false);
   Eigen::Isometry3d T_world_map = (again ? *again : *found).T_world_map;
   T_world_map.linear() *= levelling(graph);
   graph.set_T_world_map(orthonormalized(T_world_map));
@@ -230,45 +253,55 @@ bool WorldTies::find_place(PoseGraph& graph) {
 
 // Of a short way a wrong place may fit, too.
 bool WorldTies::is_contradicted() const {
-  const auto used = std::ranges::count(fixes_, FixVerdict::used, &MapFix::verdict);
-  const auto outliers = std::ranges::count(fixes_, FixVerdict::outlier, &MapFix::verdict);
-  return frame_ && outliers > used && static_cast<std::size_t>(outliers) >= kManyOutliers;
+  const std::size_t outliers = count(FixVerdict::outlier);
+  return frame_ && outliers > count(FixVerdict::used) && outliers >= kManyOutliers;
 }
 
 void WorldTies::forget_place(PoseGraph& graph) {
   frame_.reset();
-  report_.georeference.reset();
   graph.clear_fixes();
   used_since_ = 0;
-  for (MapFix& fix : fixes_) {
-    fix.verdict = takes_part(fix.verdict) ? FixVerdict::waiting : fix.verdict;
-    fix.information.setZero();
-    fix.chi2 = 0.0;
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    if (takes_part(fixes_[i].verdict)) {
+      set_verdict(i, FixVerdict::waiting);
+    }
+    set_chi2(i, 0.0);
+    fixes_[i].information.setZero();
   }
+}
+
+Matrix3d WorldTies::information_of(const MapFix& fix) const {
+  Matrix3d information = Matrix3d::Zero();
+  if (config_.height) {
+    information = fix.covariance.inverse();
+  } else {
+    information.topLeftCorner<2, 2>() = fix.covariance.topLeftCorner<2, 2>().inverse();
+  }
+  return 0.5 * (information + information.transpose());
 }
 
 void WorldTies::tie(PoseGraph& graph) {
   graph.clear_fixes();
   const FirstPart first(graph);
-  std::vector<MapFix*> used;
+  std::vector<std::size_t> used;
   std::vector<double> times;
-  for (MapFix& fix : fixes_) {
-    fix.information.setZero();
-    if (fix.verdict == FixVerdict::used && first.has(fix.keyframe)) {
-      used.push_back(&fix);
-      times.push_back(seconds(fix.stamp - fixes_.front().stamp));
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    if (fixes_[i].verdict == FixVerdict::used && first.has(fixes_[i].keyframe)) {
+      used.push_back(i);
+      times.push_back(seconds(fixes_[i].stamp - fixes_.front().stamp));
+    } else {
+      fixes_[i].information.setZero();
     }
   }
   const std::vector<double> shares = independent_shares(times, config_.correlation);
   for (std::size_t i = 0; i < used.size(); ++i) {
-    Matrix3d information = Matrix3d::Zero();
-    if (config_.height) {
-      information = used[i]->covariance.inverse();
-    } else {
-      information.topLeftCorner<2, 2>() = used[i]->covariance.topLeftCorner<2, 2>().inverse();
+    MapFix& fix = fixes_[used[i]];
+    const Matrix3d information = shares[i] * information_of(fix);
+    if (fix.information != information) {
+      fix.information = information;
+      changed_.insert(used[i]);
     }
-    used[i]->information = 0.5 * shares[i] * (information + information.transpose());
-    graph.add_fix(as_measured(*used[i], *frame_));
+    graph.add_fix(as_measured(fix, *frame_));
   }
 }
 
@@ -287,105 +320,99 @@ void WorldTies::optimize(PoseGraph& graph) {
   used_since_ = 0;
 }
 
-// After an optimisation, when the map is where the fixes want it.
-void WorldTies::judge_again(const PoseGraph& graph, double widest) {
-  const FirstPart first(graph);
-  for (std::size_t i = 0; i < judged_; ++i) {
-    MapFix& fix = fixes_[i];
-    if (!takes_part(fix.verdict)) {
-      continue;
-    }
-    if (!first.has(fix.keyframe)) {
-      fix.verdict = FixVerdict::apart;
-      continue;
-    }
-    fix.chi2 = distance2(graph, fix, 0.0);
-    const double gate = fix.verdict == FixVerdict::used ? widest : kFixGate;
-    fix.verdict = fix.chi2 < gate ? FixVerdict::used : FixVerdict::outlier;
+// After an optimisation, when the map is where the fixes want it. True where a verdict is another.
+bool WorldTies::judge_again(const PoseGraph& graph, double gate_of_used) {
+  bool changed = false;
+  for (const std::size_t i : told_by(graph)) {
+    const FixVerdict before = fixes_[i].verdict;
+    set_chi2(i, distance2(graph, fixes_[i], 0.0));
+    const double gate = before == FixVerdict::used ? gate_of_used : kFixGate;
+    set_verdict(i, fixes_[i].chi2 < gate ? FixVerdict::used : FixVerdict::outlier);
+    changed |= fixes_[i].verdict != before;
   }
+  return changed;
 }
 
-void WorldTies::fill(Change& change, const PoseGraph& graph, const std::vector<MapFix>& before) {
-  for (std::size_t i = 0; i < fixes_.size(); ++i) {
-    if (fixes_[i].verdict != before[i].verdict || fixes_[i].chi2 != before[i].chi2 ||
-        fixes_[i].information != before[i].information) {
-      change.fixes.push_back(fixes_[i]);
-    }
-  }
-  report_.fixes = fixes_.size();
-  report_.verdicts = {};
-  double used = 0.0;
+/// What is left of the used fixes, and how far all lie apart.
+void WorldTies::measure(const PoseGraph& graph) {
   Vector3d squared = Vector3d::Zero();
   Eigen::AlignedBox2d box;
   for (const MapFix& fix : fixes_) {
-    ++report_.verdicts[static_cast<std::size_t>(fix.verdict)];
-    if (graph.contains(fix.keyframe)) {
-      box.extend(p_map(graph, fix).head<2>());
-    }
-    if (fix.verdict == FixVerdict::used && graph.contains(fix.keyframe)) {
-      used += 1.0;
-      squared +=
-          (graph.T_world_map() * p_map(graph, fix) - frame_->position_of(fix.place)).cwiseAbs2();
+    const Vector3d p = p_map(graph, fix);
+    box.extend(p.head<2>());
+    if (fix.verdict == FixVerdict::used) {
+      squared += (graph.T_world_map() * p - frame_->position_of(fix.place)).cwiseAbs2();
     }
   }
-  report_.extent = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
-  report_.horizontal = used > 0.0 ? std::sqrt((squared.x() + squared.y()) / used) : 0.0;
-  report_.vertical = used > 0.0 ? std::sqrt(squared.z() / used) : 0.0;
-  if (frame_) {
-    report_.georeference = Georeference{.origin = frame_->origin(),
-                                        .T_world_map = graph.T_world_map(),
-                                        .covariance = covariance_of_world(graph)};
-    change.georeference = report_.georeference;
-  }
+  report_.extent = box.sizes().maxCoeff();
+  const auto used = static_cast<double>(std::max<std::size_t>(1, count(FixVerdict::used)));
+  report_.horizontal = std::sqrt(squared.head<2>().sum() / used);
+  report_.vertical = std::sqrt(squared.z() / used);
 }
 
-WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe) {
-  Change change;
-  if (judged_ == fixes_.size() || fixes_[judged_].keyframe > keyframe) {
-    return change;
+// Not where exchanging them makes no place on the Earth.
+bool WorldTies::would_agree_exchanged(const PoseGraph& graph) {
+  const std::vector<std::size_t> part = told_by(graph);
+  const bool possible = std::ranges::all_of(
+      part, [&](std::size_t i) { return std::abs(fixes_[i].place.longitude) < kMostLatitude; });
+  if (part.empty() || !possible) {
+    return false;
   }
-  const std::vector<MapFix> before = fixes_;
-  const bool had_place = frame_.has_value();
-  const std::size_t nodes = graph.nodes().size();
-  judge_new(graph);
-  if (is_contradicted()) {
-    forget_place(graph);
-  }
-  bool wanted = false;
-  if (!frame_) {
-    wanted = find_place(graph);
-  } else {
-    wanted = used_since_ > 0 &&
-             nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10);
-  }
-  if (wanted) {
-    optimize(graph);
-    judge_again(graph, 1.5 * kFixGate);
-    change.moved = true;
+  const Geodetic& first = fixes_[part.front()].place;
+  const WorldFrame frame(
+      {.latitude = first.longitude, .longitude = first.latitude, .altitude = first.altitude});
+  const std::optional<WorldFit> found = fit(graph, part, frame, true);
+  return found && found->yaw_sigma < kYawKnown && 10 * found->agreeing > 8 * part.size();
+}
+
+WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, bool had_place) {
+  Change change{.fixes = {}, .moved = moved};
+  for (const std::size_t i : std::exchange(changed_, {})) {
+    change.fixes.push_back(fixes_[i]);
   }
   change.place_is_lost = had_place && !frame_;
-  fill(change, graph, before);
+  if (frame_ && moved) {
+    change.georeference = Georeference{.origin = frame_->origin(),
+                                       .T_world_map = graph.T_world_map(),
+                                       .covariance = covariance_of_world(graph)};
+  }
   return change;
 }
 
-WorldTies::Change WorldTies::finish(PoseGraph& graph) {
-  Change change;
-  if (fixes_.empty()) {
-    return change;
+WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe) {
+  if (judged_ == fixes_.size() || fixes_[judged_].keyframe > keyframe) {
+    return {};
   }
-  const std::vector<MapFix> before = fixes_;
   const bool had_place = frame_.has_value();
-  judge_new(graph);
+  judge_new(graph, keyframe);
+  if (is_contradicted()) {
+    forget_place(graph);
+  }
+  const std::size_t nodes = graph.nodes().size();
+  const bool wanted =
+      frame_ ? used_since_ > 0 &&
+                   nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10)
+             : judged_ > tried_ + tried_ / 10 && find_place(graph);
+  if (wanted) {
+    optimize(graph);
+    judge_again(graph, kSlack * kFixGate);
+  }
+  return take_change(graph, wanted, had_place);
+}
+
+WorldTies::Change WorldTies::finish(PoseGraph& graph) {
+  if (fixes_.empty()) {
+    return {};
+  }
+  const bool had_place = frame_.has_value();
+  judge_new(graph, fixes_.back().keyframe);
   if (is_contradicted()) {
     forget_place(graph);
   }
   find_place(graph);
   for (int round = 0; frame_ && round < kMostRounds; ++round) {
     optimize(graph);
-    change.moved = true;
-    const std::vector<MapFix> judged = fixes_;
-    judge_again(graph, kFixGate);
-    if (std::ranges::equal(judged, fixes_, {}, &MapFix::verdict, &MapFix::verdict)) {
+    if (!judge_again(graph, kFixGate)) {
       break;
     }
   }
@@ -393,23 +420,10 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph) {
     forget_place(graph);
     optimize(graph);
   }
-  if (!frame_ && judged_ > 0) {
-    // Not where exchanging them makes no place on the Earth.
-    const bool possible = std::ranges::all_of(fixes_, [](const MapFix& fix) {
-      return !is_possible(fix) || std::abs(fix.place.longitude) < 84.0;
-    });
-    const auto first = std::ranges::find_if(fixes_, is_possible);
-    if (possible && first != fixes_.end()) {
-      const WorldFrame frame({.latitude = first->place.longitude,
-                              .longitude = first->place.latitude,
-                              .altitude = first->place.altitude});
-      const auto exchanged = fit(graph, frame, true);
-      report_.swapped =
-          exchanged && exchanged->yaw_sigma < kYawKnown && 10 * exchanged->agreeing > 8 * judged_;
-    }
-  }
-  change.place_is_lost = had_place && !frame_;
-  fill(change, graph, before);
+  report_.swapped = !frame_ && would_agree_exchanged(graph);
+  measure(graph);
+  Change change = take_change(graph, had_place || frame_, had_place);
+  report_.georeference = change.georeference;
   return change;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -48,7 +49,7 @@ class WorldTies {
 
   /// What a step has changed.
   struct Change {
-    std::vector<MapFix> fixes;  ///< those with another verdict or residual
+    std::vector<MapFix> fixes;  ///< those with another verdict, residual or weight
     std::optional<Georeference> georeference{};
     bool place_is_lost = false;  ///< later fixes contradict it
     bool moved = false;          ///< the graph has other poses
@@ -61,22 +62,32 @@ class WorldTies {
   const GnssReport& report() const { return report_; }
 
  private:
+  void set_verdict(std::size_t fix, FixVerdict verdict);
+  void set_chi2(std::size_t fix, double chi2);
+  std::size_t count(FixVerdict verdict) const;
   bool is_repeated(std::size_t fix) const;
   bool is_near_the_last(std::size_t fix) const;
-  void judge_new(const PoseGraph& graph);
+  double distance2(const PoseGraph& graph, const MapFix& fix, double drift) const;
+  Eigen::Matrix3d information_of(const MapFix& fix) const;
+  void judge_new(const PoseGraph& graph, NodeId last);
+  bool judge_again(const PoseGraph& graph, double gate_of_used);
+  std::vector<std::size_t> told_by(const PoseGraph& graph);
+  std::optional<WorldFit> fit(const PoseGraph& graph, std::span<const std::size_t> part,
+                              const WorldFrame& frame, bool swapped) const;
   bool find_place(PoseGraph& graph);
   bool is_contradicted() const;
   void forget_place(PoseGraph& graph);
-  void judge_again(const PoseGraph& graph, double widest);
+  bool would_agree_exchanged(const PoseGraph& graph);
   void tie(PoseGraph& graph);
   void optimize(PoseGraph& graph);
-  void fill(Change& change, const PoseGraph& graph, const std::vector<MapFix>& before);
-  double distance2(const PoseGraph& graph, const MapFix& fix, double drift) const;
-  std::optional<WorldFit> fit(const PoseGraph& graph, const WorldFrame& frame, bool swapped) const;
+  void measure(const PoseGraph& graph);
+  Change take_change(const PoseGraph& graph, bool moved, bool had_place);
 
   GnssConfig config_;
   std::vector<MapFix> fixes_;
+  std::set<std::size_t> changed_;         ///< of fixes_, since the last change was taken
   std::size_t judged_ = 0;                ///< of fixes_, from the first
+  std::size_t tried_ = 0;                 ///< how many there were when the place was looked for
   std::optional<std::size_t> last_kept_;  ///< the latest fix that is neither thinned nor frozen
   std::optional<WorldFrame> frame_;
   double optimized_path_ = 0.0;  ///< m, of the last used fix in the last optimisation

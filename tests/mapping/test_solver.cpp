@@ -109,7 +109,6 @@ TEST(PoseGraphSolver, FixesPlaceTheMapAndStraightenIt) {
   EXPECT_LT(test::largest_difference(result.poses, poses_of(truth)), 1e-5);
   EXPECT_LT((result.T_world_map.matrix() - T_world_map.matrix()).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_NEAR(result.report.cost_after, 0.0, 1e-9);
-  EXPECT_EQ(result.report.fixes.size(), 30U);
   EXPECT_GT(result.report.cost_before, 1e6);
 }
 

@@ -99,6 +99,14 @@ std::vector<BadSetting> bad_settings() {
       {"recording.accelerometer_scale", [](Config& c) { c.recording.accelerometer_scale = 0; },
        "0"},
       {"recording.gyroscope_scale", [](Config& c) { c.recording.gyroscope_scale = 0; }, "0"},
+      {"gnss.antenna",
+       [](Config& c) {
+         c.gnss.antenna = {0, 0, 1e4};
+       },
+       "m"},
+      {"gnss.noise_scale", [](Config& c) { c.gnss.noise_scale = 0; }, "between 0.1"},
+      {"gnss.correlation", [](Config& c) { c.gnss.correlation = 0; }, "and 3600 s"},
+      {"gnss.time_offset", [](Config& c) { c.gnss.time_offset = 1e12; }, "between"},
   };
 }
 

@@ -5,7 +5,7 @@
 #include "adit/tools/clouds/las_writer.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <string_view>
@@ -13,10 +13,10 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/support/raw_bytes.hpp"
+
 namespace adit {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "LAS files are little-endian");
 
 constexpr double kScale = 0.001;  // m
 constexpr uint16_t kHeaderBytes = 375;
@@ -32,12 +32,6 @@ constexpr std::array<int64_t, 18> kLeapSeconds = {
     662688000, 709948800,  741484800,  773020800,  820454400,  867715200,
     915148800, 1136073600, 1230768000, 1341100800, 1435708800, 1483228800};
 
-template <class T>
-void append(std::string& bytes, T value) {
-  const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  bytes.append(raw.data(), raw.size());
-}
-
 void append_text(std::string& bytes, std::string_view text, std::size_t size) {
   bytes.append(text.substr(0, size));
   bytes.append(size - std::min(size, text.size()), '\0');
@@ -47,10 +41,10 @@ void append_text(std::string& bytes, std::string_view text, std::size_t size) {
 std::string record(std::string_view user, uint16_t id, std::string_view description,
                    std::string_view content) {
   std::string bytes;
-  append(bytes, uint16_t{0});
+  append_raw(bytes, uint16_t{0});
   append_text(bytes, user, 16);
-  append(bytes, id);
-  append(bytes, static_cast<uint16_t>(content.size()));
+  append_raw(bytes, id);
+  append_raw(bytes, static_cast<uint16_t>(content.size()));
   append_text(bytes, description, 32);
   return bytes.append(content);
 }
@@ -58,8 +52,8 @@ std::string record(std::string_view user, uint16_t id, std::string_view descript
 /// A dimension of the Extra Bytes record; type 3 is uint16, 5 uint32.
 std::string extra_bytes(uint8_t type, std::string_view name, std::string_view description) {
   std::string bytes(2, '\0');
-  append(bytes, type);
-  append(bytes, uint8_t{0});
+  append_raw(bytes, type);
+  append_raw(bytes, uint8_t{0});
   append_text(bytes, name, 32);
   bytes.append(4 + 5 * 24, '\0');  // no "no data" value, no range, no scale
   append_text(bytes, description, 32);
@@ -71,7 +65,7 @@ std::string class_names() {
   const auto name = [&](LasClass number, std::string_view text) {
     const auto at = static_cast<std::size_t>(number);
     std::string entry;
-    append(entry, static_cast<uint8_t>(number));
+    append_raw(entry, static_cast<uint8_t>(number));
     append_text(entry, text, 15);
     bytes.replace(16 * at, 16, entry);
   };
@@ -115,11 +109,11 @@ LasWriter::LasWriter(std::filesystem::path path, LasHeading heading)
 
 std::string LasWriter::header() const {
   std::string bytes = "LASF";
-  append(bytes, uint16_t{0});  // file source ID
-  append(bytes, static_cast<uint16_t>((heading_.unix_times ? kAdjustedTime : 0U) | kWkt));
+  append_raw(bytes, uint16_t{0});  // file source ID
+  append_raw(bytes, static_cast<uint16_t>((heading_.unix_times ? kAdjustedTime : 0U) | kWkt));
   bytes.append(16, '\0');  // GUID
-  append(bytes, uint8_t{1});
-  append(bytes, uint8_t{4});
+  append_raw(bytes, uint8_t{1});
+  append_raw(bytes, uint8_t{4});
   append_text(bytes, "adit", 32);
   append_text(bytes, heading_.software, 32);
   uint16_t day = 0;
@@ -132,28 +126,28 @@ std::string LasWriter::header() const {
     day = static_cast<uint16_t>((date - new_year).count() + 1);
     year = static_cast<uint16_t>(static_cast<int>(parts.year()));
   }
-  append(bytes, day);
-  append(bytes, year);
-  append(bytes, kHeaderBytes);
-  append(bytes, static_cast<uint32_t>(kHeaderBytes + records_.size()));
-  append(bytes, record_count_);
-  append(bytes, uint8_t{6});
-  append(bytes, kPointBytes);
+  append_raw(bytes, day);
+  append_raw(bytes, year);
+  append_raw(bytes, kHeaderBytes);
+  append_raw(bytes, static_cast<uint32_t>(kHeaderBytes + records_.size()));
+  append_raw(bytes, record_count_);
+  append_raw(bytes, uint8_t{6});
+  append_raw(bytes, kPointBytes);
   bytes.append(6 * 4, '\0');  // counts of earlier versions
   for (int axis = 0; axis < 3; ++axis) {
-    append(bytes, kScale);
+    append_raw(bytes, kScale);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    append(bytes, heading_.offset[axis]);
+    append_raw(bytes, heading_.offset[axis]);
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double offset = count_ == 0 ? 0.0 : heading_.offset[static_cast<Eigen::Index>(axis)];
-    append(bytes, kScale * highest_[axis] + offset);
-    append(bytes, kScale * lowest_[axis] + offset);
+    append_raw(bytes, kScale * highest_[axis] + offset);
+    append_raw(bytes, kScale * lowest_[axis] + offset);
   }
   bytes.append(8 + 8 + 4, '\0');  // no waveforms, no extended records
-  append(bytes, count_);
-  append(bytes, count_);  // of first returns
+  append_raw(bytes, count_);
+  append_raw(bytes, count_);  // of first returns
   bytes.append(14 * 8, '\0');
   return bytes;
 }
@@ -178,21 +172,21 @@ void LasWriter::write(std::span<const LasPoint> points) {
       const auto step = static_cast<int32_t>(steps);
       lowest_[axis] = count_ == 0 ? step : std::min(lowest_[axis], step);
       highest_[axis] = count_ == 0 ? step : std::max(highest_[axis], step);
-      append(bytes, step);
+      append_raw(bytes, step);
     }
     if (!first_) {
       first_ = point.time;
     }
-    append(bytes, point.intensity);
-    append(bytes, uint8_t{0x11});  // the first return of one
-    append(bytes, uint8_t{0});
-    append(bytes, static_cast<uint8_t>(point.classification));
-    append(bytes, uint8_t{0});  // user data
-    append(bytes, int16_t{0});  // scan angle: not known
-    append(bytes, point.source);
-    append(bytes, heading_.unix_times ? adjusted_gps_time(point.time) : seconds(point.time));
-    append(bytes, point.ring);
-    append(bytes, point.keyframe);
+    append_raw(bytes, point.intensity);
+    append_raw(bytes, uint8_t{0x11});  // the first return of one
+    append_raw(bytes, uint8_t{0});
+    append_raw(bytes, static_cast<uint8_t>(point.classification));
+    append_raw(bytes, uint8_t{0});  // user data
+    append_raw(bytes, int16_t{0});  // scan angle: not known
+    append_raw(bytes, point.source);
+    append_raw(bytes, heading_.unix_times ? adjusted_gps_time(point.time) : seconds(point.time));
+    append_raw(bytes, point.ring);
+    append_raw(bytes, point.keyframe);
     ++count_;
   }
   file_.write(bytes);

@@ -7,30 +7,22 @@
 #include <zlib.h>
 
 #include <array>
-#include <bit>
 #include <limits>
 #include <new>
 #include <string_view>
 #include <vector>
 
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/raw_bytes.hpp"
 
 namespace adit {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "written as it lies in memory");
 
 constexpr uint16_t kAscii = 2;
 constexpr uint16_t kShort = 3;
 constexpr uint16_t kLong = 4;
 constexpr uint16_t kDouble = 12;
 constexpr uint16_t kUserDefined = 32767;
-
-template <class T>
-void append_raw(std::string& bytes, T value) {
-  const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  bytes.append(raw.data(), raw.size());
-}
 
 struct Field {
   uint16_t tag = 0;

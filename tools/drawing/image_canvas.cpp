@@ -15,16 +15,6 @@ namespace {
 constexpr double kScale = 2.0;  // pixels a px
 constexpr double kDash = 4.0;   // px, and as long a gap
 
-/// "#rrggbb".
-Color color_of(std::string_view name) {
-  Color color{};
-  for (std::size_t i = 0; i < color.size() && name.size() == 7; ++i) {
-    const char* digits = name.data() + 1 + 2 * i;
-    std::from_chars(digits, digits + 2, color.at(i), 16);
-  }
-  return color;
-}
-
 /// Colours the pixels about whose centres `inside` says yes, within a box in pixels.
 template <class Inside>
 void paint(Image& image, const Eigen::AlignedBox2d& box, const Color& color, Inside&& inside) {
@@ -43,6 +33,15 @@ void paint(Image& image, const Eigen::AlignedBox2d& box, const Color& color, Ins
 }
 
 }  // namespace
+
+Color color_of(std::string_view name) {
+  Color color{};
+  for (std::size_t i = 0; i < color.size() && name.size() == 7; ++i) {
+    const char* digits = name.data() + 1 + 2 * i;
+    std::from_chars(digits, digits + 2, color.at(i), 16);
+  }
+  return color;
+}
 
 ImageCanvas::ImageCanvas(double width, double height)
     : image_(static_cast<int>(std::ceil(kScale * width)),

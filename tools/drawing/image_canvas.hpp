@@ -7,6 +7,9 @@
 
 namespace adit {
 
+/// A colour of SVG, "#rrggbb".
+Color color_of(std::string_view name);
+
 /// A drawing as a picture on white, of twice as many pixels as a page has px: for what shows no
 /// SVG. Letters are those of image_text.hpp, of one size.
 class ImageCanvas final : public Canvas {

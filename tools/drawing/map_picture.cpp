@@ -19,10 +19,6 @@
 namespace adit {
 namespace {
 
-// From low to high: blue over green to yellow, of even lightness steps, told apart with any kind of
-// colour vision. The ends leave the path and both grounds, white and black, to be seen.
-constexpr std::array<std::string_view, 8> kRamp{"#3b3f8f", "#3a5ba0", "#3778a8", "#3794a6",
-                                                "#45ae94", "#6fc378", "#a5d05a", "#dcd64a"};
 constexpr std::string_view kPathColor = kSeriesColors[1];
 constexpr std::string_view kLoopColor = kSeriesColors[3];
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
@@ -110,12 +106,12 @@ struct Layout {
 
 std::vector<CellRuns> runs_of(const Raster& raster, std::pair<float, float> heights) {
   const auto color_of = [low = heights.first, high = heights.second](float z) {
-    const float share = (z - low) / (high - low) * static_cast<float>(kRamp.size());
+    const float share = (z - low) / (high - low) * static_cast<float>(kRampColors.size());
     return static_cast<std::size_t>(
-        std::clamp(share, 0.0F, static_cast<float>(kRamp.size()) - 1.0F));
+        std::clamp(share, 0.0F, static_cast<float>(kRampColors.size()) - 1.0F));
   };
   std::vector<CellRuns> colors;
-  std::ranges::transform(kRamp, std::back_inserter(colors),
+  std::ranges::transform(kRampColors, std::back_inserter(colors),
                          [](std::string_view color) { return CellRuns{.color = color}; });
   for (std::size_t row = 0; row < raster.rows; ++row) {
     const float* line = &raster.top[row * raster.columns];
@@ -183,7 +179,7 @@ void draw_legend(Canvas& canvas, const std::optional<std::pair<float, float>>& h
     const std::string low = "height " + tick_label(heights->first, 0.1) + " m";
     canvas.text({x, y}, low, {.size = 14.0, .color = kAxisColor});
     x += text_width(low, 14.0) + 10.0;
-    for (const std::string_view color : kRamp) {
+    for (const std::string_view color : kRampColors) {
       canvas.square({x + 0.5 * kSwatch, y - 5.0}, kSwatch, color, {.color = color});
       x += kSwatch;
     }

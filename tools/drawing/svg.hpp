@@ -37,6 +37,12 @@ inline constexpr std::array<std::string_view, 6> kSeriesColors = {"#0072b2", "#d
 inline constexpr std::array<std::string_view, 3> kAxisColors = {kSeriesColors[1], kSeriesColors[0],
                                                                 kSeriesColors[2]};
 
+/// Heights and other numbers, from low to high: blue over green to yellow, of even lightness steps,
+/// told apart with any kind of colour vision. The ends leave the path and both grounds, white and
+/// black, to be seen.
+inline constexpr std::array<std::string_view, 8> kRampColors = {
+    "#3b3f8f", "#3a5ba0", "#3778a8", "#3794a6", "#45ae94", "#6fc378", "#a5d05a", "#dcd64a"};
+
 /// How a line is drawn.
 struct SvgStroke {
   std::string_view color = "#000000";

@@ -3,13 +3,14 @@
 #include "adit/tools/maps/cloud_raster.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/drawing/geotiff_writer.hpp"
+#include "adit/tools/drawing/image_canvas.hpp"
 #include "adit/tools/drawing/png_writer.hpp"
+#include "adit/tools/drawing/svg.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -18,61 +19,27 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 constexpr double kClipped = 0.02;  // share of cells beyond either end of the colours
 
-// From low to high, of even lightness steps: those of pictures of maps.
-constexpr std::array<Color, 8> kRamp{{{0x3b, 0x3f, 0x8f},
-                                      {0x3a, 0x5b, 0xa0},
-                                      {0x37, 0x78, 0xa8},
-                                      {0x37, 0x94, 0xa6},
-                                      {0x45, 0xae, 0x94},
-                                      {0x6f, 0xc3, 0x78},
-                                      {0xa5, 0xd0, 0x5a},
-                                      {0xdc, 0xd6, 0x4a}}};
-
-Color color_of(float share) {
-  const float at = std::clamp(share, 0.0F, 1.0F) * static_cast<float>(kRamp.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(at), kRamp.size() - 2);
+Color ramp_color(float share) {
+  const float at = std::clamp(share, 0.0F, 1.0F) * static_cast<float>(kRampColors.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(at), kRampColors.size() - 2);
   const float rest = at - static_cast<float>(below);
+  const Color lower = color_of(kRampColors[below]);
+  const Color upper = color_of(kRampColors[below + 1]);
   Color mixed{};
   for (std::size_t i = 0; i < 3; ++i) {
-    mixed[i] = static_cast<uint8_t>(
-        std::lround((1.0F - rest) * kRamp[below][i] + rest * kRamp[below + 1][i]));
+    mixed[i] = static_cast<uint8_t>(std::lround((1.0F - rest) * lower[i] + rest * upper[i]));
   }
   return mixed;
 }
 
-int64_t block_of(int64_t cell) {
-  return cell / kRasterBlock - static_cast<int64_t>(cell % kRasterBlock < 0);
-}
-
-std::size_t within(int64_t column, int64_t row) {
-  return static_cast<std::size_t>((row - kRasterBlock * block_of(row)) * kRasterBlock + column -
-                                  kRasterBlock * block_of(column));
-}
-
 }  // namespace
-
-CloudRaster::Index CloudRaster::index_of(const Eigen::Vector2d& place) const {
-  return {static_cast<int64_t>(std::floor(place.x() / cell_)),
-          static_cast<int64_t>(std::floor(place.y() / cell_))};
-}
 
 void CloudRaster::add(std::span<const CloudPoint> points) {
   for (const CloudPoint& point : points) {
     if (point.moving) {
       continue;
     }
-    const Index index = index_of(point.position.head<2>());
-    if (empty()) {
-      low_ = index;
-      high_ = index;
-    }
-    low_ = low_.cwiseMin(index);
-    high_ = high_.cwiseMax(index);
-    std::vector<Cell>& block = blocks_[{.y = block_of(index.y()), .x = block_of(index.x())}];
-    if (block.empty()) {
-      block.resize(std::size_t{kRasterBlock} * kRasterBlock);
-    }
-    Cell& cell = block[within(index.x(), index.y())];
+    Cell& cell = grid_.touch(grid_.index_of(point.position.head<2>()));
     const auto z = static_cast<float>(point.position.z());
     if (value_ == RasterValue::intensity) {
       cell.sum += point.intensity;
@@ -92,20 +59,19 @@ float CloudRaster::value_of(const Cell& cell) const {
 }
 
 Eigen::Vector2d CloudRaster::corner() const {
-  return cell_ * Eigen::Vector2d(static_cast<double>(low_.x()), static_cast<double>(high_.y() + 1));
+  return grid_.size() * Eigen::Vector2d(static_cast<double>(grid_.low().x()),
+                                        static_cast<double>(grid_.high().y() + 1));
 }
 
 float CloudRaster::at(int64_t column, int64_t row) const {
-  const Index index(low_.x() + column, high_.y() - row);
-  const auto block = blocks_.find({.y = block_of(index.y()), .x = block_of(index.x())});
-  return block == blocks_.end() ? kNothing : value_of(block->second[within(index.x(), index.y())]);
+  return value_of(grid_.at({grid_.low().x() + column, grid_.high().y() - row}));
 }
 
 void CloudRaster::write_tiff(const std::filesystem::path& file,
                              const ProductCoordinates& coordinates) const {
   GeoTiffHeading heading{.columns = columns(),
                          .rows = rows(),
-                         .cell = cell_,
+                         .cell = grid_.size(),
                          .corner = corner(),
                          .coordinates = coordinates.name(),
                          .description = value_ == RasterValue::height
@@ -139,13 +105,11 @@ void CloudRaster::write_tiff(const std::filesystem::path& file,
 std::string CloudRaster::png() const {
   std::vector<float> values;
   values.reserve(filled_);
-  for (const auto& [number, block] : blocks_) {
-    for (const Cell& cell : block) {
-      if (cell.count > 0) {
-        values.push_back(value_of(cell));
-      }
+  grid_.for_each([&](const Cell& cell) {
+    if (cell.count > 0) {
+      values.push_back(value_of(cell));
     }
-  }
+  });
   const auto ranked = [&](double share) {
     if (values.empty()) {
       return 0.0F;
@@ -164,7 +128,7 @@ std::string CloudRaster::png() const {
       const float value = at(column, row);
       const bool known = !std::isnan(value);
       const Color color =
-          known ? color_of(high > low ? (value - low) / (high - low) : 0.5F) : Color{};
+          known ? ramp_color(high > low ? (value - low) / (high - low) : 0.5F) : Color{};
       pixels.insert(pixels.end(),
                     {color[0], color[1], color[2], known ? uint8_t{255} : uint8_t{0}});
     }
@@ -173,8 +137,9 @@ std::string CloudRaster::png() const {
 }
 
 std::string CloudRaster::world_file() const {
-  const Eigen::Vector2d middle = corner() + 0.5 * cell_ * Eigen::Vector2d(1.0, -1.0);
-  return shortest(cell_) + "\n0\n0\n" + shortest(-cell_) + "\n" + shortest(middle.x()) + "\n" +
+  const double cell = grid_.size();
+  const Eigen::Vector2d middle = corner() + 0.5 * cell * Eigen::Vector2d(1.0, -1.0);
+  return shortest(cell) + "\n0\n0\n" + shortest(-cell) + "\n" + shortest(middle.x()) + "\n" +
          shortest(middle.y()) + "\n";
 }
 

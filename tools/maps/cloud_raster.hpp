@@ -6,13 +6,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
+#include "adit/tools/maps/cell_grid.hpp"
 #include "adit/tools/maps/cloud_selection.hpp"
 #include "adit/tools/maps/product_coordinates.hpp"
 #include "adit/tools/maps/tiled_cloud.hpp"
@@ -24,18 +23,18 @@ enum class RasterValue {
   intensity,  ///< mean, the sensor's own scale
 };
 
-/// Only blocks with points in them take memory. Borders of cells are at multiples of their size.
+/// Only parts with points in them take memory. Borders of cells are at multiples of their size.
 class CloudRaster {
  public:
   /// `cell`: m.
-  CloudRaster(RasterValue value, double cell) : value_(value), cell_(cell) {}
+  CloudRaster(RasterValue value, double cell) : value_(value), grid_(cell) {}
 
   /// Points that are moving count for nothing.
   void add(std::span<const CloudPoint> points);
 
-  bool empty() const { return blocks_.empty(); }
-  int64_t columns() const { return high_.x() - low_.x() + 1; }
-  int64_t rows() const { return high_.y() - low_.y() + 1; }
+  bool empty() const { return grid_.empty(); }
+  int64_t columns() const { return grid_.columns(); }
+  int64_t rows() const { return grid_.rows(); }
   /// The upper left corner, m.
   Eigen::Vector2d corner() const;
   /// NaN where there is no point. Column from the left, row from the top.
@@ -50,19 +49,14 @@ class CloudRaster {
   std::string world_file() const;
 
  private:
-  using Index = Eigen::Matrix<int64_t, 2, 1>;
   struct Cell {
     float sum = 0.0F;
     uint32_t count = 0;
   };
-  Index index_of(const Eigen::Vector2d& place) const;
   float value_of(const Cell& cell) const;
 
   RasterValue value_;
-  double cell_;
-  std::map<TileNumber, std::vector<Cell>> blocks_;
-  Index low_ = Index::Zero();
-  Index high_ = Index::Zero();
+  CellGrid<Cell> grid_;
   uint64_t filled_ = 0;
 };
 

@@ -6,15 +6,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
+#include "adit/tools/maps/cell_grid.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/product_coordinates.hpp"
-#include "adit/tools/maps/tiled_cloud.hpp"
 
 namespace adit {
 
@@ -29,31 +27,28 @@ struct OccupancyGridConfig {
 /// seen across, from no more than 30 m, or that have ground in them. z must be up.
 class OccupancyGrid {
  public:
-  explicit OccupancyGrid(const OccupancyGridConfig& config) : config_(config) {}
+  explicit OccupancyGrid(const OccupancyGridConfig& config) : config_(config), grid_(config.cell) {}
 
   void add(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
            const ProductCoordinates& coordinates);
 
-  bool empty() const { return blocks_.empty(); }
-  int64_t columns() const { return empty() ? 0 : high_.x() - low_.x() + 1; }
-  int64_t rows() const { return empty() ? 0 : high_.y() - low_.y() + 1; }
+  bool empty() const { return grid_.empty(); }
+  int64_t columns() const { return grid_.columns(); }
+  int64_t rows() const { return grid_.rows(); }
 
   /// As ROS map_server reads it: PGM with 0 for occupied, 254 for free and 205 for unknown.
   void write_pgm(const std::filesystem::path& file) const;
   std::string yaml(const std::string& picture) const;
 
  private:
-  using Index = Eigen::Matrix<int64_t, 2, 1>;
   enum class State : uint8_t { unknown, free, occupied };
+  using Grid = CellGrid<State>;
 
-  Index index_of(const Eigen::Vector3d& place) const;
-  void mark(const Index& index, State state);
+  void mark(const Grid::Index& index, State state);
   void mark_free_between(const Eigen::Vector3d& sensor, const Eigen::Vector3d& end);
 
   OccupancyGridConfig config_;
-  std::map<TileNumber, std::vector<State>> blocks_;
-  Index low_ = Index::Zero();
-  Index high_ = Index::Zero();
+  Grid grid_;
 };
 
 }  // namespace adit

@@ -3,7 +3,7 @@
 //
 // OGC GeoPackage 1.3: an SQLite database with tables of its own and geometries as blobs.
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -15,6 +15,7 @@
 #include "adit/tools/containers/sqlite_database.hpp"
 #include "adit/tools/maps/trajectory_products.hpp"
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/raw_bytes.hpp"
 
 namespace adit {
 namespace {
@@ -25,27 +26,21 @@ constexpr int kGeodetic = 4326;
 constexpr uint32_t kPointZ = 1001;
 constexpr uint32_t kLineStringZ = 1002;
 
-template <class T>
-void append(std::string& bytes, T value) {
-  const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-  bytes.append(raw.data(), raw.size());
-}
-
 /// A geometry: the GeoPackage's header without an envelope, and well-known binary.
 std::string geometry(int reference_system, uint32_t type, std::span<const Eigen::Vector3d> places) {
   std::string bytes = "GP";
-  append(bytes, uint8_t{0});  // version
-  append(bytes, uint8_t{1});  // little-endian
-  append(bytes, reference_system);
-  append(bytes, uint8_t{1});
-  append(bytes, type);
+  append_raw(bytes, uint8_t{0});  // version
+  append_raw(bytes, uint8_t{1});  // little-endian
+  append_raw(bytes, reference_system);
+  append_raw(bytes, uint8_t{1});
+  append_raw(bytes, type);
   if (type == kLineStringZ) {
-    append(bytes, static_cast<uint32_t>(places.size()));
+    append_raw(bytes, static_cast<uint32_t>(places.size()));
   }
   for (const Eigen::Vector3d& place : places) {
-    append(bytes, place.x());
-    append(bytes, place.y());
-    append(bytes, place.z());
+    append_raw(bytes, place.x());
+    append_raw(bytes, place.y());
+    append_raw(bytes, place.z());
   }
   return bytes;
 }

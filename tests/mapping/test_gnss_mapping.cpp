@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// GNSS fixes among the sweeps of a run, by the door that programs use.
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "adit/slam/executor/slam.hpp"
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tests/mapping/submap_support.hpp"
+#include "adit/tests/support/device_fixture.hpp"
+
+namespace adit {
+namespace {
+
+constexpr std::size_t kStreetSweeps = 60;  // 24 m
+const Geodetic kStreetCorner{.latitude = -33.86, .longitude = 151.21, .altitude = 40.0};
+const Eigen::Vector3d kAntenna(-0.6, 0.25, 0.9);  // m, in the lidar's axes
+
+Eigen::Isometry3d T_world_street() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(2.1, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T.translation() = Eigen::Vector3d(120.0, -45.0, 2.0);
+  return T;
+}
+
+class GnssMappingTest : public test::DeviceTest {
+ protected:
+  static const test::SubmapDrive& drive() {
+    static const test::SubmapDrive street = test::submap_drive(kStreetSweeps, 0.4);
+    return street;
+  }
+
+  /// Two fixes a sweep with a centimetre of noise, one of them between sweeps.
+  static std::vector<GnssFix> fixes(unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 0.01);
+    const WorldFrame frame(kStreetCorner);
+    std::vector<GnssFix> fixes;
+    for (std::size_t i = 0; i + 1 < drive().truth.size(); ++i) {
+      const StampedPose& from = drive().truth[i];
+      const StampedPose& to = drive().truth[i + 1];
+      for (const double part : {0.0, 0.4}) {
+        const Eigen::Isometry3d pose =
+            from.pose * se3_exp(part * se3_log(from.pose.inverse() * to.pose));
+        const Eigen::Vector3d error(noise(random), noise(random), 2.0 * noise(random));
+        const Geodetic place = frame.place_of(T_world_street() * (pose * kAntenna) + error);
+        fixes.push_back({.stamp = from.stamp + nanoseconds(part * seconds(to.stamp - from.stamp)),
+                         .kind = GnssFixKind::ground_augmented,
+                         .latitude = place.latitude,
+                         .longitude = place.longitude,
+                         .altitude = place.altitude,
+                         .covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 4.0).asDiagonal()});
+      }
+    }
+    return fixes;
+  }
+
+  struct Mapped {
+    MapReport report;
+    std::string dump;
+    double error = 0.0;  ///< m, rms of where keyframes lie in the world
+  };
+
+  Mapped run(const GnssConfig& gnss, const std::vector<GnssFix>& fixes) {
+    Config config = test::submap_config();
+    config.gnss = gnss;
+    test::TemporaryMap map;
+    const auto slam = make_slam(context(), config,
+                                {.inertial = false, .map = &map.store(), .session = map.session()});
+    auto fix = fixes.begin();
+    for (const Sweep& sweep : drive().sweeps) {
+      slam->add(sweep);
+      for (; fix != fixes.end() && fix->stamp <= sweep.stamp; ++fix) {
+        slam->add(*fix);
+      }
+      while (slam->next()) {
+      }
+    }
+    slam->flush();
+    while (slam->next()) {
+    }
+    Mapped mapped{.report = slam->finish_map().value(), .dump = map.dump()};
+    const std::optional<Georeference> world = map.store().georeference();
+    if (world) {
+      mapped.error = world_error(map.store(), *world);
+    }
+    return mapped;
+  }
+
+ private:
+  static double world_error(const MapDatabase& map, const Georeference& world) {
+    const WorldFrame truth(kStreetCorner);
+    const WorldFrame frame(world.origin);
+    double sum = 0.0;
+    const std::vector<MapKeyframe> keyframes = map.keyframes();
+    for (const MapKeyframe& keyframe : keyframes) {
+      const auto at =
+          std::ranges::find(drive().truth, keyframe.stamp, [](const auto& p) { return p.stamp; });
+      const Eigen::Isometry3d T_keyframe_lidar =
+          decode(map.submap(keyframe.id)).sweeps.front().T_keyframe_lidar;
+      const Eigen::Vector3d stored =
+          world.T_world_map * (keyframe.T_map_keyframe * T_keyframe_lidar.translation());
+      const Eigen::Vector3d right =
+          frame.position_of(truth.place_of(T_world_street() * at->pose.translation()));
+      sum += (stored - right).squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(keyframes.size()));
+  }
+};
+
+TEST_F(GnssMappingTest, FixesPlaceTheMapInTheWorld) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Mapped mapped = run(
+        {.antenna = {{kAntenna.x(), kAntenna.y(), kAntenna.z()}}, .correlation = 0.1}, fixes(seed));
+    ASSERT_TRUE(mapped.report.gnss.georeference) << seed;
+    EXPECT_LT(mapped.error, 0.03) << seed;
+    EXPECT_GE(mapped.report.gnss.verdicts[static_cast<std::size_t>(FixVerdict::used)], 18U)
+        << "one each half second or metre";
+    EXPECT_EQ(mapped.report.gnss.verdicts[static_cast<std::size_t>(FixVerdict::outlier)], 0U);
+    EXPECT_EQ(mapped.report.gnss.fixes + mapped.report.gnss.outside, 2 * (kStreetSweeps - 1));
+  }
+}
+
+TEST_F(GnssMappingTest, AnAntennaThatNobodyToldOfIsSeenInTheError) {
+  const Mapped mapped = run({.correlation = 0.1}, fixes(6));
+  ASSERT_TRUE(mapped.report.gnss.georeference);
+  EXPECT_NEAR(mapped.error, kAntenna.norm(), 0.05);
+}
+
+TEST_F(GnssMappingTest, AReceiverThatReportsLateIsSetRight) {
+  std::vector<GnssFix> late = fixes(7);
+  for (GnssFix& fix : late) {
+    fix.stamp += nanoseconds(0.3);
+  }
+  const std::optional<std::array<double, 3>> antenna{{kAntenna.x(), kAntenna.y(), kAntenna.z()}};
+  EXPECT_GT(run({.antenna = antenna, .correlation = 0.1}, late).error, 0.3);
+  EXPECT_LT(run({.antenna = antenna, .correlation = 0.1, .time_offset = -0.3}, late).error, 0.03);
+}
+
+TEST_F(GnssMappingTest, WithoutFixesOrWithThemLeftAloneTheMapIsTheSame) {
+  const Mapped none = run({}, {});
+  const Mapped unused = run({.use = false}, fixes(8));
+  EXPECT_FALSE(unused.report.gnss.any());
+  EXPECT_EQ(none.dump, unused.dump);
+}
+
+TEST_F(GnssMappingTest, TheSameBytesTwice) {
+  EXPECT_EQ(run({.correlation = 0.1}, fixes(9)).dump, run({.correlation = 0.1}, fixes(9)).dump);
+}
+
+}  // namespace
+}  // namespace adit

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/gnss_text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace adit {
+namespace {
+
+GnssReport report(std::size_t fixes, FixVerdict verdict) {
+  GnssReport gnss{.fixes = fixes};
+  gnss.verdicts[static_cast<std::size_t>(verdict)] = fixes;
+  return gnss;
+}
+
+Georeference north_west() {
+  Georeference world{.origin = {.latitude = 41.65, .longitude = -0.88, .altitude = 200.0},
+                     .T_world_map = Eigen::Isometry3d::Identity(),
+                     .covariance = Matrix6d::Zero()};
+  // The map's x axis points north-west: 315 degrees from north.
+  world.T_world_map.linear() =
+      Eigen::AngleAxisd(0.75 * 3.14159265358979, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  world.covariance(5, 5) = 1e-6;
+  return world;
+}
+
+TEST(GnssText, SaysWhereTheMapLies) {
+  GnssReport gnss = report(40, FixVerdict::used);
+  gnss.georeference = north_west();
+  gnss.horizontal = 0.012;
+  gnss.vertical = 0.034;
+  const std::string text = describe(gnss);
+  for (const std::string_view part :
+       {"40 of 40 fixes used", "0.012 m level", "0.034 m in height", "315.00 degrees (+- 0.06)",
+        "41.6500000, -0.8800000, 200.00 m"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+  }
+  const auto json = to_json(gnss);
+  EXPECT_EQ(json["verdicts"]["used"], 40);
+  EXPECT_NEAR(json["georeference"]["heading_deg"], 315.0, 1e-6);
+  EXPECT_EQ(json["residual_vertical_m"], 0.034);
+  EXPECT_FALSE(json.contains("why_not"));
+}
+
+TEST(GnssText, SaysWhyAMapHasNoPlaceAndWhatToDo) {
+  GnssReport swapped = report(30, FixVerdict::waiting);
+  swapped.swapped = true;
+  GnssReport late;
+  late.outside = 30;
+  GnssReport blind;
+  blind.without_position = 30;
+  GnssReport unrelated = report(30, FixVerdict::waiting);
+  unrelated.extent = 50.0;
+  GnssReport little = report(6, FixVerdict::waiting);
+  little.yaw_sigma = 0.1;
+  for (const auto& [gnss, why] :
+       {std::pair(swapped, "latitude and longitude exchanged"), std::pair(late, "gnss.time_offset"),
+        std::pair(blind, "30 without a position"), std::pair(blind, "had no position"),
+        std::pair(report(30, FixVerdict::impossible), "a position on the Earth"),
+        std::pair(unrelated, "do not move as the map does"), std::pair(little, "a longer way")}) {
+    EXPECT_NE(describe(gnss).find(why), std::string::npos) << describe(gnss);
+    EXPECT_TRUE(to_json(gnss)["georeference"].is_null());
+    EXPECT_FALSE(to_json(gnss)["why_not"].get<std::string>().empty());
+  }
+}
+
+}  // namespace
+}  // namespace adit
