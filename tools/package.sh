@@ -20,7 +20,7 @@ die() { printf 'package: %s\n' "$*" >&2; exit 1; }
 # DT_RPATH, not DT_RUNPATH: it also holds for what the bundled libraries load in turn.
 link_flags='-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib'
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
-cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DADIT_TESTS=OFF -DADIT_UNITY=ON \
+cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DADIT_TESTS=OFF -DADIT_PYTHON=OFF -DADIT_UNITY=ON \
   -DADIT_PEERS=OFF -DADIT_STATIC_CERES=ON -DADIT_FMT_HEADER_ONLY=ON -DCMAKE_SKIP_RPATH=ON "-DCMAKE_EXE_LINKER_FLAGS=$link_flags" >&2
 cmake --build "$build" --target adit >&2
 
