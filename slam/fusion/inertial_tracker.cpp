@@ -41,6 +41,17 @@ constexpr double kFarFromRest = 2.0;  // m
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
 
+/// Directions, map axes, in which no match held the position.
+std::vector<Eigen::Vector3d> unheld_directions(const RegistrationResult& alignment) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const ObservedDirection& direction : alignment.translation) {
+    if (direction.localizability == Localizability::none && !direction.axis.isZero()) {
+      directions.push_back(alignment.T_target_source.linear() * direction.axis);
+    }
+  }
+  return directions;
+}
+
 bool holds_rotation(const RegistrationResult& alignment) {
   return std::ranges::none_of(alignment.rotation, [](const ObservedDirection& direction) {
     return direction.localizability == Localizability::none && !direction.axis.isZero();
@@ -183,7 +194,11 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
       fuse(*fused, alignment, steady, report);
     }
   } else if (collected() != nullptr) {
-    collect(T_map_lidar, alignment != nullptr);
+    if (alignment != nullptr) {
+      collect(T_map_lidar, unheld_directions(*alignment));
+    } else {
+      collected()->clear();
+    }
     start_if_possible();
   }
   if (report.compared) {

@@ -118,7 +118,7 @@ class InertialTracker {
   std::optional<InertialPrediction> predict(Fused& fused, Nanoseconds stamp, double duration);
   void fuse(Fused& fused, const RegistrationResult* alignment, const Eigen::Isometry3d& steady,
             InertialReport& report);
-  void collect(const StampedPose& T_map_lidar, bool aligned);
+  void collect(const StampedPose& T_map_lidar, std::vector<Eigen::Vector3d> unheld);
   void start_if_possible();
   void start(const SensorStart& start);
   void watch(const StampedPose& alignment, const SweepMotion* deskewed);

@@ -68,12 +68,8 @@ std::optional<Eigen::Matrix3d> InertialTracker::turn(Nanoseconds begin, Nanoseco
                 : std::nullopt;
 }
 
-void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
+void InertialTracker::collect(const StampedPose& T_map_lidar, std::vector<Eigen::Vector3d> unheld) {
   StartCollection& waiting = *collected();
-  if (!aligned) {
-    waiting.clear();
-    return;
-  }
   const StampedPose body{T_map_lidar.stamp, T_map_lidar.pose * T_body_lidar_.inverse()};
   std::optional<std::vector<ImuSample>> since;
   if (!waiting.poses().empty() && body.stamp > waiting.poses().back().stamp) {
@@ -95,12 +91,12 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, bool aligned) {
       since = std::move(interval.samples);
     }
   }
-  waiting.add(body, std::move(since));
+  waiting.add(body, std::move(since), std::move(unheld));
 }
 
 void InertialTracker::note_begin(const StampedPose& T_map_lidar) {
   if (is<Starting>() && collected()->poses().empty()) {
-    collect(T_map_lidar, true);
+    collect(T_map_lidar, {});
   }
 }
 

@@ -17,22 +17,26 @@ constexpr double kRestTurn = 0.02;      // rad
 }  // namespace
 
 void StartCollection::add(const StampedPose& T_map_body,
-                          std::optional<std::vector<ImuSample>> since) {
+                          std::optional<std::vector<ImuSample>> since,
+                          std::vector<Eigen::Vector3d> unheld) {
   if (since && !poses_.empty()) {
     readings_.push_back(std::move(*since));
   } else {
     clear();
   }
   poses_.push_back(T_map_body);
+  unheld_.push_back(std::move(unheld));
   if (poses_.size() > kMostPoses) {
     poses_.pop_front();
     readings_.pop_front();
+    unheld_.pop_front();
   }
 }
 
 void StartCollection::clear() {
   poses_.clear();
   readings_.clear();
+  unheld_.clear();
 }
 
 StatePrior prior_of(const SensorStart& start) {
@@ -86,7 +90,7 @@ StartAttempt try_start(const StartCollection& collected, const InertialReadings&
   if (!is_started(how.status) && how.status != ImuStartStatus::implausible) {
     how = start_in_motion(std::vector(poses.begin(), poses.end()),
                           std::vector(collected.readings().begin(), collected.readings().end()),
-                          noise);
+                          noise, std::vector(collected.unheld().begin(), collected.unheld().end()));
   }
   const bool may_turn = before && before->sign_assumed && how.status == ImuStartStatus::in_motion;
   if (is_started(how.status) && before && how.accel_scale != before->accel_scale &&

@@ -20,16 +20,21 @@ namespace adit {
 class StartCollection {
  public:
   /// Poses of the body. `since`: what was read since the last of them; without, it begins anew.
-  void add(const StampedPose& T_map_body, std::optional<std::vector<ImuSample>> since);
+  /// `unheld`: directions, unit, map axes, in which nothing held its position.
+  void add(const StampedPose& T_map_body, std::optional<std::vector<ImuSample>> since,
+           std::vector<Eigen::Vector3d> unheld = {});
   void clear();
 
   const std::deque<StampedPose>& poses() const { return poses_; }
   /// Between each pose and the next, in the accelerometer's own unit.
   const std::deque<std::vector<ImuSample>>& readings() const { return readings_; }
+  /// Of each pose.
+  const std::deque<std::vector<Eigen::Vector3d>>& unheld() const { return unheld_; }
 
  private:
   std::deque<StampedPose> poses_;
   std::deque<std::vector<ImuSample>> readings_;
+  std::deque<std::vector<Eigen::Vector3d>> unheld_;
 };
 
 /// A sensor as it was when it was fused last.

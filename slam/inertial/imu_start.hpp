@@ -120,9 +120,11 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
 /// From a moving sensor: `T_map_body` at each stamp from another source, such as alignments, with
 /// standard deviations of 2 cm and 5 mrad; `readings[i]` lie between poses i and i + 1. Gyroscope
 /// bias from rotations, then velocities, gravity of 9.81 m/s² and the accelerometer's bias from
-/// positions.
+/// positions. `unheld[i]` are the directions, unit, map axes, in which nothing held the position of
+/// pose i, which then tells nothing along them; empty: all was held.
 ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
-                         std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise);
+                         std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise,
+                         std::span<const std::vector<Eigen::Vector3d>> unheld = {});
 
 /// R_map_body of a body that sees up at `up_body`: z of the map is up, and the body's x has no
 /// component along the map's y (its y none along the map's x where x is vertical).

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -22,11 +23,17 @@ constexpr double kAccelBiasSigma = 0.1;        // m/s², before anything is seen
 constexpr double kGravityTolerance = 1.0;      // m/s², of its free length
 constexpr double kLeastScale = 0.7;            // share of gravity: less is no error of scale
 constexpr double kLargestGravitySigma = 0.05;  // rad
+constexpr double kUnheldSigma = 3.0;           // m, of a position along what nothing held
 
 /// Poses with what was integrated between them.
 struct Links {
   std::span<const StampedPose> poses;
+  std::span<const std::vector<Eigen::Vector3d>> unheld;
   std::vector<Preintegration> between;
+
+  std::span<const Eigen::Vector3d> unheld_of(size_t pose) const {
+    return unheld.empty() ? std::span<const Eigen::Vector3d>() : unheld[pose];
+  }
 };
 
 std::vector<Preintegration> integrated(std::span<const std::vector<ImuSample>> readings,
@@ -102,12 +109,24 @@ struct Solution {
   double mean_square = 0.0;
 };
 
-/// Velocities at all poses, gravity = origin + basis * parameters, accelerometer bias.
+/// Velocities at all poses, gravity = origin + basis * parameters, accelerometer bias, and by how
+/// much poses are off along what nothing held.
 Solution solve(const Links& links, const Eigen::Vector3d& origin, const Matrix& basis) {
   const auto n = static_cast<Eigen::Index>(links.poses.size());
   const Eigen::Index gravity_at = 3 * n;
   const Eigen::Index bias_at = gravity_at + basis.cols();
-  LeastSquares system(bias_at + 3);
+  std::vector<Eigen::Index> off_at;  // of each pose, and where they end
+  Eigen::Index size = bias_at + 3;
+  for (size_t i = 0; i < links.poses.size(); ++i) {
+    off_at.push_back(size);
+    size += static_cast<Eigen::Index>(links.unheld_of(i).size());
+  }
+  const auto move = [&](Matrix& a, size_t pose, double sign) {
+    for (size_t k = 0; k < links.unheld_of(pose).size(); ++k) {
+      a.col(off_at[pose] + static_cast<Eigen::Index>(k)) += sign * links.unheld_of(pose)[k];
+    }
+  };
+  LeastSquares system(size);
   for (Eigen::Index i = 0; i + 1 < n; ++i) {
     const Preintegration& link = links.between[static_cast<size_t>(i)];
     const Eigen::Isometry3d& pose = links.poses[static_cast<size_t>(i)].pose;
@@ -115,30 +134,35 @@ Solution solve(const Links& links, const Eigen::Vector3d& origin, const Matrix& 
     const Eigen::Vector3d moved =
         links.poses[static_cast<size_t>(i) + 1].pose.translation() - pose.translation();
     const double t = link.duration;
-    Matrix a = Matrix::Zero(3, bias_at + 3);
+    Matrix a = Matrix::Zero(3, size);
     a.block<3, 3>(0, 3 * i) = t * Eigen::Matrix3d::Identity();
     a.middleCols(gravity_at, basis.cols()) = 0.5 * t * t * basis;
-    a.rightCols<3>() = R * link.position_by_accel;
+    a.middleCols<3>(bias_at) = R * link.position_by_accel;
+    move(a, static_cast<size_t>(i), 1.0);
+    move(a, static_cast<size_t>(i) + 1, -1.0);
     system.add(a, moved - R * link.increment.position - 0.5 * t * t * origin,
                std::sqrt(2.0) * kPositionSigma);
     a.setZero();
     a.block<3, 3>(0, 3 * i) = -Eigen::Matrix3d::Identity();
     a.block<3, 3>(0, 3 * (i + 1)) = Eigen::Matrix3d::Identity();
     a.middleCols(gravity_at, basis.cols()) = -t * basis;
-    a.rightCols<3>() = -R * link.velocity_by_accel;
+    a.middleCols<3>(bias_at) = -R * link.velocity_by_accel;
     const double sigma = std::sqrt(link.covariance(kVelocityAt, kVelocityAt)) +
                          kRotationSigma * kStandardGravity * t;
     system.add(a, R * link.increment.velocity + t * origin, sigma);
   }
-  Matrix prior = Matrix::Zero(3, bias_at + 3);
-  prior.rightCols<3>().setIdentity();
+  Matrix prior = Matrix::Zero(3, size);
+  prior.middleCols<3>(bias_at).setIdentity();
   system.add(prior, Vector::Zero(3), kAccelBiasSigma);
+  for (Eigen::Index k = bias_at + 3; k < size; ++k) {
+    system.add(Vector::Unit(size, k).transpose(), Vector::Zero(1), kUnheldSigma);
+  }
 
   const Vector x = system.solution();
   const Eigen::Index kept = basis.cols() + 6;
   return {.gravity = origin + basis * x.segment(gravity_at, basis.cols()),
           .velocity = x.segment<3>(gravity_at - 3),
-          .accel_bias = x.tail<3>(),
+          .accel_bias = x.segment<3>(bias_at),
           .covariance = system.covariance().block(gravity_at - 3, gravity_at - 3, kept, kept),
           .mean_square = system.mean_square(x)};
 }
@@ -170,7 +194,8 @@ ImuStart refused(ImuStartStatus status, const ImuStartReason& reason) {
 }  // namespace
 
 ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
-                         std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise) {
+                         std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise,
+                         std::span<const std::vector<Eigen::Vector3d>> unheld) {
   if (T_map_body.size() < kFewestPoses || readings.size() + 1 != T_map_body.size() ||
       seconds(T_map_body.back().stamp - T_map_body.front().stamp) < kShortest) {
     return refused(ImuStartStatus::too_short,
@@ -178,6 +203,7 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   }
   const GyroBias gyro = gyro_bias_of(T_map_body, readings, noise);
   const Matrix free = Matrix::Identity(3, 3);
+  const bool any_unheld = !std::ranges::all_of(unheld, [](const auto& one) { return one.empty(); });
   // The unit and the sign that explain the motion best, of those with a gravity like the Earth's.
   double best_fit = 0.0;
   double scale = 0.0;
@@ -186,8 +212,13 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   double usual_fit = 0.0;
   double refused_norm = 0.0;  // with the usual sign, in m/s²
   for (const double hypothesis : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
-    const Links links{T_map_body, integrated(readings, hypothesis, gyro.value, noise)};
+    const Links links{T_map_body, unheld, integrated(readings, hypothesis, gyro.value, noise)};
     const Solution unknown_length = solve(links, Eigen::Vector3d::Zero(), free);
+    const double unclear = std::sqrt(unknown_length.covariance.diagonal().segment<3>(3).maxCoeff());
+    if (any_unheld && unclear > kGravityTolerance) {
+      return refused(ImuStartStatus::unobserved,
+                     GravityUnclear{.sigma = unclear / kStandardGravity});
+    }
     const double norm = unknown_length.gravity.norm();
     free_norm = hypothesis == 1.0 ? norm : free_norm;
     // The length says nothing of the sign: where it is off by some scale, so it is for both.

@@ -198,6 +198,35 @@ TEST(ImuStart, InMotionGravityVelocityAndGyroBiasAreFound) {
   EXPECT_LE(worst_bias, 0.01);
 }
 
+// Sweeps that nothing holds along a direction slide there, ever faster as if they fell.
+TEST(ImuStart, InMotionPositionsTellNothingAlongWhatNothingHeld) {
+  WavyMotion motion = test::hand_held_motion();
+  motion.gravity = kStandardGravity * Eigen::Vector3d(0.0, 0.0, -1.0);
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    StartDrive d = drive(motion, 0.17 * static_cast<double>(seed), 16, 1.0, seed);
+    const auto slid = [](std::size_t i) { return i % 4 != 0; };
+    std::vector<std::vector<Eigen::Vector3d>> none(d.poses.size(), {Eigen::Vector3d::UnitX()});
+    std::vector<std::vector<Eigen::Vector3d>> some(d.poses.size());
+    for (std::size_t i = 0; i < d.poses.size(); ++i) {
+      const double t = 0.1 * static_cast<double>(i);
+      if (slid(i)) {
+        d.poses[i].pose.translation().x() += 1.5 * t * t;
+        some[i] = none[i];
+      }
+    }
+    const ImuStart blind = start_in_motion(d.poses, d.readings, kStartNoise, none);
+    EXPECT_EQ(blind.status, ImuStartStatus::unobserved) << to_string(blind.status);
+    const ImuStart told = start_in_motion(d.poses, d.readings, kStartNoise, some);
+    ASSERT_EQ(told.status, ImuStartStatus::in_motion) << to_string(told.status);
+    EXPECT_LE(test::angle_between(told.gravity_map, motion.gravity), 4.0 * told.gravity_sigma);
+    EXPECT_LE(test::angle_between(told.gravity_map, motion.gravity), 0.05);
+    const ImuStart deceived = start_in_motion(d.poses, d.readings, kStartNoise);
+    EXPECT_TRUE(deceived.status != ImuStartStatus::in_motion ||
+                test::angle_between(deceived.gravity_map, motion.gravity) > 0.05)
+        << "it matters";
+  }
+}
+
 TEST(ImuStart, InMotionTheUnitAndTheSignAreFound) {
   const WavyMotion motion = test::hand_held_motion();
   for (const double expected : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
