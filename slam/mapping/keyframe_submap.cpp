@@ -46,8 +46,12 @@ Eigen::Vector3d surface_direction(uint32_t packed) {
 }
 
 uint32_t turned_surface(const Eigen::Matrix3d& rotation, uint32_t packed) {
-  const uint32_t kind = packed >> kClassAt;
-  return kind == kIsotropic ? packed : pack(rotation * surface_direction(packed), kind);
+  return has_direction(packed) ? pack(rotation * surface_direction(packed), packed >> kClassAt)
+                               : packed;
+}
+
+bool has_direction(uint32_t packed) {
+  return packed >> kClassAt != kIsotropic;
 }
 
 bool is_plane(uint32_t packed) {

@@ -61,7 +61,8 @@ SurfaceCloud make_surface_cloud(engine::Context& context, const KeyframeSubmap& 
 /// What has no direction stays as it is.
 Eigen::Vector3d surface_direction(uint32_t packed);
 uint32_t turned_surface(const Eigen::Matrix3d& rotation, uint32_t packed);
-/// The surface is a plane: its direction is the normal.
+/// The surface has a direction: it is a line, or a plane, whose direction is its normal.
+bool has_direction(uint32_t packed);
 bool is_plane(uint32_t packed);
 
 }  // namespace adit

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "adit/slam/core/lie.hpp"
@@ -25,9 +26,17 @@ struct PoseNode {
 
 /// Where an edge comes from; robust kernels are chosen by it.
 enum class EdgeKind { odometry, loop };
+constexpr std::string_view to_string(EdgeKind kind) {
+  return kind == EdgeKind::loop ? "loop" : "odometry";
+}
 
 /// Only active edges are optimised; the others stay on record.
 enum class EdgeStatus { active, candidate, revoked };
+constexpr std::string_view to_string(EdgeStatus status) {
+  return status == EdgeStatus::active      ? "active"
+         : status == EdgeStatus::candidate ? "candidate"
+                                           : "revoked";
+}
 
 /// A measured pose of node `to` in the frame of node `from`.
 struct PoseEdge {

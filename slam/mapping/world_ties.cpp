@@ -169,7 +169,7 @@ void WorldTies::judge_new(const PoseGraph& graph, NodeId last) {
   }
 }
 
-// Those that the place is told by: of the first part of the map, in order.
+// Those that the place is told by: of the first part of the map, in order. The others are apart.
 std::vector<std::size_t> WorldTies::told_by(const PoseGraph& graph) {
   std::vector<std::size_t> part;
   const FirstPart first(graph);

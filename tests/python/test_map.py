@@ -57,10 +57,9 @@ def test_fixes_and_georeference(mapped):
     assert {fix.verdict for fix in fixes} <= {"waiting", "used", "thinned", "outlier", "frozen", "impossible", "apart"}
     assert fixes[0].covariance.shape == (3, 3) and -90.0 < fixes[0].latitude < 90.0
     georeference = map_.georeference
-    assert report.georeferenced == (georeference is not None)
-    if georeference:
-        place = georeference.place_of([1.0, 2.0, 3.0])
-        np.testing.assert_allclose(georeference.position_of(*place), [1.0, 2.0, 3.0], atol=1e-6)
+    assert report.georeferenced and georeference is not None
+    place = georeference.place_of([1.0, 2.0, 3.0])
+    np.testing.assert_allclose(georeference.position_of(*place), [1.0, 2.0, 3.0], atol=1e-6)
 
 
 def test_a_map_is_finished_once(drive, tmp_path):

@@ -44,7 +44,6 @@ def python(*arguments, **more):
 
 
 def test_the_stubs_are_strict(tmp_path):
-    pytest.importorskip("mypy")
     (tmp_path / "use.py").write_text(USE)
     answer = python("-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "-p", "adit", cwd=tmp_path)
     assert answer.returncode == 0, answer.stdout + answer.stderr

@@ -76,6 +76,13 @@ ordered_json json_of(const Eigen::Isometry3d& pose) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, RegistrationMethod>> alignment_methods() {
+  return {{"vgicp", RegistrationMethod::vgicp},
+          {"ndt", RegistrationMethod::ndt},
+          {"point-to-plane", RegistrationMethod::point_to_plane},
+          {"ndt-to-ndt", RegistrationMethod::ndt_to_ndt}};
+}
+
 std::string reason_of(const AlignedPair& pair, const CloudAlignerSettings& settings) {
   if (!pair.unreadable.empty()) {
     return pair.unreadable;

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `adit align` prints of its results.
+// What `adit align` calls its methods, and prints of its results.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,6 +15,9 @@
 #include "adit/tools/recordings/cloud_pairs.hpp"
 
 namespace adit {
+
+/// How clouds can be compared, by name.
+std::vector<std::pair<std::string, RegistrationMethod>> alignment_methods();
 
 /// A pair and what became of it.
 struct AlignedPair {

@@ -217,11 +217,7 @@ void add_align_command(Command app, std::function<void(int)> done) {
       .values(4, 7)
       .value_name("X Y Z YAW");
   command.choice<RegistrationMethod>("--method", "How clouds are compared (vgicp)",
-                                     options->settings.method,
-                                     {{"vgicp", RegistrationMethod::vgicp},
-                                      {"ndt", RegistrationMethod::ndt},
-                                      {"point-to-plane", RegistrationMethod::point_to_plane},
-                                      {"ndt-to-ndt", RegistrationMethod::ndt_to_ndt}});
+                                     options->settings.method, alignment_methods());
   command
       .option("--resolution", options->settings.r_input,
               "One point per this many metres; without it by the cloud's extent, 0.05 to 0.25")

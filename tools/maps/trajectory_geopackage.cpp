@@ -233,10 +233,7 @@ std::size_t write_trajectory_geopackage(const std::filesystem::path& file, const
     box.extend(Eigen::Vector2d(ends[0].head<2>())).extend(Eigen::Vector2d(ends[1].head<2>()));
     row.reset();
     row.bind(1, as_blob(package.line(ends))).bind(2, edge.from).bind(3, edge.to);
-    row.bind(4, std::string_view(edge.kind == EdgeKind::loop ? "loop" : "odometry"));
-    row.bind(5, std::string_view(edge.status == EdgeStatus::active      ? "active"
-                                 : edge.status == EdgeStatus::candidate ? "candidate"
-                                                                        : "revoked"));
+    row.bind(4, to_string(edge.kind)).bind(5, to_string(edge.status));
     row.step();
   }
   package.register_layer("edges", "LINESTRING", "edges of the pose graph; " + kHeights, box,

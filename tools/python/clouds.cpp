@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/python/clouds.hpp"
 
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -27,19 +26,13 @@ namespace {
 
 constexpr double kFarthest = 1000.0;  // m: float32 on the device is exact enough so far
 
-/// As `adit align --method` names them.
-constexpr std::array kMethods = {std::pair("vgicp", RegistrationMethod::vgicp),
-                                 std::pair("ndt", RegistrationMethod::ndt),
-                                 std::pair("point-to-plane", RegistrationMethod::point_to_plane),
-                                 std::pair("ndt-to-ndt", RegistrationMethod::ndt_to_ndt)};
-
 RegistrationMethod method_named(const std::string& name) {
   std::string known;
-  for (const auto& [its_name, method] : kMethods) {
+  for (const auto& [its_name, method] : alignment_methods()) {
     if (name == its_name) {
       return method;
     }
-    known += (known.empty() ? "" : ", ") + std::string(its_name);
+    known += (known.empty() ? "" : ", ") + its_name;
   }
   throw py::value_error("method: one of " + known + ", not " + name);
 }
@@ -183,8 +176,6 @@ struct Surfaces {
   std::vector<uint8_t> planes;
 };
 
-constexpr uint32_t kClassAt = 30;  // of a packed surface; 0: it has no direction
-
 /// As on the device: the bits of x, y, z, and the packed surface.
 struct SurfacePoint {
   float x, y, z;
@@ -202,9 +193,8 @@ Surfaces read_surfaces(engine::Context& context, const SurfaceCloud& cloud) {
   recorder.copy(cloud.points.slice(0, bytes), back);
   context.submit(std::move(recorder)).wait();
   for (const SurfacePoint& p : back.as<SurfacePoint>()) {
-    const bool has_direction = (p.surface >> kClassAt) != 0;
     const Eigen::Vector3d direction =
-        has_direction ? surface_direction(p.surface) : Eigen::Vector3d::Zero();
+        has_direction(p.surface) ? surface_direction(p.surface) : Eigen::Vector3d::Zero();
     surfaces.points.push_back({.x = p.x, .y = p.y, .z = p.z});
     surfaces.directions.insert(surfaces.directions.end(), direction.data(), direction.data() + 3);
     surfaces.planes.push_back(is_plane(p.surface) ? 1 : 0);

@@ -78,12 +78,6 @@ py::object rows(const std::vector<float>& numbers, const py::object& owner) {
   return view_of(numbers, owner).attr("reshape")(-1, 3);
 }
 
-std::string name_of(EdgeStatus status) {
-  return status == EdgeStatus::active      ? "active"
-         : status == EdgeStatus::candidate ? "candidate"
-                                           : "revoked";
-}
-
 void bind_records(py::module_& module) {
   py::class_<MapSession>(module, "MapSession", "One recording's share of a map.")
       .def_readonly("id", &MapSession::id)
@@ -125,13 +119,10 @@ void bind_records(py::module_& module) {
           "information", [](const PoseEdge& self) { return array_of(self.information); },
           "(6, 6), [translation, rotation]: 1/m^2, 1/(m rad), 1/rad^2.")
       .def_property_readonly(
-          "kind",
-          [](const PoseEdge& self) {
-            return std::string(self.kind == EdgeKind::loop ? "loop" : "odometry");
-          },
+          "kind", [](const PoseEdge& self) { return std::string(to_string(self.kind)); },
           "odometry or loop.")
       .def_property_readonly(
-          "status", [](const PoseEdge& self) { return name_of(self.status); },
+          "status", [](const PoseEdge& self) { return std::string(to_string(self.status)); },
           "active, candidate or revoked; only active ones count.");
   py::class_<LoopCandidate>(module, "Loop", "A place that might have been seen before.")
       .def_readonly("id", &LoopCandidate::id)

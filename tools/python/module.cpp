@@ -30,18 +30,13 @@ namespace {
 
 namespace py = pybind11;
 
-/// The classes of Python for what adit throws.
-struct Exceptions {
-  PyObject* error = nullptr;
-  PyObject* input = nullptr;
-  PyObject* output = nullptr;
-  PyObject* usage = nullptr;
-  PyObject* device = nullptr;
-};
-Exceptions exceptions;
+/// Raises the module's class of that name.
+void raise(const char* name, const std::exception& found) {
+  PyErr_SetString(py::module_::import("adit._adit").attr(name).ptr(), found.what());
+}
 
-PyObject* add_exception(py::module_& module, const char* name, const py::tuple& bases,
-                        const char* doc) {
+py::handle add_exception(py::module_& module, const char* name, const py::tuple& bases,
+                         const char* doc) {
   PyObject* type =
       PyErr_NewExceptionWithDoc(("adit." + std::string(name)).c_str(), doc, bases.ptr(), nullptr);
   if (type == nullptr) {
@@ -53,39 +48,35 @@ PyObject* add_exception(py::module_& module, const char* name, const py::tuple& 
 
 void bind_exceptions(py::module_& module) {
   const py::handle runtime_error(PyExc_RuntimeError);
-  exceptions.error = add_exception(module, "Error", py::make_tuple(runtime_error),
-                                   "What adit raises, with the program's own message.");
-  const py::handle error(exceptions.error);
-  exceptions.input = add_exception(
+  const py::handle error = add_exception(module, "Error", py::make_tuple(runtime_error),
+                                         "What adit raises, with the program's own message.");
+  add_exception(
       module, "InputError", py::make_tuple(error),
       "A file that cannot be used: its name, the place in it, what was found, what to do.");
-  exceptions.output = add_exception(module, "OutputError", py::make_tuple(error),
-                                    "A result that cannot be written.");
-  exceptions.usage =
-      add_exception(module, "UsageError", py::make_tuple(error, py::handle(PyExc_ValueError)),
-                    "Something is asked for that cannot be: a name, a setting.");
-  exceptions.device =
-      add_exception(module, "DeviceError", py::make_tuple(error),
-                    "There is no device, it is refused, its memory is exhausted, or it failed.");
+  add_exception(module, "OutputError", py::make_tuple(error), "A result that cannot be written.");
+  add_exception(module, "UsageError", py::make_tuple(error, py::handle(PyExc_ValueError)),
+                "Something is asked for that cannot be: a name, a setting.");
+  add_exception(module, "DeviceError", py::make_tuple(error),
+                "There is no device, it is refused, its memory is exhausted, or it failed.");
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) {
         std::rethrow_exception(thrown);
       }
     } catch (const InputError& found) {
-      PyErr_SetString(exceptions.input, found.what());
+      raise("InputError", found);
     } catch (const OutputError& found) {
-      PyErr_SetString(exceptions.output, found.what());
+      raise("OutputError", found);
     } catch (const FileError& found) {
-      PyErr_SetString(exceptions.input, found.what());
+      raise("InputError", found);
     } catch (const UsageError& found) {
-      PyErr_SetString(exceptions.usage, found.what());
+      raise("UsageError", found);
     } catch (const SubmapDamaged& found) {
-      PyErr_SetString(exceptions.input, found.what());
+      raise("InputError", found);
     } catch (const GraphError& found) {
-      PyErr_SetString(exceptions.input, found.what());
+      raise("InputError", found);
     } catch (const engine::Error& found) {
-      PyErr_SetString(exceptions.device, found.what());
+      raise("DeviceError", found);
     }
   });
 }

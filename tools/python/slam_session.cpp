@@ -8,8 +8,7 @@
 #include <variant>
 
 #include "adit/tools/run/config_file.hpp"
-#include "adit/tools/support/commit.hpp"
-#include "adit/tools/support/version.hpp"
+#include "adit/tools/run/earlier_run.hpp"
 
 namespace adit::python {
 namespace {
@@ -18,13 +17,8 @@ namespace fs = std::filesystem;
 
 MapSession session_of(const SessionOptions& options, const Config& config,
                       const engine::DeviceInfo& device) {
-  MapSession session{.name = options.name,
-                     .configuration = to_toml(config),
-                     .provenance = {{"adit", std::string(version())},
-                                    {"adit commit", std::string(commit())},
-                                    {"device", device.name},
-                                    {"driver", device.driver},
-                                    {"driver version", device.driver_version}}};
+  MapSession session{
+      .name = options.name, .configuration = to_toml(config), .provenance = provenance_of(device)};
   if (options.recording) {
     session.provenance.emplace_back("recording", fs::absolute(*options.recording).string());
   }

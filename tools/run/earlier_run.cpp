@@ -81,6 +81,14 @@ bool is_named_by_its_folder(const RunDescription& run) {
 
 }  // namespace
 
+std::vector<std::pair<std::string, std::string>> provenance_of(const engine::DeviceInfo& device) {
+  return {{"adit", std::string(version())},
+          {std::string(kCommit), std::string(commit())},
+          {"device", device.name},
+          {"driver", device.driver},
+          {"driver version", device.driver_version}};
+}
+
 MapSession session_of(const RunDescription& run) {
   const Fingerprint print = fingerprint(run.recording);
   Config config = run.config;
@@ -88,21 +96,18 @@ MapSession session_of(const RunDescription& run) {
   if (metadata) {
     metadata = std::filesystem::absolute(*metadata).string();
   }
-  MapSession session{
-      .name = run.recording.filename().string(),
-      .configuration = to_toml(config),
-      .provenance = {{"adit", std::string(version())},
-                     {std::string(kCommit), std::string(commit())},
-                     {"device", run.device.name},
-                     {"driver", run.device.driver},
-                     {"driver version", run.device.driver_version},
-                     {std::string(kRecording), std::filesystem::absolute(run.recording).string()},
-                     {"recording kind", kind_of(run)},
-                     {"recording bytes", std::to_string(print.bytes)},
-                     {"recording fingerprint", print.hash},
-                     {"recording sweeps", std::to_string(run.recording_sweeps)},
-                     {"first sweep", std::to_string(run.range.first)},
-                     {"sweeps", std::to_string(run.range.count)}}};
+  MapSession session{.name = run.recording.filename().string(),
+                     .configuration = to_toml(config),
+                     .provenance = provenance_of(run.device)};
+  session.provenance.insert(
+      session.provenance.end(),
+      {{std::string(kRecording), std::filesystem::absolute(run.recording).string()},
+       {"recording kind", kind_of(run)},
+       {"recording bytes", std::to_string(print.bytes)},
+       {"recording fingerprint", print.hash},
+       {"recording sweeps", std::to_string(run.recording_sweeps)},
+       {"first sweep", std::to_string(run.range.first)},
+       {"sweeps", std::to_string(run.range.count)}});
   if (!is_named_by_its_folder(run)) {
     session.provenance.emplace_back(kTopic, run.topic);
   }

@@ -9,13 +9,18 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/run/run_summary.hpp"
 
 namespace adit {
 
-/// Where a map comes from; sessions keep it.
+/// What makes a map: this program, and the device; sessions keep it.
+std::vector<std::pair<std::string, std::string>> provenance_of(const engine::DeviceInfo& device);
+
+/// The same with the run's recording.
 MapSession session_of(const RunDescription& run);
 
 struct EarlierRun {
