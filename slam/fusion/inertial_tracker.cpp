@@ -37,7 +37,8 @@ constexpr Nanoseconds kGapTells = std::chrono::seconds(2);
 constexpr Nanoseconds kHeld = milliseconds(20);
 // The sign of an accelerometer that started at rest is confirmed after this way.
 constexpr double kFarFromRest = 2.0;  // m
-// What a prediction must be better than to be aligned from without a search.
+// What a prediction must be better than to be aligned from without a search, where matches hold
+// it: elsewhere a search finds rings of the ground where they were, and nothing else.
 constexpr double kTrustedPosition = 0.25;  // m
 constexpr double kTrustedRotation = 0.05;  // rad
 
@@ -64,12 +65,23 @@ Matrix6d lidar_covariance(const StateMatrix& covariance, const Eigen::Isometry3d
   return to_lidar * covariance.topLeftCorner<6, 6>() * to_lidar.transpose();
 }
 
-/// Standard deviations of a lidar pose.
-Vector6d lidar_sigma(const StateMatrix& covariance, const Eigen::Isometry3d& T_body_lidar) {
-  const Matrix6d of_lidar = lidar_covariance(covariance, T_body_lidar);
+/// Standard deviations of a pose, ordered as its covariance.
+Vector6d pose_sigma(const Matrix6d& of_lidar) {
   Vector6d floor;
   floor << 0.005, 0.005, 0.005, 0.001, 0.001, 0.001;
   return (of_lidar.diagonal().cwiseMax(0.0) + floor.cwiseAbs2()).cwiseSqrt();
+}
+
+/// A covariance of T_map_lidar without that of its position along directions of the map.
+Matrix6d without(Matrix6d of_lidar, const std::vector<Eigen::Vector3d>& directions,
+                 const Eigen::Isometry3d& T_map_lidar) {
+  for (const Eigen::Vector3d& direction : directions) {
+    const Eigen::Vector3d along = T_map_lidar.linear().transpose() * direction;
+    Matrix6d across = Matrix6d::Identity();
+    across.topLeftCorner<3, 3>() -= along * along.transpose();
+    of_lidar = across * of_lidar * across;
+  }
+  return of_lidar;
 }
 
 /// Says which of two predictions of an alignment was nearer.
@@ -168,9 +180,11 @@ std::optional<InertialPrediction> InertialTracker::predict(Fused& fused, Nanosec
 
   InertialPrediction result;
   result.lidar.T_map_lidar = T_map_lidar(predicted.state);
-  result.lidar.sigma = lidar_sigma(predicted.covariance, T_body_lidar_);
-  result.lidar.trusted = result.lidar.sigma.head<3>().maxCoeff() < kTrustedPosition &&
-                         result.lidar.sigma.tail<3>().maxCoeff() < kTrustedRotation;
+  const Matrix6d of_lidar = lidar_covariance(predicted.covariance, T_body_lidar_);
+  result.lidar.sigma = pose_sigma(of_lidar);
+  const Vector6d held = pose_sigma(without(of_lidar, fused.unheld, result.lidar.T_map_lidar));
+  result.lidar.trusted =
+      held.head<3>().maxCoeff() < kTrustedPosition && held.tail<3>().maxCoeff() < kTrustedRotation;
   const Nanoseconds end = stamp + nanoseconds(duration);
   const ImuInterval within = readings_.between(stamp, std::min(end, *readings_.newest() + kHeld));
   if (!within.samples.empty() && within.longest_gap <= config_.max_gap) {
@@ -235,6 +249,7 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
   const NavState predicted = fused.motion.prediction()->state;
   if (alignment != nullptr) {
     compare(alignment->T_target_source, T_map_lidar(predicted), steady, report);
+    fused.unheld = unheld_directions(*alignment);
   }
   report.bridged_gap = fused.gap;
   if (fused.gap > 0.0) {

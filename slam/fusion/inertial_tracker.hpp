@@ -86,6 +86,7 @@ class InertialTracker {
   struct Fused {
     FusedMotion motion;
     double gap = 0.0;  ///< s, that the prediction of the sweep under way bridges; 0: none
+    std::vector<Eigen::Vector3d> unheld{};  ///< map axes: where no match of the last sweep held it
   };
   struct Lost {
     StartCollection collected{};

@@ -97,7 +97,7 @@ SweepResult Odometry::finish() {
     impl_->begin_again(begun);
   }
   impl_->fuse(begun.expected, result);
-  result.state = impl_->decide(result);
+  result.state = impl_->decide(begun.expected, result);
   impl_->assess(begun.expected, result);
   if (result.state == OdometryState::initializing) {
     impl_->first = std::move(begun.sweep);
@@ -200,7 +200,7 @@ void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
 }
 
 // The policy of success, failure and recovery (docs/theory/odometry.md).
-OdometryState Odometry::Impl::decide(SweepResult& result) {
+OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& result) {
   const auto points = static_cast<uint32_t>(result.cloud_points);
   const bool can_start = result.cloud_points >= config.registration.min_inliers;
   const bool aligned = is_usable(result.registration.status);
@@ -228,7 +228,10 @@ OdometryState Odometry::Impl::decide(SweepResult& result) {
     usual_fit.forget();
     inertial.note_restart();
     submap.push(points, pose.pose);
-    return begins ? OdometryState::initializing : OdometryState::restarted;
+    result.renewed = !begins && expected.inertial && expected.prediction.trusted;
+    return begins           ? OdometryState::initializing
+           : result.renewed ? OdometryState::coasting
+                            : OdometryState::restarted;
   }
   ++failures_in_a_row;
   motion.update(pose, false);
@@ -247,7 +250,7 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
     coasting.setZero();
   }
   result.uncertainty = drift.update(result.T_map_lidar, local, joined);
-  if (result.state == OdometryState::restarted) {
+  if (result.state == OdometryState::restarted || result.renewed) {
     result.uncertainty = drift.restart(local);
   }
 }

@@ -26,7 +26,8 @@ enum class OdometryState {
   initializing,  ///< the submap has been started with this sweep
   tracking,      ///< aligned with the submap
   coasting,  ///< alignment failed; the pose is the prediction, the sweep was left out of the submap
-  restarted,  ///< too many failures in a row: the submap starts anew at the predicted pose
+  restarted,  ///< too many failures in a row: the submap starts anew at the predicted pose, which
+              ///< is a guess
 };
 std::string_view to_string(OdometryState state);
 
@@ -57,6 +58,8 @@ struct SweepResult {
   InertialReport inertial;   ///< state of the inertial sensor, where there is one
   bool deskewed = false;     ///< points were moved to the sweep's start
   std::vector<Point> cloud;  ///< keyframes only: the down-sampled sweep, lidar frame
+  /// Coasted for so long that the submap starts anew, at a pose that inertia knows.
+  bool renewed = false;
   std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
   double host_ms = 0.0;           ///< host work: copy into staging, record, read back
   double inertial_ms = 0.0;       ///< part of host_ms: preintegration and the sliding graph

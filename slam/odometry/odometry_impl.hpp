@@ -55,7 +55,7 @@ struct Odometry::Impl {
   Prediction possible_prediction(Nanoseconds stamp) const;
   void fuse(const Expectation& expected, SweepResult& result);
   void assess(const Expectation& expected, SweepResult& result);
-  OdometryState decide(SweepResult& result);
+  OdometryState decide(const Expectation& expected, SweepResult& result);
   bool is_keyframe(const SweepResult& result);
 
   // odometry_alignment.cpp: the device's part, and whether its result is accepted.

@@ -112,8 +112,9 @@ void RunAssessor::add(const SweepResult& result) {
   if (recent_.size() > kLongWindow) {
     recent_.pop_front();
   }
-  if (result.state == OdometryState::restarted) {
-    note(DoubtCause::new_start, since_aligned_).trust = Trust::lost;
+  if (result.state == OdometryState::restarted || result.renewed) {
+    DoubtfulStretch& stretch = note(DoubtCause::new_start, since_aligned_);
+    stretch.trust = result.renewed ? stretch.trust : Trust::lost;
     since_aligned_ = 0;
     alone_ = 0.0;
     return;

@@ -24,7 +24,7 @@ enum class DoubtCause {
   unheld,        ///< the sensor moved along, or turned about, what no match held
   predicted,     ///< no sweep could be aligned for too long
   contradicted,  ///< alignments and inertial predictions contradict each other, one after another
-  new_start,     ///< the map began anew: how its pieces lie to each other is a guess
+  new_start,     ///< the map began anew: how its pieces lie to each other inertia tells, or nothing
 };
 std::string_view to_string(DoubtCause cause);
 

@@ -222,6 +222,26 @@ TEST(Verdict, ANewStartIsLost) {
   EXPECT_EQ(verdict.stretches[0].last, 25U);
 }
 
+TEST(Verdict, ANewStartThatInertiaTiesIsDoubtful) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(run.next());
+  }
+  for (int i = 0; i < 6; ++i) {
+    SweepResult result = Ride::coasting(run.next());
+    result.renewed = i == 5;
+    assessor.add(result);
+  }
+  assessor.add(run.next());
+  const Verdict verdict = assessor.verdict();
+  EXPECT_EQ(verdict.trust, Trust::doubtful);
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_EQ(verdict.stretches[0].cause, DoubtCause::new_start);
+  EXPECT_EQ(verdict.stretches[0].first, 20U);
+  EXPECT_EQ(verdict.stretches[0].last, 25U);
+}
+
 TEST(Verdict, AlignmentsAndInertiaThatContradictEachOtherAreTold) {
   Ride run;
   RunAssessor assessor;

@@ -40,8 +40,12 @@ std::string cause_text(const DoubtfulStretch& stretch) {
           "sweeps, and imu.use=false maps without it",
           stretch.innovation);
     case DoubtCause::new_start:
-      return "the map began anew after it: how its pieces lie to each other is a guess; map them "
-             "apart with --start and --count";
+      return stretch.trust == Trust::lost
+                 ? "the map began anew after it: how its pieces lie to each other is a guess; map "
+                   "them apart with --start and --count"
+                 : "no sweep could be aligned, and the map began anew after it: the IMU alone "
+                   "tells "
+                   "how its pieces lie to each other; loops or GNSS would confirm it";
   }
   return "";
 }
