@@ -66,7 +66,7 @@ std::vector<Candidate> candidates(const BenchSlamOptions& options) {
       add(entry);
     }
     for (uint64_t k = 0; k < options.seeds; ++k) {
-      add(with_seed(entry, options.first_seed + k));
+      add(with_seed(entry, options.first_seed + k, options.apart));
     }
   }
   return all;
@@ -273,6 +273,11 @@ void add_bench_slam_command(Command bench, std::function<void(int)> done) {
       .value_name("N");
   command.option("--first-seed", options->first_seed, "The first of these")
       .value_name("SEED")
+      .show_default();
+  command
+      .option("--apart", options->apart,
+              "How far apart along the scene's route five seeds begin (m)")
+      .value_name("M")
       .show_default();
   command
       .option("--recordings", options->recordings,

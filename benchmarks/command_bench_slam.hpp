@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "adit/benchmarks/slam/slam_sequences.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
 
@@ -25,6 +26,7 @@ struct BenchSlamOptions {
   bool list = false;
   uint64_t seeds = 0;       ///< each sequence of the catalogue so many times; 0: as it stands there
   uint64_t first_seed = 1;  ///< the first of these
+  double apart = kBetweenBeginnings;     ///< m along the route, of where five of these begin
   std::filesystem::path recordings{};    ///< these instead of the catalogue
   std::filesystem::path trajectories{};  ///< other systems': SYSTEM/SEQUENCE.tum
   std::vector<std::string> variants{};   ///< "NAME:section.key=value", on top of `config`

@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBetweenBeginnings = 7.0;  // m
 constexpr uint64_t kBeginnings = 5;
 
 SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recording) {
@@ -124,10 +123,10 @@ std::vector<SlamEntry> slam_catalogue() {
           {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2}};
 }
 
-SlamEntry with_seed(SlamEntry entry, uint64_t seed) {
+SlamEntry with_seed(SlamEntry entry, uint64_t seed, double apart) {
   entry.name += "@" + std::to_string(seed);
   entry.seed = seed;
-  entry.begin += kBetweenBeginnings * static_cast<double>(seed % kBeginnings);
+  entry.begin += apart * static_cast<double>(seed % kBeginnings);
   return entry;
 }
 

@@ -27,8 +27,11 @@ struct SlamEntry {
   std::vector<std::string> faults{};
 };
 
-/// The same with another seed, from another place on: "NAME@SEED".
-SlamEntry with_seed(SlamEntry entry, uint64_t seed);
+/// How far apart along the route seeds begin by default, m: what a sequence is about stays in it.
+inline constexpr double kBetweenBeginnings = 7.0;
+/// The same with another seed, from another of five places on, `apart` m from each other:
+/// "NAME@SEED".
+SlamEntry with_seed(SlamEntry entry, uint64_t seed, double apart = kBetweenBeginnings);
 
 /// Everything that is simulated for the benchmark, by scene.
 std::vector<SlamEntry> slam_catalogue();

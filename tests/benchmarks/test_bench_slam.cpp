@@ -224,7 +224,8 @@ TEST(SlamCatalogue, ASeedIsAnotherWorldAndAnotherBeginning) {
   const SlamEntry third = with_seed(entry, 3);
   EXPECT_EQ(second.name, entry.name + "@2");
   EXPECT_EQ(second.seed, 2U);
-  EXPECT_NE(second.begin, third.begin);
+  EXPECT_EQ(third.begin - second.begin, kBetweenBeginnings);
+  EXPECT_EQ(with_seed(entry, 3, 120.0).begin - with_seed(entry, 2, 120.0).begin, 120.0);
 }
 
 TEST(BenchSlam, RefusesWhatMakesNoSense) {
