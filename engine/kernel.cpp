@@ -114,24 +114,32 @@ void create_pipeline(Kernel::State& state, std::span<const uint32_t> words,
   state.device->set_name(state.pipeline, state.name);
 }
 
+Shader embedded(std::string_view name) {
+  const std::span<const uint32_t> words = shaders::find(name);
+  if (words.empty()) {
+    throw std::logic_error("there is no shader '" + std::string(name) + "' in this program");
+  }
+  return {.name = name, .spirv = words};
+}
+
 }  // namespace
 
 Kernel::Kernel(Context& context, std::string_view shader_name,
                const std::vector<Specialization>& specializations)
+    : Kernel(context, embedded(shader_name), specializations) {}
+
+Kernel::Kernel(Context& context, const Shader& shader,
+               const std::vector<Specialization>& specializations)
     : state_(std::make_unique<State>()) {
   state_->device = &context.internal();
-  state_->name = shader_name;
-  const std::span<const uint32_t> words = shaders::find(shader_name);
-  if (words.empty()) {
-    throw std::logic_error("there is no shader '" + state_->name + "' in this program");
-  }
-  state_->reflection = reflect(words);
+  state_->name = shader.name;
+  state_->reflection = reflect(shader.spirv);
   check_bindings(*state_);
   const std::vector<Specialization> values = complete(*state_, specializations);
   state_->local_size = final_local_size(*state_, values);
   translated("making kernel '" + state_->name + "'", [&] {
     create_layouts(*state_);
-    create_pipeline(*state_, words, values);
+    create_pipeline(*state_, shader.spirv, values);
   });
 }
 

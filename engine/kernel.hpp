@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +20,12 @@ struct Specialization {
   uint32_t value = 0;
 };
 
+/// SPIR-V of a compute shader, with a name for messages and profiles.
+struct Shader {
+  std::string_view name;
+  std::span<const uint32_t> spirv;
+};
+
 /// By convention constant_id 0 of every shader is its work-group size in x, and this is its
 /// default. (The default in the shader does not count: glslang writes 1 for a size given by
 /// local_size_x_id alone.)
@@ -32,6 +39,10 @@ class Kernel {
   /// constant that does not exist and for a work-group size the device cannot run, Error where the
   /// driver fails.
   Kernel(Context& context, std::string_view shader_name,
+         const std::vector<Specialization>& specializations = {});
+  /// A shader of the caller's own, as docs/adding_a_kernel.md says. Is not kept. Throws as above,
+  /// and Error for what is no such module.
+  Kernel(Context& context, const Shader& shader,
          const std::vector<Specialization>& specializations = {});
   Kernel(Kernel&&) noexcept;
   Kernel& operator=(Kernel&&) noexcept;

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 #include <numeric>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "adit/shaders/embedded.hpp"
 #include "adit/shaders/shared/engine_probe.h"
 #include "adit/tests/support/device_fixture.hpp"
 
@@ -70,6 +72,24 @@ TEST_F(Dispatch, ConstantsHaveTheirDefaultsUnlessSpecialised) {
     recorder.dispatch(kernel, 1, ProbePush{10, 0}, {in, out});
   });
   EXPECT_EQ(download<uint32_t>(out), expected(counting(10), 1, 0));
+}
+
+TEST_F(Dispatch, ShaderOfTheCallersOwnIsAKernelToo) {
+  const std::span<const uint32_t> embedded = shaders::find("engine_probe");
+  std::vector<uint32_t> words(embedded.begin(), embedded.end());
+  const Kernel kernel(context(), {.name = "own", .spirv = words}, {{1, 3}});
+  words.clear();  // it keeps none of them
+  EXPECT_EQ(kernel.name(), "own");
+  const Buffer in = upload(counting(100));
+  const Buffer out = output(100);
+  run([&](Recorder& recorder) {
+    recorder.fill(out, 0);
+    recorder.barrier();
+    recorder.dispatch(kernel, 2, ProbePush{100, 7}, {in, out});
+  });
+  EXPECT_EQ(download<uint32_t>(out), expected(counting(100), 3, 7));
+  EXPECT_THROW(Kernel(context(), {.name = "cut short", .spirv = embedded.first(40)}), Error);
+  EXPECT_THROW(Kernel(context(), {.name = "empty", .spirv = {}}), Error);
 }
 
 TEST_F(Dispatch, SlicesBindTheirPartOfABuffer) {

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/support/version.hpp"
 
+#include "adit/version.hpp"
+
 namespace adit {
 
 std::string_view version() {
-  return ADIT_VERSION;
+  return kVersion;
 }
 
 std::string_view compiler() {
