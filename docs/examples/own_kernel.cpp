@@ -10,8 +10,11 @@
 #include <vector>
 
 #include "adit/engine/context.hpp"
-#include "adit/slam/core/types.hpp"
 #include "ranges.spirv.h"
+
+struct Point {
+  float x, y, z, w;
+};
 
 int main() {
   using namespace adit::engine;
@@ -19,11 +22,11 @@ int main() {
   Context context({});
   const Kernel kernel(context, {.name = "ranges", .spirv = ranges_spirv});
 
-  Buffer given = context.make_buffer(kCount * sizeof(adit::Point), Memory::upload, "given");
-  const auto points = given.as<adit::Point>();
+  Buffer given = context.make_buffer(kCount * sizeof(Point), Memory::upload, "given");
+  const auto points = given.as<Point>();
   for (uint32_t i = 0; i < kCount; ++i) {
     const float range = 1e-4F * static_cast<float>(i);
-    points[i] = {.x = range * std::cos(range), .y = range * std::sin(range)};
+    points[i] = {range * std::cos(range), range * std::sin(range), 0.0F, 1.0F};
   }
   Buffer ranges = context.make_buffer(kCount * sizeof(float), Memory::device, "ranges");
   Buffer result = context.make_buffer(ranges.size(), Memory::readback, "result");

@@ -37,6 +37,18 @@ struct Drive {
   }
 };
 
+/// Points anywhere in a cube around the sensor.
+inline Sweep noise(Nanoseconds stamp, size_t count = 15'000, double radius = 30.0) {
+  Random random(static_cast<uint64_t>(stamp.count()) + 5);
+  Sweep sweep;
+  sweep.stamp = stamp;
+  for (size_t i = 0; i < count; ++i) {
+    const auto coordinate = [&] { return static_cast<float>(random.uniform(-radius, radius)); };
+    sweep.points.push_back({coordinate(), coordinate(), coordinate(), 1.0F});
+  }
+  return sweep;
+}
+
 /// A constant motion along a street: m and rad between sweeps.
 inline Drive make_drive(size_t count, double forward, double yaw = 0.0, uint64_t seed = 1) {
   const World world = make_street(100.0, seed);

@@ -163,30 +163,26 @@ TEST_F(InertialOdometry, SweepsWithoutPointsAreBridgedByInertia) {
   EXPECT_LE(errors_of(results, drive).largest, 0.1);
 }
 
-TEST_F(InertialOdometry, WhereTheSubmapMatchesNoMoreInertiaTiesANewOneToIt) {
-  const auto drive_of = [](unsigned seed) {
-    return test::moving_drive(test::make_street(30.0, seed), test::walk(1.5, 0.3),
-                              test::turned_mounting(), test::Lidar{}, 50);
-  };
-  MovingDrive drive = drive_of(1);
-  const MovingDrive elsewhere = drive_of(7);
-  std::copy(elsewhere.sweeps.begin() + 30, elsewhere.sweeps.end(), drive.sweeps.begin() + 30);
+TEST_F(InertialOdometry, ASubmapThatBeginsAnewIsTiedToTheOldOneByInertia) {
+  MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.5, 0.3),
+                                         test::turned_mounting(), test::Lidar{}, 50);
+  for (size_t i = 30; i < 36; ++i) {  // as many as are too many, of what is nowhere
+    drive.sweeps[i] = test::noise(drive.sweeps[i].stamp);
+  }
   const auto results = place_all(context(), drive, walking_config());
   EXPECT_EQ(std::ranges::count(results, OdometryState::restarted, &SweepResult::state), 0);
-  const auto renewed = std::ranges::find(results, true, &SweepResult::renewed);
-  ASSERT_NE(renewed, results.end());
-  EXPECT_EQ(renewed - results.begin(), 35);
-  EXPECT_EQ(renewed->state, OdometryState::coasting);
-  for (auto later = renewed + 1; later != results.end(); ++later) {
-    EXPECT_EQ(later->state, OdometryState::tracking);
-    EXPECT_FALSE(later->renewed);
+  EXPECT_EQ(std::ranges::find(results, true, &SweepResult::renewed) - results.begin(), 35);
+  EXPECT_EQ(results[35].state, OdometryState::coasting);
+  // What was scattered was a bad place to begin from, and is left in the same way.
+  for (size_t i = 42; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].state, OdometryState::tracking) << i;
   }
-  // What was carried on is a part of what is not known any more.
+  // What inertia carried stays unknown.
   const auto variance = [](const SweepResult& result) {
     return result.uncertainty.drift.diagonal().head<3>().sum();
   };
   EXPECT_GT(variance(results.back()), variance(results[29]));
-  EXPECT_LE(errors_of(results, drive).largest, 0.15);
+  EXPECT_LE(errors_of(results, drive).largest, 0.3);
 }
 
 TEST_F(InertialOdometry, TheSameInputGivesTheSameBytes) {

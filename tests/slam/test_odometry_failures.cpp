@@ -18,22 +18,11 @@ namespace {
 using test::Drive;
 using test::expect_sane;
 using test::make_drive;
+using test::noise;
 using test::run_odometry;
 using test::street_config;
 
 class OdometryFailureTest : public test::DeviceTest {};
-
-/// Points anywhere in a cube around the sensor.
-Sweep noise(Nanoseconds stamp, size_t count = 15'000, double radius = 30.0) {
-  Random random(static_cast<uint64_t>(stamp.count()) + 5);
-  Sweep sweep;
-  sweep.stamp = stamp;
-  for (size_t i = 0; i < count; ++i) {
-    const auto coordinate = [&] { return static_cast<float>(random.uniform(-radius, radius)); };
-    sweep.points.push_back({coordinate(), coordinate(), coordinate(), 1.0F});
-  }
-  return sweep;
-}
 
 Sweep filled(Nanoseconds stamp, const std::function<Point(size_t)>& point, size_t count = 15'000) {
   Sweep sweep;
