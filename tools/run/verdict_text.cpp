@@ -44,8 +44,7 @@ std::string cause_text(const DoubtfulStretch& stretch) {
                  ? "the map began anew after it: how its pieces lie to each other is a guess; map "
                    "them apart with --start and --count"
                  : "no sweep could be aligned, and the map began anew after it: the IMU alone "
-                   "tells "
-                   "how its pieces lie to each other; loops or GNSS would confirm it";
+                   "tells how its pieces lie to each other; loops or GNSS would confirm it";
   }
   return "";
 }
