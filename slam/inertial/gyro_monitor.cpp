@@ -215,9 +215,9 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
   const std::vector<RotationInterval> turns =
       told_turns(std::vector(turns_.begin(), turns_.end()), samples, expected.saturated);
   const GyroCheck found = checked(turns, samples, expected);
-  return found.fault == GyroFault::unrelated
-             ? checked(without_few_wrong(turns, samples, expected), samples, expected)
-             : found;
+  return found.fault == GyroFault::none
+             ? found
+             : checked(without_few_wrong(turns, samples, expected), samples, expected);
 }
 
 }  // namespace adit

@@ -26,22 +26,22 @@ struct GatedReading {
 /// What is usual of a quantity: follows a quantile of its values, however far off outliers are.
 class UsualValue {
  public:
-  /// `share` of the values are below.
-  explicit UsualValue(double share) : share_(share) {}
+  /// `share` of the values are below. From the first values, one at least.
+  UsualValue(double share, std::vector<double> first);
   void add(double value);
-  double get() const { return value_; }  ///< 0 before the first
+  double get() const { return value_; }
 
  private:
   double share_;
   double value_ = 0.0;
-  int count_ = 0;
 };
 
-/// Keeps damaged readings of an inertial sensor out (docs/theory/inertial.md, section 6). A reading
-/// about as far from the one before as readings usually are passes at once. One that jumps waits
-/// for the next: where they go on from it, as after a shock or a step, all pass in their order;
-/// where they go on from the one before it, it was a spike. So were up to three in a row, if only
-/// one of the six numbers jumped, there at once and back at once.
+/// Keeps damaged readings of an inertial sensor out (docs/theory/inertial.md, section 6). The first
+/// twenty wait until all of them are there and tell what is usual. From then on a reading about as
+/// far from the one before as readings usually are passes at once. One that jumps waits for the
+/// next: where they go on from it, as after a shock or a step, all pass in their order; where they
+/// go on from the one before it, it was a spike. So were up to three in a row, if only one of the
+/// six numbers jumped, there at once and back at once.
 class ReadingGate {
  public:
   explicit ReadingGate(const ReadingLimits& limits) : limits_(limits) {}
@@ -54,6 +54,18 @@ class ReadingGate {
     double turn = 0.0;   ///< rad/s
     double force = 0.0;  ///< m/s²
   };
+  /// What is usual, and the reading that passed last.
+  struct Usual {
+    UsualValue turn_change;   ///< rad/s, from one to the next
+    UsualValue force_change;  ///< m/s²
+    UsualValue force;         ///< m/s²: gravity, in the sensor's unit
+    ImuSample last;
+  };
+  static Usual usual_of(const std::vector<ImuSample>& first);
+  /// Once the first are there: what is usual, then they one after the other.
+  std::vector<GatedReading> begin();
+  /// Takes a reading for which it is known what is usual.
+  std::vector<GatedReading> settle(const ImuSample& reading);
   /// Changes beyond these are jumps.
   Scales jumps() const;
   /// Between two readings: what is beyond 1 is a jump.
@@ -64,7 +76,7 @@ class ReadingGate {
   std::optional<int> lone_jump(const ImuSample& usual, const ImuSample& one) const;
   /// Whether those that wait last could be spikes in a row.
   bool may_be_burst() const;
-  /// Nothing can be called a jump: what is usual is not known yet, or the motion has changed.
+  /// Nothing can be called a jump: the motion has changed.
   bool has_changed() const;
   /// Whether the last that waits tells what the others are.
   bool is_settled() const;
@@ -72,11 +84,8 @@ class ReadingGate {
   void learn(const ImuSample& passed);
 
   ReadingLimits limits_;
-  UsualValue turn_change_{0.75};   ///< rad/s, from one to the next
-  UsualValue force_change_{0.75};  ///< m/s²
-  UsualValue force_{0.5};          ///< m/s²: gravity, in the sensor's unit
-  std::optional<ImuSample> last_;  ///< that passed
-  int passed_ = 0;
+  std::vector<ImuSample> first_;    ///< in the order they came, until what is usual is known
+  std::optional<Usual> usual_;      ///< none before that
   int calm_ = 0;                    ///< passed at once, in a row
   std::vector<ImuSample> waiting_;  ///< in the order they came
 };

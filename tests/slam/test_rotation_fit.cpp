@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/inertial/rotation_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -198,6 +199,34 @@ TEST(GyroMonitor, TurnsNearSaturatedReadingsDoNotCount) {
   EXPECT_EQ(check.fault, GyroFault::none) << to_string(check.fault);
   ASSERT_TRUE(check.comparison);
   EXPECT_NEAR(check.comparison->offset, 0.0, 0.003);
+}
+
+/// What of 0 to 1 is done of something that swells and fades from `begin` (s) on, in `duration`.
+double swollen(double time, double begin, double duration) {
+  const double phase = std::clamp((time - begin) / duration, 0.0, 1.0);
+  return phase - std::sin(2.0 * M_PI * phase) / (2.0 * M_PI);
+}
+
+// A blow that sweeps and gyroscope feel at different times, in three turns; the motion is in
+// fifteen others.
+TEST(GyroMonitor, AFewTurnsDoNotMoveTheClock) {
+  const auto yaw = [](double time, double blow) {
+    return 0.03 * swollen(time, blow, 0.2) + 0.19 * swollen(time, 1.0, 1.5);
+  };
+  GyroMonitor monitor;
+  for (double time = -1.0; time < 4.0; time += 0.005) {
+    const double rate = (yaw(time + 1e-4, 0.2) - yaw(time - 1e-4, 0.2)) / 2e-4;
+    monitor.add({at_seconds(time), Eigen::Vector3d(0.0, 0.0, rate), Eigen::Vector3d::Zero()});
+  }
+  for (int i = 0; i <= 30; ++i) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = so3_exp({0.0, 0.0, yaw(0.1 * i, 0.25)});
+    monitor.add({at_seconds(0.1 * i), pose});
+  }
+  const GyroCheck check = monitor.check({.tolerance = 0.02}).value();
+  EXPECT_EQ(check.fault, GyroFault::none) << to_string(check.fault);
+  ASSERT_TRUE(check.comparison);
+  EXPECT_NEAR(check.comparison->offset, 0.0, 0.01);
 }
 
 TEST(RotationComparison, AScaleIsOffWhereAllTurnsSaySo) {
