@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -283,6 +284,64 @@ TEST_F(MapCommands, ADenseCloudIsMadeOfTheRecordingThatTheMapIsOf) {
   EXPECT_EQ(other.code, 1);
   EXPECT_NE(other.err.find("none of its sweeps is in the map"), std::string::npos) << other.err;
   EXPECT_FALSE(fs::exists(*options.output));
+}
+
+TEST_F(MapCommands, ADenseCloudOfAnotherFileWithTheSameStampsSaysSo) {
+  const fs::path copy = folder_ / "copy";
+  fs::copy(recording_, copy, fs::copy_options::recursive);
+  RunCommandOptions run;
+  run.recording = copy;
+  run.output = folder_ / "out";
+  run.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true"};
+  ASSERT_EQ(ran(run_command, run).code, 0);
+  fs::path sweep;
+  for (const auto& file : fs::recursive_directory_iterator(copy)) {
+    sweep = file.path().extension() == ".bin" ? file.path() : sweep;
+  }
+  std::string bytes = test::content(sweep);
+  bytes[100] = static_cast<char>(bytes[100] ^ 1);
+  std::ofstream(sweep, std::ios::binary) << bytes;
+  ExportCommandOptions options{
+      .map = folder_ / "out/map.adit", .output = folder_ / "d.ply", .dense = "ply"};
+  const Ran silent = ran(export_command, options);
+  EXPECT_EQ(silent.code, 1);
+  EXPECT_NE(silent.err.find("not what the map was made of any more"), std::string::npos)
+      << silent.err;
+  options.recording = copy;
+  const Ran named = ran(export_command, options);
+  EXPECT_EQ(named.code, 0) << named.err;
+  EXPECT_NE(named.out.find("of another file than the map"), std::string::npos) << named.out;
+
+  RunCommandOptions again;
+  again.output = folder_ / "again";
+  again.from = folder_ / "out/map.adit";
+  const Ran from = ran(run_command, again);
+  EXPECT_EQ(from.code, 1);
+  EXPECT_NE(from.err.find("by its content"), std::string::npos) << from.err;
+}
+
+TEST_F(MapCommands, ExportDoesNotWriteOverTheRecording) {
+  const fs::path sweep = folder_.write("one.mcap", "a recording");
+  const Ran over =
+      ran(export_command,
+          ExportCommandOptions{.map = map_, .output = sweep, .dense = "ply", .recording = sweep});
+  EXPECT_EQ(over.code, 2);
+  EXPECT_NE(over.err.find("cannot be written over"), std::string::npos) << over.err;
+  EXPECT_EQ(test::content(sweep), "a recording");
+}
+
+TEST_F(MapCommands, PartsOfAMapStayApartWhereItsRunDidNotEnd) {
+  {
+    const SqliteDatabase raw(map_, SqliteDatabase::Mode::update);
+    raw.execute("UPDATE sessions SET ending = 0, complete = 0");
+    raw.execute("DELETE FROM edges WHERE node_from = 1");
+  }
+  const fs::path file = folder_ / "parts.tum";
+  const Ran done =
+      ran(export_command, ExportCommandOptions{.map = map_, .output = file, .trajectory = "tum"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  const std::string text = test::content(file);
+  EXPECT_EQ(std::ranges::count(text, '#'), 1) << text;
 }
 
 TEST_F(MapCommands, OptimizePutsDisturbedPosesBackIntoTheMap) {

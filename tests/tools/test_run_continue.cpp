@@ -205,6 +205,17 @@ TEST_F(RunContinue, FromAMapTakesItsRecordingAndSettings) {
             test::content(folder_ / "out/odometry.tum"));
 }
 
+TEST_F(RunContinue, FromAMapDoesNotReplaceIt) {
+  RunCommandOptions options;
+  options.output = folder_ / "out";
+  options.from = map();
+  const std::string before = dump_of(map());
+  const Ran again = ran(options);
+  EXPECT_EQ(again.code, 2);
+  EXPECT_NE(again.err.find("which it is made from"), std::string::npos) << again.err;
+  EXPECT_EQ(dump_of(map()), before);
+}
+
 TEST_F(RunContinue, TooLittleMemoryIsAUsageErrorAndEnoughIsReported) {
   RunCommandOptions options = first_;
   options.output = folder_ / "little";

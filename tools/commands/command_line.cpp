@@ -42,7 +42,8 @@ std::string size_to_bytes(std::string& text) {
   const std::string given = text;
   try {
     if (CLI::AsSizeValue(false)(text).empty()) {
-      return {};
+      return text == "0" ? "a size of 0 is none; without the option there is no limit"
+                         : std::string();
     }
   } catch (const CLI::ValidationError&) {
     // It lists every unit that it knows: the complaint below is for people.

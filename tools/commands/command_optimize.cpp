@@ -31,12 +31,15 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kWorstEdges = 5;
 constexpr std::size_t kComponentsTold = 5;
 constexpr int kSignalExit = 128;
+// Chordal poses of larger graphs take some of the time that is saved.
+constexpr std::size_t kMostNodesTriedTwice = 20'000;
 
 /// What `adit optimize` has done, for the report.
 struct Outcome {
   G2oFile file;
   bool is_map = false;     ///< its graph and the numbers of its edges stand in `file`
   double file_cost = 0.0;  ///< where the file has the nodes
+  InitialPoses initial = InitialPoses::file;  ///< what it started from
   OptimizedGraph optimized;
   std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
 };
@@ -112,6 +115,29 @@ ResidualConvention convention_of(const OptimizeCommandOptions& options, const Ou
   return outcome.is_map ? ResidualConvention::rotation : options.convention;
 }
 
+/// Gives the graph the poses to start from. Returns which they are.
+InitialPoses begin(PoseGraph& graph, const OptimizationSettings& settings, const Outcome& outcome,
+                   InitialPoses wanted) {
+  if (wanted == InitialPoses::better) {
+    if (outcome.is_map || graph.nodes().size() > kMostNodesTriedTwice) {
+      return InitialPoses::file;
+    }
+    PoseGraph chordal = graph;
+    chordal.set_poses(chordal_poses(graph));
+    if (!(graph_cost(chordal, settings) < outcome.file_cost)) {
+      return InitialPoses::file;
+    }
+    graph = std::move(chordal);
+    return InitialPoses::chordal;
+  }
+  if (wanted == InitialPoses::tree) {
+    graph.set_poses(spanning_tree_poses(graph));
+  } else if (wanted == InitialPoses::chordal) {
+    graph.set_poses(chordal_poses(graph));
+  }
+  return wanted;
+}
+
 Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
   Outcome outcome;
   outcome.is_map = is_map(options.input);
@@ -126,11 +152,7 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   settings.max_iterations = options.max_iterations;
   settings.on_step = IterationProgress(err);
   outcome.file_cost = graph_cost(graph, settings);
-  if (options.initial == InitialPoses::tree) {
-    graph.set_poses(spanning_tree_poses(graph));
-  } else if (options.initial == InitialPoses::chordal) {
-    graph.set_poses(chordal_poses(graph));
-  }
+  outcome.initial = begin(graph, settings, outcome, options.initial);
   outcome.optimized =
       options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
   graph.set_poses(outcome.optimized.poses);
@@ -191,11 +213,15 @@ std::string describe(const OptimizeCommandOptions& options, const Outcome& outco
         "information  of {} edges has negative eigenvalues, which count as zero (line {} first)\n",
         outcome.file.indefinite_lines.size(), outcome.file.indefinite_lines.front());
   }
+  if (!graph.levels().empty() || !graph.fixes().empty()) {
+    text += fmt::format("world        {} verticals and {} GNSS fixes are in the cost as well\n",
+                        graph.levels().size(), graph.fixes().size());
+  }
   text += "residual     " + convention_text(convention_of(options, outcome), graph.planar()) + "\n";
   text += fmt::format("cost         {:.10g} in the file", outcome.file_cost);
-  if (options.initial != InitialPoses::file) {
+  if (outcome.initial != InitialPoses::file) {
     text += fmt::format(", {:.10g} at the start ({})", report.cost_before,
-                        initial_text(options.initial));
+                        initial_text(outcome.initial));
   }
   text += fmt::format(", {:.10g} optimized\n", report.cost_after);
   text += fmt::format("iterations   {}, {:.2f} s{}: {}\n", report.iterations, report.seconds,
@@ -222,9 +248,11 @@ std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcom
   json["edges"] = graph.edges().size();
   json["loops"] = loops_in(graph);
   json["planar"] = graph.planar();
+  json["verticals"] = graph.levels().size();
+  json["fixes"] = graph.fixes().size();
   json["indefinite_edges"] = outcome.file.indefinite_lines.size();
   json["residual"] = convention_text(convention_of(options, outcome), graph.planar());
-  json["initial"] = initial_text(options.initial);
+  json["initial"] = initial_text(outcome.initial);
   json["cost_file"] = outcome.file_cost;
   json["cost_before"] = report.cost_before;
   json["cost_after"] = report.cost_after;
@@ -252,6 +280,13 @@ std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcom
   return json.dump(2) + "\n";
 }
 
+bool has_open_run(const MapDatabase& map) {
+  return std::ranges::any_of(map.sessions(), [&](const MapSession& session) {
+    const SessionProgress run = map.progress(session.id);
+    return !run.complete && !run.edited;
+  });
+}
+
 int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
   std::error_code ignored;
   if (options.output && std::filesystem::equivalent(options.input, *options.output, ignored)) {
@@ -265,17 +300,24 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
     return kSignalExit + StopSignal::received();
   }
   const bool failed = termination == Termination::failed;
+  const bool revises =
+      outcome.is_map && !options.output && !failed && termination != Termination::nothing_to_do;
   if (options.output && !failed) {
     write_g2o(*options.output, outcome.file.graph);
-  } else if (outcome.is_map && !failed) {
+  } else if (revises) {
     MapDatabase map(options.input, MapAccess::write);
+    if (has_open_run(map)) {
+      err << "adit optimize: its run has not ended; as poses are written now, adit run --continue "
+             "can no longer go on with it"
+          << std::endl;
+    }
     map.revise({.poses = outcome.file.graph.nodes(),
                 .georeference = placed(map.georeference(), outcome.file.graph.T_world_map())});
   }
   out << (options.json ? to_json(options, outcome) : describe(options, outcome));
   if (options.output && !failed && !options.json) {
     out << "wrote        " << options.output->string() << "\n";
-  } else if (outcome.is_map && !failed && !options.json) {
+  } else if (revises && !options.json) {
     out << "wrote        the poses of " << options.input.string() << "\n";
   }
   if (failed) {
@@ -325,10 +367,12 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
        {"se3", ResidualConvention::logarithm}});
   command.choice<InitialPoses>(
       "--initial",
-      "Start from the poses of the file (default), along a tree of the best edges, or "
-      "rotations first (chordal)",
+      "Start from the poses of the file, along a tree of the best edges, rotations first "
+      "(chordal), or from the better of file and chordal (better, the default; large graphs and "
+      "maps from the file's)",
       options->initial,
-      {{"file", InitialPoses::file},
+      {{"better", InitialPoses::better},
+       {"file", InitialPoses::file},
        {"tree", InitialPoses::tree},
        {"chordal", InitialPoses::chordal}});
   command.choice<Kernel>(

@@ -16,13 +16,15 @@ namespace adit {
 class Command;
 
 /// Which poses the optimisation starts from.
-enum class InitialPoses { file, tree, chordal };
+/// `better`: those of the file or chordal ones, whichever cost less; of a map and of large graphs
+/// the file's.
+enum class InitialPoses { better, file, tree, chordal };
 
 struct OptimizeCommandOptions {
   std::filesystem::path input{};
   std::optional<std::filesystem::path> output{};  ///< none: nothing is written, but for a map
   ResidualConvention convention = ResidualConvention::quaternion;
-  InitialPoses initial = InitialPoses::file;
+  InitialPoses initial = InitialPoses::better;
   RobustLoss loop_kernel{};
   int max_iterations = 100;
   bool direct = false;  ///< without condensing the chains of large graphs first

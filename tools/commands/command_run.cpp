@@ -80,6 +80,13 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
 // 262 000: docs/theory/mapping.md.
 constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
 constexpr uint64_t kWorkingBytesAPoint = 320;
+constexpr uint64_t kMapBytes = uint64_t{16} << 20U;
+constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
+
+uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep) {
+  return kWorkingBytes + kWorkingBytesAPoint * points_a_sweep + (mapping.enabled ? kMapBytes : 0) +
+         (mapping.enabled && mapping.loops ? kLoopBytes : 0);
+}
 
 constexpr const char* kMountingIsAssumed =
     "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
@@ -109,15 +116,33 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
 }
 
 /// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
-/// then it is written over the old one, whose space it fits into as a rule.
+/// then it is written over the old one, and where it does not fit there, the old one is put back.
 void replace_text_file(const std::filesystem::path& file, const std::string& text) {
   try {
     Draft draft(file);
     write_text_file(draft.path(), text);
     draft.take_its_place();
   } catch (const OutputError&) {
-    write_text_file(file, text);
+    std::error_code unknown;
+    const std::string old =
+        std::filesystem::is_regular_file(file, unknown) ? read_text_file(file) : std::string();
+    try {
+      write_text_file(file, text);
+    } catch (const OutputError&) {
+      if (!old.empty()) {
+        write_text_file(file, old);
+      }
+      throw;
+    }
   }
+}
+
+/// The text with blanks behind it, as long as the summary of most runs: on a disk that is full in
+/// the end there is room for that one.
+std::string with_room(std::string text) {
+  constexpr std::size_t kRoom = 16 << 10;
+  text.append(kRoom - std::min(kRoom, text.size()), ' ');
+  return text;
 }
 
 /// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
@@ -153,16 +178,20 @@ RunOutcome map_and_close(const Mapping& mapping, RunMap* map, const RunDescripti
   return outcome;
 }
 
-/// Says what went wrong with a run of `sweeps` sweeps and returns the exit code.
-int judge(const RunOutcome& outcome, const RunStatistics& statistics, std::size_t sweeps,
+/// Says what went wrong with a run and returns the exit code.
+int judge(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
           std::ostream& err) {
   for (const std::string& message : outcome.validation_messages) {
     err << "adit run: validation: " << message << "\n";
   }
   if (outcome.result.end != RunEnd::completed) {
+    const bool goes_on = run.config.mapping.enabled && outcome.result.end != RunEnd::input_error;
     err << "adit run: " << outcome.result.reason << "\n"
-        << "adit run: ended early, " << statistics.sweeps() << " of " << sweeps
-        << " sweeps done; what was computed is kept" << std::endl;
+        << "adit run: ended early, " << statistics.sweeps() << " of " << run.range.count
+        << " sweeps done; what was computed is kept"
+        << (goes_on ? "; adit run -o " + run.output.string() + " --continue goes on from there"
+                    : std::string())
+        << std::endl;
     return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
   }
   if (statistics.left_out().any()) {
@@ -256,8 +285,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     err << software_note(context.device()) << std::endl;
   }
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
-  const MemoryLimit memory(options.max_ram_bytes,
-                           kWorkingBytes + kWorkingBytesAPoint * most_points);
+  const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points));
   SlamOptions wanted{.inertial = imu.has_value(), .submap_bytes = memory.submap_bytes()};
 
   std::optional<MapSession> origin;
@@ -275,8 +303,9 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     require_free_map(options.output);
   }
   // The summary first: from here on the folder tells of this run, whatever ends it.
-  replace_text_file(files.summary,
-                    running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n");
+  replace_text_file(
+      files.summary,
+      with_room(running_summary(description).dump(2, ' ', false, kReplaceBadText) + "\n"));
   if (replaces_a_run) {
     remove_earlier_run(options.output, continued ? EarlierMap::keep : EarlierMap::remove);
   }
@@ -333,7 +362,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   outcome.resident_peak_bytes = peak_resident_bytes();
   outcome.validation_messages = context.validation_messages();
 
-  int code = judge(outcome, statistics, sweeps.range.count, err);
+  int code = judge(outcome, statistics, description, err);
   if (const Trust trust = statistics.verdict().trust;
       options.strict && code == 0 && trust != Trust::reliable) {
     err << "adit run: the run is " << to_string(trust)
@@ -394,7 +423,8 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "with\n"
       "mapping.enabled=true also map.adit, odometry.tum and online.tum; with --high-rate also\n"
       "odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
-      "A folder holds one run: the files of an earlier one are replaced together, others stay.\n\n"
+      "A folder holds one run: when one begins, the files of an earlier one go, its map too; "
+      "others stay.\n\n"
       "Examples:\n"
       "  adit run drive/ -o out\n"
       "  adit run drive.mcap --topic /points -o out\n"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -19,7 +20,9 @@
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -108,7 +111,16 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   const fs::path path = options.recording
                             ? *options.recording
                             : fs::path(provenance(sessions.front(), "recording").value_or(""));
+  std::error_code ignored;
+  if (fs::equivalent(*options.output, path, ignored)) {
+    throw UsageError("the recording cannot be written over. Name another file with -o.");
+  }
   const std::unique_ptr<Recording> recording = open_recording(path, settings);
+  const bool same = is_recording_of(sessions.front(), path);
+  if (!same && !options.recording) {
+    throw InputError(path, {}, "it is not what the map was made of any more, by its content",
+                     "Name the recording that it was made of: --recording REC");
+  }
   const std::optional<std::string> named = provenance(sessions.front(), "topic");
   const std::size_t topic = sweep_topic(*recording, path, named ? named : settings.sweep_topic);
   const std::vector<MapSweep> sweeps = sweeps_by_stamp(*job.map);
@@ -150,6 +162,9 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
                      "Name the recording that the map is of: --recording REC");
   }
   std::string text = fmt::format("{} sweeps", placed);
+  if (!same) {
+    text += " of another file than the map was made of";
+  }
   if (without_pose > 0) {
     text += fmt::format("; {} sweeps have no pose in the map", without_pose);
   }

@@ -102,6 +102,12 @@ RunCommandOptions repeating(RunCommandOptions options, const EarlierRun& earlier
     }
   }
   options.recording = recording_of(options, earlier);
+  if (!is_recording_of(earlier.session, options.recording)) {
+    throw InputError(options.recording, {},
+                     "it is not what " + earlier.map.string() + " was made of, by its content",
+                     "Name that recording; to map this one alike, give it the settings with "
+                     "--config (summary.json has them)");
+  }
   options.config.kept = kept(options, earlier, config);
   return options;
 }
@@ -116,6 +122,11 @@ WantedRun wanted_run(const RunCommandOptions& given) {
             .continued = earlier};
   }
   if (given.from) {
+    std::error_code unknown;
+    if (std::filesystem::equivalent(*given.from, RunFiles(given.output).database, unknown)) {
+      throw UsageError("-o " + given.output.string() + ": the new map would replace " +
+                       given.from->string() + ", which it is made from. Name another folder.");
+    }
     return {.options = repeating(given, earlier_run(*given.from)), .continued = {}};
   }
   if (given.recording.empty()) {

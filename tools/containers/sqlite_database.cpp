@@ -119,6 +119,11 @@ SqliteDatabase::SqliteDatabase(fs::path path, Mode mode) : path_(std::move(path)
 }
 
 void SqliteDatabase::open(const fs::path& file, int flags) {
+  std::error_code unknown;
+  if (fs::is_directory(path_, unknown)) {
+    throw InputError(path_, {}, "it is a folder, not a database file",
+                     "Name a file in it; of a run's folder that is map.adit");
+  }
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
   database_.reset(raw);
@@ -184,8 +189,13 @@ void SqliteDatabase::execute(const std::string& sql) const {
 
 void SqliteDatabase::fail() const {
   const std::string reason = sqlite3_errmsg(database_.get());
-  if (mode_ == Mode::create || mode_ == Mode::update) {
-    throw OutputError(path_, path_.string() + ": cannot be written: " + reason + ".");
+  const int code = sqlite3_errcode(database_.get()) & 0xff;
+  const bool damaged = code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
+  if (!damaged && (mode_ == Mode::create || mode_ == Mode::update)) {
+    throw OutputError(path_, path_.string() + ": cannot be written: " + reason +
+                                 (code == SQLITE_FULL ? ". Make room, then go on; what was "
+                                                        "committed before is safe."
+                                                      : "."));
   }
   throw InputError(
       path_, {}, "cannot be read as an SQLite database: " + reason,

@@ -259,6 +259,11 @@ G2oFile read_g2o(const std::filesystem::path& file) {
 void write_g2o(const std::filesystem::path& file, const PoseGraph& graph) {
   const bool planar = graph.planar();
   OutputFile out(file);
+  if (!graph.levels().empty() || !graph.fixes().empty()) {
+    out.write("# without the verticals of " + std::to_string(graph.levels().size()) +
+              " nodes and without " + std::to_string(graph.fixes().size()) +
+              " GNSS fixes: the format has none\n");
+  }
   for (const PoseNode& node : graph.nodes()) {
     std::string line = planar ? "VERTEX_SE2 " : "VERTEX_SE3:QUAT ";
     line += std::to_string(node.id);

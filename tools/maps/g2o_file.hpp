@@ -35,8 +35,8 @@ G2oFile read_g2o(const std::filesystem::path& file);
 /// The same from memory; `file` is for messages.
 G2oFile parse_g2o(std::string_view text, const std::filesystem::path& file);
 
-/// Numbers read back to the same doubles, but for those that quaternions are rounded to. Throws
-/// OutputError.
+/// Numbers read back to the same doubles, but for those that quaternions are rounded to. Of a map's
+/// verticals and fixes a comment in the first line tells how many are left out. Throws OutputError.
 void write_g2o(const std::filesystem::path& file, const PoseGraph& graph);
 
 }  // namespace adit

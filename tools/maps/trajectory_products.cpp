@@ -65,6 +65,21 @@ std::vector<MapKeyframe> keyframes_of(const MapPath& path, const MapDatabase& ma
   return keyframes;
 }
 
+std::optional<NodeId> last_node_with_an_edge(const PoseGraph& graph) {
+  std::optional<NodeId> last;
+  for (const PoseEdge& edge : graph.edges()) {
+    last = std::max({last.value_or(0), edge.from, edge.to});
+  }
+  return last;
+}
+
+/// The last keyframes of a run that has not ended have no edge yet, and are no parts.
+bool is_waiting(const MapDatabase& map, const MapKeyframe& keyframe,
+                const std::optional<NodeId>& last_with_an_edge) {
+  return !(last_with_an_edge && keyframe.id <= *last_with_an_edge) &&
+         !map.progress(keyframe.session).ending;
+}
+
 std::string xml_text(const std::string& text) {
   std::string escaped;
   for (const char letter : text) {
@@ -93,10 +108,7 @@ MapPath map_path(const MapDatabase& map, const CloudSelection& selection) {
   MapPath path;
   const PoseGraph graph = map.graph();
   const GraphComponents tied = connected_components(graph);
-  // The last keyframes of a run that has not ended have no edge yet, and are no parts.
-  const std::vector<MapSession> sessions = map.sessions();
-  const bool ended = std::ranges::all_of(
-      sessions, [&](const MapSession& session) { return map.progress(session.id).ending; });
+  const std::optional<NodeId> last_tied = last_node_with_an_edge(graph);
   std::optional<std::size_t> component;
   for (const MapKeyframe& keyframe : map.keyframes()) {
     const std::size_t before = path.sweeps.size();
@@ -110,7 +122,8 @@ MapPath map_path(const MapDatabase& map, const CloudSelection& selection) {
       }
     }
     const std::size_t here = tied.component_of[graph.index_of(keyframe.id)];
-    if (ended && component && *component != here && before < path.sweeps.size() && before > 0) {
+    if (component && *component != here && before < path.sweeps.size() && before > 0 &&
+        !is_waiting(map, keyframe, last_tied)) {
       path.parts.push_back(before);
     }
     if (before < path.sweeps.size()) {

@@ -45,7 +45,9 @@ WriterLock::WriterLock(const std::filesystem::path& file) : path_(file.string() 
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
       throw OutputError(file, file.string() + ": cannot be written: " + path_.string() + ": " +
-                                  std::strerror(errno) + ".");
+                                  std::strerror(errno) +
+                                  ". Copy the map to a folder where you may write; reading needs "
+                                  "no such right.");
     }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const std::string holder = content(descriptor_);

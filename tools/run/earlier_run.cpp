@@ -18,6 +18,7 @@ namespace {
 // Where the recording and what tells of its sensor lie is no part of what they are.
 constexpr std::string_view kRecording = "recording";
 constexpr std::string_view kTopic = "topic";
+constexpr std::string_view kFingerprint = "recording fingerprint";
 // What another commit makes of a recording is compared, keyframe by keyframe.
 constexpr std::string_view kCommit = "commit";
 constexpr std::string_view kMetadataSetting = "recording.metadata = ";
@@ -104,7 +105,7 @@ MapSession session_of(const RunDescription& run) {
       {{std::string(kRecording), std::filesystem::absolute(run.recording).string()},
        {"recording kind", kind_of(run)},
        {"recording bytes", std::to_string(print.bytes)},
-       {"recording fingerprint", print.hash},
+       {std::string(kFingerprint), print.hash},
        {"recording sweeps", std::to_string(run.recording_sweeps)},
        {"first sweep", std::to_string(run.range.first)},
        {"sweeps", std::to_string(run.range.count)}});
@@ -138,6 +139,11 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
           .topic = topic == nullptr ? std::nullopt : std::optional(*topic),
           .first_sweep = require_number(map, session, "first sweep"),
           .sweeps = require_number(map, session, "sweeps")};
+}
+
+bool is_recording_of(const MapSession& session, const std::filesystem::path& recording) {
+  const std::string* before = told(session, kFingerprint);
+  return before == nullptr || *before == fingerprint(recording).hash;
 }
 
 void require_same(const EarlierRun& earlier, const MapSession& now) {

@@ -36,6 +36,10 @@ struct EarlierRun {
 /// Throws InputError: no map, one of several recordings, one that does not say where it comes from.
 EarlierRun earlier_run(const std::filesystem::path& map);
 
+/// Whether the recording is the one that the session is of, by its fingerprint. Of sessions that do
+/// not say: yes. Throws InputError where there is no such recording.
+bool is_recording_of(const MapSession& session, const std::filesystem::path& recording);
+
 /// Throws InputError where the run could not go on with the earlier one's map, with all that
 /// differs.
 void require_same(const EarlierRun& earlier, const MapSession& now);

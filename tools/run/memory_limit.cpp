@@ -19,18 +19,19 @@ std::string mebibytes(uint64_t bytes) {
 
 }  // namespace
 
-MemoryLimit::MemoryLimit(uint64_t most_bytes, uint64_t working_bytes)
-    : most_(most_bytes), at_start_(resident_bytes()) {
-  if (most_ != 0 && most_ < at_start_ + working_bytes) {
-    throw UsageError("--max-ram " + mebibytes(most_) + ": at least " +
-                     mebibytes(at_start_ + working_bytes) + " are needed here (" +
-                     mebibytes(at_start_) + " before the first sweep, and " +
+MemoryLimit::MemoryLimit(uint64_t most_bytes, uint64_t working_bytes) : most_(most_bytes) {
+  const uint64_t at_start = resident_bytes();
+  const uint64_t needed = at_start + working_bytes;
+  if (most_ != 0 && most_ < needed) {
+    throw UsageError("--max-ram " + mebibytes(most_) + ": at least " + mebibytes(needed) +
+                     " are needed here (" + mebibytes(at_start) + " before the first sweep, and " +
                      mebibytes(working_bytes) + " to work in).");
   }
+  spare_ = most_ != 0 ? most_ - needed : 0;
 }
 
 uint64_t MemoryLimit::submap_bytes() const {
-  return most_ == 0 ? kSubmapBytes : std::min(kSubmapBytes, (most_ - at_start_) / 4);
+  return most_ == 0 ? kSubmapBytes : std::min(kSubmapBytes, kLeastSubmapBytes + spare_);
 }
 
 bool MemoryLimit::exceeded() const {

@@ -7,12 +7,16 @@
 
 namespace adit {
 
+/// Of submaps that stay in memory, where there is room for no more.
+inline constexpr uint64_t kLeastSubmapBytes = uint64_t{8} << 20U;
+
 /// Holds a command to an amount of memory that is resident (--max-ram). On software devices that is
 /// the device's memory, too.
 class MemoryLimit {
  public:
   /// Made when what does not grow is there: program, device, recording. `most_bytes` 0: no limit.
-  /// Throws UsageError where less than `working_bytes` would be left.
+  /// Throws UsageError where less than `working_bytes` would be left; kLeastSubmapBytes are of
+  /// them.
   MemoryLimit(uint64_t most_bytes, uint64_t working_bytes);
 
   /// What submaps in memory may take of it.
@@ -24,7 +28,7 @@ class MemoryLimit {
 
  private:
   uint64_t most_;
-  uint64_t at_start_;
+  uint64_t spare_ = 0;  ///< beyond what the command works in
 };
 
 }  // namespace adit
