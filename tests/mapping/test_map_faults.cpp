@@ -18,10 +18,8 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/maps/map_recovery.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {
@@ -30,18 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 using test::dump_of;
 using test::record;
-
-/// A record whose submap is one.
-KeyframeRecord whole_record(NodeId id, SessionId session) {
-  KeyframeRecord whole = record(id, session);
-  KeyframeSubmap submap{
-      .r_submap = 0.25, .sweeps = {SubmapSweep{.stamp = whole.keyframe.stamp}}, .points = {}};
-  for (int i = 0; i < 600; ++i) {
-    submap.points.push_back({.place = {i * i % 977, 13 * i, static_cast<int>(id) - i}});
-  }
-  whole.submap = encode(submap);
-  return whole;
-}
 
 /// A process that stores keyframes from `first` on and writes a byte into a pipe after each.
 class Writer {
@@ -257,61 +243,6 @@ TEST(MapFaults, ReadersLeaveNothingBesideAMap) {
   EXPECT_TRUE(holds_unprivileged(
       [&] { return MapDatabase(file, MapAccess::read).keyframes().size() == 1; }));
   EXPECT_EQ(files_in(folder.path()), alone);
-}
-
-// Whichever page a disk has spoilt: it is told or the map does not need it, and what is recovered
-// is a whole map with nothing in it that was not there.
-TEST(MapFaults, AnyPageMayBeSpoilt) {
-  const test::TemporaryFolder folder;
-  const fs::path file = folder / "map.adit";
-  constexpr NodeId kKeyframes = 8;
-  {
-    MapDatabase map(file, MapAccess::write);
-    const SessionId session = test::add_session(map);
-    for (NodeId id = 0; id < kKeyframes; ++id) {
-      map.store(whole_record(id, session));
-    }
-  }
-  const std::string before = dump_of(MapDatabase(file, MapAccess::read));
-  const auto problems_of = [](const fs::path& map) {
-    try {
-      return MapDatabase(map, MapAccess::read).check().size();
-    } catch (const InputError&) {
-      return std::size_t{1};
-    }
-  };
-  constexpr std::streamoff kPage = 4096;
-  const auto pages = static_cast<std::streamoff>(fs::file_size(file)) / kPage;
-  ASSERT_GT(pages, 10);
-  std::size_t told = 0;
-  std::size_t recovered = 0;
-  for (std::streamoff page = 0; page < pages; ++page) {
-    const fs::path spoilt = folder / "spoilt.adit";
-    fs::copy_file(file, spoilt, fs::copy_options::overwrite_existing);
-    {
-      std::fstream bytes(spoilt, std::ios::in | std::ios::out | std::ios::binary);
-      bytes.seekp(page * kPage).write(std::string(kPage, '\x5a').data(), kPage);
-    }
-    if (problems_of(spoilt) == 0) {
-      EXPECT_EQ(dump_of(MapDatabase(spoilt, MapAccess::read)), before) << page;
-      continue;
-    }
-    ++told;
-    const fs::path whole = folder / "whole.adit";
-    fs::remove(whole);
-    try {
-      recover_map(spoilt, whole);
-    } catch (const InputError&) {
-      continue;  // nothing can be read
-    }
-    EXPECT_EQ(problems_of(whole), 0U) << page;
-    for (const MapKeyframe& keyframe : MapDatabase(whole, MapAccess::read).keyframes()) {
-      EXPECT_LT(keyframe.id, kKeyframes) << page;
-      ++recovered;
-    }
-  }
-  EXPECT_GT(told, static_cast<std::size_t>(pages) / 2);
-  EXPECT_GT(recovered, told * kKeyframes / 2) << "of each map most";
 }
 
 // Where all that was stored lies in the log, a copy without it holds nothing, and says why.

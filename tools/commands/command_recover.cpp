@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -16,7 +18,38 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kProblemsTold = 10;
+constexpr std::size_t kTold = 10;
+
+void tell(const std::vector<std::string>& texts, const char* head, std::ostream& out) {
+  for (std::size_t i = 0; i < std::min(texts.size(), kTold); ++i) {
+    out << head << texts[i] << "\n";
+  }
+  if (texts.size() > kTold) {
+    out << head << "and " << texts.size() - kTold << " more\n";
+  }
+}
+
+/// What is lost, in numbers.
+std::string lost_of(const MapRecovery& done) {
+  if (done.problems.empty()) {
+    return "nothing";
+  }
+  std::string text;
+  const auto add = [&](std::size_t count, const std::string& what) {
+    if (count > 0) {
+      text += (text.empty() ? "" : ", ") + fmt::format("{} {}", count, what);
+    }
+  };
+  add(done.lost_keyframes.size(), "keyframes");
+  add(done.without_points.size(), "keyframes' points");
+  add(done.lost_edges, "edges");
+  add(done.lost_candidates, "candidates");
+  add(done.lost_fixes, "fixes");
+  if (text.empty()) {
+    return done.may_lack_more ? "nothing that can be counted; see above" : "see above";
+  }
+  return (done.may_lack_more ? "at least " : "") + text;
+}
 
 int run(const RecoverCommandOptions& options, std::ostream& out) {
   std::error_code ignored;
@@ -25,16 +58,15 @@ int run(const RecoverCommandOptions& options, std::ostream& out) {
                      ": there is a file of that name. Name one that is not there yet.");
   }
   const MapRecovery done = recover_map(options.map, options.output);
-  for (std::size_t i = 0; i < std::min(done.problems.size(), kProblemsTold); ++i) {
-    out << "lost       " << done.problems[i] << "\n";
-  }
-  if (done.problems.size() > kProblemsTold) {
-    out << "lost       and " << done.problems.size() - kProblemsTold << " more\n";
-  }
-  out << fmt::format("recovered  {} keyframes, {} edges, {} candidates, {} sessions\n",
-                     done.keyframes, done.edges, done.candidates, done.sessions);
-  if (done.lost_keyframes + done.lost_edges > 0) {
-    out << fmt::format("lost       {} keyframes, {} edges\n", done.lost_keyframes, done.lost_edges);
+  tell(done.damaged_pages, "damaged    ", out);
+  tell(done.problems, "lost       ", out);
+  out << fmt::format("recovered  {} keyframes, {} edges, {} candidates, {} fixes, {} sessions\n",
+                     done.keyframes, done.edges, done.candidates, done.fixes, done.sessions);
+  out << "lost       " << lost_of(done) << "\n";
+  if (done.parts > 1) {
+    out << fmt::format(
+        "parts      {}, without an edge between them: how they lie to each other is a guess\n",
+        done.parts);
   }
   out << "wrote      " << options.output.string() << "; " << options.map.string()
       << " stays as it is\n";

@@ -17,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kApplication = 0x61646974;  // "adit": what the file says it belongs to
-
 constexpr const char* kTables =
     "CREATE TABLE sessions(id INTEGER PRIMARY KEY, name TEXT NOT NULL, configuration TEXT NOT "
     "NULL, steps INTEGER NOT NULL DEFAULT 0, ending INTEGER NOT NULL DEFAULT 0,"
@@ -162,7 +160,7 @@ void require_map(const SqliteDatabase& database, const fs::path& file) {
                          file.filename().string() + "-wal that lay beside it",
                      "Copy that too, or start the run again");
   }
-  if (pragma(database, "application_id") != kApplication) {
+  if (pragma(database, "application_id") != kMapApplication) {
     throw InputError(file, {}, "it is an SQLite database but no map",
                      "Name a map that `adit run` has made");
   }
@@ -214,7 +212,7 @@ void MapDatabase::create_tables() {
   database_.execute(kTables);
   database_.execute(kTablesOfTheEnd);
   database_.execute(kTablesOfTheWorld);
-  database_.execute("PRAGMA application_id = " + std::to_string(kApplication));
+  database_.execute("PRAGMA application_id = " + std::to_string(kMapApplication));
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -350,49 +349,6 @@ std::map<NodeId, Eigen::AlignedBox3d> MapDatabase::boxes() const {
                                       Eigen::Vector3d(rows.real(4), rows.real(5), rows.real(6))));
   }
   return boxes;
-}
-
-std::vector<std::string> MapDatabase::check() const {
-  std::vector<std::string> problems;
-  const auto attempt = [&](const auto& action) {
-    try {
-      action();
-    } catch (const FileError& error) {
-      problems.emplace_back(error.what());
-    }
-  };
-  const auto ask = [&](const std::string& pragma, const auto& tell) {
-    attempt([&] {
-      SqliteStatement rows = database_.prepare(pragma);
-      while (rows.step()) {
-        tell(rows);
-      }
-    });
-  };
-  ask("PRAGMA integrity_check(20)", [&](const SqliteStatement& row) {
-    if (row.text(0) != "ok") {
-      problems.push_back("damaged: " + row.text(0));
-    }
-  });
-  ask("PRAGMA foreign_key_check", [&](const SqliteStatement& row) {
-    problems.push_back("a row of the table " + row.text(0) + " refers to one of " + row.text(2) +
-                       " that is missing");
-  });
-  attempt([&] { static_cast<void>(sessions()); });
-  attempt([&] { static_cast<void>(graph()); });
-  attempt([&] { static_cast<void>(candidates()); });
-  attempt([&] { static_cast<void>(fixes()); });
-  std::set<NodeId> nodes;
-  ask("SELECT id FROM keyframes",
-      [&](const SqliteStatement& row) { nodes.insert(row.integer(0)); });
-  for (const NodeId id : nodes) {
-    attempt([&] { static_cast<void>(submap(id)); });
-  }
-  ask("SELECT keyframe FROM submaps WHERE keyframe NOT IN (SELECT keyframe FROM places)",
-      [&](const SqliteStatement& row) {
-        problems.push_back("submap " + row.text(0) + " is missing from the index of places");
-      });
-  return problems;
 }
 
 void MapDatabase::dump(const std::function<void(std::string_view)>& line) const {

@@ -2,102 +2,174 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/maps/map_recovery.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
-#include <set>
+#include <utility>
 
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tools/containers/sqlite_database.hpp"
+#include "adit/tools/maps/id_ranges.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_salvage.hpp"
+#include "adit/tools/maps/writer_lock.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Rows that are looked for one by one: between those that are seen, and where none is.
-constexpr int64_t kMostHidden = 1'000'000;
-constexpr int64_t kBeyond = 10'000;
+/// Of a session that cannot be read.
+constexpr const char* kStandIn = "recovered";
 
-/// Ids of a table as they are read in one order, up to the first page that is damaged.
-struct IdsInOrder {
-  std::vector<int64_t> ids;
-  bool all = false;
+constexpr const char* kNothing =
+    "Nothing can be recovered: take an older copy, or map the recording again";
+
+/// The new map while it is being written, and the rows that were found, beside it. What an earlier
+/// recovery has left there goes, and so does all of it where it does not come to an end.
+class UnfinishedMap {
+ public:
+  explicit UnfinishedMap(const fs::path& whole)
+      : lock_(whole),
+        whole_(whole),
+        part_(whole.string() + ".part"),
+        rows_(part_.string() + ".rows") {
+    remove_all();
+  }
+  ~UnfinishedMap() { remove_all(); }
+  UnfinishedMap(const UnfinishedMap&) = delete;
+  UnfinishedMap& operator=(const UnfinishedMap&) = delete;
+
+  const fs::path& part() const { return part_; }
+  const fs::path& rows() const { return rows_; }
+
+  /// Nobody may have it open any more. Throws OutputError.
+  void take_its_place() const {
+    std::error_code error;
+    const auto log = fs::file_size(part_.string() + "-wal", error);
+    if (!error && log > 0) {
+      throw OutputError(part_, part_.string() + ": its log could not be written into it.");
+    }
+    synchronize(part_, O_RDWR);
+    if (fs::exists(whole_, error)) {
+      throw OutputError(whole_, whole_.string() + ": somebody else has made it meanwhile.");
+    }
+    fs::rename(part_, whole_, error);
+    if (error) {
+      throw OutputError(whole_, whole_.string() + ": cannot be written: " + error.message() + ".");
+    }
+    const fs::path folder = fs::absolute(whole_).parent_path();
+    synchronize(folder, O_RDONLY | O_DIRECTORY);
+  }
+
+ private:
+  void remove_all() const {
+    std::error_code ignored;
+    for (const fs::path& file : {part_, rows_}) {
+      for (const char* suffix : {"", "-wal", "-shm", "-journal", ".lock"}) {
+        fs::remove(file.string() + suffix, ignored);
+      }
+    }
+  }
+
+  static void synchronize(const fs::path& file, int flags) {
+    const int descriptor = ::open(file.c_str(), flags | O_CLOEXEC);
+    const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
+    const int reason = errno;
+    if (descriptor >= 0) {
+      ::close(descriptor);
+    }
+    if (!done) {
+      throw OutputError(file,
+                        file.string() + ": cannot be written: " + std::strerror(reason) + ".");
+    }
+  }
+
+  WriterLock lock_;
+  fs::path whole_;
+  fs::path part_;
+  fs::path rows_;
 };
 
-IdsInOrder ids_in_order(const SqliteDatabase& database, const std::string& table,
-                        const std::string& order) {
-  IdsInOrder read;
-  try {
-    SqliteStatement rows = database.prepare("SELECT id FROM " + table + " ORDER BY id " + order);
-    while (rows.step()) {
-      read.ids.push_back(rows.integer(0));
-    }
-    read.all = true;
-  } catch (const FileError&) {
-    read.all = false;
+/// Throws LockedError where the map has a writer, whose pages change while they are read.
+void require_no_writer(const fs::path& map) {
+  const int lock = ::open((map.string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (lock < 0) {
+    return;
   }
-  return read;
-}
-
-/// Every id that a row of the table may have: those that are seen from either end, and those
-/// between them, which damaged pages hide.
-std::set<int64_t> possible_ids(const SqliteDatabase& database, const std::string& table) {
-  const IdsInOrder first = ids_in_order(database, table, "ASC");
-  std::set<int64_t> ids(first.ids.begin(), first.ids.end());
-  if (!first.all) {
-    const std::vector<int64_t> last = ids_in_order(database, table, "DESC").ids;
-    ids.insert(last.begin(), last.end());
-    const int64_t from = first.ids.empty() ? 0 : first.ids.back() + 1;
-    const int64_t to = last.empty() ? from + kBeyond : last.back();
-    for (int64_t id = from; id < std::min(to, from + kMostHidden); ++id) {
-      ids.insert(id);
-    }
+  const bool held = ::flock(lock, LOCK_SH | LOCK_NB) != 0;
+  ::close(lock);
+  if (held) {
+    throw LockedError(map, map.string() +
+                               ": is being written by another process. Wait until that has ended, "
+                               "or copy the map with its -wal and recover the copy.");
   }
-  return ids;
 }
 
 class Recovery {
  public:
-  Recovery(const fs::path& damaged, const fs::path& whole)
-      : source_(damaged, MapAccess::read),
-        rows_(damaged, SqliteDatabase::Mode::read),
-        target_(whole, MapAccess::write) {}
+  Recovery(const fs::path& rows, const fs::path& whole, MapSalvage salvage)
+      : salvage_(std::move(salvage)),
+        source_(rows, MapAccess::read),
+        target_(whole, MapAccess::write) {
+    done_.damaged_pages = salvage_.damaged_pages;
+  }
 
   MapRecovery run() {
     each("sessions", [&](int64_t id) { take_session(id); });
-    done_.lost_keyframes = each("keyframes", [&](int64_t id) { take_keyframe(id); });
-    done_.lost_edges = each("edges", [&](int64_t id) { take_edge(id); });
-    each("candidates", [&](int64_t id) { take_candidate(id); });
-    each("fixes", [&](int64_t id) { take_fix(id); });
+    each("keyframes", [&](int64_t id) { take_keyframe(id); });
+    const auto lost_edges = each("edges", [&](int64_t id) { take_edge(id); });
+    const auto lost_candidates = each("candidates", [&](int64_t id) { take_candidate(id); });
+    const auto lost_fixes = each("fixes", [&](int64_t id) { take_fix(id); });
+    done_.edges = revision_.edges.size();
+    done_.candidates = revision_.candidates.size();
+    done_.fixes = revision_.fixes.size();
     try {
-      target_.revise({.georeference = source_.georeference()});
+      revision_.georeference = source_.georeference();
     } catch (const InputError& error) {
       done_.problems.push_back("the map's place in the world: " + error.found());
     }
+    target_.revise(revision_);
+    done_.parts = connected_components(target_.graph()).components.size();
+    tell_lost_keyframes();
+    tell_lost("edges", lost_edges, done_.lost_edges);
+    tell_lost("candidates", lost_candidates, done_.lost_candidates);
+    tell_lost("fixes", lost_fixes, done_.lost_fixes);
+    tell_unknown();
     return std::move(done_);
   }
 
  private:
-  /// Calls take(id) for each id that may be one; returns how many rows could not be read.
-  std::size_t each(const std::string& table, const std::function<void(int64_t)>& take) {
-    std::size_t lost = 0;
-    for (const int64_t id : possible_ids(rows_, table)) {
+  using Ids = std::set<int64_t>;
+
+  /// Calls take(id) for each row that was found. Returns which of those, or of those that are known
+  /// to be lost, are not in the new map.
+  Ids each(const std::string& table, const std::function<void(int64_t)>& take) {
+    Ids lost = salvage_.tables[table].lost;
+    std::map<std::string, Ids> causes;
+    for (const int64_t id : salvage_.tables[table].ids) {
+      std::string cause;
       try {
         take(id);
+        continue;
       } catch (const InputError& error) {
-        ++lost;
-        done_.problems.push_back(table + ", number " + std::to_string(id) + ": " + error.found());
-      } catch (const SubmapDamaged& damage) {
-        ++lost;
-        done_.problems.push_back(table + ", number " + std::to_string(id) + ": its submap " +
-                                 damage.what());
+        cause = error.found();
       } catch (const GraphError& error) {
-        ++lost;
-        done_.problems.push_back(table + ", number " + std::to_string(id) + ": " + error.what());
+        cause = error.what();
       }
+      lost.insert(id);
+      causes[cause].insert(id);
+    }
+    for (const auto& [cause, ids] : causes) {
+      done_.problems.push_back(table + " " + ranges_of(ids) + ": " + cause);
     }
     return lost;
   }
@@ -116,62 +188,224 @@ class Recovery {
     if (known != sessions_.end()) {
       return known->second;
     }
-    return sessions_[old] = target_.add_session({.name = "recovered"});
+    done_.problems.push_back("session " + std::to_string(old) +
+                             ": its name and settings are lost; it is called \"" + kStandIn + "\"");
+    const std::optional<MapSession> rest = source_.session(old);  // with its provenance
+    return sessions_[old] = target_.add_session(rest ? *rest : MapSession{.name = kStandIn});
   }
 
   void take_keyframe(int64_t id) {
-    std::optional<MapKeyframe> keyframe = source_.keyframe(id);
+    const std::optional<MapKeyframe> keyframe = source_.keyframe(id);
     if (!keyframe) {
       return;
     }
-    KeyframeRecord record{.keyframe = *keyframe, .submap = source_.submap(id)};
-    static_cast<void>(decode(record.submap));  // throws where it is none
-    PoseGraph().add_node({.id = id, .T_map_node = keyframe->T_map_keyframe});  // as does this
+    PoseGraph().add_node(
+        {.id = id, .T_map_node = keyframe->T_map_keyframe});  // throws if it is none
+    KeyframeRecord record{.keyframe = *keyframe, .submap = submap_of(*keyframe)};
     record.keyframe.session = session_of(keyframe->session);
     target_.store(record);
     keyframes_.insert(id);
     ++done_.keyframes;
   }
 
+  /// What the keyframe has seen; where that is lost its sweeps without points, and where those are
+  /// lost, too, the one that it has its stamp from, at its own pose.
+  MapSubmap submap_of(const MapKeyframe& keyframe) {
+    KeyframeSubmap submap{.r_submap = r_submap_,
+                          .vertical = keyframe.vertical,
+                          .sweeps = {SubmapSweep{.stamp = keyframe.stamp}},
+                          .points = {}};
+    MapSubmap stored;
+    std::string lost = "its sweeps";
+    try {
+      stored.chunks.push_back(source_.chunk(keyframe.id, kSweepChunk));
+      submap = decode_sweeps(stored.chunks.front());
+      r_submap_ = submap.r_submap;
+      lost = "its points";
+      stored.chunks.push_back(source_.chunk(keyframe.id, kSweepChunk + 1));
+      submap = decode(stored);
+    } catch (const InputError&) {
+      return without_points(keyframe, submap, lost);
+    } catch (const SubmapDamaged&) {
+      return without_points(keyframe, submap, lost);
+    }
+    try {
+      stored.chunks.push_back(source_.chunk(keyframe.id, kPlaceChunk));
+      static_cast<void>(decode_descriptor(stored));
+    } catch (const InputError&) {
+    } catch (const SubmapDamaged&) {
+      stored.chunks.pop_back();  // it is made anew from the points
+    }
+    const SubmapBox box = box_of(submap);
+    stored.lower = box.lower;
+    stored.upper = box.upper;
+    return stored;
+  }
+
+  MapSubmap without_points(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
+                           const std::string& lost) {
+    done_.without_points.insert(keyframe.id);
+    (lost == "its sweeps" ? without_sweeps_ : with_sweeps_).insert(keyframe.id);
+    return encode(submap);
+  }
+
+  bool has_ends(NodeId from, NodeId to) const {
+    return keyframes_.contains(from) && keyframes_.contains(to);
+  }
+
+  static void require(bool has_keyframes) {
+    if (!has_keyframes) {
+      throw GraphError("between keyframes of which one is lost");
+    }
+  }
+
   void take_edge(int64_t id) {
-    const std::optional<PoseEdge> edge = source_.edge(id);
-    if (edge && keyframes_.contains(edge->from) && keyframes_.contains(edge->to)) {
+    if (const std::optional<PoseEdge> edge = source_.edge(id)) {
+      known_keyframes_.insert({edge->from, edge->to});
+      require(has_ends(edge->from, edge->to));
       PoseGraph ends;  // which refuses an edge that no graph may have
       ends.add_node({.id = edge->from});
       ends.add_node({.id = edge->to});
       ends.add_edge(*edge);
-      target_.revise({.edges = {*edge}});
-      ++done_.edges;
+      revision_.edges.push_back(*edge);
     }
   }
 
   void take_candidate(int64_t id) {
-    const std::optional<LoopCandidate> candidate = source_.candidate(id);
-    if (candidate && keyframes_.contains(candidate->from) && keyframes_.contains(candidate->to)) {
-      target_.revise({.candidates = {*candidate}});
-      ++done_.candidates;
+    if (const std::optional<LoopCandidate> candidate = source_.candidate(id)) {
+      require(has_ends(candidate->from, candidate->to));
+      revision_.candidates.push_back(*candidate);
     }
   }
 
   void take_fix(int64_t id) {
-    const std::optional<MapFix> fix = source_.fix(id);
-    if (fix && keyframes_.contains(fix->keyframe)) {
-      target_.revise({.fixes = {*fix}});
+    if (const std::optional<MapFix> fix = source_.fix(id)) {
+      known_keyframes_.insert(fix->keyframe);
+      require(keyframes_.contains(fix->keyframe));
+      revision_.fixes.push_back(*fix);
     }
   }
 
+  /// Submaps, edges and fixes tell which keyframes there were.
+  void tell_lost_keyframes() {
+    for (const char* table : {"keyframes", "submaps", "end_keyframes"}) {
+      known_keyframes_.insert(salvage_.tables[table].ids.begin(), salvage_.tables[table].ids.end());
+    }
+    known_keyframes_.insert(salvage_.tables["keyframes"].lost.begin(),
+                            salvage_.tables["keyframes"].lost.end());
+    known_keyframes_.insert(salvage_.chunk_keyframes.begin(), salvage_.chunk_keyframes.end());
+    std::ranges::set_difference(known_keyframes_, keyframes_,
+                                std::inserter(done_.lost_keyframes, done_.lost_keyframes.end()));
+    if (!done_.lost_keyframes.empty()) {
+      done_.problems.push_back("keyframes " + ranges_of(done_.lost_keyframes) + " are lost");
+    }
+    if (!with_sweeps_.empty()) {
+      done_.problems.push_back("keyframes " + ranges_of(with_sweeps_) +
+                               ": their points are lost; poses, sweeps and edges are kept");
+    }
+    if (!without_sweeps_.empty()) {
+      done_.problems.push_back("keyframes " + ranges_of(without_sweeps_) +
+                               ": their points and sweeps are lost; poses and edges are kept");
+    }
+  }
+
+  void tell_lost(const std::string& table, const Ids& lost, std::size_t& count) {
+    count = lost.size();
+    const Ids& missing = salvage_.tables[table].lost;  // others have been told with their cause
+    if (!missing.empty()) {
+      done_.problems.push_back(table + " " + ranges_of(missing) + " are lost");
+    }
+  }
+
+  void tell_unknown() {
+    if (salvage_.log_is_damaged) {
+      done_.problems.emplace_back(
+          "the log beside the map: rows in its damaged frames are lost or older ones, an unknown "
+          "number");
+      done_.may_lack_more = true;
+      return;
+    }
+    auto& tables = salvage_.tables;
+    // Each keyframe has a submap: a whole table of those names them all.
+    tables["keyframes"].may_lack_more &= tables["submaps"].may_lack_more;
+    for (const char* table : {"sessions", "keyframes", "edges", "candidates", "fixes",
+                              "georeference", "anchors", "provenance"}) {
+      if (tables[table].may_lack_more) {
+        done_.problems.push_back(std::string(table) +
+                                 ": more may be lost, an unknown number, which nothing else in "
+                                 "the file tells of");
+        done_.may_lack_more = true;
+      }
+    }
+  }
+
+  MapSalvage salvage_;
   MapDatabase source_;
-  SqliteDatabase rows_;
   MapDatabase target_;
   MapRecovery done_;
+  MapRevision revision_;
   std::map<SessionId, SessionId> sessions_;  ///< old to new
   std::set<NodeId> keyframes_;               ///< that are in the new map
+  std::set<NodeId> known_keyframes_;
+  std::set<NodeId> with_sweeps_;  ///< keyframes without points
+  std::set<NodeId> without_sweeps_;
+  double r_submap_ = 0.0;  ///< of the last submap that is whole
 };
+
+/// Sessions that keyframes belong to and that were not found, with what else is known of them.
+void add_sessions(const fs::path& rows) {
+  const SqliteDatabase database(rows, SqliteDatabase::Mode::update);
+  database.execute(std::string("INSERT OR IGNORE INTO sessions(id, name, configuration) "
+                               "SELECT DISTINCT session, '") +
+                   kStandIn + "', '' FROM keyframes");
+}
+
+MapRecovery recover(const fs::path& damaged, const UnfinishedMap& unfinished) {
+  static_cast<void>(MapDatabase(unfinished.rows(), MapAccess::write));  // makes the tables
+  MapSalvage salvage = salvage_rows(damaged, unfinished.rows());
+  const std::size_t pages = salvage.pages;
+  if (salvage.tables["keyframes"].ids.empty() && salvage.tables["sessions"].ids.empty()) {
+    throw InputError(damaged, {},
+                     "no keyframe and no session of a map is in it, in " + std::to_string(pages) +
+                         " pages of an SQLite database",
+                     kNothing);
+  }
+  add_sessions(unfinished.rows());
+  MapRecovery done = Recovery(unfinished.rows(), unfinished.part(), std::move(salvage)).run();
+  if (done.keyframes == 0 && !done.lost_keyframes.empty()) {
+    throw InputError(
+        damaged, {},
+        "no keyframe of it can be read, of at least " + std::to_string(done.lost_keyframes.size()),
+        kNothing);
+  }
+  return done;
+}
 
 }  // namespace
 
 MapRecovery recover_map(const fs::path& damaged, const fs::path& whole) {
-  return Recovery(damaged, whole).run();
+  std::error_code error;
+  uintmax_t bytes = fs::file_size(damaged, error);
+  if (error) {
+    throw InputError(damaged, {}, "cannot be read: " + error.message(),
+                     "Name a map that `adit run` has made");
+  }
+  const uintmax_t log = fs::file_size(damaged.string() + "-wal", error);
+  bytes += error ? 0 : log;
+  require_no_writer(damaged);
+  const UnfinishedMap unfinished(whole);
+  try {
+    MapRecovery done = recover(damaged, unfinished);
+    unfinished.take_its_place();
+    return done;
+  } catch (const OutputError& failure) {
+    constexpr uintmax_t kMebibyte = 1024 * 1024;
+    throw OutputError(failure.file(),
+                      std::string(failure.what()) + " While it is being made, " + whole.string() +
+                          " needs up to " + std::to_string(2 * bytes / kMebibyte + 1) +
+                          " MiB on its disk: make room there, or name another place with -o. "
+                          "Nothing is left of the attempt.");
+  }
 }
 
 }  // namespace adit
