@@ -93,7 +93,7 @@ class CheckTree(unittest.TestCase):
 
     def test_a_page_has_sources_of_its_own(self):
         self.assertEqual(check_tree.check({**SOUND, "tools/viewer/page/view.ts": SPDX}), [])
-        self.expect("tools/viewer/page/view.ts", "let x = 1;\n", "no 'SPDX")
+        self.expect("tools/viewer/page/view.ts", "// SPDX-FileCopyrightText: 2026 A\n", "no 'SPDX-License")
         self.expect("tools/viewer/page/deep/view.ts", SPDX, "more than one level")
 
     def test_cli11_outside_its_file_is_found(self):
