@@ -110,8 +110,15 @@ class Client : public std::enable_shared_from_this<Client> {
   }
 
   void send(Text text) {
+    if (closing_) {
+      return;
+    }
     waiting_.emplace_back(std::move(text));
-    pump();
+    if (waiting_.size() > service_.limits.waiting) {
+      close(ViewRefusal::too_slow, websocket::close_code::policy_error);
+    } else {
+      pump();
+    }
   }
 
  private:

@@ -9,7 +9,8 @@ import { EyeDome } from './eye_dome';
 import { theme } from './palette';
 
 const SLOW = 70, FAST = 28; // ms a frame while something moves: fewer points, or more
-const LEAST = 100_000;      // points that are drawn however slow it is
+const LEAST = 60_000;       // points that are drawn however slow it is
+const MOST = 20_000_000;
 const STILL = 250;          // ms without motion, then all points that are wanted
 const KEPT_FRAMES = 200;
 
@@ -23,10 +24,12 @@ export class Painter {
   frames: number[] = [];
   private readonly renderer: WebGLRenderer;
   private readonly dome = new EyeDome();
-  private inMotion = 1_000_000;
+  private inMotion = 500_000;
   private moved = -Infinity;
-  private drawn = 0;
+  private begun = 0;          // the last frame
+  private requested = 0;
   private waiting = false;
+  private painted = 0;        // points
 
   /** `before` is called with each frame and says whether something moves on; then another frame follows. */
   constructor(private readonly canvas: HTMLCanvasElement, private readonly before: (frame: Frame) => boolean) {
@@ -41,7 +44,7 @@ export class Painter {
 
   /** Something moves: until it is still, frames have to be quick. */
   motion(): void {
-    this.moved = performance.now();
+    this.moved = Infinity;    // until that frame is drawn, however late
     this.draw();
   }
 
@@ -57,14 +60,19 @@ export class Painter {
   draw(): void {
     if (this.waiting) return;
     this.waiting = true;
+    this.requested = performance.now();
     requestAnimationFrame((now) => {
       this.waiting = false;
-      const seconds = (now - this.drawn) / 1000;
-      const goesOn = this.before({ seconds: Math.min(seconds, 0.5), moving: !this.isStill });
-      if (seconds < 1) this.time(1000 * seconds);
-      this.drawn = now;
+      const moving = !this.isStill;
+      // A browser that is busy with the frame before begins this one late.
+      this.time(now - Math.max(this.begun, this.requested), moving);
+      const goesOn = this.before({ seconds: Math.min((now - this.begun) / 1000, 0.5), moving });
+      this.begun = now;
       if (goesOn) this.motion();
-      else if (!this.isStill) setTimeout(() => this.draw(), STILL + 10);
+      else if (moving) {
+        this.moved = performance.now();
+        setTimeout(() => this.draw(), STILL + 10);
+      }
     });
   }
 
@@ -79,6 +87,7 @@ export class Painter {
     this.renderer.setClearColor(colours.background, 1);
     this.renderer.clear();
     if (cloud) {
+      this.painted = cloud.drawn;
       if (shading) this.dome.render(this.renderer, this.points, this.camera, colours.background);
       else this.renderer.render(this.points, this.camera);
     }
@@ -86,11 +95,11 @@ export class Painter {
     this.renderer.render(this.over, this.camera);
   }
 
-  private time(ms: number): void {
+  private time(ms: number, moving: boolean): void {
     this.frames.push(ms);
     if (this.frames.length > KEPT_FRAMES) this.frames.shift();
-    if (this.isStill) return;
-    if (ms > SLOW) this.inMotion = Math.max(LEAST, 0.8 * this.inMotion);
-    else if (ms < FAST) this.inMotion = Math.min(20_000_000, 1.1 * this.inMotion);
+    if (!moving) return;
+    if (ms > SLOW) this.inMotion = Math.max(LEAST, Math.min(this.inMotion, this.painted) * Math.max(0.4, SLOW / ms));
+    else if (ms < FAST) this.inMotion = Math.min(MOST, 1.1 * this.inMotion);
   }
 }
