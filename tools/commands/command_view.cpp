@@ -101,7 +101,9 @@ void add_view_command(Command app, std::function<void(int)> done) {
       "  adit view out/map.adit --edit\n"
       "  adit view scan.ply --port 8080\n"
       "  adit view out --listen 0.0.0.0\n\n"
-      "Exit codes: 0 ended by Ctrl-C or SIGTERM, 1 nothing that can be shown, 2 usage.");
+      "Exit codes: 0 ended by Ctrl-C or SIGTERM, 1 nothing that can be shown, 2 usage,\n129, 130 "
+      "or "
+      "143 stopped by SIGHUP, SIGINT or SIGTERM before there was something to show.");
   command.option("what", options->what, "What to show").required().value_name("WHAT");
   command.option("--port", options->port, "Port; 0 takes any that is free")
       .value_name("N")

@@ -14,6 +14,9 @@ import { POSE, type Fix, type Graph, type Loop, type Scene } from './protocol';
 export const LAYERS = ['trajectory', 'odometry', 'keyframes', 'edges', 'loops', 'rejected', 'ellipses', 'fixes'] as const;
 export type Layer = (typeof LAYERS)[number];
 
+/** From what lies lowest on the screen to what is above all. */
+const ORDER: Layer[] = ['edges', 'odometry', 'rejected', 'ellipses', 'fixes', 'trajectory', 'loops', 'keyframes'];
+
 export type Found = { kind: 'keyframe'; at: number } | { kind: 'loop'; loop: Loop } | { kind: 'fix'; fix: Fix };
 
 const LONGEST_STEP = 5;     // m between sweeps that are drawn as one line
@@ -60,7 +63,7 @@ export class GraphLayer {
     const odometry = this.sweepsBy(keyframes.odometry).map((pose) => new Vector3().setFromMatrixPosition(pose).sub(this.origin));
     this.fill('trajectory', wide(steps(this.path), colours.trajectory, 2.5));
     this.fill('odometry', wide(steps(keyframes.id.length > 0 ? odometry : []), colours.odometry, 1.5));
-    this.fill('keyframes', dots(this.keyframes, this.keyframes.map(() => colours.keyframe), 4));
+    this.fill('keyframes', dots(this.keyframes, this.keyframes.map(() => colours.keyframe), 5));
     this.fill('edges', thin(edges.filter(([from, to, kind]) => kind === 'odometry' && from >= 0 && to >= 0)
         .flatMap(([from, to]) => [this.keyframes[from], this.keyframes[to]]), colours.odometry));
     this.fill('loops', ...this.loopLines(loops.filter((loop) => loop.verdict !== 'rejected'), 3));
@@ -105,7 +108,9 @@ export class GraphLayer {
     const at = found.kind === 'keyframe' ? [found.at] : [found.loop.from, found.loop.to];
     const places = at.filter((i) => i >= 0 && i < this.keyframes.length).map((i) => this.keyframes[i]);
     const made = dots(places, places.map(() => theme().chosen), 11);
-    if (made) this.chosen.add(made);
+    if (!made) return;
+    made.renderOrder = ORDER.length;
+    this.chosen.add(made);
   }
 
   /** The pose of the sensor at a time (s), about the origin. */
@@ -151,12 +156,17 @@ export class GraphLayer {
 
   private fill(layer: Layer, ...made: (LineSegments | LineSegments2 | Points | null)[]): void {
     const group = this.layers.get(layer)!;
+    const order = ORDER.indexOf(layer);
     for (const old of group.children as LineSegments[]) {
       old.geometry.dispose();
       (old.material as Material).dispose();
     }
     group.clear();
-    for (const one of made) if (one) group.add(one);
+    for (const one of made) {
+      if (!one) continue;
+      one.renderOrder = order;
+      group.add(one);
+    }
   }
 }
 
@@ -191,7 +201,11 @@ function dots(places: Vector3[], hexes: string[], size: number): Points | null {
   if (places.length === 0) return null;
   const geometry = new BufferGeometry().setFromPoints(places);
   geometry.setAttribute('color', new Float32BufferAttribute(hexes.flatMap((hex) => { const c = colour(hex); return [c.r, c.g, c.b]; }), 3));
-  const points = new Points(geometry, new PointsMaterial({ size, sizeAttenuation: false, vertexColors: true, depthTest: false }));
+  const material = new PointsMaterial({ size, sizeAttenuation: false, vertexColors: true, depthTest: false, transparent: true });
+  material.onBeforeCompile = (shader) => {  // round
+    shader.fragmentShader = shader.fragmentShader.replace('void main() {', 'void main() { if (length(gl_PointCoord - 0.5) > 0.5) discard;');
+  };
+  const points = new Points(geometry, material);
   points.frustumCulled = false;
   return points;
 }

@@ -61,8 +61,9 @@ export class Painter {
     if (this.waiting) return;
     this.waiting = true;
     this.requested = performance.now();
-    requestAnimationFrame((now) => {
+    requestAnimationFrame(() => {
       this.waiting = false;
+      const now = performance.now();
       const moving = !this.isStill;
       // A browser that is busy with the frame before begins this one late.
       this.time(now - Math.max(this.begun, this.requested), moving);
