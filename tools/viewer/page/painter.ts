@@ -34,7 +34,7 @@ export class Painter {
   /** `before` is called with each frame and says whether something moves on; then another frame follows. */
   constructor(private readonly canvas: HTMLCanvasElement, private readonly before: (frame: Frame) => boolean) {
     ColorManagement.enabled = false;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !isSoftware(), powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.autoClear = false;
   }
@@ -89,7 +89,8 @@ export class Painter {
     this.renderer.clear();
     if (cloud) {
       this.painted = cloud.drawn;
-      if (shading) this.dome.render(this.renderer, this.points, this.camera, colours.background);
+      // Where even few points are slow, there is light and shade at rest alone.
+      if (shading && (this.isStill || this.inMotion > 2 * LEAST)) this.dome.render(this.renderer, this.points, this.camera, colours.background);
       else this.renderer.render(this.points, this.camera);
     }
     this.renderer.clearDepth();
@@ -103,4 +104,13 @@ export class Painter {
     if (ms > SLOW) this.inMotion = Math.max(LEAST, Math.min(this.inMotion, this.painted) * Math.max(0.4, SLOW / ms));
     else if (ms < FAST) this.inMotion = Math.min(MOST, 1.1 * this.inMotion);
   }
+}
+
+/** The browser draws without a graphics card: smooth edges would cost a third of the time. */
+function isSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const named = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = gl && named ? String(gl.getParameter(named.UNMASKED_RENDERER_WEBGL)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
