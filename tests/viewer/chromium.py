@@ -47,7 +47,7 @@ class Chromium:
         self.process = subprocess.Popen(
             [program, "--headless=new", "--no-sandbox", "--remote-debugging-port=0", f"--user-data-dir={self.folder}",
              "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-gpu-vsync",
-             "--hide-scrollbars", "--no-first-run", "--disable-extensions", "--disable-background-networking",
+             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions", "--disable-background-networking",
              f"--window-size={width},{height}", "about:blank"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         ready = pathlib.Path(self.folder) / "DevToolsActivePort"
