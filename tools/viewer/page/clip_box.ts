@@ -9,13 +9,13 @@ const NAMES = ['x from', 'y from', 'z from', 'x to', 'y to', 'z to'];
 export class ClipBox {
   /** Null: everything is shown. */
   value: number[] | null = null;
-  private whole: number[] = [0, 0, 0, 1, 1, 1];
   private readonly ranges: HTMLInputElement[] = [];
   private readonly outputs: HTMLOutputElement[] = [];
 
   constructor(private readonly changed: () => void) {
     NAMES.forEach((name, i) => {
-      const label = document.createElement('span'), range = document.createElement('input'), output = document.createElement('output');
+      const label = document.createElement('span'), range = document.createElement('input');
+      const output = document.createElement('output');
       label.textContent = name;
       range.type = 'range';
       range.step = 'any';
@@ -34,7 +34,6 @@ export class ClipBox {
 
   /** The sides go no further than `whole`. */
   set(whole: number[], value: number[] | null): void {
-    this.whole = whole;
     this.value = value;
     input('boxed').checked = value !== null;
     this.ranges.forEach((range, i) => {
@@ -46,7 +45,7 @@ export class ClipBox {
   }
 
   private take(): void {
-    this.value = input('boxed').checked ? this.ranges.map((range, i) => (Number.isFinite(Number(range.value)) ? Number(range.value) : this.whole[i])) : null;
+    this.value = input('boxed').checked ? this.ranges.map((range) => Number(range.value)) : null;
     this.show();
     this.changed();
   }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The cloud: asks for tiles that are to be seen, holds those that came, and forgets what was not seen for longest.
-import { BufferGeometry, Group, InterleavedBuffer, InterleavedBufferAttribute, Matrix4, Points, Quaternion, Sphere, Vector3,
-  type PerspectiveCamera } from 'three';
+import { BufferGeometry, Group, InterleavedBuffer, InterleavedBufferAttribute, Matrix4, Points, Quaternion, Sphere, Vector2,
+  Vector3, type PerspectiveCamera } from 'three';
 import { CloudMaterial } from './cloud_material';
 import { Octree } from './octree';
 import { POINT, POSE, type Poses, type Scene, type TilePoints } from './protocol';
@@ -103,7 +103,7 @@ export class Cloud {
 
   /** Lowest and highest of most points, m in the map's frame. */
   get heights(): [number, number] {
-    const { x, y } = this.look.get<{ x: number; y: number }>('heights');
+    const { x, y } = this.look.get<Vector2>('heights');
     return [x + this.origin.z, y + this.origin.z];
   }
 
@@ -120,7 +120,7 @@ export class Cloud {
       const step = edge / STEPS;
       for (let i = 0; i < POINT * count; i += POINT) {
         if (values[i + 3] > until || (hideMoving && values[i + 5] > 255)) continue;
-        p.set(corner.x + step * (values[i] + 0.5), corner.y + step * (values[i + 1] + 0.5), corner.z + step * (values[i + 2] + 0.5));
+        p.set(values[i] + 0.5, values[i + 1] + 0.5, values[i + 2] + 0.5).multiplyScalar(step).add(corner);
         if (this.rows) this.moved(p, values[i + 4]);
         const e = view.elements;
         const w = e[3] * p.x + e[7] * p.y + e[11] * p.z + e[15];
@@ -167,8 +167,10 @@ export class Cloud {
       all.sort();
       return [all[Math.floor(0.02 * all.length)] ?? 0, all[Math.floor(0.98 * (all.length - 1))] ?? 1];
     });
-    this.look.get<{ set(x: number, y: number): void }>('heights').set(sides[2][0], Math.max(sides[2][1], sides[2][0] + FLATTEST));
-    this.extent = { middle: new Vector3(...sides.map(([a, b]) => 0.5 * (a + b))), size: Math.hypot(...sides.map(([a, b]) => b - a)) };
+    const [lowest, highest] = sides[2];
+    this.look.get<Vector2>('heights').set(lowest, Math.max(highest, lowest + FLATTEST));
+    this.extent = { middle: new Vector3(...sides.map(([a, b]) => 0.5 * (a + b))),
+      size: Math.hypot(...sides.map(([a, b]) => b - a)) };
   }
 
   private forget(most: number): void {
@@ -190,7 +192,8 @@ function corrections(tiled: Poses, now: Poses, origin: Vector3): Float32Array | 
   const rows = new Float32Array(12 * tiled.length / POSE);
   const toOrigin = new Matrix4().makeTranslation(origin), fromOrigin = new Matrix4().makeTranslation(origin.clone().negate());
   for (let i = 0; i < tiled.length / POSE; ++i) {
-    const e = fromOrigin.clone().multiply(poseMatrix(now, i)).multiply(poseMatrix(tiled, i).invert()).multiply(toOrigin).elements;
+    const moved = poseMatrix(now, i).multiply(poseMatrix(tiled, i).invert());
+    const e = fromOrigin.clone().multiply(moved).multiply(toOrigin).elements;
     rows.set([e[0], e[4], e[8], e[12], e[1], e[5], e[9], e[13], e[2], e[6], e[10], e[14]], 12 * i);
   }
   return rows;

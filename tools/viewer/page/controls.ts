@@ -120,7 +120,8 @@ export class Controls {
   }
 
   private up(event: PointerEvent): void {
-    if (event.type === 'pointerup' && this.pointers.size === 1 && this.travelled < CLICK) this.clicked(event.offsetX, event.offsetY);
+    const isClick = event.type === 'pointerup' && this.pointers.size === 1 && this.travelled < CLICK;
+    if (isClick) this.clicked(event.offsetX, event.offsetY);
     this.pointers.delete(event.pointerId);
     this.changed();
   }

@@ -58,7 +58,8 @@ export class EyeDome {
     this.material = new RawShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, depthTest: false, depthWrite: false,
       uniforms: { shade: { value: this.target.texture }, depth: { value: this.target.depthTexture },
-        nearFar: { value: new Vector2() }, strength: { value: 60 }, reach: { value: 1 }, background: { value: colour('#ffffff') } },
+        nearFar: { value: new Vector2() }, strength: { value: 60 }, reach: { value: 1 },
+        background: { value: colour('#ffffff') } },
     });
     const quad = new Mesh(new PlaneGeometry(2, 2), this.material);
     quad.frustumCulled = false;

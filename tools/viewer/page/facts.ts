@@ -31,19 +31,23 @@ export function showFacts(facts: Facts | null): void {
   }
 }
 
-export function factsOf(found: Found, graph: Graph, scene: Scene, change: (what: 'revoke' | 'restore', loop: Loop) => void): Facts {
+export type Change = (what: 'revoke' | 'restore', loop: Loop) => void;
+
+export function factsOf(found: Found, graph: Graph, scene: Scene, change: Change): Facts {
   if (found.kind === 'keyframe') return keyframeFacts(found.at, graph);
   if (found.kind === 'fix') {
     const { fix } = found;
-    return { title: `GNSS fix: ${fix.verdict}`, rows: [['time', clock(fix.time)], ['x, y, z', xyz({ x: fix.p[0], y: fix.p[1], z: fix.p[2] })],
+    const [x, y, z] = fix.p;
+    return { title: `GNSS fix: ${fix.verdict}`, rows: [['time', clock(fix.time)], ['x, y, z', xyz({ x, y, z })],
       ['1 sigma', metres(fix.sigma)], ['chi squared', plain(fix.chi2, 2)]] };
   }
   const { loop } = found;
   const name = (at: number): string => (at >= 0 ? String(graph.keyframes.id[at]) : 'none');
+  const reason = loop.reason === '' || loop.reason === 'none' ? '–'
+      : `${loop.reason.replaceAll('_', ' ')} (${plain(loop.figure, 3)})`;
   const facts: Facts = { title: `loop ${loop.id}: ${loop.verdict}`, rows: [
     ['keyframes', `${name(loop.from)} and ${name(loop.to)}`],
-    ['reason', loop.reason === '' || loop.reason === 'none' ? '–' : `${loop.reason.replaceAll('_', ' ')} (${plain(loop.figure, 3)})`],
-    ['found by', loop.found_by], ['overlap', plain(loop.overlap, 2)], ['rms', metres(loop.rms)],
+    ['reason', reason], ['found by', loop.found_by], ['overlap', plain(loop.overlap, 2)], ['rms', metres(loop.rms)],
     ['correction', `${metres(loop.correction)}, ${plain(loop.turn === null ? null : loop.turn * 180 / Math.PI, 1)}°`],
     ['seen through', plain(loop.through, 3)], ['chi squared', plain(loop.chi2, 2)]] };
   if (scene.editable && loop.verdict === 'accepted') facts.act = { text: 'revoke', run: () => change('revoke', loop) };

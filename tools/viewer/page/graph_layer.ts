@@ -51,7 +51,7 @@ export class GraphLayer {
     for (let i = 0; i < graph.keyframes.id.length; ++i) this.keyframes.push(this.about(graph.keyframes.pose, i));
     this.sweepPoses = this.sweepsBy(graph.keyframes.pose);
     this.path.length = 0;
-    for (const pose of this.sweepPoses) this.path.push(new Vector3().setFromMatrixPosition(pose).sub(this.origin));
+    for (const pose of this.sweepPoses) this.path.push(this.placeIn(pose));
     this.draw();
   }
 
@@ -60,7 +60,7 @@ export class GraphLayer {
     if (!this.graph) return;
     const { keyframes, edges, loops, fixes } = this.graph;
     const colours = theme();
-    const odometry = this.sweepsBy(keyframes.odometry).map((pose) => new Vector3().setFromMatrixPosition(pose).sub(this.origin));
+    const odometry = this.sweepsBy(keyframes.odometry).map((pose) => this.placeIn(pose));
     this.fill('trajectory', wide(steps(this.path), colours.trajectory, 2.5));
     this.fill('odometry', wide(steps(keyframes.id.length > 0 ? odometry : []), colours.odometry, 1.5));
     this.fill('keyframes', dots(this.keyframes, this.keyframes.map(() => colours.keyframe), 5));
@@ -68,8 +68,10 @@ export class GraphLayer {
         .flatMap(([from, to]) => [this.keyframes[from], this.keyframes[to]]), colours.odometry));
     this.fill('loops', ...this.loopLines(loops.filter((loop) => loop.verdict !== 'rejected'), 3));
     this.fill('rejected', ...this.loopLines(loops.filter((loop) => loop.verdict === 'rejected'), 1.5));
-    this.fill('ellipses', thin(this.keyframes.flatMap((p, i) => ellipse(p, keyframes.covariance.slice(6 * i, 6 * i + 6))), colours.keyframe));
-    this.fill('fixes', dots(fixes.map((fix) => this.placeOf(fix)), fixes.map((fix) => colours.verdicts[fix.verdict] ?? colours.odometry), 7));
+    const ellipses = this.keyframes.flatMap((p, i) => ellipse(p, keyframes.covariance.slice(6 * i, 6 * i + 6)));
+    this.fill('ellipses', thin(ellipses, colours.keyframe));
+    const verdicts = fixes.map((fix) => colours.verdicts[fix.verdict] ?? colours.odometry);
+    this.fill('fixes', dots(fixes.map((fix) => this.placeOf(fix)), verdicts, 7));
   }
 
   /** What lies within some pixels of a place on the screen: a keyframe before a fix before a loop. */
@@ -127,6 +129,10 @@ export class GraphLayer {
 
   private about(poses: number[], i: number): Vector3 {
     return new Vector3(poses[POSE * i], poses[POSE * i + 1], poses[POSE * i + 2]).sub(this.origin);
+  }
+
+  private placeIn(pose: Matrix4): Vector3 {
+    return new Vector3().setFromMatrixPosition(pose).sub(this.origin);
   }
 
   private placeOf(fix: Fix): Vector3 {
@@ -200,10 +206,12 @@ function thin(ends: Vector3[], hex: string): LineSegments | null {
 function dots(places: Vector3[], hexes: string[], size: number): Points | null {
   if (places.length === 0) return null;
   const geometry = new BufferGeometry().setFromPoints(places);
-  geometry.setAttribute('color', new Float32BufferAttribute(hexes.flatMap((hex) => { const c = colour(hex); return [c.r, c.g, c.b]; }), 3));
-  const material = new PointsMaterial({ size, sizeAttenuation: false, vertexColors: true, depthTest: false, transparent: true });
+  geometry.setAttribute('color', new Float32BufferAttribute(hexes.flatMap((hex) => colour(hex).toArray()), 3));
+  const material = new PointsMaterial(
+      { size, sizeAttenuation: false, vertexColors: true, depthTest: false, transparent: true });
   material.onBeforeCompile = (shader) => {  // round
-    shader.fragmentShader = shader.fragmentShader.replace('void main() {', 'void main() { if (length(gl_PointCoord - 0.5) > 0.5) discard;');
+    shader.fragmentShader = shader.fragmentShader.replace('void main() {',
+        'void main() { if (length(gl_PointCoord - 0.5) > 0.5) discard;');
   };
   const points = new Points(geometry, material);
   points.frustumCulled = false;
@@ -219,7 +227,7 @@ function ellipse(centre: Vector3, covariance: number[]): Vector3[] {
   const a = SIGMAS * Math.sqrt(mean + half), b = SIGMAS * Math.sqrt(Math.max(0, mean - half));
   const at = (k: number): Vector3 => {
     const t = 2 * Math.PI * k / ARCS, u = a * Math.cos(t), v = b * Math.sin(t);
-    return new Vector3(centre.x + u * Math.cos(angle) - v * Math.sin(angle), centre.y + u * Math.sin(angle) + v * Math.cos(angle), centre.z);
+    return new Vector3(u, v, 0).applyAxisAngle(new Vector3(0, 0, 1), angle).add(centre);
   };
   return Array.from({ length: ARCS }, (_, k) => [at(k), at(k + 1)]).flat();
 }

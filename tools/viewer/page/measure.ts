@@ -29,7 +29,8 @@ export class Measure {
   private draw(origin: Vector3): void {
     this.group.clear();
     const geometry = new BufferGeometry().setFromPoints(this.ends.map((p) => p.clone().sub(origin)));
-    const line = new LineBasicMaterial({ depthTest: false }), dot = new PointsMaterial({ size: 8, sizeAttenuation: false, depthTest: false });
+    const line = new LineBasicMaterial({ depthTest: false });
+    const dot = new PointsMaterial({ size: 8, sizeAttenuation: false, depthTest: false });
     for (const material of [line, dot]) material.color.copy(colour(theme().chosen));
     for (const one of [new LineSegments(geometry, line), new Points(geometry, dot)]) {
       one.frustumCulled = false;

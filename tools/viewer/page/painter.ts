@@ -90,7 +90,8 @@ export class Painter {
     if (cloud) {
       this.painted = cloud.drawn;
       // Where even few points are slow, there is light and shade at rest alone.
-      if (shading && (this.isStill || this.inMotion > 2 * LEAST)) this.dome.render(this.renderer, this.points, this.camera, colours.background);
+      const shades = shading && (this.isStill || this.inMotion > 2 * LEAST);
+      if (shades) this.dome.render(this.renderer, this.points, this.camera, colours.background);
       else this.renderer.render(this.points, this.camera);
     }
     this.renderer.clearDepth();

@@ -9,22 +9,34 @@ import { RAMP, theme } from './palette';
 import type { Graph, Scene } from './protocol';
 import type { ViewState } from './view_state';
 
-export interface Actions { changed(): void; reset(): void; above(): void; fly(): void; measure(): void; play(): void; close(): void; }
+export interface Actions {
+  changed(): void;
+  reset(): void;
+  above(): void;
+  fly(): void;
+  measure(): void;
+  play(): void;
+  close(): void;
+}
 
-const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes', edges: 'constraints',
-  loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
+const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes',
+  edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
 
 export class Panel {
   private readonly boxes = new Map<Layer, HTMLInputElement>();
 
   constructor(private readonly state: ViewState, private readonly actions: Actions) {
-    select('colour').addEventListener('change', () => { state.colour = select('colour').value as ColourBy; actions.changed(); });
-    input('size').addEventListener('input', () => { state.size = Number(input('size').value); actions.changed(); });
-    input('shading').addEventListener('change', () => { state.shading = input('shading').checked; actions.changed(); });
-    input('moving').addEventListener('change', () => { state.moving = input('moving').checked; actions.changed(); });
-    input('grow').addEventListener('change', () => { state.grow = input('grow').checked; actions.changed(); });
+    const on = (id: string, event: string, take: () => void): void =>
+        element(id).addEventListener(event, () => { take(); actions.changed(); });
+    on('colour', 'change', () => { state.colour = select('colour').value as ColourBy; });
+    on('size', 'input', () => { state.size = Number(input('size').value); });
+    on('shading', 'change', () => { state.shading = input('shading').checked; });
+    on('moving', 'change', () => { state.moving = input('moving').checked; });
+    on('grow', 'change', () => { state.grow = input('grow').checked; });
     select('budget').addEventListener('change', () => actions.changed());
-    for (const name of ['reset', 'above', 'fly', 'measure', 'close'] as const) element(name).addEventListener('click', () => actions[name]());
+    for (const name of ['reset', 'above', 'fly', 'measure', 'close'] as const) {
+      element(name).addEventListener('click', () => actions[name]());
+    }
     addEventListener('keydown', (event) => this.key(event));
     if (innerWidth <= 640) element<HTMLDetailsElement>('panel').open = false;
     select('budget').value = innerWidth <= 640 || matchMedia('(pointer: coarse)').matches ? '1000000' : '3000000';
@@ -39,10 +51,16 @@ export class Panel {
     element('title').textContent = scene.title;
     document.title = `${scene.title} – adit view`;
     element('program').textContent = `${scene.program}, with three.js (MIT licence).`;
-    const has: Record<Layer, boolean> = { trajectory: scene.sweeps.time.length > 0, odometry: !!graph?.keyframes.id.length,
-      keyframes: !!graph?.keyframes.id.length, edges: !!graph?.edges.length, loops: !!graph?.loops.some((loop) => loop.verdict !== 'rejected'),
-      rejected: !!graph?.loops.some((loop) => loop.verdict === 'rejected'), ellipses: !!graph?.keyframes.covariance.some((v) => v > 0),
-      fixes: !!graph?.fixes.length };
+    const has: Record<Layer, boolean> = {
+      trajectory: scene.sweeps.time.length > 0,
+      odometry: !!graph?.keyframes.id.length,
+      keyframes: !!graph?.keyframes.id.length,
+      edges: !!graph?.edges.length,
+      loops: !!graph?.loops.some((loop) => loop.verdict !== 'rejected'),
+      rejected: !!graph?.loops.some((loop) => loop.verdict === 'rejected'),
+      ellipses: !!graph?.keyframes.covariance.some((v) => v > 0),
+      fixes: !!graph?.fixes.length,
+    };
     const options = [...select('colour').options];
     options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
@@ -91,7 +109,8 @@ export class Panel {
 
   private key(event: KeyboardEvent): void {
     const at = event.target;
-    if (at instanceof HTMLInputElement || at instanceof HTMLSelectElement || event.ctrlKey || event.metaKey || event.altKey) return;
+    const typing = at instanceof HTMLInputElement || at instanceof HTMLSelectElement;
+    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const run: Record<string, () => void> = { KeyR: () => this.actions.reset(), KeyT: () => this.actions.above(),
       KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), Escape: () => this.actions.close() };
     if (event.code === 'Space' && !(at instanceof HTMLButtonElement)) {

@@ -50,7 +50,8 @@ export class View implements Listener, Actions {
     addEventListener('resize', () => this.painter.draw());
     addEventListener('hashchange', () => this.restore());
     prefersDark.addEventListener('change', () => this.repaint());
-    this.canvas.addEventListener('webglcontextlost', () => notice('The browser took the graphics away: load the page anew.', true));
+    this.canvas.addEventListener('webglcontextlost',
+        () => notice('The browser took the graphics away: load the page anew.', true));
     this.connection = new Connection(this);
   }
 
@@ -69,7 +70,6 @@ export class View implements Listener, Actions {
     this.timeLine.set(scene.seconds, this.state.time);
     const { low, edge } = scene.cube;
     this.box.set([...low, ...low.map((v) => v + edge)], this.state.box);
-    this.sensor.scale.setScalar(1);
     if (first) this.restoreEye();
     this.painter.draw();
   }
@@ -257,7 +257,8 @@ export class View implements Listener, Actions {
     if (!this.sceneShown || !this.cloud) return;
     const edge = this.cloud.extent?.size ?? this.sceneShown.cube.edge;
     this.controls.size = Math.max(2, edge);
-    this.controls.eye = { target: this.cloud.extent?.middle.clone() ?? new Vector3(), distance: 0.95 * this.controls.size, yaw: -0.6, pitch: 0.9 };
+    this.controls.eye = { target: this.cloud.extent?.middle.clone() ?? new Vector3(),
+      distance: 0.95 * this.controls.size, yaw: -0.6, pitch: 0.9 };
   }
 
   /** With the first points it is known how large what there is to see is. */
