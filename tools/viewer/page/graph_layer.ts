@@ -92,7 +92,8 @@ export class GraphLayer {
     const consider = (found: Found, distance: number): void => {
       if (distance < least) { least = distance; best = found; }
     };
-    if (this.shows('keyframes')) this.keyframes.forEach((p, at) => consider({ kind: 'keyframe', at }, off(p)));
+    const tells = this.shows('keyframes') || this.shows('trajectory');  // a click on the path, too, tells of a keyframe
+    if (tells) this.keyframes.forEach((p, at) => consider({ kind: 'keyframe', at }, off(p)));
     if (this.shows('fixes')) this.graph.fixes.forEach((fix) => consider({ kind: 'fix', fix }, off(this.placeOf(fix)) + 1));
     if (best) return best;
     for (const loop of this.graph.loops) {

@@ -19,7 +19,7 @@ export interface ViewState {
 }
 
 export const BEGIN: ViewState = { eye: null, colour: 'height', size: 2, shading: true, moving: true,
-  layers: ['trajectory', 'loops', 'fixes', 'keyframes'], box: null, time: null, grow: false };
+  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false };
 
 export function toHash(state: ViewState): string {
   const parts = new URLSearchParams();
