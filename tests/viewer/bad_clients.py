@@ -167,7 +167,8 @@ def check_token(adit, cloud):
     viewing = Viewing(adit, cloud, "--listen", "0.0.0.0")
     token = re.search(r"\?token=([0-9a-f]{32})$", viewing.link)
     require(token, "the link has no token", viewing.link)
-    require("numeric address" in "".join(viewing.said) and "Whoever has the link" in "".join(viewing.said), "not said", viewing.said)
+    said = "".join(viewing.said)
+    require("numeric address" in said and "Whoever has the link" in said, "not said", said)
     port, token = viewing.port, token.group(1)
     for query in ("", "?token=", "?token=" + "0" * 32, "?token=" + token[:-1], "?token=" + token + "0", "?Token=" + token):
         require(status(get(port, "/" + query)) == 403, f"let in by {query}")
@@ -221,8 +222,8 @@ def main():
         for name, count in check_crowd(viewing.port).items():
             expected[name] = expected.get(name, 0) + count
         text = viewing.end()
-        counted = dict((name, int(number)) for number, name in re.findall(r"(\d+) ([a-z ]+?)(?:,|$)", text.split("refused ")[1].split(": ", 1)[1],
-                                                                          re.MULTILINE))
+        refusals = text.split("refused ")[1].split(": ", 1)[1]
+        counted = {name: int(number) for number, name in re.findall(r"(\d+) ([a-z ]+?)(?:,|$)", refusals, re.MULTILINE)}
         require(counted == expected, "counted otherwise", f"expected {expected}", f"counted  {counted}", text)
         print(text, end="")
         print(f"memory grew by {grown / 1e6:.1f} MB")

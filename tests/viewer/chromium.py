@@ -47,7 +47,8 @@ class Chromium:
         self.process = subprocess.Popen(
             [program, "--headless=new", "--no-sandbox", "--remote-debugging-port=0", f"--user-data-dir={self.folder}",
              "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-gpu-vsync",
-             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions", "--disable-background-networking",
+             "--hide-scrollbars", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
+             "--disable-background-networking",
              f"--window-size={width},{height}", "about:blank"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         ready = pathlib.Path(self.folder) / "DevToolsActivePort"
@@ -102,7 +103,8 @@ class Page:
             self.errors.append(json.dumps(parameters["args"]))
         elif message.get("method") == "Log.entryAdded" and parameters["entry"]["level"] == "error":
             entry = parameters["entry"]
-            (self.network_errors if entry["source"] == "network" or "WebSocket" in entry["text"] else self.errors).append(json.dumps(entry))
+            of_network = entry["source"] == "network" or "WebSocket" in entry["text"]
+            (self.network_errors if of_network else self.errors).append(json.dumps(entry))
 
     def evaluate(self, expression):
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
@@ -134,25 +136,36 @@ class Page:
 
     def count(self, colour=None, tolerance=6):
         """Pixels of that colour on the screen; None: those unlike the upper left corner."""
-        expression = COUNT.replace("PNG", self.screenshot()).replace("COLOUR", json.dumps(colour)).replace("TOLERANCE", str(tolerance))
-        return self.evaluate(expression)
+        expression = COUNT.replace("COLOUR", json.dumps(colour)).replace("TOLERANCE", str(tolerance))
+        return self.evaluate(expression.replace("PNG", self.screenshot()))
 
     def click(self, x, y):
         for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
 
+    def box(self, identifier):
+        """left, top, width and height of the element, scrolled to where it is seen."""
+        return self.evaluate(f"""(() => {{
+            const element = document.getElementById('{identifier}');
+            element.scrollIntoView({{ block: 'nearest' }});
+            const box = element.getBoundingClientRect();
+            return [box.x, box.y, box.width, box.height];
+        }})()""")
+
     def click_on(self, identifier):
         """The middle of the element, wherever it is now."""
-        place = self.evaluate(f"""(() => {{ const e = document.getElementById('{identifier}'); e.scrollIntoView({{block: 'nearest'}});
-            const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})()""")
-        self.click(*place)
+        x, y, width, height = self.box(identifier)
+        self.click(x + width / 2, y + height / 2)
 
     def drag(self, start, end, steps=5):
-        self.call("Input.dispatchMouseEvent", type="mousePressed", x=start[0], y=start[1], button="left", buttons=1, clickCount=1)
+        def mouse(kind, share, buttons=1):
+            x, y = (a + (b - a) * share for a, b in zip(start, end))
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=buttons, clickCount=1)
+
+        mouse("mousePressed", 0)
         for i in range(1, steps + 1):
-            self.call("Input.dispatchMouseEvent", type="mouseMoved", x=start[0] + (end[0] - start[0]) * i / steps,
-                      y=start[1] + (end[1] - start[1]) * i / steps, button="left", buttons=1)
-        self.call("Input.dispatchMouseEvent", type="mouseReleased", x=end[0], y=end[1], button="left", buttons=0, clickCount=1)
+            mouse("mouseMoved", i / steps)
+        mouse("mouseReleased", 1, buttons=0)
 
     def touch(self, *path):
         """One finger along these places."""
@@ -161,5 +174,6 @@ class Page:
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def key(self, code, key):
+        number = ord(key.upper()) if len(key) == 1 else 27  # Escape
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, code=code, key=key, windowsVirtualKeyCode=ord(key.upper()[0]) if len(key) == 1 else 27)
+            self.call("Input.dispatchKeyEvent", type=kind, code=code, key=key, windowsVirtualKeyCode=number)

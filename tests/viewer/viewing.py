@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`adit view` as a child of a test, and clouds with known points."""
 
+import atexit
 import re
 import signal
 import struct
@@ -20,6 +21,7 @@ class Viewing:
     def __init__(self, adit, what, *options, port=0):
         self.process = subprocess.Popen([str(adit), "view", str(what), "--port", str(port), *map(str, options)],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # where a test ends before it
         self.said = []
         for line in self.process.stdout:
             self.said.append(line)
@@ -55,4 +57,5 @@ def write_ply(file, points):
 def square(edge, step):
     """A level square at z = 0 about the origin."""
     half, count = edge / 2, round(edge / step)
-    return [(-half + step * (i + 0.5), -half + step * (j + 0.5), 0.0, float(i % 100)) for i in range(count) for j in range(count)]
+    at = [-half + step * (i + 0.5) for i in range(count)]
+    return [(x, y, 0.0, float(i % 100)) for i, x in enumerate(at) for y in at]
