@@ -128,6 +128,12 @@ TEST_F(ViewDataTest, ACloudHasItsIntensitiesAndARunsTrajectory) {
   EXPECT_THROW(opened(folder_ / "map.ply", true), UsageError);
 }
 
+TEST_F(ViewDataTest, ReadingEndsWhereThatIsWanted) {
+  write_map(folder_ / "map.adit");
+  const ViewDataOptions options{.what = folder_.path(), .stop = [] { return true; }};
+  EXPECT_THROW(ViewData(options, progress_), ViewStopped);
+}
+
 TEST_F(ViewDataTest, WhatCannotBeShownSaysWhatCan) {
   const auto said = [&](const fs::path& what) -> std::string {
     try {

@@ -58,10 +58,10 @@ int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
         "`adit run` leaves, needs no server.");
   }
   const StopSignal stop;
-  ViewData data({.what = options.what, .edit = options.edit}, err);
-  if (StopSignal::received() != 0) {
-    return 128 + StopSignal::received();
-  }
+  ViewData data({.what = options.what,
+                 .edit = options.edit,
+                 .stop = [] { return StopSignal::received() != 0; }},
+                err);
   const ViewAccess access{.address = options.listen,
                           .token = is_loopback(options.listen) ? "" : make_token()};
   ViewServer server({.page = view_page(),
@@ -85,7 +85,13 @@ int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
 }  // namespace
 
 int view_command(const ViewCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit view", out, err, [&] { return run(options, out, err); });
+  return guarded("adit view", out, err, [&] {
+    try {
+      return run(options, out, err);
+    } catch (const ViewStopped&) {
+      return 128 + StopSignal::received();
+    }
+  });
 }
 
 void add_view_command(Command app, std::function<void(int)> done) {

@@ -124,7 +124,8 @@ ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
 
 }  // namespace
 
-ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress) : edit_(options.edit) {
+ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
+    : edit_(options.edit), stop_(options.stop) {
   const ViewFiles files = files_of(options.what);
   title_ = options.what.filename().empty() ? options.what.parent_path().filename().string()
                                            : options.what.filename().string();
@@ -177,6 +178,7 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
                                  .moving = static_cast<uint8_t>(point.moving)});
     }
     bar.update(++read, 0);
+    stop_if_wanted();
   });
   bar.finish();
   make_tiles(maker, progress);
@@ -222,10 +224,19 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
            R"("covariance":[]},"edges":[],"loops":[],"fixes":[]})";
 }
 
+void ViewData::stop_if_wanted() const {
+  if (stop_ && stop_()) {
+    throw ViewStopped("stopped before there was something to show");
+  }
+}
+
 void ViewData::make_tiles(CloudTilesMaker& maker, std::ostream& progress) {
   Progress bar(progress, progress_style_of_stderr(), "tile", maker.added(), Progress::Clock::now(),
                "points");
-  tiles_ = maker.make([&](uint64_t done) { bar.update(done, 0); });
+  tiles_ = maker.make([&](uint64_t done) {
+    bar.update(done, 0);
+    stop_if_wanted();
+  });
   bar.finish();
 }
 

@@ -6,8 +6,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "adit/tools/maps/loop_change.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
@@ -16,15 +19,22 @@
 namespace adit {
 
 struct ViewDataOptions {
-  std::filesystem::path what;  ///< a map, a run's folder, or a cloud: PLY, PCD or LAS
-  bool edit = false;           ///< loops may be revoked and restored
+  std::filesystem::path what;    ///< a map, a run's folder, or a cloud: PLY, PCD or LAS
+  bool edit = false;             ///< loops may be revoked and restored
+  std::function<bool()> stop{};  ///< asked while it is read: true ends that; empty: nothing does
+};
+
+/// The reading was ended by ViewDataOptions::stop.
+class ViewStopped : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 class ViewData {
  public:
   /// Reads it and makes its tiles; progress goes to `progress`. Throws InputError (nothing that can
   /// be shown, or damaged), OutputError (no room for temporary files), UsageError (`edit` without a
-  /// map).
+  /// map), ViewStopped.
   ViewData(const ViewDataOptions& options, std::ostream& progress);
 
   uint64_t points() const { return tiles_.points(); }
@@ -45,6 +55,7 @@ class ViewData {
   LoopChange change(int64_t loop, LoopAction action);
 
  private:
+  void stop_if_wanted() const;
   void read_map(const std::filesystem::path& file, std::ostream& progress);
   void read_cloud(const std::filesystem::path& file, std::ostream& progress);
   void make_tiles(CloudTilesMaker& maker, std::ostream& progress);
@@ -53,6 +64,7 @@ class ViewData {
   std::string title_;
   std::filesystem::path map_;
   bool edit_ = false;
+  std::function<bool()> stop_;
   std::size_t keyframes_ = 0;
   ViewSpan span_;
   std::vector<ViewSweep> sweeps_;
