@@ -88,6 +88,14 @@ class CheckTree(unittest.TestCase):
         self.expect("slam/mapping/pose_graph.hpp", HEADER + "#include <ceres/ceres.h>\n", "only slam/mapping/solver.cpp")
         self.assertEqual(check_tree.check({**SOUND, "slam/mapping/solver.cpp": SPDX + "#include <ceres/ceres.h>\n"}), [])
 
+    def test_boost_outside_of_the_server_is_found(self):
+        self.expect("tools/viewer/view_data.cpp", SPDX + "#include <boost/beast.hpp>\n", "only tools/viewer/view_server.cpp")
+
+    def test_a_page_has_sources_of_its_own(self):
+        self.assertEqual(check_tree.check({**SOUND, "tools/viewer/page/view.ts": SPDX}), [])
+        self.expect("tools/viewer/page/view.ts", "// SPDX-FileCopyrightText: 2026 A\n", "no 'SPDX-License")
+        self.expect("tools/viewer/page/deep/view.ts", SPDX, "more than one level")
+
     def test_cli11_outside_its_file_is_found(self):
         self.expect("tools/commands/a.cpp", SPDX + "#include <CLI/CLI.hpp>\n", "only tools/commands/command_line.cpp")
 

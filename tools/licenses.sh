@@ -8,7 +8,8 @@
 is_glibc() { [[ $1 =~ ^(linux-vdso|ld-linux-[^/]*|libc|libm|libdl|librt|libpthread)\.so ]]; }
 
 # Compiled or linked into all that is made: header-only libraries.
-compiled_in=(libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libxxhash-dev libvulkan-dev)
+compiled_in=(libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libxxhash-dev libvulkan-dev
+  libboost1.74-dev)
 
 declare -A licensed=()
 add_license() { # PACKAGE
@@ -32,6 +33,18 @@ list_components() {
   for package in "${!licensed[@]}"; do
     dpkg-query -W -f '${Package} ${Version} (source ${source:Package} ${source:Version})\n' "$package" | head -n 1
   done | LC_ALL=C sort
+}
+
+# What the page of `adit view` is made of, from the folder that the build made it in (tools/viewer/page.cmake). A line for
+# each component goes to the standard output.
+add_page_licenses() { # FOLDER
+  local package version
+  [[ -s $1/page.html ]] || die "adit was built without the page of adit view: npm or its packages are missing"
+  for package in three; do
+    version=$(node -p "require('$1/node_modules/$package/package.json').version")
+    cp "$1/node_modules/$package/LICENSE" "$licenses/$package.js.txt" || die "the licence of $package.js is missing"
+    echo "$package.js $version (npm package $package $version, MIT licence)"
+  done
 }
 
 add_common_licenses() { # texts which those files refer to

@@ -58,6 +58,7 @@ for package in "${compiled_in[@]}" "${linked[@]}"; do
   add_license "$package"
 done
 add_common_licenses
+page_components=$(add_page_licenses "$build/tools/view_page")
 
 # What the package is, and where the source of each part of it is found: one line each.
 {
@@ -73,6 +74,7 @@ Each part's licence is in licenses/NAME.txt.
 
 EOT
   list_components
+  echo "$page_components"
 } >"$stage/COMPONENTS.txt"
 
 # What was staged stands alone: nothing from outside but glibc, and no newer glibc than promised.

@@ -106,6 +106,7 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
                                              {"recover"},
                                              {"export"},
                                              {"loops"},
+                                             {"view"},
                                              {"optimize"},
                                              {"devices"}}) {
     const std::string help = call({command.front(), "--help"}).out;
@@ -121,6 +122,7 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
                      "'best' is none of se3, sim3, origin or none");
   expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
                      "'-1' is not possible; it takes a number of 0 or more");
+  expect_usage_error({"view", "a", "--port", "65536"}, "--port");
   expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply, pcd or las");
   expect_usage_error({"run", "a", "-o", "b", "--device"}, "--device lacks its DEVICE");
   const test::TemporaryFolder folder;

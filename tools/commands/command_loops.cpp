@@ -22,6 +22,7 @@
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/loops_page.hpp"
+#include "adit/tools/maps/loop_change.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -29,104 +30,6 @@
 
 namespace adit {
 namespace {
-
-/// What a change by hand has done to the map.
-struct Changed {
-  int64_t id = 0;
-  std::string what;  ///< revoked, restored, added
-  double cost_before = 0.0;
-  double cost_after = 0.0;
-  double moved = 0.0;  ///< m, that keyframe which moved most
-};
-
-LoopCandidate& find(std::vector<LoopCandidate>& candidates, int64_t id, CandidateVerdict expected) {
-  const auto found = std::ranges::find(candidates, id, &LoopCandidate::id);
-  if (found == candidates.end()) {
-    throw UsageError("the map has no loop " + std::to_string(id) +
-                     ". `adit loops MAP` lists those it has.");
-  }
-  if (found->verdict != expected) {
-    throw UsageError("loop " + std::to_string(id) + " is " +
-                     std::string(to_string(found->verdict)) + "; only what is " +
-                     std::string(to_string(expected)) + " can be " +
-                     (expected == CandidateVerdict::accepted ? "revoked." : "restored."));
-  }
-  return *found;
-}
-
-std::size_t edge_of(const PoseGraph& graph, const LoopCandidate& candidate,
-                    const std::filesystem::path& map) {
-  const auto found = std::ranges::find_if(graph.edges(), [&](const PoseEdge& edge) {
-    return edge.kind == EdgeKind::loop && edge.from == candidate.from && edge.to == candidate.to;
-  });
-  if (found == graph.edges().end()) {
-    throw InputError(map, {}, "loop " + std::to_string(candidate.id) + " has no edge",
-                     "The map is damaged");
-  }
-  return static_cast<std::size_t>(found - graph.edges().begin());
-}
-
-/// Accepted loops say how well they fit after the optimisation.
-std::vector<LoopCandidate> with_residuals(std::vector<LoopCandidate> candidates,
-                                          const PoseGraph& graph, const OptimizationReport& report,
-                                          const std::filesystem::path& map) {
-  for (LoopCandidate& candidate : candidates) {
-    if (candidate.verdict == CandidateVerdict::accepted) {
-      const std::optional<EdgeResult>& result = report.edges[edge_of(graph, candidate, map)];
-      candidate.chi2 = result ? result->chi2 : candidate.chi2;
-    }
-  }
-  return candidates;
-}
-
-/// How far an optimisation moves the keyframe that it moves most, m.
-double farthest_moved(const PoseGraph& graph, const std::vector<Eigen::Isometry3d>& poses) {
-  double moved = 0.0;
-  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
-    moved = std::max(moved,
-                     (poses[i].translation() - graph.nodes()[i].T_map_node.translation()).norm());
-  }
-  return moved;
-}
-
-OptimizedGraph optimized_or_throw(const PoseGraph& graph, const std::filesystem::path& map) {
-  OptimizedGraph optimized = optimize_with_loops(graph);
-  if (optimized.report.termination == Termination::failed) {
-    throw InputError(map, {}, "its graph could not be optimised: " + optimized.report.message,
-                     "Nothing was changed");
-  }
-  return optimized;
-}
-
-Changed change(const LoopsCommandOptions& options) {
-  const bool revoke = options.revoke.has_value();
-  const EdgeStatus status = revoke ? EdgeStatus::revoked : EdgeStatus::active;
-  Changed changed{.id = revoke ? *options.revoke : options.restore.value_or(0),
-                  .what = revoke ? "revoked" : "restored"};
-  MapDatabase map(options.map, MapAccess::write);
-  std::vector<LoopCandidate> candidates = map.candidates();
-  LoopCandidate& candidate =
-      find(candidates, changed.id, revoke ? CandidateVerdict::accepted : CandidateVerdict::revoked);
-  candidate.verdict = revoke ? CandidateVerdict::revoked : CandidateVerdict::accepted;
-  candidate.reason = to_string(revoke ? LoopReason::by_hand : LoopReason::none);
-  candidate.figure = 0.0;
-
-  PoseGraph graph = map.graph();
-  const std::size_t edge = edge_of(graph, candidate, options.map);
-  graph.set_status(edge, status);
-  const OptimizedGraph optimized = optimized_or_throw(graph, options.map);
-  changed.cost_before = optimized.report.cost_before;
-  changed.cost_after = optimized.report.cost_after;
-  changed.moved = farthest_moved(graph, optimized.poses);
-  const std::vector<LoopCandidate> records =
-      with_residuals(candidates, graph, optimized.report, options.map);
-  graph.set_poses(optimized.poses);
-  map.revise({.candidates = records,
-              .statuses = {{edge, status}},
-              .poses = graph.nodes(),
-              .georeference = placed(map.georeference(), optimized.T_world_map)});
-  return changed;
-}
 
 MapKeyframe keyframe_of(const MapDatabase& map, int64_t id) {
   const std::optional<MapKeyframe> keyframe = map.keyframe(id);
@@ -192,7 +95,7 @@ LoopVerification verified(const MapDatabase& map, const LoopByHand& loop,
   }
 }
 
-Changed add(const LoopsCommandOptions& options) {
+LoopChange add(const LoopsCommandOptions& options) {
   MapDatabase map(options.map, MapAccess::write);
   const LoopByHand loop = loop_to_add(map, options);
   const LoopVerification verdict = verified(map, loop, options);
@@ -207,7 +110,7 @@ Changed add(const LoopsCommandOptions& options) {
                       .information = symmetric_inverse(verdict.covariance),
                       .kind = EdgeKind::loop};
   graph.add_edge(edge);
-  const OptimizedGraph optimized = optimized_or_throw(graph, options.map);
+  const OptimizedGraph optimized = optimized_map(graph, options.map);
   const std::optional<EdgeResult>& residual = optimized.report.edges.back();
   if (!residual || residual->chi2 > kLoopReview) {
     refuse_to_add(options, "it contradicts the rest of the graph, chi squared " +
@@ -229,11 +132,11 @@ Changed add(const LoopsCommandOptions& options) {
                         .correction = verdict.correction,
                         .turn = verdict.turn,
                         .through = verdict.through});
-  const Changed changed{.id = id,
-                        .what = "added",
-                        .cost_before = optimized.report.cost_before,
-                        .cost_after = optimized.report.cost_after,
-                        .moved = farthest_moved(graph, optimized.poses)};
+  const LoopChange changed{.id = id,
+                           .what = "added",
+                           .cost_before = optimized.report.cost_before,
+                           .cost_after = optimized.report.cost_after,
+                           .moved = farthest_moved(graph, optimized.poses)};
   const std::vector<LoopCandidate> records =
       with_residuals(candidates, graph, optimized.report, options.map);
   graph.set_poses(optimized.poses);
@@ -252,7 +155,7 @@ std::string reason_of(const LoopCandidate& candidate) {
 
 std::string text_of(const LoopsCommandOptions& options,
                     const std::vector<LoopCandidate>& candidates,
-                    const std::optional<Changed>& changed) {
+                    const std::optional<LoopChange>& changed) {
   std::string text;
   if (changed) {
     text += fmt::format(
@@ -276,7 +179,7 @@ std::string text_of(const LoopsCommandOptions& options,
 
 std::string json_of(const LoopsCommandOptions& options,
                     const std::vector<LoopCandidate>& candidates,
-                    const std::optional<Changed>& changed) {
+                    const std::optional<LoopChange>& changed) {
   nlohmann::ordered_json json = {{"map", options.map.string()}};
   if (changed) {
     json["changed"] = {{"id", changed->id},
@@ -324,11 +227,14 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
   if (!options.guess.empty() && !adds) {
     throw UsageError("--guess needs --add.");
   }
-  std::optional<Changed> changed;
+  std::optional<LoopChange> changed;
   if (options.revoke || options.restore || adds) {
     // A writer would make the file where there is none.
     static_cast<void>(MapDatabase(options.map, MapAccess::read));
-    changed = adds ? add(options) : change(options);
+    changed = adds ? add(options)
+              : options.revoke
+                  ? change_loop(options.map, *options.revoke, LoopAction::revoke)
+                  : change_loop(options.map, options.restore.value_or(0), LoopAction::restore);
   }
   const MapDatabase map(options.map, MapAccess::read);
   const std::vector<LoopCandidate> candidates = map.candidates();

@@ -28,6 +28,7 @@
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
+#include "adit/tools/commands/command_view.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/version.hpp"
@@ -92,6 +93,7 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_info_command(app, done);
   add_check_command(app, done);
   add_recover_command(app, done);
+  add_view_command(app, done);
   add_export_command(app, done);
   add_loops_command(app, done);
   add_optimize_command(app, done);

@@ -57,6 +57,7 @@ while read -r library path; do
   add_license "$owner"
 done < <(ldd "$package"/_adit.*.so | sed -n 's/^\s*\(\S*\) => \(\S*\) (.*/\1 \2/p')
 add_common_licenses
+page_components=$(add_page_licenses "$build/tools/view_page")
 {
   cat <<'EOT'
 The source of adit is under the Apache License 2.0 (LICENSE). This wheel also has Ceres with CHOLMOD, whose
@@ -67,6 +68,7 @@ source (Debian's snapshot archive keeps all of them); adit's own is the reposito
 
 EOT
   list_components
+  echo "$page_components"
 } >"$package/COMPONENTS.txt"
 rm "${raw[0]}"
 "$tools/bin/wheel" pack -d "$work/raw" "$content" >/dev/null

@@ -45,7 +45,7 @@ std::string failed_text(const ProgressState& state, const std::string& separator
 }
 
 std::string count_text(const ProgressState& state) {
-  return std::to_string(state.done) + "/" + std::to_string(state.total) + " sweeps";
+  return std::to_string(state.done) + "/" + std::to_string(state.total) + " " + state.unit;
 }
 
 std::size_t terminal_columns() {
@@ -95,13 +95,13 @@ ProgressStyle progress_style_of_stderr() {
 }
 
 Progress::Progress(std::ostream& stream, ProgressStyle style, std::string label, std::size_t total,
-                   Clock::time_point start)
+                   Clock::time_point start, std::string unit)
     : stream_(stream),
       style_(style),
       label_(std::move(label)),
       start_(start),
       drawn_at_(start),
-      state_{.done = 0, .total = total, .failed = 0, .elapsed_s = 0.0} {}
+      state_{.done = 0, .total = total, .failed = 0, .elapsed_s = 0.0, .unit = std::move(unit)} {}
 
 void Progress::update(std::size_t done, std::size_t failed, Clock::time_point now) {
   state_.done = done;

@@ -17,6 +17,7 @@ struct ProgressState {
   std::size_t total = 0;
   std::size_t failed = 0;  ///< number among those done
   double elapsed_s = 0.0;
+  std::string unit = "sweeps";  ///< what is counted
 };
 
 /// "1:02:03", "2:03" or "0:03".
@@ -46,7 +47,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
 
   Progress(std::ostream& stream, ProgressStyle style, std::string label, std::size_t total,
-           Clock::time_point start = Clock::now());
+           Clock::time_point start = Clock::now(), std::string unit = "sweeps");
 
   /// `done` pieces are finished, `failed` of them without success.
   void update(std::size_t done, std::size_t failed, Clock::time_point now = Clock::now());

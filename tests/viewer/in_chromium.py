@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The adit authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page of `adit view` in a real browser, with the hands of a user.
+
+Usage: in_chromium.py ADIT WRITE_VIEW_MAP [PICTURES]. Scenes whose pixels and coordinates are known are looked at, picked,
+scrubbed, edited, and left without a server for a while. PICTURES is a folder for screenshots.
+"""
+
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+from chromium import Chromium
+from viewing import Viewing, require, square, write_ply
+
+HALF_FIELD = math.radians(29)  # of the window's narrower side (controls.ts)
+ALL_THERE = "window.adit.cloud && window.adit.cloud.drawn > 0 && window.adit.cloud.missing === 0 && window.adit.painter.isIdle"
+ONLY_CANVAS = "document.querySelectorAll('header, aside, footer, #notice').forEach((e) => { e.style.visibility = 'hidden'; })"
+ALL_AGAIN = "document.querySelectorAll('header, aside, footer, #notice').forEach((e) => { e.style.visibility = ''; })"
+# Where a place of the map frame is on the screen.
+PLACE = """(() => { const { cloud, painter } = window.adit;
+  const { matrixWorldInverse, projectionMatrix } = painter.camera;
+  const p = cloud.origin.clone().set(%s).sub(cloud.origin).applyMatrix4(matrixWorldInverse).applyMatrix4(projectionMatrix);
+  return [(0.5 + 0.5 * p.x) * painter.width, (0.5 - 0.5 * p.y) * painter.height]; })()"""
+WHITE, DARK, GREEN, ORANGE = [255, 255, 255], [0x15, 0x18, 0x1c], [0x00, 0x9e, 0x73], [0xd5, 0x5e, 0x00]
+
+
+def place(page, x, y, z):
+    return page.evaluate(PLACE % f"{x}, {y}, {z}")
+
+
+def facts(page):
+    """What is told of what was clicked, by name."""
+    return page.evaluate("""(() => {
+        const title = document.getElementById('told').hidden ? '' : document.getElementById('what').textContent;
+        const terms = [...document.querySelectorAll('#facts dt')];
+        return Object.fromEntries([['', title], ...terms.map((term) => [term.textContent, term.nextSibling.textContent])]);
+    })()""")
+
+
+def only_canvas(page, count):
+    page.evaluate(ONLY_CANVAS)
+    result = count()
+    page.evaluate(ALL_AGAIN)
+    return result
+
+
+def near(found, expected, share):
+    return abs(found - expected) <= share * expected
+
+
+def check_cloud(page, link):
+    """A square of 10 m from 20 m above, and a point alone above it."""
+    above = f"eye=0,0,0,20,{-math.pi / 2:.5f},1.5707&shading=0"
+    page.open(f"{link}#{above}")
+    page.wait(ALL_THERE)
+    height = page.evaluate("innerHeight")
+    edge = 10.0 / (2 * 20.0 * math.tan(HALF_FIELD)) * height
+    whole = only_canvas(page, page.count)
+    require(near(whole["count"], edge * edge, 0.03), "the square's pixels", whole, edge * edge)
+    require(whole["first"] == WHITE, "the page is not white", whole)
+    low = only_canvas(page, lambda: page.count([0x3b, 0x3f, 0x8f]))
+    require(near(low["count"], edge * edge, 0.03), "what is low has another colour", low)
+
+    page.evaluate(f"location.hash = '{above}&box=0,-6,-1,6,6,5'")
+    page.wait(f"window.adit.state.box && {ALL_THERE}")
+    half = only_canvas(page, page.count)
+    require(near(half["count"], edge * edge / 2, 0.03), "the clipping box cuts elsewhere", half, edge * edge / 2)
+    page.evaluate(f"location.hash = '{above}'")
+    page.wait(f"!window.adit.state.box && {ALL_THERE}")
+
+    page.click(*place(page, 3, 2, 4))
+    told = facts(page)
+    found = [float(number) for number in re.findall(r"-?\d+\.\d+", told.get("x, y, z", ""))]
+    require(told[""] == "point" and len(found) == 3 and math.dist(found, (3, 2, 4)) < 0.002, "another point was picked", told)
+
+    # From the upper point to one of the square, whose points are 0.02 m apart.
+    page.evaluate("location.hash = 'shading=0&eye=0,0,0,20,-0.9,0.6'")
+    page.wait(f"Math.abs(window.adit.controls.eye.pitch - 0.6) < 1e-3 && {ALL_THERE}")
+    page.key("KeyM", "m")
+    page.click(*place(page, 3, 2, 4))
+    page.click(*place(page, 2.01, -1.99, 0))
+    told = facts(page)
+    require(re.match(r"[\d.]+ m", told[""]) and abs(float(told["height"].split()[0]) + 4) < 0.003 and
+            abs(float(told[""].split()[0]) - math.dist((3, 2, 4), (2.01, -1.99, 0))) < 0.15, "measured otherwise", told)
+    page.key("Escape", "Escape")
+
+    # A link has the view: turned by hand, then opened anew.
+    page.drag((800, 500), (900, 540))
+    page.wait("window.adit.painter.isIdle && location.hash.includes('eye=')")
+    page.wait("Math.abs(Number(location.hash.match(/eye=([^&]*)/)[1].split(',')[4]) - window.adit.controls.eye.yaw) < 1e-3")
+    link_now, eye = page.evaluate("location.href"), page.evaluate("JSON.stringify(window.adit.controls.eye)")
+    require("-0.9," not in link_now, "nothing was turned", link_now)
+    page.open(link_now)
+    page.wait(ALL_THERE)
+    again = page.evaluate("JSON.stringify(window.adit.controls.eye)")
+    numbers = [[float(n) for n in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", one)] for one in (eye, again)]
+    require(all(abs(a - b) < 2e-3 for a, b in zip(*numbers)), "the link shows another view", eye, again)
+    for colour in ("intensity", "height"):
+        page.evaluate(f"""(() => {{
+            const list = document.getElementById('colour');
+            list.value = '{colour}';
+            list.dispatchEvent(new Event('change'));
+        }})()""")
+        page.wait(f"location.hash.includes('colour=intensity') === {'true' if colour == 'intensity' else 'false'}")
+
+
+def check_dark(page):
+    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+    page.wait("window.adit.painter.isIdle")
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    dark = only_canvas(page, lambda: page.count(DARK, 1))
+    require(dark["first"] == DARK and dark["count"] > 100_000, "not dark", dark)
+    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+
+
+def last_x(page):
+    return page.evaluate("window.adit.graphShown.keyframes.pose[7 * 5]")
+
+
+def act_on_loop(page, verdict):
+    """Clicks the loop, between two of the keyframes it goes past, and the button that is offered."""
+    page.click(*place(page, 24.6, 0, 0))
+    told = facts(page)
+    require(told[""] == f"loop 1: {verdict}" and told["keyframes"] == "0 and 5", "another loop was clicked", told)
+    page.click_on("act")
+
+
+def check_graph(page, link, pictures):
+    above = f"eye=24,0,0,45,{-math.pi / 2:.5f},1.5707&layers=loops,keyframes"
+    page.open(f"{link}#{above}")
+    page.wait(ALL_THERE)
+    page.wait("window.adit.graphShown.loops.length === 2")
+    require(abs(last_x(page) - 50) < 1e-6, "the last keyframe is elsewhere", last_x(page))
+    green = only_canvas(page, lambda: page.count(GREEN))["count"]
+    require(green > 1000, "the accepted loop is not drawn", green)
+    page.click(*place(page, 20, 0, 0))
+    told = facts(page)
+    require(told[""] == "keyframe 2" and told["x, y, z"].startswith("20.000, 0.000, 0.000"), "another keyframe", told)
+    page.screenshot(pictures / "graph.png")
+
+    act_on_loop(page, "accepted")
+    page.wait("window.adit.graphShown.loops[0].verdict === 'revoked'")
+    require(only_canvas(page, lambda: page.count(GREEN))["count"] < 0.2 * green, "the revoked loop is still drawn as accepted")
+    require(page.evaluate("document.getElementById('notice').textContent").startswith("Loop 1 is revoked"), "it is not said")
+    require(facts(page)[""] == "loop 1: revoked", "what is told is old", facts(page))
+    require(abs(last_x(page) - 50) < 0.01, "without the loop it lies where the odometry has it", last_x(page))
+    page.click_on("act")
+    page.wait("window.adit.graphShown.loops[0].verdict === 'accepted'")
+    x = last_x(page)
+    require(49.0 < x < 49.9, "the loop draws the last keyframe nearer", x)
+    require(only_canvas(page, lambda: page.count(GREEN))["count"] > 0.8 * green, "the restored loop is not drawn")
+
+    # Points go with their keyframes: those of the last wall, whose middle is above and below it.
+    page.evaluate("window.adit.close()")
+    page.evaluate(f"location.hash = 'eye=48,4,0,6,{-math.pi / 2:.5f},0.3&layers='")
+    page.wait(f"Math.abs(window.adit.controls.eye.distance - 6) < 1e-3 && {ALL_THERE}")
+    page.click(*place(page, x, 4, 0.5))
+    told = facts(page)
+    found = [float(number) for number in re.findall(r"-?\d+\.\d+", told.get("x, y, z", ""))]
+    require(told[""] == "point" and told["keyframe"] == "5" and math.dist(found, (x, 4, 0.5)) < 0.06 and
+            abs((found[0] - x) * 10 - round((found[0] - x) * 10)) < 0.05, "the points did not follow", told, x)
+
+
+def check_time(page, link):
+    page.open(f"{link}#layers=trajectory")
+    page.wait(ALL_THERE)
+    require(only_canvas(page, lambda: page.count(ORANGE))["count"] == 0, "a path where keyframes are 10 m apart")
+    page.click_on("time")
+    page.wait("Math.abs(window.adit.timeLine.now - 5) < 0.2")
+    require(page.evaluate("document.getElementById('now').textContent").endswith("/ 0:10.0"), "another time is told")
+    page.wait("window.adit.sensor.visible")
+    at = page.evaluate("window.adit.sensor.matrix.elements[12] + window.adit.cloud.origin.x")
+    require(min(abs(at - 20), abs(at - 30)) < 1, "the sensor is elsewhere", at)
+    page.wait("location.hash.includes('time=')")
+    page.click_on("grow")
+    page.wait("location.hash.includes('grow=1') && window.adit.cloud.look.get('until') < 36000")
+    page.click_on("play")
+    page.wait("window.adit.timeLine.now > 6")
+    page.wait("!window.adit.timeLine.playing && window.adit.timeLine.now >= 9.99", 15)
+
+
+def check_restart(page, adit, viewing, what):
+    """The server goes and comes; the page waits for it, keeps its points and can edit again."""
+    page.open(f"{viewing.link}#eye=24,0,0,45,{-math.pi / 2:.5f},1.5707&layers=loops,keyframes")
+    page.wait(ALL_THERE)
+    text = viewing.end()
+    page.wait("document.getElementById('status').textContent.startsWith('no connection')")
+    again = Viewing(adit, what, "--edit", port=viewing.port)
+    page.wait(f"document.getElementById('status').textContent.includes('points') && {ALL_THERE}")
+    act_on_loop(page, "accepted")
+    page.wait("window.adit.graphShown.loops[0].verdict === 'revoked'")
+    page.click_on("act")
+    page.wait("window.adit.graphShown.loops[0].verdict === 'accepted'")
+    return again, text
+
+
+def check_phone(page, link, pictures):
+    page.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=2, mobile=True)
+    page.call("Emulation.setTouchEmulationEnabled", enabled=True)
+    page.open(f"{link}#eye=24,4,0,45,{-math.pi / 2:.5f},0.5")
+    page.wait(ALL_THERE)
+    require(page.evaluate("document.scrollingElement.scrollWidth <= 390"), "wider than the phone")
+    require(not page.evaluate("document.getElementById('panel').open"), "the panel hides the map")
+    for name in ("play", "time", "now", "speed"):
+        x, y, width, height = page.box(name)
+        require(x >= 0 and x + width <= 390 and y + height <= 844, f"{name} is beyond the edge", x, y, width, height)
+    drawn = only_canvas(page, page.count)
+    require(drawn["count"] > 20_000 and drawn["width"] == 780, "nothing is seen on a phone", drawn)
+    page.screenshot(pictures / "phone.png")
+    yaw = page.evaluate("window.adit.controls.eye.yaw")
+    page.touch((200, 400), (230, 400), (260, 405), (290, 410))
+    require(abs(page.evaluate("window.adit.controls.eye.yaw") - yaw) > 0.2, "a finger turns nothing")
+    page.wait(ALL_THERE)
+    page.evaluate(f"location.hash = 'eye=20,0,0,45,{-math.pi / 2:.5f},1.5'")
+    page.wait(f"Math.abs(window.adit.controls.eye.pitch - 1.5) < 1e-3 && {ALL_THERE}")
+    page.touch(tuple(place(page, 20, 0, 0)))
+    page.wait("!document.getElementById('told').hidden")
+    require(facts(page)[""].startswith("keyframe 2"), "a finger picks something else", facts(page))
+
+
+def main():
+    adit, write_map = sys.argv[1:3]
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        pictures = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else folder
+        pictures.mkdir(parents=True, exist_ok=True)
+        cloud, mapped = folder / "square.ply", folder / "map.adit"
+        write_ply(cloud, square(10.0, 0.02) + [(3.0, 2.0, 4.0, 100.0)])
+        subprocess.run([write_map, mapped], check=True)
+        browser = Chromium()
+        try:
+            page = browser.page()
+            viewing = Viewing(adit, cloud)
+            check_cloud(page, viewing.link)
+            check_dark(page)
+            viewing.end()
+            viewing = Viewing(adit, mapped, "--edit")
+            check_graph(page, viewing.link, pictures)
+            check_time(page, viewing.link)
+            viewing, _ = check_restart(page, adit, viewing, mapped)
+            check_phone(page, viewing.link, pictures)
+            require(page.errors == [], "the console has errors", *page.errors)
+            text = viewing.end()
+            require("refused" not in text, "the page itself was refused something", text)
+        finally:
+            browser.close()
+    print("in_chromium: loads, draws, picks, measures, scrubs, edits, comes back; desktop and phone")
+
+
+if __name__ == "__main__":
+    main()

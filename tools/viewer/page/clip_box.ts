@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The box that points are shown in: six sides, in the map's frame, m.
+import { element, input } from './elements';
+
+const NAMES = ['x from', 'y from', 'z from', 'x to', 'y to', 'z to'];
+
+export class ClipBox {
+  /** Null: everything is shown. */
+  value: number[] | null = null;
+  private readonly ranges: HTMLInputElement[] = [];
+  private readonly outputs: HTMLOutputElement[] = [];
+
+  constructor(private readonly changed: () => void) {
+    NAMES.forEach((name, i) => {
+      const label = document.createElement('span'), range = document.createElement('input');
+      const output = document.createElement('output');
+      label.textContent = name;
+      range.type = 'range';
+      range.step = 'any';
+      range.id = `side${i}`;
+      range.setAttribute('aria-label', name);
+      range.addEventListener('input', () => this.take());
+      element('sides').append(label, range, output);
+      this.ranges.push(range);
+      this.outputs.push(output);
+    });
+    input('boxed').addEventListener('change', () => {
+      if (input('boxed').checked) element<HTMLDetailsElement>('box').open = true;
+      this.take();
+    });
+  }
+
+  /** The sides go no further than `whole`. */
+  set(whole: number[], value: number[] | null): void {
+    this.value = value;
+    input('boxed').checked = value !== null;
+    this.ranges.forEach((range, i) => {
+      range.min = String(whole[i % 3]);
+      range.max = String(whole[i % 3 + 3]);
+      range.value = String((value ?? whole)[i]);
+    });
+    this.show();
+  }
+
+  private take(): void {
+    this.value = input('boxed').checked ? this.ranges.map((range) => Number(range.value)) : null;
+    this.show();
+    this.changed();
+  }
+
+  private show(): void {
+    this.outputs.forEach((output, i) => { output.textContent = `${Number(this.ranges[i].value).toFixed(1)} m`; });
+  }
+}

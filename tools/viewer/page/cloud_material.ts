@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// How points are drawn: where their keyframe is now, by which of their facts they are coloured, and which are hidden.
+import { DataTexture, FloatType, GLSL3, RawShaderMaterial, RGBAFormat, Vector2, Vector3 } from 'three';
+import { colour, rampTexture, SERIES } from './palette';
+
+export const COLOURS = ['height', 'intensity', 'time', 'keyframe'] as const;
+export type ColourBy = (typeof COLOURS)[number];
+
+const VERTEX = `
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+in vec3 place;
+in vec3 facts;
+uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
+uniform sampler2D corrections;
+uniform bool corrected;
+uniform float keyframeScale;
+uniform sampler2D ramp;
+uniform int colourBy;
+uniform vec2 heights;
+uniform vec3 series[${SERIES.length}];
+uniform float size, closeSize, mostSize;
+uniform vec3 boxLow, boxHigh;
+uniform float until;
+uniform bool hideMoving;
+out vec3 shade;
+
+vec3 moved(vec3 p, float keyframe) {
+  int at = 3 * int(keyframe * keyframeScale + 0.5);
+  int width = textureSize(corrections, 0).x;
+  vec4 q = vec4(p, 1.0);
+  vec3 result;
+  for (int row = 0; row < 3; ++row) {
+    result[row] = dot(texelFetch(corrections, ivec2((at + row) % width, (at + row) / width), 0), q);
+  }
+  return result;
+}
+
+void main() {
+  vec3 p = (modelMatrix * vec4(place + 0.5, 1.0)).xyz;
+  if (corrected) p = moved(p, facts.y);
+  gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
+  gl_PointSize = clamp(closeSize / gl_Position.w, size, mostSize);
+  float intensity = mod(facts.z, 256.0);
+  bool moving = facts.z >= 256.0;
+  if (any(lessThan(p, boxLow)) || any(greaterThan(p, boxHigh)) || facts.x > until || (hideMoving && moving)) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  }
+  if (colourBy == 3) {
+    shade = series[int(mod(facts.y, ${SERIES.length}.0))];
+  } else {
+    float share = colourBy == 0 ? (p.z - heights.x) / (heights.y - heights.x)
+        : colourBy == 1 ? intensity / 255.0 : facts.x / 65535.0;
+    shade = texture(ramp, vec2((0.5 + ${(7).toFixed(1)} * clamp(share, 0.0, 1.0)) / 8.0, 0.5)).rgb;
+  }
+}`;
+
+const FRAGMENT = `
+precision highp float;
+in vec3 shade;
+uniform bool round;
+out vec4 drawn;
+void main() {
+  if (round && length(gl_PointCoord - 0.5) > 0.5) discard;
+  drawn = vec4(shade, 1.0);
+}`;
+
+const FAR = 1e9;
+
+export class CloudMaterial {
+  readonly material = new RawShaderMaterial({
+    glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT,
+    uniforms: {
+      corrections: { value: noCorrections() }, corrected: { value: false }, keyframeScale: { value: 1 },
+      ramp: { value: rampTexture() }, colourBy: { value: 0 }, heights: { value: new Vector2(0, 1) },
+      series: { value: SERIES.map((hex) => { const c = colour(hex); return new Vector3(c.r, c.g, c.b); }) },
+      size: { value: 2 }, closeSize: { value: 0 }, mostSize: { value: 24 }, round: { value: false },
+      boxLow: { value: new Vector3().setScalar(-FAR) }, boxHigh: { value: new Vector3().setScalar(FAR) },
+      until: { value: 65536 }, hideMoving: { value: false },
+    },
+  });
+
+  set(name: string, value: unknown): void {
+    this.material.uniforms[name].value = value;
+  }
+
+  get<T>(name: string): T {
+    return this.material.uniforms[name].value as T;
+  }
+
+  setBox(low: Vector3 | null, high: Vector3 | null): void {
+    this.get<Vector3>('boxLow').copy(low ?? new Vector3().setScalar(-FAR));
+    this.get<Vector3>('boxHigh').copy(high ?? new Vector3().setScalar(FAR));
+  }
+
+  /** Three rows of a 3x4 matrix for each keyframe: from where its points were tiled to where it is now. */
+  setCorrections(rows: Float32Array | null): void {
+    this.set('corrected', rows !== null);
+    if (!rows) return;
+    const texels = rows.length / 4;
+    const width = Math.min(texels, 2048);
+    const height = Math.max(1, Math.ceil(texels / width));
+    const padded = new Float32Array(4 * width * height);
+    padded.set(rows);
+    this.get<DataTexture>('corrections').dispose();
+    const texture = new DataTexture(padded, width, height, RGBAFormat, FloatType);
+    texture.needsUpdate = true;
+    this.set('corrections', texture);
+  }
+}
+
+function noCorrections(): DataTexture {
+  const texture = new DataTexture(new Float32Array(4), 1, 1, RGBAFormat, FloatType);
+  texture.needsUpdate = true;
+  return texture;
+}

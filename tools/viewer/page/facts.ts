@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What is told of what was clicked.
+import type { FoundPoint } from './cloud';
+import { clock, element, metres, plain } from './elements';
+import type { Found } from './graph_layer';
+import { POSE, type Graph, type Loop, type Scene } from './protocol';
+
+export interface Facts { title: string; rows: [string, string][]; act?: { text: string; run: () => void }; }
+
+const xyz = (p: { x: number; y: number; z: number }): string => [p.x, p.y, p.z].map((v) => v.toFixed(3)).join(', ');
+
+export function showFacts(facts: Facts | null): void {
+  element('told').hidden = facts === null;
+  if (!facts) return;
+  element('what').textContent = facts.title;
+  element('facts').replaceChildren(...facts.rows.flatMap(([name, value]) => {
+    const term = document.createElement('dt'), told = document.createElement('dd');
+    term.textContent = name;
+    told.textContent = value;
+    return [term, told];
+  }));
+  element('acts').replaceChildren();
+  if (facts.act) {
+    const button = document.createElement('button');
+    button.id = 'act';
+    button.textContent = facts.act.text;
+    button.onclick = facts.act.run;
+    element('acts').append(button);
+  }
+}
+
+export type Change = (what: 'revoke' | 'restore', loop: Loop) => void;
+
+export function factsOf(found: Found, graph: Graph, scene: Scene, change: Change): Facts {
+  if (found.kind === 'keyframe') return keyframeFacts(found.at, graph);
+  if (found.kind === 'fix') {
+    const { fix } = found;
+    const [x, y, z] = fix.p;
+    return { title: `GNSS fix: ${fix.verdict}`, rows: [['time', clock(fix.time)], ['x, y, z', xyz({ x, y, z })],
+      ['1 sigma', metres(fix.sigma)], ['chi squared', plain(fix.chi2, 2)]] };
+  }
+  const { loop } = found;
+  const name = (at: number): string => (at >= 0 ? String(graph.keyframes.id[at]) : 'none');
+  const reason = loop.reason === '' || loop.reason === 'none' ? '–'
+      : `${loop.reason.replaceAll('_', ' ')} (${plain(loop.figure, 3)})`;
+  const facts: Facts = { title: `loop ${loop.id}: ${loop.verdict}`, rows: [
+    ['keyframes', `${name(loop.from)} and ${name(loop.to)}`],
+    ['reason', reason], ['found by', loop.found_by], ['overlap', plain(loop.overlap, 2)], ['rms', metres(loop.rms)],
+    ['correction', `${metres(loop.correction)}, ${plain(loop.turn === null ? null : loop.turn * 180 / Math.PI, 1)}°`],
+    ['seen through', plain(loop.through, 3)], ['chi squared', plain(loop.chi2, 2)]] };
+  if (scene.editable && loop.verdict === 'accepted') facts.act = { text: 'revoke', run: () => change('revoke', loop) };
+  if (scene.editable && loop.verdict === 'revoked') facts.act = { text: 'restore', run: () => change('restore', loop) };
+  return facts;
+}
+
+function keyframeFacts(at: number, graph: Graph): Facts {
+  const { id, session, time, pose, covariance } = graph.keyframes;
+  const [x, y, z] = pose.slice(POSE * at, POSE * at + 3);
+  const c = covariance.slice(6 * at, 6 * at + 6);
+  const [sx, sy, sz] = [c[0], c[3], c[5]].map((v) => Math.sqrt(Math.max(0, v)));
+  const edges = graph.edges.filter(([from, to]) => from === at || to === at);
+  const loops = graph.loops.filter((loop) => (loop.from === at || loop.to === at) && loop.verdict !== 'rejected');
+  return { title: `keyframe ${id[at]}`, rows: [['session', String(session[at])], ['time', clock(time[at])],
+    ['x, y, z', xyz({ x, y, z })], ['1 sigma', [sx, sy, sz].map((s) => s.toFixed(3)).join(', ') + ' m'],
+    ['edges', String(edges.length)], ['loops', loops.map((loop) => `${loop.id} (${loop.verdict})`).join(', ') || 'none']] };
+}
+
+export function pointFacts(point: FoundPoint, graph: Graph | null, scene: Scene): Facts {
+  const rows: [string, string][] = [['x, y, z', xyz(point.p) + ' m']];
+  if (graph && graph.keyframes.id.length > 0) rows.push(['keyframe', String(graph.keyframes.id[point.keyframe] ?? '–')]);
+  if (scene.seconds > 0) rows.push(['time', clock(point.moment / 65535 * scene.seconds)]);
+  if (scene.intensity) rows.push(['intensity', `${point.intensity} of 255`]);
+  if (point.moving) rows.push(['seen through', 'other sweeps see through it: it has moved']);
+  return { title: 'point', rows };
+}

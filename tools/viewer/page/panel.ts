@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The controls of the view, tied to its state.
+import type { ColourBy } from './cloud_material';
+import { element, input, labelled, select } from './elements';
+import { LAYERS, type Layer } from './graph_layer';
+import { RAMP, theme } from './palette';
+import type { Graph, Scene } from './protocol';
+import type { ViewState } from './view_state';
+
+export interface Actions {
+  changed(): void;
+  reset(): void;
+  above(): void;
+  fly(): void;
+  measure(): void;
+  play(): void;
+  close(): void;
+}
+
+const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes',
+  edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
+
+export class Panel {
+  private readonly boxes = new Map<Layer, HTMLInputElement>();
+
+  constructor(private readonly state: ViewState, private readonly actions: Actions) {
+    const on = (id: string, event: string, take: () => void): void =>
+        element(id).addEventListener(event, () => { take(); actions.changed(); });
+    on('colour', 'change', () => { state.colour = select('colour').value as ColourBy; });
+    on('size', 'input', () => { state.size = Number(input('size').value); });
+    on('shading', 'change', () => { state.shading = input('shading').checked; });
+    on('moving', 'change', () => { state.moving = input('moving').checked; });
+    on('grow', 'change', () => { state.grow = input('grow').checked; });
+    select('budget').addEventListener('change', () => actions.changed());
+    for (const name of ['reset', 'above', 'fly', 'measure', 'close'] as const) {
+      element(name).addEventListener('click', () => actions[name]());
+    }
+    addEventListener('keydown', (event) => this.key(event));
+    if (innerWidth <= 640) element<HTMLDetailsElement>('panel').open = false;
+    select('budget').value = innerWidth <= 640 || matchMedia('(pointer: coarse)').matches ? '1000000' : '3000000';
+  }
+
+  get budget(): number {
+    return Number(select('budget').value);
+  }
+
+  /** What this scene can show is offered. */
+  offer(scene: Scene, graph: Graph | null): void {
+    element('title').textContent = scene.title;
+    document.title = `${scene.title} – adit view`;
+    element('program').textContent = `${scene.program}, with three.js (MIT licence).`;
+    const has: Record<Layer, boolean> = {
+      trajectory: scene.sweeps.time.length > 0,
+      odometry: !!graph?.keyframes.id.length,
+      keyframes: !!graph?.keyframes.id.length,
+      edges: !!graph?.edges.length,
+      loops: !!graph?.loops.some((loop) => loop.verdict !== 'rejected'),
+      rejected: !!graph?.loops.some((loop) => loop.verdict === 'rejected'),
+      ellipses: !!graph?.keyframes.covariance.some((v) => v > 0),
+      fixes: !!graph?.fixes.length,
+    };
+    const options = [...select('colour').options];
+    options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
+    options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
+    options.find((one) => one.value === 'keyframe')!.disabled = !graph?.keyframes.id.length;
+    this.boxes.clear();
+    element('layers').replaceChildren(...LAYERS.filter((layer) => has[layer]).map((layer) => {
+      const { label, box } = labelled('checkbox', NAMES[layer], this.markOf(layer));
+      box.id = `layer-${layer}`;
+      box.addEventListener('change', () => {
+        this.state.layers = LAYERS.filter((one) => (one === layer ? box.checked : this.state.layers.includes(one)));
+        this.actions.changed();
+      });
+      this.boxes.set(layer, box);
+      return label;
+    }));
+    this.show();
+  }
+
+  /** The controls say what the state is. */
+  show(): void {
+    select('colour').value = this.state.colour;
+    input('size').value = String(this.state.size);
+    input('shading').checked = this.state.shading;
+    input('moving').checked = this.state.moving;
+    input('grow').checked = this.state.grow;
+    for (const [layer, box] of this.boxes) box.checked = this.state.layers.includes(layer);
+  }
+
+  legend(least: string, most: string, ramp: boolean): void {
+    element('scale').hidden = !ramp;
+    element('least').textContent = least;
+    element('most').textContent = most;
+    element('ramp').style.background = `linear-gradient(to right, ${RAMP.join(', ')})`;
+  }
+
+  pressed(name: 'fly' | 'measure', on: boolean): void {
+    element(name).setAttribute('aria-pressed', String(on));
+    if (name === 'measure') document.body.classList.toggle('measuring', on);
+  }
+
+  private markOf(layer: Layer): string {
+    const { trajectory, odometry, keyframe, verdicts } = theme();
+    return { trajectory, odometry, keyframes: keyframe, edges: odometry, loops: verdicts.accepted, rejected: verdicts.rejected,
+      ellipses: keyframe, fixes: verdicts.used }[layer];
+  }
+
+  private key(event: KeyboardEvent): void {
+    const at = event.target;
+    const typing = at instanceof HTMLInputElement || at instanceof HTMLSelectElement;
+    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    const run: Record<string, () => void> = { KeyR: () => this.actions.reset(), KeyT: () => this.actions.above(),
+      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), Escape: () => this.actions.close() };
+    if (event.code === 'Space' && !(at instanceof HTMLButtonElement)) {
+      event.preventDefault();
+      this.actions.play();
+    } else run[event.code]?.();
+  }
+}

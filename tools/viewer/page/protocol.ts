@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the server says: tools/viewer/view_data.cpp and view_graph.cpp are the other side.
+
+/** Poses one after the other: x, y, z (m) and the quaternion x, y, z, w. */
+export type Poses = number[];
+export const POSE = 7;
+
+export interface Cube { low: [number, number, number]; edge: number; cells: number; }
+
+export interface Scene {
+  type: 'scene';
+  program: string;
+  title: string;
+  editable: boolean;
+  intensity: boolean;        // points have one
+  start_ns: string;          // UNIX time or the recording's own, of second 0
+  seconds: number;
+  points: number;
+  keyframes_told: number;    // numbers that points name their keyframe by
+  cube: Cube;
+  tiles: { parent: number[]; octant: number[]; points: number[] };
+  tiled_poses: Poses;        // of keyframes, when their points came into tiles
+  sweeps: { time: number[]; keyframe: number[]; pose: Poses };  // in keyframe axes; keyframe -1: in the map's
+}
+
+export interface Loop {
+  id: number;
+  from: number;              // position among keyframes, -1: none
+  to: number;
+  verdict: 'waiting' | 'accepted' | 'rejected' | 'revoked';
+  reason: string;
+  figure: number | null;
+  overlap: number | null;
+  rms: number | null;        // m
+  correction: number | null; // m
+  turn: number | null;       // rad
+  through: number | null;
+  found_by: string;
+  chi2: number | null;
+}
+
+export interface Fix {
+  keyframe: number;
+  time: number;
+  p: [number, number, number];
+  verdict: string;
+  sigma: number | null;      // m
+  chi2: number | null;
+}
+
+export interface Graph {
+  type: 'graph';
+  keyframes: { id: number[]; session: number[]; time: number[]; pose: Poses; odometry: Poses; covariance: number[] };
+  edges: [number, number, string, string][];  // from, to, kind, status
+  loops: Loop[];
+  fixes: Fix[];
+}
+
+export interface Told { type: 'told'; problem: boolean; text: string; }
+
+/** Places and facts of a tile's points, six numbers of 16 bits each: x, y, z, moment, keyframe, and
+    intensity with 256 added for what has moved. */
+export interface TilePoints { number: number; count: number; values: Uint16Array; }
+export const POINT = 6;
+
+export function tilePoints(message: ArrayBuffer): TilePoints {
+  const [number, count] = new Uint32Array(message, 0, 2);
+  return { number, count, values: new Uint16Array(message, 8, POINT * count) };
+}

@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The view: what the server says comes in, what hands want goes through the state onto the screen.
+import { AxesHelper, Vector3 } from 'three';
+import { Cloud } from './cloud';
+import { ClipBox } from './clip_box';
+import { COLOURS } from './cloud_material';
+import { Connection, type Listener } from './connection';
+import { Controls } from './controls';
+import { clock, element, many, notice } from './elements';
+import { factsOf, pointFacts, showFacts } from './facts';
+import { GraphLayer, LAYERS, type Found } from './graph_layer';
+import { Measure } from './measure';
+import { Painter, type Frame } from './painter';
+import { prefersDark } from './palette';
+import { Panel, type Actions } from './panel';
+import type { Graph, Loop, Scene, TilePoints, Told } from './protocol';
+import { TimeLine } from './time_line';
+import { fromHash, toHash, type ViewState } from './view_state';
+
+const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
+const WITHIN = 12;          // pixels, of a click from what it means
+const APART = 1.3;          // pixels between points, of tiles that are fine enough
+const REMEMBERED = 300;     // ms, then the link has the state
+
+export class View implements Listener, Actions {
+  readonly state: ViewState = fromHash(location.hash);
+  readonly canvas = element<HTMLCanvasElement>('view');
+  readonly painter = new Painter(this.canvas, (frame) => this.frame(frame));
+  readonly controls = new Controls(this.canvas, () => this.moved(), (x, y) => this.click(x, y));
+  readonly panel = new Panel(this.state, this);
+  readonly box = new ClipBox(() => { this.state.box = this.box.value; this.changed(); });
+  readonly timeLine = new TimeLine(() => { this.state.time = this.timeLine.now; this.changed(); });
+  sceneShown: Scene | null = null;
+  graphShown: Graph | null = null;
+  cloud: Cloud | null = null;
+  layer: GraphLayer | null = null;
+  private readonly measured = new Measure();
+  private readonly sensor = new AxesHelper(1);
+  private readonly connection: Connection;
+  private chosen: Found | null = null;
+  private measuring = false;
+  private timer = 0;
+
+  constructor() {
+    this.sensor.matrixAutoUpdate = false;
+    this.sensor.frustumCulled = false;
+    this.painter.over.add(this.measured.group, this.sensor);
+    addEventListener('resize', () => this.painter.draw());
+    addEventListener('hashchange', () => this.restore());
+    prefersDark.addEventListener('change', () => this.repaint());
+    this.canvas.addEventListener('webglcontextlost',
+        () => notice('The browser took the graphics away: load the page anew.', true));
+    this.connection = new Connection(this);
+  }
+
+  // --- what the server says ---------------------------------------------------------------------
+
+  scene(scene: Scene): void {
+    this.cloud?.dispose();
+    this.painter.points.clear();
+    if (this.layer) this.painter.over.remove(this.layer.group);
+    const first = this.sceneShown === null;
+    this.sceneShown = scene;
+    this.cloud = new Cloud(scene, (tiles) => this.connection.send({ tiles }));
+    this.painter.points.add(this.cloud.group);
+    this.layer = new GraphLayer(scene, this.cloud.origin);
+    this.painter.over.add(this.layer.group);
+    this.timeLine.set(scene.seconds, this.state.time);
+    const { low, edge } = scene.cube;
+    this.box.set([...low, ...low.map((v) => v + edge)], this.state.box);
+    if (first) this.restoreEye();
+    this.painter.draw();
+  }
+
+  graph(graph: Graph): void {
+    this.graphShown = graph;
+    this.layer?.set(graph);
+    this.cloud?.correct(graph.keyframes.pose);
+    this.panel.offer(this.sceneShown!, graph);
+    // What is told of is told anew, as it is now.
+    if (this.chosen?.kind === 'loop') {
+      const id = this.chosen.loop.id;
+      const loop = graph.loops.find((one) => one.id === id);
+      this.choose(loop ? { kind: 'loop', loop } : null);
+    } else this.layer?.mark(this.chosen);
+    this.apply();
+    this.painter.draw();
+  }
+
+  tile(tile: TilePoints): void {
+    this.cloud?.take(tile);
+    if (tile.number === 0) {
+      this.legend();
+      this.fitToCloud();
+    }
+    this.painter.draw();
+  }
+
+  told(told: Told): void {
+    notice(told.text, told.problem);
+  }
+
+  lost(): void {
+    element('status').textContent = 'no connection, trying again …';
+  }
+
+  back(): void {
+    this.cloud?.askAgain();
+    this.painter.draw();
+  }
+
+  // --- what hands want --------------------------------------------------------------------------
+
+  reset(): void {
+    this.state.eye = null;
+    this.lookAtAll();
+    this.painter.motion();
+    this.remember();
+  }
+
+  above(): void {
+    Object.assign(this.controls.eye, { pitch: 1.5707, yaw: -Math.PI / 2 });
+    this.moved();
+  }
+
+  fly(): void {
+    this.controls.flying = !this.controls.flying;
+    this.panel.pressed('fly', this.controls.flying);
+  }
+
+  measure(): void {
+    this.measuring = !this.measuring;
+    this.panel.pressed('measure', this.measuring);
+    this.measured.clear();
+    showFacts(this.measuring ? { title: 'measure', rows: [['from', 'click a point']] } : null);
+    this.painter.draw();
+  }
+
+  play(): void {
+    this.timeLine.toggle();
+  }
+
+  close(): void {
+    if (this.measuring) this.measure();
+    this.choose(null);
+    this.painter.draw();
+  }
+
+  changed(): void {
+    this.apply();
+    this.remember();
+    this.painter.draw();
+  }
+
+  choose(found: Found | null): void {
+    this.chosen = found;
+    this.layer?.mark(found);
+    showFacts(found && this.graphShown && this.sceneShown
+      ? factsOf(found, this.graphShown, this.sceneShown, (what, loop) => this.change(what, loop)) : null);
+    this.painter.draw();
+  }
+
+  private change(what: 'revoke' | 'restore', loop: Loop): void {
+    notice('The map is being optimised …');
+    this.connection.send({ [what]: loop.id });
+  }
+
+  private click(x: number, y: number): void {
+    if (!this.cloud || !this.sceneShown) return;
+    const { camera, width, height } = this.painter;
+    const found = this.measuring ? null : this.layer?.find(camera, width, height, x, y, WITHIN) ?? null;
+    if (found) {
+      this.choose(found);
+      return;
+    }
+    const point = this.cloud.find(camera, width, height, x, y, WITHIN);
+    if (this.measuring) {
+      if (point) showFacts(this.measured.add(point.p, this.cloud.origin));
+    } else {
+      this.choose(null);
+      showFacts(point ? pointFacts(point, this.graphShown, this.sceneShown) : null);
+    }
+    this.painter.draw();
+  }
+
+  // --- the state --------------------------------------------------------------------------------
+
+  private moved(): void {
+    const { target, distance, yaw, pitch } = this.controls.eye;
+    const p = target.clone().add(this.cloud?.origin ?? new Vector3());
+    this.state.eye = [p.x, p.y, p.z, distance, yaw, pitch];
+    this.painter.motion();
+    this.remember();
+  }
+
+  private restore(): void {
+    if (location.hash.slice(1) === toHash(this.state)) return;
+    Object.assign(this.state, fromHash(location.hash));
+    if (this.sceneShown) this.timeLine.set(this.sceneShown.seconds, this.state.time);
+    this.restoreEye();
+    this.panel.show();
+    this.apply();
+    this.painter.draw();
+  }
+
+  private restoreEye(): void {
+    this.lookAtAll();
+    if (this.state.eye && this.cloud) {
+      const [x, y, z, distance, yaw, pitch] = this.state.eye;
+      this.controls.eye = { target: new Vector3(x, y, z).sub(this.cloud.origin), distance, yaw, pitch };
+    }
+  }
+
+  private remember(): void {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => history.replaceState(null, '', `#${toHash(this.state)}`), REMEMBERED);
+  }
+
+  private apply(): void {
+    const { cloud, layer, state } = this;
+    if (!cloud || !layer || !this.sceneShown) return;
+    const usable = state.colour === 'intensity' && !this.sceneShown.intensity ? 'height' : state.colour;
+    cloud.look.set('colourBy', COLOURS.indexOf(usable));
+    cloud.look.set('hideMoving', !state.moving);
+    const share = this.timeLine.now === null || !state.grow ? 2 : this.timeLine.now / Math.max(this.sceneShown.seconds, 1e-9);
+    cloud.look.set('until', 65535 * share + 0.5);
+    const box = state.box?.map((v, i) => v - cloud.origin.getComponent(i % 3));
+    cloud.look.setBox(box ? new Vector3(box[0], box[1], box[2]) : null, box ? new Vector3(box[3], box[4], box[5]) : null);
+    for (const one of LAYERS) layer.show(one, state.layers.includes(one));
+    this.placeSensor();
+    this.legend();
+  }
+
+  private placeSensor(): void {
+    const pose = this.timeLine.now === null ? null : this.layer?.poseAt(this.timeLine.now) ?? null;
+    this.sensor.visible = pose !== null;
+    if (!pose) return;
+    const size = Math.max(0.5, 0.04 * this.controls.eye.distance);
+    this.sensor.matrix.copy(pose).scale(new Vector3(size, size, size));
+    this.sensor.matrixWorldNeedsUpdate = true;
+    if (element<HTMLInputElement>('follow').checked) this.controls.eye.target.setFromMatrixPosition(pose);
+  }
+
+  private legend(): void {
+    const scene = this.sceneShown;
+    if (!scene || !this.cloud) return;
+    const [low, high] = this.cloud.heights;
+    const by = this.state.colour;
+    if (by === 'height') this.panel.legend(low.toFixed(1), `${high.toFixed(1)} m`, true);
+    else if (by === 'time') this.panel.legend(clock(0), clock(scene.seconds), true);
+    else this.panel.legend('0', '255', by === 'intensity');
+  }
+
+  private lookAtAll(): void {
+    if (!this.sceneShown || !this.cloud) return;
+    const edge = this.cloud.extent?.size ?? this.sceneShown.cube.edge;
+    this.controls.size = Math.max(2, edge);
+    this.controls.eye = { target: this.cloud.extent?.middle.clone() ?? new Vector3(),
+      distance: 0.95 * this.controls.size, yaw: -0.6, pitch: 0.9 };
+  }
+
+  /** With the first points it is known how large what there is to see is. */
+  private fitToCloud(): void {
+    if (!this.state.eye) this.lookAtAll();
+    else if (this.cloud?.extent) this.controls.size = Math.max(2, this.cloud.extent.size);
+  }
+
+  private repaint(): void {
+    this.layer?.draw();
+    this.layer?.mark(this.chosen);
+    if (this.sceneShown) this.panel.offer(this.sceneShown, this.graphShown);
+    this.apply();
+    this.painter.draw();
+  }
+
+  // --- a frame ----------------------------------------------------------------------------------
+
+  private frame(frame: Frame): boolean {
+    const keys = this.controls.step(frame.seconds);
+    const plays = this.timeLine.step(frame.seconds);
+    const { camera, width, height } = this.painter;
+    this.controls.apply(camera, width, height);
+    if (this.cloud) {
+      const scale = height * Math.min(devicePixelRatio, 2) / (2 * Math.tan(0.5 * camera.fov * Math.PI / 180));
+      const size = this.state.size * Math.min(devicePixelRatio, 2);
+      this.cloud.look.set('size', size);
+      this.cloud.look.set('closeSize', CLOSE * this.state.size * scale);
+      this.cloud.look.set('mostSize', Math.max(size, 12 * this.state.size));
+      this.cloud.update(camera, height, APART, this.painter.budget(this.panel.budget));
+      this.status();
+    }
+    this.painter.paint(this.cloud, this.state.shading);
+    return keys || plays || this.controls.busy;
+  }
+
+  private status(): void {
+    if (!this.connection.isOpen || !this.cloud || !this.sceneShown) return;
+    const { drawn, missing } = this.cloud;
+    element('status').textContent = this.sceneShown.points === 0 ? 'no points'
+      : `${many(drawn)} of ${many(this.sceneShown.points)} points${missing > 0 ? `, ${missing} tiles to come` : ''}`;
+  }
+}

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a link to the view holds, after its '#': whoever opens it sees the same.
+import { COLOURS, type ColourBy } from './cloud_material';
+import { LAYERS, type Layer } from './graph_layer';
+
+export interface ViewState {
+  /** x, y, z of what is looked at (map frame, m), distance (m), yaw, pitch (rad); null: the whole map. */
+  eye: number[] | null;
+  colour: ColourBy;
+  size: number;             // pixels
+  shading: boolean;
+  moving: boolean;
+  layers: Layer[];
+  box: number[] | null;     // x, y, z from, x, y, z to: map frame, m
+  time: number | null;      // s
+  grow: boolean;
+}
+
+export const BEGIN: ViewState = { eye: null, colour: 'height', size: 2, shading: true, moving: true,
+  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false };
+
+export function toHash(state: ViewState): string {
+  const parts = new URLSearchParams();
+  const list = (values: number[], digits: number): string => values.map((v) => Number(v.toFixed(digits))).join(',');
+  if (state.eye) parts.set('eye', list(state.eye, 3));
+  if (state.colour !== BEGIN.colour) parts.set('colour', state.colour);
+  if (state.size !== BEGIN.size) parts.set('size', String(state.size));
+  if (!state.shading) parts.set('shading', '0');
+  if (!state.moving) parts.set('moving', '0');
+  if (String([...state.layers].sort()) !== String([...BEGIN.layers].sort())) parts.set('layers', state.layers.join(','));
+  if (state.box) parts.set('box', list(state.box, 2));
+  if (state.time !== null) parts.set('time', state.time.toFixed(2));
+  if (state.grow) parts.set('grow', '1');
+  return parts.toString().replaceAll('%2C', ',');
+}
+
+export function fromHash(hash: string): ViewState {
+  const parts = new URLSearchParams(hash.replace(/^#/, ''));
+  const list = (name: string, count: number): number[] | null => {
+    const values = (parts.get(name) ?? '').split(',').map(Number);
+    return values.length === count && values.every(Number.isFinite) && parts.get(name) ? values : null;
+  };
+  const number = (name: string): number | null => {
+    const value = Number(parts.get(name));
+    return parts.get(name) && Number.isFinite(value) ? value : null;
+  };
+  const layers = parts.get('layers');
+  return {
+    eye: list('eye', 6),
+    colour: COLOURS.find((one) => one === parts.get('colour')) ?? BEGIN.colour,
+    size: Math.min(8, Math.max(1, number('size') ?? BEGIN.size)),
+    shading: parts.get('shading') !== '0',
+    moving: parts.get('moving') !== '0',
+    layers: layers === null ? [...BEGIN.layers] : LAYERS.filter((layer) => layers.split(',').includes(layer)),
+    box: list('box', 6),
+    time: number('time'),
+    grow: parts.get('grow') === '1',
+  };
+}

@@ -1,0 +1,295 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/viewer/view_data.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/clouds/las_reader.hpp"
+#include "adit/tools/clouds/pcd_reader.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/tiled_cloud.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/support/progress.hpp"
+#include "adit/tools/support/usage_error.hpp"
+#include "adit/tools/support/version.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr std::size_t kUsualShare = 98;  // of 100 points are no brighter than the brightest shown
+constexpr uint64_t kKeyframesTold = 65'536;
+// A place beyond is no place that a sensor was at, and would make all others one point.
+constexpr double kFarthest = 1e8;  // m
+
+std::string text_of(const ordered_json& json) {
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+/// What is shown of a folder or file.
+struct ViewFiles {
+  fs::path map;         ///< a map database, or
+  fs::path cloud;       ///< a cloud, and
+  fs::path trajectory;  ///< its trajectory, where there is one
+};
+
+std::string extension_of(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool is_cloud(const fs::path& file) {
+  const std::string extension = extension_of(file);
+  return extension == ".ply" || extension == ".pcd" || extension == ".las";
+}
+
+ViewFiles files_in(const fs::path& folder) {
+  if (fs::exists(folder / "map.adit")) {
+    return {.map = folder / "map.adit", .cloud = {}, .trajectory = {}};
+  }
+  for (const char* name : {"map.ply", "cloud.ply"}) {
+    if (fs::exists(folder / name)) {
+      const fs::path trajectory = folder / "trajectory.tum";
+      return {.map = {},
+              .cloud = folder / name,
+              .trajectory = fs::exists(trajectory) ? trajectory : fs::path()};
+    }
+  }
+  throw InputError(folder, {}, "it holds neither map.adit nor map.ply nor cloud.ply",
+                   "`adit view` shows what `adit run RECORDING -o OUT` leaves in OUT");
+}
+
+ViewFiles files_of(const fs::path& what) {
+  if (fs::is_directory(what)) {
+    return files_in(what);
+  }
+  if (is_cloud(what)) {
+    return {.map = {}, .cloud = what, .trajectory = {}};
+  }
+  if (fs::exists(what) && extension_of(what) != ".adit") {
+    throw InputError(what, {}, "it is neither a map nor a cloud (.adit, .ply, .pcd, .las)",
+                     "A recording is mapped first: adit run " + what.string() +
+                         " -o out --set mapping.enabled=true, then adit view out");
+  }
+  return {.map = what, .cloud = {}, .trajectory = {}};
+}
+
+CloudFile read_any_cloud(const fs::path& file) {
+  const std::string extension = extension_of(file);
+  return extension == ".pcd"   ? read_pcd(file)
+         : extension == ".las" ? read_las(file)
+                               : read_ply(file);
+}
+
+bool is_place(const Point& point) {
+  const Eigen::Vector3f p(point.x, point.y, point.z);
+  return p.allFinite() && p.cwiseAbs().maxCoeff() < static_cast<float>(kFarthest);
+}
+
+/// What most points are no brighter than; 0 where none has an intensity.
+float usual_brightest(std::span<const Point> points) {
+  std::vector<float> some;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / 1'000'000);
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    if (std::isfinite(points[i].intensity)) {
+      some.push_back(points[i].intensity);
+    }
+  }
+  if (some.empty()) {
+    return 0.0F;
+  }
+  const auto at = some.begin() + static_cast<std::ptrdiff_t>(some.size() * kUsualShare / 100);
+  std::ranges::nth_element(some, at);
+  return std::max(0.0F, *at);
+}
+
+ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
+  if (sweeps.empty()) {
+    return {};
+  }
+  const auto [first, last] = std::ranges::minmax(sweeps, {}, &ViewSweep::stamp);
+  return {.first = first.stamp, .last = last.stamp};
+}
+
+}  // namespace
+
+ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
+    : edit_(options.edit), stop_(options.stop) {
+  const ViewFiles files = files_of(options.what);
+  title_ = options.what.filename().empty() ? options.what.parent_path().filename().string()
+                                           : options.what.filename().string();
+  if (files.map.empty() && edit_) {
+    throw UsageError("--edit: " + options.what.string() +
+                     " has no map.adit, so there are no loops to edit.");
+  }
+  if (!files.trajectory.empty()) {
+    const Trajectory trajectory = read_trajectory(files.trajectory);
+    for (const StampedPose& pose : trajectory.poses) {
+      sweeps_.push_back({.stamp = pose.stamp, .keyframe = -1, .T_keyframe_lidar = pose.pose});
+    }
+    span_ = span_of(sweeps_);
+  }
+  if (files.map.empty()) {
+    read_cloud(files.cloud, progress);
+  } else {
+    read_map(files.map, progress);
+  }
+}
+
+void ViewData::read_map(const fs::path& file, std::ostream& progress) {
+  map_ = file;
+  const MapDatabase map(file, MapAccess::read);
+  sweeps_ = sweeps_of(map);
+  span_ = span_of(sweeps_);
+  const std::vector<MapKeyframe> keyframes = map.keyframes();
+  keyframes_ = keyframes.size();
+  Eigen::AlignedBox3d box;
+  for (const auto& [id, one] : map.boxes()) {
+    if (one.min().cwiseAbs().maxCoeff() < kFarthest &&
+        one.max().cwiseAbs().maxCoeff() < kFarthest) {
+      box.extend(one);
+    }
+  }
+  if (box.isEmpty()) {
+    box.extend(Eigen::Vector3d::Zero().eval());
+  }
+  CloudTilesMaker maker(cube_about(box.min(), box.max()));
+  Progress bar(progress, progress_style_of_stderr(), "read", keyframes_, Progress::Clock::now(),
+               "keyframes");
+  std::size_t read = 0;
+  visit_cloud(map, {}, {}, [&](std::span<const CloudPoint> points) {
+    // The same number for all of them: keyframes beyond 65536 share theirs with the next.
+    const auto keyframe = static_cast<uint16_t>(
+        keyframes_ <= kKeyframesTold ? read : read * kKeyframesTold / keyframes_);
+    for (const CloudPoint& point : points) {
+      maker.add(point.position, {.moment = span_.moment_of(point.time),
+                                 .keyframe = keyframe,
+                                 .moving = static_cast<uint8_t>(point.moving)});
+    }
+    bar.update(++read, 0);
+    stop_if_wanted();
+  });
+  bar.finish();
+  make_tiles(maker, progress);
+  make_scene(false, keyframes);
+  graph_ = text_of(graph_of(map, span_));
+}
+
+void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
+  const CloudFile cloud = read_any_cloud(file);
+  const std::vector<Point>& points = cloud.sweep.points;
+  Eigen::AlignedBox3d box;
+  for (const Point& point : points) {
+    if (is_place(point)) {
+      box.extend(Eigen::Vector3f(point.x, point.y, point.z).cast<double>());
+    }
+  }
+  if (box.isEmpty()) {
+    throw InputError(file, {}, "it has no point that is anywhere",
+                     "Its coordinates are all NaN or beyond " + std::to_string(kFarthest) + " m");
+  }
+  const float brightest = cloud.has_intensity ? usual_brightest(points) : 0.0F;
+  // Points tell of their own time where nothing else does.
+  const bool timed = cloud.sweep.times.size() == points.size() && sweeps_.empty();
+  if (timed) {
+    span_ = {.first = Nanoseconds(0), .last = nanoseconds(duration_of(cloud.sweep))};
+  }
+  CloudTilesMaker maker(cube_about(box.min(), box.max()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& point = points[i];
+    if (!is_place(point)) {
+      continue;
+    }
+    const float share = brightest > 0.0F ? point.intensity / brightest : 0.0F;
+    const double time = timed && std::isfinite(cloud.sweep.times[i]) ? cloud.sweep.times[i] : 0.0;
+    maker.add(Eigen::Vector3d(point.x, point.y, point.z),
+              {.moment = timed ? span_.moment_of(nanoseconds(time)) : uint16_t{0},
+               .intensity = static_cast<uint8_t>(
+                   std::isfinite(share) ? std::clamp(255.0F * share, 0.0F, 255.0F) : 0.0F)});
+  }
+  make_tiles(maker, progress);
+  make_scene(brightest > 0.0F, {});
+  graph_ = R"({"type":"graph","keyframes":{"id":[],"session":[],"time":[],"pose":[],"odometry":[],)"
+           R"("covariance":[]},"edges":[],"loops":[],"fixes":[]})";
+}
+
+void ViewData::stop_if_wanted() const {
+  if (stop_ && stop_()) {
+    throw ViewStopped("stopped before there was something to show");
+  }
+}
+
+void ViewData::make_tiles(CloudTilesMaker& maker, std::ostream& progress) {
+  Progress bar(progress, progress_style_of_stderr(), "tile", maker.added(), Progress::Clock::now(),
+               "points");
+  tiles_ = maker.make([&](uint64_t done) {
+    bar.update(done, 0);
+    stop_if_wanted();
+  });
+  bar.finish();
+}
+
+/// `tiled`: where keyframes were when their points came into tiles.
+void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled) {
+  ordered_json parents = ordered_json::array();
+  ordered_json octants = ordered_json::array();
+  ordered_json counts = ordered_json::array();
+  for (const CloudTile& tile : tiles_.tiles()) {
+    parents.push_back(tile.parent);
+    octants.push_back(tile.octant);
+    counts.push_back(tile.points);
+  }
+  const CloudCube& cube = tiles_.cube();
+  scene_ = text_of({{"type", "scene"},
+                    {"program", std::string(kGenerator)},
+                    {"title", title_},
+                    {"editable", edit_},
+                    {"intensity", has_intensity},
+                    {"start_ns", std::to_string(span_.first.count())},
+                    {"seconds", seconds(span_.last - span_.first)},
+                    {"points", tiles_.points()},
+                    {"keyframes_told", std::min<uint64_t>(keyframes_, kKeyframesTold)},
+                    {"cube",
+                     {{"low", {cube.low.x(), cube.low.y(), cube.low.z()}},
+                      {"edge", cube.edge},
+                      {"cells", kTileCells}}},
+                    {"tiles", {{"parent", parents}, {"octant", octants}, {"points", counts}}},
+                    {"tiled_poses", poses_of(tiled)},
+                    {"sweeps", json_of(sweeps_, span_)}});
+}
+
+std::string ViewData::tile(uint32_t number) const {
+  if (number >= tiles_.tiles().size()) {
+    return {};
+  }
+  const std::vector<TilePoint> points = tiles_.read(number);
+  const std::array<uint32_t, 2> head = {number, static_cast<uint32_t>(points.size())};
+  std::string message(sizeof(head) + points.size() * sizeof(TilePoint), '\0');
+  std::memcpy(message.data(), head.data(), sizeof(head));
+  if (!points.empty()) {
+    std::memcpy(message.data() + sizeof(head), points.data(), points.size() * sizeof(TilePoint));
+  }
+  return message;
+}
+
+LoopChange ViewData::change(int64_t loop, LoopAction action) {
+  if (!edit_) {
+    throw UsageError("this view does not edit: start it with `adit view MAP --edit`.");
+  }
+  const LoopChange changed = change_loop(map_, loop, action);
+  graph_ = text_of(graph_of(MapDatabase(map_, MapAccess::read), span_));
+  return changed;
+}
+
+}  // namespace adit

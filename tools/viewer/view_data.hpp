@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `adit view` shows: a map, a run's folder or a cloud, read once and made into tiles.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "adit/tools/maps/loop_change.hpp"
+#include "adit/tools/viewer/cloud_tiles.hpp"
+#include "adit/tools/viewer/view_graph.hpp"
+
+namespace adit {
+
+struct ViewDataOptions {
+  std::filesystem::path what;    ///< a map, a run's folder, or a cloud: PLY, PCD or LAS
+  bool edit = false;             ///< loops may be revoked and restored
+  std::function<bool()> stop{};  ///< asked while it is read: true ends that; empty: nothing does
+};
+
+/// The reading was ended by ViewDataOptions::stop.
+class ViewStopped : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class ViewData {
+ public:
+  /// Reads it and makes its tiles; progress goes to `progress`. Throws InputError (nothing that can
+  /// be shown, or damaged), OutputError (no room for temporary files), UsageError (`edit` without a
+  /// map), ViewStopped.
+  ViewData(const ViewDataOptions& options, std::ostream& progress);
+
+  uint64_t points() const { return tiles_.points(); }
+  std::size_t keyframes() const { return keyframes_; }
+  const std::string& title() const { return title_; }
+  bool editable() const { return edit_; }
+
+  /// JSON. The scene is what never changes: tiles, sweeps, times.
+  const std::string& scene() const { return scene_; }
+  const std::string& graph() const { return graph_; }
+
+  /// Its number and the number of its points (32 bits each), then the points; empty where there is
+  /// no such tile. Throws OutputError.
+  std::string tile(uint32_t number) const;
+
+  /// Changes the map, and graph() with it. Throws what change_loop() does, UsageError where the
+  /// view may not edit.
+  LoopChange change(int64_t loop, LoopAction action);
+
+ private:
+  void stop_if_wanted() const;
+  void read_map(const std::filesystem::path& file, std::ostream& progress);
+  void read_cloud(const std::filesystem::path& file, std::ostream& progress);
+  void make_tiles(CloudTilesMaker& maker, std::ostream& progress);
+  void make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled);
+
+  std::string title_;
+  std::filesystem::path map_;
+  bool edit_ = false;
+  std::function<bool()> stop_;
+  std::size_t keyframes_ = 0;
+  ViewSpan span_;
+  std::vector<ViewSweep> sweeps_;
+  CloudTiles tiles_;
+  std::string scene_;
+  std::string graph_;
+};
+
+}  // namespace adit

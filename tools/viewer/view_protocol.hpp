@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a page may ask, as JSON: {"tiles": [3, 17]}, {"revoke": 5} or {"restore": 5}.
+#pragma once
+
+#include <string_view>
+
+#include "adit/tools/viewer/view_data.hpp"
+#include "adit/tools/viewer/view_server.hpp"
+
+namespace adit {
+
+/// The answer to a page's message. A change of the map goes to all pages; one that cannot be is
+/// told to the page that asked, in words. Throws nothing that a message could cause.
+ViewAnswer answer_to(ViewData& data, std::string_view message);
+
+}  // namespace adit
