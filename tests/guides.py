@@ -25,6 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOT_RUN = {
     "./dev ": "installs packages and builds",
     "adit bench": "takes minutes",
+    "sudo apt install": "needs root, and what the line before it builds",
     "pip install tools/python": "builds",
     "python3 -m venv": "needs the network",
     "cmake --": "is what tests/installed.py does",
