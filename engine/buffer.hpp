@@ -14,6 +14,7 @@ namespace adit::engine {
 
 class Context;
 
+/// Where a buffer lies, and who maps it.
 enum class Memory {
   device,    ///< fastest for kernels; mapped only on devices with unified memory
   upload,    ///< mapped and coherent; the host writes, the device reads
@@ -26,7 +27,7 @@ inline constexpr uint64_t kSliceAlignment = 256;
 /// A texel of a uniform texel buffer: four 32-bit words. Every device can bind slices of up to
 /// kMinTexels of them; what a device can is DeviceInfo::max_texel_buffer_elements.
 inline constexpr uint64_t kTexelBytes = 16;
-inline constexpr uint64_t kMinTexels = 65536;
+inline constexpr uint64_t kMinTexels = 65536;  ///< that every device binds at least
 
 /// The next multiple of kSliceAlignment, for laying several slices out in one buffer.
 constexpr uint64_t align_slice(uint64_t bytes) {
@@ -43,8 +44,8 @@ class Buffer {
   Buffer& operator=(Buffer&&) noexcept;
   ~Buffer();
 
-  uint64_t size() const;  ///< bytes, as asked for
-  const std::string& name() const;
+  uint64_t size() const;            ///< bytes, as asked for
+  const std::string& name() const;  ///< for messages and profiles
   /// The host's view, null where there is none. Coherent: no flush is needed, but the device's
   /// writes are there only after Submission::wait(), and the host's only for submissions made after
   /// them.
@@ -61,8 +62,11 @@ class Buffer {
     return {reinterpret_cast<T*>(mapped()), static_cast<std::size_t>(size() / sizeof(T))};
   }
 
+  /// The whole of it, or a part; offset and size in bytes.
   Slice slice() const;
+  /// As above.
   Slice slice(uint64_t offset, uint64_t bytes) const;
+  /// The whole of it.
   operator Slice() const;  // NOLINT(google-explicit-constructor): binds as a whole
 
   struct State;
@@ -76,9 +80,9 @@ class Buffer {
 /// A range of a buffer: what kernels bind and what fill() and copy() act on. It refers to the
 /// buffer's memory: it stays good where the Buffer is moved, and ends with it.
 struct Slice {
-  const Buffer::State* buffer = nullptr;
+  const Buffer::State* buffer = nullptr;  ///< whose memory it is
   uint64_t offset = 0;  ///< bytes; a multiple of kSliceAlignment where a kernel binds it
-  uint64_t bytes = 0;
+  uint64_t bytes = 0;   ///< its size
 
   /// The range [at, at + length) of this slice, bytes. Throws std::out_of_range past its end.
   Slice sub(uint64_t at, uint64_t length) const;

@@ -22,6 +22,7 @@ namespace adit::engine {
 
 struct Device;
 
+/// How a device is chosen and used.
 struct ContextOptions {
   /// Index, UUID, or part of the name or driver (case-insensitive). Empty: the first device that is
   /// not software; a software one only where there is nothing else.
@@ -36,8 +37,8 @@ struct ContextOptions {
 
 /// What a driver's compiler tells of a kernel that it made.
 struct KernelStatistics {
-  std::string kernel;
-  std::vector<Specialization> specializations;
+  std::string kernel;                                  ///< its name
+  std::vector<Specialization> specializations;         ///< as it was specialised
   std::vector<std::pair<std::string, double>> values;  ///< by the driver's names, in its order
 };
 
@@ -53,6 +54,7 @@ class Context {
   Context& operator=(Context&&) noexcept;
   ~Context();
 
+  /// The device that it runs on.
   const DeviceInfo& device() const;
   /// Nothing was asked for and only software was found. The caller says so.
   bool software_fallback() const;
@@ -64,6 +66,7 @@ class Context {
   uint64_t memory_peak() const;    ///< the largest memory_in_use() so far
   uint64_t memory_reserved() const;  ///< bytes taken from the device; what the budget bounds
 
+  /// A new command buffer. The context outlives it.
   Recorder make_recorder();
   /// Starts the work; submissions run in the order of these calls.
   Submission submit(Recorder&& recorder);

@@ -16,14 +16,14 @@ class Context;
 
 /// The value of one specialization constant (its bits).
 struct Specialization {
-  uint32_t id = 0;
-  uint32_t value = 0;
+  uint32_t id = 0;     ///< constant_id in the shader
+  uint32_t value = 0;  ///< its bits
 };
 
 /// SPIR-V of a compute shader, with a name for messages and profiles.
 struct Shader {
-  std::string_view name;
-  std::span<const uint32_t> spirv;
+  std::string_view name;            ///< for messages and profiles
+  std::span<const uint32_t> spirv;  ///< words of the module
 };
 
 /// By convention constant_id 0 of every shader is its work-group size in x, and this is its
@@ -48,8 +48,10 @@ class Kernel {
   Kernel& operator=(Kernel&&) noexcept;
   ~Kernel();
 
+  /// The shader's.
   std::string_view name() const;
   uint32_t local_size() const;  ///< invocations a group in x, as specialised
+  /// What its SPIR-V declares: bindings, work-group size, push constants.
   const Reflection& reflection() const;
   /// Groups for one invocation an item: ceil(items / local_size()). A dispatch takes at most
   /// kMaxGroups.

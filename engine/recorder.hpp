@@ -55,6 +55,7 @@ class Recorder {
                 std::initializer_list<Slice> slices) {
     dispatch_bytes(kernel, groups, bytes_of(push), {slices.begin(), slices.size()});
   }
+  /// The same, of a shader without push constants.
   void dispatch(const Kernel& kernel, uint32_t groups, std::initializer_list<Slice> slices) {
     dispatch_bytes(kernel, groups, {}, {slices.begin(), slices.size()});
   }
@@ -65,6 +66,7 @@ class Recorder {
                          std::initializer_list<Slice> slices) {
     dispatch_indirect_bytes(kernel, args, bytes_of(push), {slices.begin(), slices.size()});
   }
+  /// The same, of a shader without push constants.
   void dispatch_indirect(const Kernel& kernel, Slice args, std::initializer_list<Slice> slices) {
     dispatch_indirect_bytes(kernel, args, {}, {slices.begin(), slices.size()});
   }
@@ -72,6 +74,7 @@ class Recorder {
   /// The same, for a number of slices or push constants known only at run time.
   void dispatch_bytes(const Kernel& kernel, uint32_t groups, std::span<const std::byte> push,
                       std::span<const Slice> slices);
+  /// As above.
   void dispatch_indirect_bytes(const Kernel& kernel, Slice args, std::span<const std::byte> push,
                                std::span<const Slice> slices);
 
@@ -103,6 +106,7 @@ class Recorder {
   std::unique_ptr<State> state_;
 };
 
+/// Named device time, see Recorder::scope().
 using Scope = Recorder::Scope;
 
 }  // namespace adit::engine

@@ -11,9 +11,9 @@ namespace adit::engine {
 
 /// Device time of one Recorder::scope(), ms.
 struct ScopeTime {
-  std::string name;
-  double device_ms = 0.0;
-  uint32_t depth = 0;  ///< 0 for a scope that is in no other
+  std::string name;        ///< of the scope
+  double device_ms = 0.0;  ///< by the device's own clock
+  uint32_t depth = 0;      ///< 0 for a scope that is in no other
 };
 
 /// Work on its way to, on, or done by the device. Destroying it waits for the work, so that buffers

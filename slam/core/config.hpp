@@ -225,6 +225,7 @@ struct RecoveryConfig {
   }
 };
 
+/// All settings, by section.
 struct Config {
   RecordingConfig recording;
   PreprocessConfig preprocess;

@@ -21,8 +21,8 @@ struct ImuNoise {
 
 /// A sensor by name with the densities of its manufacturer.
 struct ImuPreset {
-  std::string_view name;
-  ImuNoise noise;
+  std::string_view name;  ///< as imu.sensor names it
+  ImuNoise noise;         ///< its densities
 };
 
 /// Sensors that are often built into or onto range sensors.

@@ -9,7 +9,9 @@
 
 namespace adit {
 
+/// Of a pose with a velocity.
 using Vector9d = Eigen::Matrix<double, 9, 1>;
+/// As above.
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
 /// What an inertial sensor reads when it should read nothing; body axes.
@@ -24,23 +26,26 @@ struct ImuBias {
 /// perturbation), then velocity in the map's axes, then the biases, then the direction of gravity
 /// in the map (two components, slam/core/direction.hpp); m, rad, m/s, rad/s, m/s², rad.
 struct NavState {
-  Nanoseconds stamp{0};
-  Eigen::Isometry3d T_map_body = Eigen::Isometry3d::Identity();
+  Nanoseconds stamp{0};  ///< of the state
+  Eigen::Isometry3d T_map_body =
+      Eigen::Isometry3d::Identity();                     ///< maps body coordinates to the map
   Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();  ///< velocity of the body in the map, m/s
-  ImuBias bias;
+  ImuBias bias;                                          ///< of the IMU
   Eigen::Vector3d gravity_map = Eigen::Vector3d(0.0, 0.0, -kStandardGravity);  ///< m/s²
 };
 
 /// Places of the parts in a tangent vector of NavState.
 constexpr int kPositionAt = 0;
-constexpr int kRotationAt = 3;
-constexpr int kVelocityAt = 6;
-constexpr int kGyroBiasAt = 9;
-constexpr int kAccelBiasAt = 12;
-constexpr int kGravityAt = 15;
-constexpr int kStateSize = 17;
+constexpr int kRotationAt = 3;    ///< see kPositionAt
+constexpr int kVelocityAt = 6;    ///< see kPositionAt
+constexpr int kGyroBiasAt = 9;    ///< see kPositionAt
+constexpr int kAccelBiasAt = 12;  ///< see kPositionAt
+constexpr int kGravityAt = 15;    ///< see kPositionAt
+constexpr int kStateSize = 17;    ///< length of a tangent vector
 
+/// A tangent vector of NavState.
 using StateVector = Eigen::Matrix<double, kStateSize, 1>;
+/// A covariance of NavState, or an information.
 using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
 
 /// The state moved by a tangent vector; the stamp stays.

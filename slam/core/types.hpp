@@ -33,10 +33,10 @@ constexpr Nanoseconds nanoseconds(double seconds) {
 /// One return in the lidar frame (m). `intensity` keeps the sensor's own scale; 0 where it has
 /// none.
 struct Point {
-  float x = 0.0F;
-  float y = 0.0F;
-  float z = 0.0F;
-  float intensity = 0.0F;
+  float x = 0.0F;          ///< m
+  float y = 0.0F;          ///< m
+  float z = 0.0F;          ///< m
+  float intensity = 0.0F;  ///< in the sensor's own unit
 };
 static_assert(sizeof(Point) == 16, "a Point is uploaded to the device as one vec4");
 
@@ -64,7 +64,7 @@ inline double duration_of(const Sweep& sweep) {
 /// One reading of an inertial sensor, in the sensor's own axes. A sensor at rest with z up reads
 /// +9.8 along z. What it does not measure is NaN.
 struct ImuSample {
-  Nanoseconds stamp{0};
+  Nanoseconds stamp{0};                                           ///< when it was measured
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();     ///< rad/s
   Eigen::Vector3d linear_acceleration = Eigen::Vector3d::Zero();  ///< m/s², gravity included
 };
@@ -81,8 +81,8 @@ struct Geodetic {
 
 /// One position of a GNSS antenna on WGS 84.
 struct GnssFix {
-  Nanoseconds stamp{0};
-  GnssFixKind kind = GnssFixKind::none;
+  Nanoseconds stamp{0};                       ///< when it was measured
+  GnssFixKind kind = GnssFixKind::none;       ///< how good it is
   double latitude = 0.0;                      ///< degrees, north positive
   double longitude = 0.0;                     ///< degrees, east positive
   double altitude = 0.0;                      ///< m above the ellipsoid
@@ -91,23 +91,23 @@ struct GnssFix {
 
 /// A pose that somebody else determined: T_parent_child maps child coordinates to the parent frame.
 struct ReferencePose {
-  Nanoseconds stamp{0};
-  std::string parent;  ///< frame; empty where the source names none
-  std::string child;
-  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
+  Nanoseconds stamp{0};  ///< when it holds
+  std::string parent;    ///< frame; empty where the source names none
+  std::string child;     ///< frame that is placed
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();  ///< where it is
 };
 
 /// How two frames are mounted to each other.
 struct StaticTransform {
-  std::string parent;
-  std::string child;
-  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
+  std::string parent;  ///< frame that the other is placed in
+  std::string child;   ///< frame that is placed
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();  ///< where it is
 };
 
 /// A pose at a time: T_map_lidar maps lidar coordinates to the map frame.
 struct StampedPose {
-  Nanoseconds stamp{0};
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Nanoseconds stamp{0};                                    ///< when it holds
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< T_map_lidar
 };
 
 }  // namespace adit

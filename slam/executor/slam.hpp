@@ -24,24 +24,25 @@ namespace adit {
 
 /// What became of an inertial reading is known.
 struct ReadingTaken {
-  ImuArrival arrival = ImuArrival::appended;
+  ImuArrival arrival = ImuArrival::appended;  ///< what became of it
   std::optional<LidarMotion>
       motion{};  ///< at its time, where high-rate odometry is wanted and known
 };
 
 /// A sweep has been placed.
 struct SweepPlaced {
-  Sweep sweep;
-  SweepResult result;
+  Sweep sweep;                           ///< as it was added
+  SweepResult result;                    ///< its pose, and how it came about
   std::optional<MapPlacement> mapped{};  ///< where there is a map
 };
 
 /// A sweep that has no place in a trajectory: its time is not after that of the sweep before it.
 struct SweepLeftOut {
-  Sweep sweep;
+  Sweep sweep;          ///< as it was added
   Nanoseconds last{0};  ///< stamp of the sweep before it
 };
 
+/// What Slam::next() gives.
 using SlamResult = std::variant<ReadingTaken, SweepPlaced, SweepLeftOut>;
 
 /// Where the mounting of the inertial sensor on the range sensor comes from.
@@ -50,21 +51,25 @@ enum class MountingSource {
   transforms,  ///< the static transforms that were added, by the frames of the measurements
   assumed,     ///< nobody: their axes are taken to be the same
 };
+/// How the inertial sensor is mounted on the range sensor.
 struct Mounting {
-  MountingSource source = MountingSource::assumed;
-  Eigen::Isometry3d T_imu_lidar = Eigen::Isometry3d::Identity();
+  MountingSource source = MountingSource::assumed;  ///< who told it
+  Eigen::Isometry3d T_imu_lidar =
+      Eigen::Isometry3d::Identity();  ///< maps lidar coordinates to the IMU
 };
 
+/// What a Slam is to do besides odometry.
 struct SlamOptions {
   bool inertial = true;  ///< there is an inertial sensor: sweeps wait for its readings
   /// High-rate odometry is wanted: corrections are spread over so many seconds (0: they are steps).
   std::optional<double> high_rate_smoothing{};
   /// Where a map is kept, and whose share of it this is; null: no map is made. Outlives the Slam.
   MapStore* map = nullptr;
-  SessionId session = 0;
+  SessionId session = 0;                 ///< as MapStore::add_session() gave it
   uint64_t submap_bytes = kSubmapBytes;  ///< of stored submaps that stay in memory
 };
 
+/// The whole system: measurements in, placed sweeps out. make_slam() makes one.
 class Slam {
  public:
   Slam() = default;

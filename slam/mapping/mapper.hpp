@@ -26,9 +26,9 @@ struct MapPlacement {
 
 /// What has become of a run's map.
 struct MapReport {
-  std::size_t keyframes = 0;
-  std::size_t sweeps = 0;
-  std::size_t edges = 0;
+  std::size_t keyframes = 0;        ///< stored
+  std::size_t sweeps = 0;           ///< placed in them
+  std::size_t edges = 0;            ///< between keyframes
   std::size_t aligned_edges = 0;    ///< the submaps could be aligned; the others are odometry alone
   std::size_t components = 0;       ///< parts of the map that nothing ties together
   uint64_t points = 0;              ///< total over all submaps
@@ -38,7 +38,7 @@ struct MapReport {
   std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
   double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's
   std::optional<LoopReport> loops;  ///< none: not looked for
-  GnssReport gnss;
+  GnssReport gnss;                  ///< what became of fixes
 };
 
 /// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges
@@ -64,7 +64,9 @@ class Mapper {
   /// The last keyframe is stored, everything takes effect, and final poses go to the store.
   void finish();
 
+  /// As it is by now.
   const PoseGraph& graph() const { return assembly_.graph(); }
+  /// As it is by now.
   const MapReport& report() const { return report_; }
 
  private:

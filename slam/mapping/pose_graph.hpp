@@ -16,22 +16,26 @@
 
 namespace adit {
 
+/// Of a node, unique in a graph.
 using NodeId = int64_t;
 
+/// A pose that the optimisation may move.
 struct PoseNode {
-  NodeId id = 0;
-  Eigen::Isometry3d T_map_node = Eigen::Isometry3d::Identity();
+  NodeId id = 0;                                                 ///< unique in the graph
+  Eigen::Isometry3d T_map_node = Eigen::Isometry3d::Identity();  ///< where it is
   bool fixed = false;  ///< the optimisation leaves it where it is
 };
 
 /// Where an edge comes from; robust kernels are chosen by it.
 enum class EdgeKind { odometry, loop };
+/// The enumerator's name.
 constexpr std::string_view to_string(EdgeKind kind) {
   return kind == EdgeKind::loop ? "loop" : "odometry";
 }
 
 /// Only active edges are optimised; the others stay on record.
 enum class EdgeStatus { active, candidate, revoked };
+/// The enumerator's name.
 constexpr std::string_view to_string(EdgeStatus status) {
   return status == EdgeStatus::active      ? "active"
          : status == EdgeStatus::candidate ? "candidate"
@@ -40,19 +44,19 @@ constexpr std::string_view to_string(EdgeStatus status) {
 
 /// A measured pose of node `to` in the frame of node `from`.
 struct PoseEdge {
-  NodeId from = 0;
-  NodeId to = 0;
-  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  NodeId from = 0;  ///< whose frame the measurement is in
+  NodeId to = 0;    ///< that was measured
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();  ///< the measurement
   /// The residual's, ordered [translation, rotation] (1/m^2, 1/rad^2): symmetric, without negative
   /// eigenvalues. Directions that the edge says nothing about have none.
   Matrix6d information = Matrix6d::Identity();
-  EdgeKind kind = EdgeKind::odometry;
-  EdgeStatus status = EdgeStatus::active;
+  EdgeKind kind = EdgeKind::odometry;      ///< where it comes from
+  EdgeStatus status = EdgeStatus::active;  ///< whether it counts
 };
 
 /// Where a point of a node was measured to lie in the world.
 struct PositionFix {
-  NodeId node = 0;
+  NodeId node = 0;                                    ///< it belongs to
   Eigen::Vector3d p_node = Eigen::Vector3d::Zero();   ///< the point in the node's axes, m
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  ///< m
   /// 1/m^2, world axes: symmetric, without negative eigenvalues.
@@ -61,7 +65,7 @@ struct PositionFix {
 
 /// A node whose z axis was measured to point up in the world.
 struct LevelledNode {
-  NodeId node = 0;
+  NodeId node = 0;           ///< which
   double information = 0.0;  ///< 1/rad^2, about each of the two level axes
 };
 
@@ -78,8 +82,11 @@ class PoseGraph {
   /// `planar`: poses are (x, y, yaw) in the plane z = 0 and edges are compared in these alone.
   explicit PoseGraph(bool planar = false) : planar_(planar) {}
 
+  /// Poses are (x, y, yaw).
   bool planar() const { return planar_; }
+  /// In order of their ids.
   const std::vector<PoseNode>& nodes() const { return nodes_; }
+  /// In the order in which they were added.
   const std::vector<PoseEdge>& edges() const { return edges_; }
 
   /// Ids may come in any order; increasing ones cost nothing extra. Throws GraphError: the id is
@@ -90,23 +97,32 @@ class PoseGraph {
   /// symmetric or has a negative eigenvalue.
   void add_edge(const PoseEdge& edge);
 
+  /// `edge` is its position in edges().
   void set_status(std::size_t edge, EdgeStatus status) { edges_.at(edge).status = status; }
+  /// Whether the optimisation leaves the node where it is.
   void set_fixed(NodeId id, bool fixed) { nodes_[index_of(id)].fixed = fixed; }
+  /// Where the optimisation starts from.
   void set_pose(NodeId id, const Eigen::Isometry3d& T_map_node) {
     nodes_[index_of(id)].T_map_node = T_map_node;
   }
   /// All poses at once, in the order of nodes().
   void set_poses(std::span<const Eigen::Isometry3d> poses);
 
+  /// What ties nodes to the world by position.
   const std::vector<PositionFix>& fixes() const { return fixes_; }
+  /// What ties nodes to the vertical.
   const std::vector<LevelledNode>& levels() const { return levels_; }
   /// Throw GraphError: no such node, not finite, or an information that is none. Not for planar
   /// graphs.
   void add_fix(const PositionFix& fix);
+  /// As add_fix().
   void add_level(const LevelledNode& level);
+  /// The map has no place in the world any more.
   void clear_fixes() { fixes_.clear(); }
 
+  /// Where the map lies in the world.
   const Eigen::Isometry3d& T_world_map() const { return T_world_map_; }
+  /// Where the optimisation starts from.
   void set_T_world_map(const Eigen::Isometry3d& T_world_map) { T_world_map_ = T_world_map; }
 
   /// The same with other informations of the edges: `scaled(edge)` gives them.
@@ -121,6 +137,7 @@ class PoseGraph {
 
   /// Positions in edges() of those that touch the node, whatever their status, as they were added.
   std::span<const std::size_t> edges_of(NodeId id) const { return edges_of_[index_of(id)]; }
+  /// There is a node of that id.
   bool contains(NodeId id) const;
   /// Position in nodes(). Throws GraphError where there is none of that id.
   std::size_t index_of(NodeId id) const;
@@ -139,23 +156,25 @@ class PoseGraph {
 
 /// Nodes that active edges tie to each other.
 struct GraphComponent {
-  NodeId first = 0;  ///< the lowest id
-  std::size_t nodes = 0;
-  std::size_t edges = 0;  ///< active ones
-  bool has_fixed_node = false;
+  NodeId first = 0;             ///< the lowest id
+  std::size_t nodes = 0;        ///< how many
+  std::size_t edges = 0;        ///< active ones
+  bool has_fixed_node = false;  ///< one at least
 };
 
 /// Which component each node belongs to, in the order of nodes(); components in order of `first`.
 struct GraphComponents {
-  std::vector<GraphComponent> components;
-  std::vector<std::size_t> component_of;
+  std::vector<GraphComponent> components;  ///< in order of `first`
+  std::vector<std::size_t> component_of;   ///< of each node, in the order of nodes()
 };
+/// What active edges tie together.
 GraphComponents connected_components(const PoseGraph& graph);
 
 /// First nodes of the components in which no node is fixed: held where they are, they give the
 /// others a place. In order of ids.
 std::vector<NodeId> nodes_to_hold(const GraphComponents& components);
 
+/// In the order of nodes().
 std::vector<Eigen::Isometry3d> poses_of(const PoseGraph& graph);
 
 }  // namespace adit

@@ -21,7 +21,7 @@ namespace adit {
 
 /// Which chunk has the sweeps, and which the descriptor.
 inline constexpr std::size_t kSweepChunk = 0;
-inline constexpr std::size_t kPlaceChunk = 2;
+inline constexpr std::size_t kPlaceChunk = 2;  ///< number of the chunk with the place's descriptor
 
 /// Chunks that are no submap. what() says what is wrong, for people.
 class SubmapDamaged : public std::runtime_error {

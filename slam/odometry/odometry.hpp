@@ -29,20 +29,21 @@ enum class OdometryState {
   restarted,  ///< too many failures in a row: the submap starts anew at the predicted pose, which
               ///< is a guess
 };
+/// The enumerator's name.
 std::string_view to_string(OdometryState state);
 
 /// Time of one stage of a sweep.
 struct StageTime {
-  std::string stage;
+  std::string stage;       ///< its name
   double device_ms = 0.0;  ///< between device timestamps; 0 where the stage has no device work
 };
 
 /// What Odometry::step() tells of a sweep.
 struct SweepResult {
-  Nanoseconds stamp{0};
-  Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
-  PoseUncertainty uncertainty;  ///< covariances of that pose
-  OdometryState state = OdometryState::initializing;
+  Nanoseconds stamp{0};                                           ///< of the sweep's start
+  Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();  ///< pose at that time
+  PoseUncertainty uncertainty;                                    ///< covariances of that pose
+  OdometryState state = OdometryState::initializing;              ///< how the pose came about
   RegistrationResult
       registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
   std::optional<Rejection> rejection;  ///< why an alignment is rejected

@@ -17,6 +17,7 @@ enum class Trust {
   doubtful,  ///< it may be wrong by more than its covariance says
   lost,      ///< it is a guess
 };
+/// The enumerator's name.
 std::string_view to_string(Trust trust);
 
 /// Why a stretch is not reliable.
@@ -26,19 +27,20 @@ enum class DoubtCause {
   contradicted,  ///< alignments and inertial predictions contradict each other, one after another
   new_start,     ///< the map began anew: how its pieces lie to each other inertia tells, or nothing
 };
+/// The enumerator's name.
 std::string_view to_string(DoubtCause cause);
 
 /// Sweeps in a row that are not reliable.
 struct DoubtfulStretch {
-  DoubtCause cause = DoubtCause::unheld;
-  Trust trust = Trust::doubtful;
-  size_t first = 0;  ///< sweep, counted from the first that was placed
-  size_t last = 0;
-  Nanoseconds begin{0};  ///< stamps of these two
-  Nanoseconds end{0};
-  double distance = 0.0;  ///< m, travelled in it by the estimate
-  size_t fused = 0;       ///< sweeps of it in which an inertial sensor was fused
-  double alone = 0.0;     ///< m, travelled in it without one
+  DoubtCause cause = DoubtCause::unheld;  ///< why it is doubted
+  Trust trust = Trust::doubtful;          ///< how much
+  size_t first = 0;                       ///< sweep, counted from the first that was placed
+  size_t last = 0;                        ///< the last one
+  Nanoseconds begin{0};                   ///< stamps of these two
+  Nanoseconds end{0};                     ///< stamp of the last
+  double distance = 0.0;                  ///< m, travelled in it by the estimate
+  size_t fused = 0;                       ///< sweeps of it in which an inertial sensor was fused
+  double alone = 0.0;                     ///< m, travelled in it without one
   /// m, of the way since its first sweep, along what was held least: standard deviation, at most.
   double sigma = 0.0;
   /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
@@ -53,7 +55,7 @@ struct DoubtfulStretch {
 
 /// What a run is worth: as much as its worst stretch.
 struct Verdict {
-  Trust trust = Trust::reliable;
+  Trust trust = Trust::reliable;           ///< of the run as a whole
   std::vector<DoubtfulStretch> stretches;  ///< by their causes, and in order of time
 };
 
@@ -62,6 +64,7 @@ struct Verdict {
 /// calls reliable is what nothing speaks against.
 class RunAssessor {
  public:
+  /// Each sweep's result once, in their order.
   void add(const SweepResult& result);
   /// The verdict on all sweeps so far.
   Verdict verdict() const;

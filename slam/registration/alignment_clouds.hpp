@@ -24,18 +24,20 @@ enum class RegistrationMethod {
   point_to_plane,  ///< points to the planes of their voxels
   ndt_to_ndt,      ///< Gaussians to Gaussians (Stoyanov et al., IJRR 2012): coarse and very fast
 };
+/// As the setting names it.
 std::string_view to_string(RegistrationMethod method);
 /// The method that a setting names.
 RegistrationMethod method_of(const RegistrationConfig& config);
 /// What voxels have to gather for it, and what is made of that; VGICP reads the sums themselves.
 engine::VoxelContent content_for(RegistrationMethod method);
+/// How voxels are finished for the method; nothing: they are not.
 std::optional<engine::FinishSettings> finish_for(RegistrationMethod method);
 
 /// A cloud on the device: down-sampled, with the surface at each point. Coordinates on the device
 /// are float32 about `origin`.
 struct SurfaceCloud {
   engine::Buffer points;  ///< uvec4 each: bits of x, y, z, packed surface
-  uint32_t size = 0;
+  uint32_t size = 0;      ///< points
   uint32_t crowded_voxels =
       0;  ///< with more points than their sums hold: the first stands for them
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();     ///< m, in the cloud's own frame
@@ -44,21 +46,23 @@ struct SurfaceCloud {
 
 /// What clouds are aligned with: one voxel map a level, coarse to fine, of a cloud.
 struct AlignmentTarget {
+  /// One of the voxel maps.
   struct Level {
     double voxel_size = 0.0;  ///< m
     engine::Buffer table;     ///< as the method reads it
-    uint32_t slots = 0;
+    uint32_t slots = 0;       ///< slots of its hash table
   };
-  RegistrationMethod method = RegistrationMethod::vgicp;
-  std::vector<Level> levels;
-  uint32_t voxels = 0;  ///< occupied ones of the finest level
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();
+  RegistrationMethod method = RegistrationMethod::vgicp;  ///< that the tables are for
+  std::vector<Level> levels;                              ///< coarse to fine
+  uint32_t voxels = 0;                                    ///< occupied ones of the finest level
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();       ///< m, in the cloud's own frame
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();    ///< sensor's position, m, cloud's frame
 };
 
 /// Makes clouds and targets for BatchAligner. Each call waits for the device.
 class AlignmentClouds {
  public:
+  /// The context outlives it.
   AlignmentClouds(engine::Context& context, const PreprocessConfig& config);
 
   /// Invalid points and those out of range (of `viewpoint`) are dropped, the others down-sampled;

@@ -26,11 +26,12 @@ enum class AlignmentRefusal {
   degenerate,          ///< a direction is held by no match
   ambiguous,           ///< another pose fits as well
 };
+/// The enumerator's name.
 std::string_view to_string(AlignmentRefusal refusal);
 
 /// How clouds are aligned; lengths in m.
 struct CloudAlignerSettings {
-  RegistrationMethod method = RegistrationMethod::vgicp;
+  RegistrationMethod method = RegistrationMethod::vgicp;  ///< how clouds are compared
   double r_input = 0.0;      ///< voxel size of the down-sampling; 0: by each cloud's extent, 0.05
                              ///< to 0.25. Voxels of the levels are 16, 8, 4 and 2 times as large
   double min_overlap = 0.4;  ///< share of b's points that must lie on a
@@ -47,31 +48,33 @@ struct AlignableCloud {
   AlignmentTarget coarse;  ///< all levels but the last two
   AlignmentTarget fine;    ///< the last two
   AlignmentTarget judge;   ///< what results are judged on
-  OverheadView above;
+  OverheadView above;      ///< for the search without a guess
 };
 
 /// Two clouds whose relative pose is wanted. They must live until align() returns.
 struct CloudPair {
-  const AlignableCloud* a = nullptr;
-  const AlignableCloud* b = nullptr;
+  const AlignableCloud* a = nullptr;         ///< stays where it is
+  const AlignableCloud* b = nullptr;         ///< is placed in a's frame
   std::optional<Eigen::Isometry3d> guess{};  ///< T_a_b, to some 2 m and 20 degrees; none: searched
 };
 
+/// The relative pose of two clouds, or why there is none to rely on.
 struct CloudAlignment {
-  AlignmentRefusal refusal = AlignmentRefusal::none;
+  AlignmentRefusal refusal = AlignmentRefusal::none;        ///< none: the pose is usable
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< maps b's coordinates to a's
   /// Of T_a_b, right perturbation [rho, phi] in b's axes; m and rad.
   Matrix6d covariance = Matrix6d::Identity();
   /// What was measured at that pose: overlap, residual, directions, iterations.
   RegistrationResult registration{};
   std::optional<CompetingPose> competing{};  ///< the other pose, where it is ambiguous
-  std::size_t poses_tried = 0;
+  std::size_t poses_tried = 0;               ///< that were aligned
 };
 
 /// Aligns pairs of clouds, from a guess or from nothing, many at once, and refuses what it cannot
 /// vouch for. The same clouds and guesses on the same device give the same bits.
 class CloudAligner {
  public:
+  /// The context outlives it.
   explicit CloudAligner(engine::Context& context, const CloudAlignerSettings& settings = {});
   ~CloudAligner();
   CloudAligner(CloudAligner&&) noexcept;

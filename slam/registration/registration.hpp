@@ -29,6 +29,7 @@ enum class RegistrationStatus {
   diverged,            ///< the step or the pose is not finite, or left the target's extent
   doubtful,            ///< found by a search, and rejected by its gating (slam/odometry/rejection)
 };
+/// For people.
 std::string_view to_string(RegistrationStatus status);
 
 /// The pose is an estimate: it converged, at least in the directions that the matches hold.
@@ -42,12 +43,13 @@ enum class Localizability {
   partial,  ///< by few matches: their information counts in part
   none,     ///< by none that agree: no information
 };
+/// The enumerator's name.
 std::string_view to_string(Localizability localizability);
 
 /// A direction of translation, or an axis of rotation about the source's origin.
 struct ObservedDirection {
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< unit, source frame
-  Localizability localizability = Localizability::none;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();        ///< unit, source frame
+  Localizability localizability = Localizability::none;  ///< how well it is held
   double information = 0.0;       ///< 1/m^2 or 1/rad^2, the other directions free
   double support = 0.0;           ///< sum of the shares that agreeing matches have in it
   double information_each = 0.0;  ///< mean per match; 1/m^2
@@ -56,26 +58,27 @@ struct ObservedDirection {
 /// Result of aligning a source cloud with a target, at the final pose. Tangent vectors are [rho,
 /// phi], right perturbations of T_target_source: the source's axes.
 struct RegistrationResult {
-  Eigen::Isometry3d T_target_source = Eigen::Isometry3d::Identity();
-  RegistrationStatus status = RegistrationStatus::too_few_points;
-  Matrix6d hessian = Matrix6d::Zero();  ///< sum of J^T Omega J; 1/m^2, 1/(m rad), 1/rad^2
-  Vector6d gradient = Vector6d::Zero();
+  Eigen::Isometry3d T_target_source =
+      Eigen::Isometry3d::Identity();  ///< maps the source's coordinates to the target's
+  RegistrationStatus status = RegistrationStatus::too_few_points;  ///< how it ended
+  Matrix6d hessian = Matrix6d::Zero();   ///< sum of J^T Omega J; 1/m^2, 1/(m rad), 1/rad^2
+  Vector6d gradient = Vector6d::Zero();  ///< of the cost at that pose; 1/m, 1/rad
   /// What the matches say of the pose and no more: the Hessian without the information that
   /// regularised covariances claim in every direction, and without weak directions (their share).
   /// Never contains the prior.
   Matrix6d information = Matrix6d::Zero();
   /// Weakest first. Empty axes where nothing was assessed (kNdtToNdt, failures).
   std::array<ObservedDirection, 3> translation{};
-  std::array<ObservedDirection, 3> rotation{};
-  bool used_prior = false;  ///< weak directions were solved for with the prior
-  double cost = 0.0;        ///< sum of e^T Omega e over the matches; NDT: minus the score
+  std::array<ObservedDirection, 3> rotation{};  ///< about the source's axes
+  bool used_prior = false;                      ///< weak directions were solved for with the prior
+  double cost = 0.0;  ///< sum of e^T Omega e over the matches; NDT: minus the score
   double residual_rms =
       0.0;  ///< m, root mean square distance along the target's normals over the matches
-  double overlap = 0.0;  ///< inliers / source points
-  int inliers = 0;       ///< source points with a match
-  int matches = 0;       ///< sum over all points; more than inliers where neighbours are looked at
-  int source_points = 0;
-  int iterations = 0;
+  double overlap = 0.0;   ///< inliers / source points
+  int inliers = 0;        ///< source points with a match
+  int matches = 0;        ///< sum over all points; more than inliers where neighbours are looked at
+  int source_points = 0;  ///< that were aligned
+  int iterations = 0;     ///< Gauss-Newton steps
   /// Matched points at the best other place that a search found, as a share of these; 0 where it
   /// found none.
   double competing_share = 0.0;
@@ -87,17 +90,19 @@ struct RegistrationResult {
 /// one measurement. With an `area`, times (surface of a match / area)^2 besides,
 /// the quotient at most `most_sparse`.
 struct CovarianceModel {
-  double kappa = 1.0;
+  double kappa = 1.0;  ///< see above
   /// m²; 0: whatever the surface of a match. Normals of sparse clouds are those of large patches,
   /// and wrong together (docs/theory/inertial.md, section 9).
   double area = 0.0;
-  double most_sparse = std::numeric_limits<double>::infinity();
-  double rms_expected = 0.03;               ///< m
-  double sigma_translation = 0.0;           ///< m, of what every alignment has in common
-  double sigma_rotation = 0.0;              ///< rad
-  double sigma_unknown_translation = 10.0;  ///< m, in directions without information
-  double sigma_unknown_rotation = 1.0;      ///< rad
+  double most_sparse =
+      std::numeric_limits<double>::infinity();  ///< bound of the quotient, see above
+  double rms_expected = 0.03;                   ///< m
+  double sigma_translation = 0.0;               ///< m, of what every alignment has in common
+  double sigma_rotation = 0.0;                  ///< rad
+  double sigma_unknown_translation = 10.0;      ///< m, in directions without information
+  double sigma_unknown_rotation = 1.0;          ///< rad
 };
+/// As the model has it.
 Matrix6d covariance(const RegistrationResult& result, const CovarianceModel& model);
 /// The surface that stands behind a match, m²: the mean squared lever over which matches hold
 /// rotations, over their number.
@@ -108,6 +113,7 @@ double inflation(const RegistrationResult& result, const CovarianceModel& model)
 /// The rows of a pose for the device (float32: the caller keeps it local), and back, rounded onto
 /// SE(3).
 gpu::mat3x4 to_device(const Eigen::Isometry3d& pose);
+/// The pose of a device's rows.
 Eigen::Isometry3d from_device(const gpu::mat3x4& rows);
 
 /// The state an alignment starts from: the initial guess in the target's local frame, and the
@@ -118,15 +124,16 @@ gpu::RegistrationState initial_state(const Eigen::Isometry3d& guess,
 /// What a match counts in NDT, by Magnusson's score (2009, equation 6.8) for voxels of an edge (m):
 /// `weight` exp(-`exponent` d²) at the Mahalanobis distance d.
 struct NdtScore {
-  double weight = 0.0;
-  double exponent = 0.0;
+  double weight = 0.0;    ///< of a match at distance 0
+  double exponent = 0.0;  ///< how fast it fades
 };
+/// For voxels of that edge (m).
 NdtScore ndt_score(double voxel_size);
 
 /// What the device left of one alignment.
 struct DeviceAlignment {
-  const gpu::RegistrationState& state;
-  const gpu::RegistrationProgress& progress;
+  const gpu::RegistrationState& state;        ///< pose, Hessian and sums
+  const gpu::RegistrationProgress& progress;  ///< iterations, and how they ended
 };
 
 /// Says how an alignment of `source_points` points ended. T_target_source is the device's pose, in

@@ -27,7 +27,8 @@ void add_config_options(Command command, ConfigSource& source) {
     known += (known.empty() ? "" : ", ") + name;
   }
   command.option("--preset", source.preset, "Settings for a public data set: " + known)
-      .value_name("NAME");
+      .value_name("NAME")
+      .suggest(preset_names());
   command.option("--set", source.overrides, "Overrides one setting; may be given several times")
       .value_name("SECTION.KEY=VALUE")
       .one_value_each();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <string_view>
+#include <type_traits>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -58,6 +59,72 @@ std::string listed_words(const std::vector<std::string>& words) {
     text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
   }
   return text;
+}
+
+constexpr char kBetweenWords = '\n';
+constexpr const char* kFile = "\nfile";
+
+/// What shells offer for an option travels with it as the name of a check, which CLI11 keeps.
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) {
+    text += (text.empty() ? "" : std::string(1, kBetweenWords)) + word;
+  }
+  return text;
+}
+
+CLI::Validator passes(const std::string& name) {
+  return {[](std::string&) { return std::string(); }, "", name};
+}
+
+/// Names of an option's checks.
+std::vector<std::string> checks(CLI::Option& option) {
+  std::vector<std::string> names;
+  try {
+    for (int i = 0;; ++i) {
+      names.push_back(option.get_validator(i)->get_name());
+    }
+  } catch (const CLI::OptionNotFound&) {  // there are no more; CLI11 does not tell how many
+  }
+  return names;
+}
+
+OptionDescription describe(CLI::Option& option) {
+  OptionDescription described{
+      .value = option.get_expected_max() == 0 ? "" : option.get_type_name(),
+      .text = option.get_description(),
+      .default_value = option.get_default_str(),
+      .required = option.get_required(),
+      .repeats = option.get_expected_max() == CLI::detail::expected_max_vector_size ||
+                 (option.get_positional() && option.get_expected_max() > 1)};
+  for (const std::string& name : option.get_snames()) {
+    described.names.push_back("-" + name);
+  }
+  for (const std::string& name : option.get_lnames()) {
+    described.names.push_back("--" + name);
+  }
+  for (const std::string& name : checks(option)) {
+    if (name == kFile) {
+      described.file = true;
+    } else if (!name.empty()) {
+      described.words = CLI::detail::split(name, kBetweenWords);
+    }
+  }
+  return described;
+}
+
+CommandDescription describe(CLI::App& command, const std::string& above) {
+  CommandDescription described{.name = above + command.get_name(),
+                               .text = command.get_description(),
+                               .footer = command.get_footer()};
+  for (CLI::Option* option : command.get_options()) {
+    (option->nonpositional() ? described.options : described.arguments)
+        .push_back(describe(*option));
+  }
+  for (CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; })) {
+    described.commands.push_back(describe(*below, described.name + " "));
+  }
+  return described;
 }
 
 /// What CLI11 says of a command line, in plain words.
@@ -197,7 +264,17 @@ CommandOption CommandOption::one_of(const std::vector<std::string>& words) const
     return std::ranges::count(words, text) > 0 ? std::string()
                                                : "'" + text + "' is none of " + listed_words(words);
   };
-  option_->check(CLI::Validator(check, ""));
+  option_->check(CLI::Validator(check, "", joined(words)));
+  return *this;
+}
+
+CommandOption CommandOption::suggest(const std::vector<std::string>& words) const {
+  option_->check(passes(joined(words)));
+  return *this;
+}
+
+CommandOption CommandOption::file() const {
+  option_->check(passes(kFile));
   return *this;
 }
 
@@ -221,7 +298,13 @@ void Command::footer(const std::string& text) const {
 template <class Target>
 CommandOption Command::option(const std::string& name, Target& target,
                               const std::string& description) const {
-  return CommandOption(*command_->add_option(name, target, description));
+  const CommandOption option(*command_->add_option(name, target, description));
+  if constexpr (std::is_same_v<Target, fs::path> ||
+                std::is_same_v<Target, std::optional<fs::path>> ||
+                std::is_same_v<Target, std::vector<fs::path>>) {
+    option.file();
+  }
+  return option;
 }
 
 #define ADIT_TARGET(type) \
@@ -262,8 +345,9 @@ CommandOption Command::choice(const std::string& name, const std::string& descri
     }
     set(static_cast<std::size_t>(found - words.begin()));
   };
-  return CommandOption(
-      *command_->add_option_function<std::string>(name, find, description)->type_name(type));
+  return CommandOption(*command_->add_option_function<std::string>(name, find, description)
+                            ->type_name(type)
+                            ->check(passes(joined(words))));
 }
 
 void Command::flag(const std::string& name, bool& target, const std::string& description) const {
@@ -316,7 +400,8 @@ Command CommandLine::program() const {
 }
 
 void CommandLine::version(const std::function<std::string()>& text) const {
-  app_->set_version_flag("--version", text, "Print version, commit, compiler and Vulkan loader");
+  app_->set_version_flag("--version", text,
+                         "Print version, commit, build, compiler and Vulkan loader");
 }
 
 std::string CommandLine::help() const {
@@ -329,6 +414,10 @@ std::vector<std::string> CommandLine::commands() const {
     names.push_back(command->get_name());
   }
   return names;
+}
+
+CommandDescription CommandLine::description() const {
+  return describe(*app_, "");
 }
 
 std::optional<int> CommandLine::run(int argc, const char* const* argv) const {

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "adit/tools/commands/command_description.hpp"
+
 namespace CLI {
 class App;
 class Option;
@@ -43,6 +45,10 @@ class CommandOption {
   CommandOption from(double low, double high) const;
   CommandOption above(double low) const;
   CommandOption one_of(const std::vector<std::string>& words) const;
+  /// Shells offer these words; the command tells which others it takes.
+  CommandOption suggest(const std::vector<std::string>& words) const;
+  /// Shells offer files. Those whose target is a path need not say so.
+  CommandOption file() const;
   /// A number of bytes, with or without a unit.
   CommandOption bytes() const;
 
@@ -122,6 +128,8 @@ class CommandLine {
   std::string help() const;
   /// Names of its commands.
   std::vector<std::string> commands() const;
+  /// All that it takes.
+  CommandDescription description() const;
 
   /// Reads the words and runs the command's action. Help and mistakes are printed on the standard
   /// streams; then the exit code is given.

@@ -26,6 +26,11 @@
 namespace adit {
 namespace {
 
+std::vector<std::string> or_none(std::vector<std::string> names) {
+  names.emplace_back("none");
+  return names;
+}
+
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) {
@@ -143,9 +148,9 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       "simulate", "Write a recording of a simulated place, with the truth beside it");
   command.footer(
       "Scenes:       " + listed(scene_names()) + "\nSensors:      " + listed(range_sensor_names()) +
-      "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " + listed(imu_names()) +
-      ", none\nReceivers:    " + listed(gnss_names()) +
-      ", none\nFaults:       " + listed(fault_names()) +
+      "\nTrajectories: " + listed(motion_names()) + "\nIMUs:         " +
+      listed(or_none(imu_names())) + "\nReceivers:    " + listed(or_none(gnss_names())) +
+      "\nFaults:       " + listed(fault_names()) +
       "\n\n"
       "The same options give the same bytes on any machine.\n\n"
       "Examples:\n"
@@ -155,7 +160,9 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       "Exit codes: 0 done, 1 failed, 2 usage.");
   command.option("scene", simulation.scene, "Where, or a TOML file that says everything")
       .required()
-      .value_name("SCENE");
+      .value_name("SCENE")
+      .suggest(scene_names())
+      .file();
   command
       .option("-o,--output", simulation.output,
               "The recording to write; the truth comes "
@@ -164,9 +171,11 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       .value_name("FILE.mcap");
   command.option("--sensor", simulation.lidars.front().sensor, "Range sensor")
       .value_name("NAME")
+      .suggest(range_sensor_names())
       .show_default();
   command.option("--trajectory", simulation.trajectory, "How the sensor is carried")
       .value_name("NAME")
+      .suggest(motion_names())
       .show_default();
   command.option("--duration", simulation.duration, "Length (s)").value_name("S").show_default();
   command.option("--speed", simulation.speed, "Speed (m/s), instead of the scene's")
@@ -177,21 +186,29 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
   command.option("--seed", simulation.seed, "Another seed, another world and other noise")
       .value_name("N")
       .show_default();
-  command.option("--imu", simulation.imu, "Inertial sensor").value_name("NAME").show_default();
+  command.option("--imu", simulation.imu, "Inertial sensor")
+      .value_name("NAME")
+      .suggest(or_none(imu_names()))
+      .show_default();
   command.option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
       .value_name("HZ")
       .show_default();
-  command.option("--gnss", simulation.gnss, "GNSS receiver").value_name("NAME").show_default();
+  command.option("--gnss", simulation.gnss, "GNSS receiver")
+      .value_name("NAME")
+      .suggest(or_none(gnss_names()))
+      .show_default();
   command.option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
       .value_name("HZ")
       .show_default();
   command.option("--fault", simulation.faults, "Something that is wrong; may be given again")
       .one_value_each()
-      .value_name("NAME");
+      .value_name("NAME")
+      .suggest(fault_names());
   command
       .option("--fields", options->layout,
               "Lay clouds out as another driver: velodyne, ouster, hesai, livox")
-      .value_name("DRIVER");
+      .value_name("DRIVER")
+      .suggest({"velodyne", "ouster", "hesai", "livox"});
   command.flag("--perfect", options->perfect, "A range sensor without errors");
   command.flag("--quiet", options->quiet, "Print errors alone");
   command.flag(

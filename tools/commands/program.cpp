@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "adit/tools/commands/command_devices.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_export.hpp"
+#include "adit/tools/commands/command_generate.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
@@ -55,19 +57,31 @@ bool is_unknown_command(const CommandLine& line, const std::string& word) {
 }
 
 std::string version_text() {
-  return fmt::format("adit {}\ncommit   {}\ncompiler {}\nloader   {}", version(), commit(),
-                     compiler(),
+  return fmt::format("adit {}\ncommit   {}\nbuild    {}\ncompiler {}\nloader   {}", version(),
+                     commit(), build_type(), compiler(),
                      engine::loader_version().value_or("no libvulkan.so.1 on this machine"));
 }
 
 /// `adit help COMMAND` is `adit COMMAND --help`, and `adit help` `adit --help`.
 std::vector<const char*> without_help_word(int argc, const char* const* argv) {
   std::vector<const char*> words(argv, argv + argc);
-  if (argc > 1 && std::string_view(argv[1]) == "help") {
+  const bool of_help_itself = argc > 2 && std::string_view(argv[2]).starts_with('-');
+  if (argc > 1 && std::string_view(argv[1]) == "help" && !of_help_itself) {
     words.erase(words.begin() + 1);
     words.push_back("--help");
   }
   return words;
+}
+
+/// For what lists the commands: the words of a command line with `help` are turned round before.
+void add_help_command(Command app, const std::vector<std::string>& commands) {
+  const Command command = app.add_command("help", "Tell what a command does and takes");
+  const auto words = std::make_shared<std::vector<std::string>>();
+  command.footer("Example:\n  adit help run\n\nExit codes: 0 done, 2 usage.");
+  command.option("command", *words, "Which; without it, all of them")
+      .value_name("COMMAND")
+      .suggest(commands);
+  command.action([words] {});
 }
 
 int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand> more) {
@@ -79,8 +93,14 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
       "  adit demo                        see it work, without data\n"
       "  adit run drive/ -o out           map a recording\n"
       "  adit evaluate out/trajectory.tum truth.txt\n\n"
-      "`adit help COMMAND` tells more. Exit codes: 0 done, 1 failed on the data or the device, 2 "
-      "usage,\n129, 130 or 143 stopped by SIGHUP, SIGINT (Ctrl-C) or SIGTERM.");
+      "`adit help COMMAND` tells more. Settings come from the file that --config names and from "
+      "--set;\nno other file is read.\n\n"
+      "Environment:\n"
+      "  ADIT_DEVICE     the device where --device names none\n"
+      "  XDG_CACHE_HOME  where what is found out about devices is kept; otherwise ~/.cache\n\n"
+      "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped "
+      "by\n"
+      "SIGHUP, SIGINT (Ctrl-C) or SIGTERM.");
   int code = 0;
   const auto done = [&code](int command_code) { code = command_code; };
   add_demo_command(app, done);
@@ -99,9 +119,12 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
   add_optimize_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
+  add_generate_command(
+      app, [&line] { return line.description(); }, done);
   for (const AddCommand& add : more) {
     add(app, done);
   }
+  add_help_command(app, line.commands());
 
   if (argc < 2) {
     std::cerr << line.help();

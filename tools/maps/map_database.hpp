@@ -27,6 +27,7 @@ inline constexpr int64_t kMapSchema = 5;
 /// "adit": the application that the file says it belongs to.
 inline constexpr int64_t kMapApplication = 0x61646974;
 
+/// What a map is opened for.
 enum class MapAccess {
   read,   ///< any number, also beside a writer
   write,  ///< one at a time; makes the file where there is none
@@ -45,9 +46,11 @@ using Anchors = std::map<SessionId, Eigen::Isometry3d>;
 
 /// A keyframe of its session's frame in the map's, and a pose back.
 MapKeyframe in_map(MapKeyframe keyframe, const Anchors& anchors);
+/// The pose that a keyframe has in its session's own frame.
 Eigen::Isometry3d in_session(SessionId session, const Eigen::Isometry3d& T_map_keyframe,
                              const Anchors& anchors);
 
+/// A map in a file of SQLite; docs/formats.md has its tables.
 class MapDatabase final : public MapStore {
  public:
   /// `max_pages` bounds the file's size, in pages of 4096 bytes; 0: only the disk does. Throws
@@ -60,7 +63,9 @@ class MapDatabase final : public MapStore {
 
   // All members throw OutputError where a map that is being written fails, for example on a full
   // disk (then nothing of the call is stored), and InputError where what is read is damaged.
+  /// Throws OutputError, then nothing of it is stored.
   SessionId add_session(const MapSession& session) override;
+  /// Throws OutputError, then nothing of it is stored.
   void store(const KeyframeRecord& record) override;
   void revise(const MapRevision& revision) override;
   /// In the transaction of the next step.
@@ -72,13 +77,17 @@ class MapDatabase final : public MapStore {
   /// With the next step of its run the map is, but for that, as it was before begin_end(), if that
   /// was ever called.
   void take_end_back() { takes_back_ = true; }
+  /// Nothing is left to go on with.
   void set_complete(SessionId session);
+  /// How far the session's run came.
   SessionProgress progress(SessionId session) const;
+  /// As it was opened.
   const std::filesystem::path& file() const { return database_.path(); }
 
   /// Moves a session with all its keyframes in the map, whose frame the first one gives: what
   /// merging maps comes to, and an edit of the map.
   void set_anchor(SessionId session, const Eigen::Isometry3d& T_map_session);
+  /// Where each session lies in the map.
   Anchors anchors() const;
 
   std::vector<MapSession> sessions() const override;
@@ -97,9 +106,13 @@ class MapDatabase final : public MapStore {
 
   /// One row each; nothing where there is none of that number. Edges are counted from 1 here.
   std::optional<MapSession> session(SessionId id) const;
+  /// As above.
   std::optional<MapKeyframe> keyframe(NodeId id) const;
+  /// As above.
   std::optional<PoseEdge> edge(int64_t id) const;
+  /// As above.
   std::optional<LoopCandidate> candidate(int64_t id) const;
+  /// As above.
   std::optional<MapFix> fix(int64_t id) const;
 
   /// What is wrong with the map, for people; empty: it is whole. Reads everything.

@@ -24,8 +24,10 @@ std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::p
 /// A stored submap, the same from a cache, and one without its points. Throw InputError where it is
 /// damaged.
 KeyframeSubmap load_submap(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);
+/// The same, of submaps that are kept.
 std::shared_ptr<const KeyframeSubmap> load_submap(SubmapCache& cache, NodeId keyframe,
                                                   const std::filesystem::path& file);
+/// The sweeps of a submap alone, without its points.
 KeyframeSubmap load_sweeps(const MapStore& map, NodeId keyframe, const std::filesystem::path& file);
 
 }  // namespace adit

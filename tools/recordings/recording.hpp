@@ -31,16 +31,18 @@ enum class TopicKind {
   transforms,  ///< static
   other,       ///< nothing that is understood; never part of the stream
 };
+/// The enumerator's name.
 std::string_view to_string(TopicKind kind);
 
 /// A named series of events of one kind.
 struct Topic {
-  std::string name;  ///< "/points"; for folders, what the folder holds
-  std::string type;  ///< "sensor_msgs/PointCloud2", "KITTI .bin"
-  TopicKind kind = TopicKind::other;
-  std::optional<uint64_t> messages;  ///< how many the recording says there are
+  std::string name;                   ///< "/points"; for folders, what the folder holds
+  std::string type;                   ///< "sensor_msgs/PointCloud2", "KITTI .bin"
+  TopicKind kind = TopicKind::other;  ///< what its messages are
+  std::optional<uint64_t> messages;   ///< how many the recording says there are
 };
 
+/// What an event can be.
 using EventValue = std::variant<Sweep, ImuSample, GnssFix, ReferencePose, StaticTransform>;
 
 /// Coordinates (m) that a pose can have: finite, and not so large that a path of them is not.
@@ -49,10 +51,11 @@ inline bool is_position(const Eigen::Vector3d& p) {
   return (p.array().abs() <= kFarthest).all();
 }
 
+/// A measurement of a recording, decoded.
 struct Event {
   std::size_t topic = 0;    ///< index into Recording::topics()
   Nanoseconds received{0};  ///< the recorder's clock; for files of sweeps, the sweep's stamp
-  EventValue value;
+  EventValue value;         ///< the measurement
   uint64_t bytes = 0;   ///< size of the message or file; further events of the same message have 0
   std::string frame{};  ///< the sensor's, where the recording names it
   std::optional<PointTimeNature> point_times{};  ///< for sweeps with times
@@ -73,6 +76,7 @@ struct EventSelection {
   std::optional<double> coordinate_scale{};  ///< m of a step of the coordinates; none: metres
 };
 
+/// Reads the events of a recording, one after the other.
 class EventStream {
  public:
   EventStream() = default;
@@ -85,6 +89,7 @@ class EventStream {
   virtual std::optional<Event> next() = 0;
 };
 
+/// A recording of any format; open_recording() finds out which.
 class Recording {
  public:
   Recording() = default;
@@ -92,6 +97,7 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
 
+  /// What it holds; events name a topic by its place here.
   virtual const std::vector<Topic>& topics() const = 0;
 
   /// Reads the events from the first on; memory does not grow with the recording. It must outlive

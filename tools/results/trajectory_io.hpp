@@ -22,16 +22,18 @@ namespace adit {
 inline constexpr std::array<std::string_view, 9> kTangentNames = {"x",  "y",  "z",  "rx", "ry",
                                                                   "rz", "vx", "vy", "vz"};
 
+/// A file of text: TUM's eight columns or KITTI's twelve.
 enum class TrajectoryFormat { tum, kitti };
+/// The format's name.
 std::string_view to_string(TrajectoryFormat format);
 
 /// A trajectory as it was read. Where `stamped` is false the poses are numbered and their stamps
 /// are 0.
 struct Trajectory {
-  std::filesystem::path file;
-  TrajectoryFormat format = TrajectoryFormat::tum;
-  bool stamped = false;
-  std::vector<StampedPose> poses;
+  std::filesystem::path file;                       ///< it was read from
+  TrajectoryFormat format = TrajectoryFormat::tum;  ///< that the file has
+  bool stamped = false;                             ///< poses have times
+  std::vector<StampedPose> poses;                   ///< in the order of the file
   /// Where its parts begin, but for the first: the odometry started anew there, and nothing ties
   /// one part to the next.
   std::vector<std::size_t> parts{};
@@ -52,12 +54,15 @@ Trajectory read_trajectory(const std::filesystem::path& file,
 /// stamps have nine decimals; quaternions have qw >= 0. Throws OutputError.
 class TrajectoryWriter {
  public:
+  /// Makes the file.
   TrajectoryWriter(std::filesystem::path path, TrajectoryFormat format);
 
+  /// Appends a pose.
   void write(const StampedPose& pose);
   /// Nothing ties what follows to what came before: a comment says so, in TUM's format, which has
   /// such.
   void begin_part();
+  /// Hands everything to the operating system.
   void flush() { file_.flush(); }
   void close() {
     file_.close();

@@ -15,9 +15,11 @@ namespace adit {
 /// A file that cannot be used. what() is the whole message; file() names the culprit.
 class FileError : public std::runtime_error {
  public:
+  /// `message` is the whole of what(), for people.
   FileError(std::filesystem::path file, const std::string& message)
       : std::runtime_error(message), file_(std::move(file)) {}
 
+  /// The file that cannot be used.
   const std::filesystem::path& file() const { return file_; }
 
  private:
@@ -33,6 +35,7 @@ class Place {
   static Place point(uint64_t index);         ///< counted from 0
   static Place named(std::string_view name);  ///< e.g. "header field WIDTH"
 
+  /// For people: "line 3", "byte 96", or nothing.
   const std::string& text() const { return text_; }
 
  private:
@@ -46,8 +49,11 @@ class InputError : public FileError {
   InputError(const std::filesystem::path& file, const Place& place, std::string found,
              std::string remedy);
 
+  /// Where in the file; empty: the file as a whole.
   const std::string& place() const { return place_; }
+  /// What was found there.
   const std::string& found() const { return found_; }
+  /// What to do about it.
   const std::string& remedy() const { return remedy_; }
 
  private:
@@ -57,6 +63,7 @@ class InputError : public FileError {
 };
 
 /// A result that cannot be written: what() holds the path and the system's reason.
+/// A file that cannot be written.
 class OutputError : public FileError {
  public:
   using FileError::FileError;

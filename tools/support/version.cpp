@@ -18,4 +18,8 @@ std::string_view compiler() {
 #endif
 }
 
+std::string_view build_type() {
+  return ADIT_BUILD_TYPE;
+}
+
 }  // namespace adit

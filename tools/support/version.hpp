@@ -15,4 +15,7 @@ std::string_view version();
 /// What the program was compiled with, e.g. "GCC 12.2.0".
 std::string_view compiler();
 
+/// How it was compiled: "Release", "Debug" or another of CMake's build types.
+std::string_view build_type();
+
 }  // namespace adit
