@@ -90,7 +90,12 @@ for file in "$stage"/bin/* "$stage"/lib/*; do
   [[ $(printf '%s\n%s\n' "$needs" "$max_glibc" | sort -V | tail -n 1) == "$max_glibc" ]] ||
     die "${file##*/} needs glibc $needs; the package promises $max_glibc (build it on Debian 12)"
 done
-"$stage/bin/adit" --version >/dev/null || die "the staged program does not start"
+# And it does what it is for, with the libraries that lie beside it.
+trial=$(mktemp -d)
+trap 'rm -rf "$trial"' EXIT
+"$stage/bin/adit" simulate room --duration 1 -o "$trial/room.mcap" --quiet >/dev/null &&
+  "$stage/bin/adit" run "$trial/room.mcap" -o "$trial/out" --set mapping.enabled=true --quiet >"$trial/run.txt" 2>&1 ||
+  die "the staged program does not map a recording: $(tail -n 3 "$trial/run.txt" 2>/dev/null)"
 
 mkdir -p "$root/dist"
 archive=$root/dist/$name.tar.gz

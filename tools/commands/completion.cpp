@@ -25,7 +25,7 @@ std::string escaped(std::string_view text, std::string_view special) {
 }
 
 /// A word of the shells bash and zsh: within single quotes, a quote ends them for a moment.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string result = "'";
   for (const char c : text) {
     result += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -67,7 +67,7 @@ std::vector<std::string> quoted_paths(const CommandDescription& program) {
   std::vector<std::string> paths;
   visit_all(program, [&](const CommandDescription& command) {
     if (&command != &program) {
-      paths.push_back(quoted(command.name));
+      paths.push_back(in_quotes(command.name));
     }
   });
   return paths;
@@ -103,7 +103,7 @@ complete -F _adit adit
 
 /// "words='a b' files=1", what of it there is.
 std::string bash_values(const OptionDescription& option) {
-  std::string text = option.words.empty() ? "" : "words=" + quoted(joined(option.words, " "));
+  std::string text = option.words.empty() ? "" : "words=" + in_quotes(joined(option.words, " "));
   if (option.file) {
     text += (text.empty() ? "" : " ") + std::string("files=1");
   }
@@ -118,7 +118,7 @@ std::string bash_option_cases(const CommandDescription& command) {
     }
     std::vector<std::string> calls;
     for (const std::string& name : option.names) {
-      calls.push_back(quoted(command.name + " " + name));
+      calls.push_back(in_quotes(command.name + " " + name));
     }
     const std::string values = bash_values(option);
     text += "    " + joined(calls, " | ") + ") " + (values.empty() ? "" : values + " ") + ";;\n";
@@ -137,9 +137,9 @@ std::string bash_command_case(const CommandDescription& command) {
     words.insert(words.end(), argument.words.begin(), argument.words.end());
     files = files || argument.file;
   }
-  return "        " + quoted(command.name) + ") options=" + quoted(joined(options, " ")) +
-         (words.empty() ? "" : " words=" + quoted(joined(words, " "))) + (files ? " files=1" : "") +
-         " ;;\n";
+  return "        " + in_quotes(command.name) + ") options=" + in_quotes(joined(options, " ")) +
+         (words.empty() ? "" : " words=" + in_quotes(joined(words, " "))) +
+         (files ? " files=1" : "") + " ;;\n";
 }
 
 // --- zsh
@@ -173,7 +173,7 @@ std::string zsh_option(const OptionDescription& option) {
     std::string spec =
         once + name + (assigns ? "=" : "") + "[" + escaped(option.text, "[]\\:") + "]";
     spec += option.value.empty() ? "" : zsh_values(option, "");
-    specs += "    " + quoted(spec) + " \\\n";
+    specs += "    " + in_quotes(spec) + " \\\n";
   }
   return specs;
 }
@@ -192,7 +192,7 @@ std::string zsh_body(const CommandDescription& command) {
     text += "    '1: :->command' '*:: :->arguments'\n  case $state in\n    command)\n";
     text += "      local -a commands=(\n";
     for (const CommandDescription& below : command.commands) {
-      text += "        " + quoted(below.own_name() + ":" + escaped(below.text, ":")) + "\n";
+      text += "        " + in_quotes(below.own_name() + ":" + escaped(below.text, ":")) + "\n";
     }
     text += "      )\n      _describe command commands\n";
     for (const OptionDescription& argument : command.arguments) {
@@ -211,7 +211,7 @@ std::string zsh_body(const CommandDescription& command) {
     const OptionDescription& argument = command.arguments[i];
     std::string place = argument.repeats ? "*" : std::to_string(i + 1);
     place += argument.repeats || argument.required ? "" : ":";
-    text += "    " + quoted(zsh_values(argument, place)) + " \\\n";
+    text += "    " + in_quotes(zsh_values(argument, place)) + " \\\n";
   }
   return text + "    && return\n}\n\n";
 }

@@ -193,9 +193,7 @@ void SqliteDatabase::fail() const {
   const bool damaged = code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
   if (!damaged && (mode_ == Mode::create || mode_ == Mode::update)) {
     throw OutputError(path_, path_.string() + ": cannot be written: " + reason +
-                                 (code == SQLITE_FULL ? ". Make room, then go on; what was "
-                                                        "committed before is safe."
-                                                      : "."));
+                                 (code == SQLITE_FULL ? ". Make room there." : "."));
   }
   throw InputError(
       path_, {}, "cannot be read as an SQLite database: " + reason,

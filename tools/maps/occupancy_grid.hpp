@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "adit/slam/mapping/keyframe_submap.hpp"
 #include "adit/tools/maps/cell_grid.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/product_coordinates.hpp"
