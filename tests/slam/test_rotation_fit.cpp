@@ -223,7 +223,9 @@ TEST(GyroMonitor, AFewTurnsDoNotMoveTheClock) {
     pose.linear() = so3_exp({0.0, 0.0, yaw(0.1 * i, 0.25)});
     monitor.add({at_seconds(0.1 * i), pose});
   }
-  const GyroCheck check = monitor.check({.tolerance = 0.02}).value();
+  GyroExpectation expected;
+  expected.tolerance = 0.02;
+  const GyroCheck check = monitor.check(expected).value();
   EXPECT_EQ(check.fault, GyroFault::none) << to_string(check.fault);
   ASSERT_TRUE(check.comparison);
   EXPECT_NEAR(check.comparison->offset, 0.0, 0.01);

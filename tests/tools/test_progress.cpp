@@ -52,7 +52,7 @@ TEST(Progress, LineShowsTheSameInWords) {
   const ProgressState state{.done = 27, .total = 60, .failed = 1, .elapsed_s = 2.7};
   EXPECT_EQ(format_line("map", state), "map 27/60 sweeps (45 %), 1 failed, 10.0/s, 0:03 left");
   EXPECT_EQ(format_line("tile", {.done = 5, .total = 50, .elapsed_s = 1.0, .unit = "points"}),
-            "tile 5/50 points (10 %), 5.0/s, 0:09 left");
+            "tile 5/50 points (10 %), 5.00/s, 0:09 left");
 }
 
 TEST(Progress, NothingDoneHasNoRateYet) {
