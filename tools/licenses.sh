@@ -8,8 +8,9 @@
 is_glibc() { [[ $1 =~ ^(linux-vdso|ld-linux-[^/]*|libc|libm|libdl|librt|libpthread)\.so ]]; }
 
 # Compiled or linked into all that is made: header-only libraries.
+# Boost's package has its version in its name.
 compiled_in=(libeigen3-dev libfmt-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libxxhash-dev libvulkan-dev
-  libboost1.74-dev)
+  "$(dpkg -S /usr/include/boost/version.hpp | cut -d : -f 1)")
 
 declare -A licensed=()
 add_license() { # PACKAGE

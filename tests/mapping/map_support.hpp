@@ -38,6 +38,29 @@ inline SessionId add_session(MapStore& map) {
                           .provenance = {{"input", "abc123"}, {"device", "llvmpipe"}}});
 }
 
+/// Of six keyframes 10 m apart: a loop that has the last 1 m nearer to the first, and one that was
+/// rejected.
+inline MapRevision loops_of_six() {
+  const PoseEdge loop = edge(0, 5, step(49.0), 400.0);
+  return {.edges = {loop},
+          .candidates = {LoopCandidate{.id = 1,
+                                       .from = 0,
+                                       .to = 5,
+                                       .T_from_to = loop.T_from_to,
+                                       .overlap = 0.82,
+                                       .verdict = CandidateVerdict::accepted,
+                                       .reason = "none",
+                                       .correction = 1.0,
+                                       .figure = 3.0},
+                         LoopCandidate{.id = 2,
+                                       .from = 1,
+                                       .to = 5,
+                                       .overlap = 0.12,
+                                       .verdict = CandidateVerdict::rejected,
+                                       .reason = "too_little_overlap",
+                                       .figure = 0.12}}};
+}
+
 inline std::string dump_of(const MapDatabase& map) {
   std::string text;
   map.dump([&](std::string_view line) { text += std::string(line) + "\n"; });

@@ -41,24 +41,7 @@ void write(const char* file) {
     record.submap = encode(wall(id, record.keyframe.stamp));
     map.store(record);
   }
-  const PoseEdge loop = test::edge(0, 5, test::step(49.0), 400.0);
-  map.revise({.edges = {loop},
-              .candidates = {LoopCandidate{.id = 1,
-                                           .from = 0,
-                                           .to = 5,
-                                           .T_from_to = loop.T_from_to,
-                                           .overlap = 0.82,
-                                           .verdict = CandidateVerdict::accepted,
-                                           .reason = "none",
-                                           .correction = 1.0,
-                                           .figure = 3.0},
-                             LoopCandidate{.id = 2,
-                                           .from = 1,
-                                           .to = 5,
-                                           .overlap = 0.12,
-                                           .verdict = CandidateVerdict::rejected,
-                                           .reason = "too_little_overlap",
-                                           .figure = 0.12}}});
+  map.revise(test::loops_of_six());
 }
 
 }  // namespace

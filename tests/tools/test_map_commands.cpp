@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/clouds/pcd_reader.hpp"
@@ -364,6 +365,10 @@ TEST_F(MapCommands, OptimizePutsDisturbedPosesBackIntoTheMap) {
   EXPECT_EQ(done.code, 0) << done.err;
   EXPECT_NE(done.out.find("wrote        the poses of "), std::string::npos) << done.out;
   const auto after = poses();
+  const std::string dump = test::dump_of(MapDatabase(map_, MapAccess::read));
+  const Ran again = ran(optimize_command, OptimizeCommandOptions{.input = map_});
+  EXPECT_NE(again.out.find("wrote        nothing"), std::string::npos) << again.out;
+  EXPECT_EQ(test::dump_of(MapDatabase(map_, MapAccess::read)), dump);
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_LT(
         (after[i].T_map_keyframe.translation() - before[i].T_map_keyframe.translation()).norm(),
@@ -396,7 +401,10 @@ TEST_F(MapCommands, WhatIsNoMapIsSaidToBeNone) {
 }
 
 TEST_F(MapCommands, AMapThatIsBeingWrittenIsReadButNotWritten) {
-  const MapDatabase writer(map_, MapAccess::write);
+  MapDatabase writer(map_, MapAccess::write);
+  PoseNode moved{.id = 3, .T_map_node = Eigen::Isometry3d::Identity()};
+  moved.T_map_node.translation().y() = 0.7;
+  writer.revise({.poses = {moved}});
   EXPECT_EQ(ran(info_command, InfoCommandOptions{.map = map_}).code, 0);
   EXPECT_EQ(ran(check_command, InfoCommandOptions{.map = map_}).code, 0);
   const Ran locked = ran(optimize_command, OptimizeCommandOptions{.input = map_});

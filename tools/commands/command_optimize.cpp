@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/core/lie.hpp"
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/initialization.hpp"
 #include "adit/tools/commands/command_guard.hpp"
@@ -41,6 +42,7 @@ struct Outcome {
   double file_cost = 0.0;  ///< where the file has the nodes
   InitialPoses initial = InitialPoses::file;  ///< what it started from
   OptimizedGraph optimized;
+  bool moved = false;              ///< a node is not where the file has it
   std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
 };
 
@@ -138,6 +140,18 @@ InitialPoses begin(PoseGraph& graph, const OptimizationSettings& settings, const
   return wanted;
 }
 
+/// A node that is farther from its place in `before` than the solver's own accuracy.
+bool is_moved(const PoseGraph& before, const std::vector<Eigen::Isometry3d>& poses) {
+  constexpr double kSame = 1e-6;  // m, rad
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Isometry3d step = before.nodes()[i].T_map_node.inverse() * poses[i];
+    if (step.translation().norm() > kSame || rotation_angle(step.linear()) > kSame) {
+      return true;
+    }
+  }
+  return false;
+}
+
 Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
   Outcome outcome;
   outcome.is_map = is_map(options.input);
@@ -152,9 +166,11 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   settings.max_iterations = options.max_iterations;
   settings.on_step = IterationProgress(err);
   outcome.file_cost = graph_cost(graph, settings);
+  const PoseGraph before = graph;
   outcome.initial = begin(graph, settings, outcome, options.initial);
   outcome.optimized =
       options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
+  outcome.moved = is_moved(before, outcome.optimized.poses);
   graph.set_poses(outcome.optimized.poses);
   graph.set_T_world_map(outcome.optimized.T_world_map);
   outcome.worst = worst_edges(outcome.optimized.report);
@@ -300,8 +316,7 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
     return kSignalExit + StopSignal::received();
   }
   const bool failed = termination == Termination::failed;
-  const bool revises =
-      outcome.is_map && !options.output && !failed && termination != Termination::nothing_to_do;
+  const bool revises = outcome.is_map && !options.output && !failed && outcome.moved;
   if (options.output && !failed) {
     write_g2o(*options.output, outcome.file.graph);
   } else if (revises) {
@@ -319,6 +334,8 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
     out << "wrote        " << options.output->string() << "\n";
   } else if (revises && !options.json) {
     out << "wrote        the poses of " << options.input.string() << "\n";
+  } else if (outcome.is_map && !options.output && !failed && !options.json) {
+    out << "wrote        nothing: the poses are at the minimum\n";
   }
   if (failed) {
     err << "adit optimize: " << options.input.string()

@@ -76,15 +76,17 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
 }
 
 // What a run needs besides what is there before its first sweep: buffers of the device, the rolling
-// submap, two keyframes' submaps, and sweeps on their way. Measured, from 30 000 points a sweep to
-// 262 000: docs/theory/mapping.md.
+// submap, and sweeps on their way; for a map two keyframes' submaps; for loops pairs of submaps and
+// kLeastSubmapBytes. tests/memory_bound.py measures it, docs/theory/mapping.md has what came out.
 constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
 constexpr uint64_t kWorkingBytesAPoint = 320;
-constexpr uint64_t kMapBytes = uint64_t{16} << 20U;
+constexpr uint64_t kMapBytes = uint64_t{12} << 20U;
+constexpr uint64_t kMapBytesAPoint = 240;
 constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
 
 uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep) {
-  return kWorkingBytes + kWorkingBytesAPoint * points_a_sweep + (mapping.enabled ? kMapBytes : 0) +
+  const uint64_t map = mapping.enabled ? kMapBytes + kMapBytesAPoint * points_a_sweep : 0;
+  return kWorkingBytes + kWorkingBytesAPoint * points_a_sweep + map +
          (mapping.enabled && mapping.loops ? kLoopBytes : 0);
 }
 

@@ -13,6 +13,10 @@
 namespace adit {
 namespace {
 
+// What is free goes back to the system before the limit is reached, by this share of it: the next
+// keyframe needs room for a moment.
+constexpr uint64_t kHeadroom = 4;
+
 std::string mebibytes(uint64_t bytes) {
   return fmt::format("{} MiB", (bytes + (uint64_t{1} << 20U) - 1) >> 20U);
 }
@@ -35,7 +39,7 @@ uint64_t MemoryLimit::submap_bytes() const {
 }
 
 bool MemoryLimit::exceeded() const {
-  if (most_ == 0 || resident_bytes() <= most_) {
+  if (most_ == 0 || resident_bytes() + most_ / kHeadroom <= most_) {
     return false;
   }
   release_free_memory();
