@@ -19,7 +19,8 @@ constexpr double kGuessedAngle = 5.0 / kDegreesPerRadian;  // rad
 /// As the graph has it, as a loop search would ask.
 LoopQuestion asked_of(const PoseGraph& graph, NodeId from, NodeId to) {
   const std::size_t at = graph.index_of(to);
-  const auto known = relative_places(graph, from)[at];
+  const RelativeCovariances covariances(graph);
+  const auto known = covariances.place(covariances.paths_from(from), to);
   if (!known) {
     throw NoGuess("no edges lead from keyframe " + std::to_string(from) + " to " +
                   std::to_string(to));

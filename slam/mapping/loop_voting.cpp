@@ -50,30 +50,31 @@ Uncertain drifting(Uncertain error, const DriftLimits& drift) {
   return error;
 }
 
-/// Relative poses that the graph knows, each node's asked for once.
+/// Relative poses that the graph knows; paths from a node are looked for once.
 class Ways {
  public:
-  explicit Ways(const PoseGraph& graph, double lumps = 1.0) : graph_(graph), lumps_(lumps) {}
+  Ways(const PoseGraph& graph, const RelativeCovariances& covariances, double lumps = 1.0)
+      : graph_(graph), covariances_(covariances), lumps_(lumps) {}
 
   std::optional<Uncertain> between(NodeId from, NodeId to) {
-    auto known = known_.find(from);
-    if (known == known_.end()) {
-      known = known_.emplace(from, relative_places(graph_, from, lumps_)).first;
+    auto paths = paths_.find(from);
+    if (paths == paths_.end()) {
+      paths = paths_.emplace(from, covariances_.paths_from(from, lumps_)).first;
     }
-    const std::size_t index = graph_.index_of(to);
-    const std::optional<RelativePlace>& place = known->second[index];
+    const std::optional<RelativePlace> place = covariances_.place(paths->second, to);
     if (!place) {
       return std::nullopt;
     }
     return Uncertain{graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
-                         graph_.nodes()[index].T_map_node,
+                         graph_.nodes()[graph_.index_of(to)].T_map_node,
                      place->covariance, place->path};
   }
 
  private:
   const PoseGraph& graph_;
+  const RelativeCovariances& covariances_;
   double lumps_;
-  std::map<NodeId, std::vector<std::optional<RelativePlace>>> known_;
+  std::map<NodeId, LeastUncertainPaths> paths_;
 };
 
 double odometry_disagreement(Ways& ways, const LoopHypothesis& loop) {
@@ -264,20 +265,23 @@ std::optional<Bundle> unexpected_bundle(const Poll& poll, std::vector<LoopVote>&
 }  // namespace
 
 double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b) {
-  Ways ways(graph);
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances);
   return disagreement(ways, a, b);
 }
 
 double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop) {
-  Ways ways(graph);
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances);
   return odometry_disagreement(ways, loop);
 }
 
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings) {
-  Ways ways(graph);                      // between neighbours
-  Ways far_ways(graph, settings.lumps);  // whole rounds
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances);                      // between neighbours
+  Ways far_ways(graph, covariances, settings.lumps);  // whole rounds
   std::vector<LoopVote> votes;
   Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
   for (const LoopHypothesis& loop : hypotheses) {

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/relative_covariance.hpp"
 
+#include <functional>
 #include <limits>
 #include <queue>
+#include <ranges>
+#include <span>
 #include <tuple>
 
 #include <Eigen/Eigenvalues>
@@ -49,48 +52,108 @@ Matrix6d inverted(const Eigen::Isometry3d& pose, const Matrix6d& covariance) {
   return symmetric(moved * covariance * moved.transpose());
 }
 
-std::vector<std::optional<RelativePlace>> relative_places(const PoseGraph& graph, NodeId node,
-                                                          double lumps) {
-  std::vector<std::optional<RelativePlace>> places(graph.nodes().size());
-  std::vector<double> reached(places.size(), std::numeric_limits<double>::infinity());
+RelativeCovariances::RelativeCovariances(const PoseGraph& graph) : graph_(&graph) {
+  covariances_.reserve(graph.edges().size());
+  for (const PoseEdge& edge : graph.edges()) {
+    covariances_.push_back(edge.status == EdgeStatus::active ? covariance_of(edge)
+                                                             : Matrix6d::Zero());
+  }
+}
+
+Matrix6d RelativeCovariances::known(std::size_t edge, double lumps) const {
+  const bool drifts = graph_->edges()[edge].kind == EdgeKind::odometry;
+  return (drifts ? lumps : 1.0) * covariances_[edge];
+}
+
+LeastUncertainPaths RelativeCovariances::paths_from(NodeId node, double lumps) const {
+  const std::size_t size = graph_->nodes().size();
+  LeastUncertainPaths paths{
+      .start = graph_->index_of(node),
+      .lumps = lumps,
+      .last_edge = std::vector<uint32_t>(size, LeastUncertainPaths::kNone),
+      .order = {},
+  };
+  std::vector<double> reached(size, std::numeric_limits<double>::infinity());
+  std::vector<bool> settled(size, false);
   // By spread, then by index: ties do not depend on anything else.
   using Entry = std::tuple<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  std::vector<RelativePlace> best(places.size());
-  const std::size_t start = graph.index_of(node);
-  reached[start] = 0.0;
-  open.emplace(0.0, start);
+  reached[paths.start] = 0.0;
+  open.emplace(0.0, paths.start);
   while (!open.empty()) {
     const std::size_t at = std::get<1>(open.top());
     open.pop();
-    if (places[at]) {
+    if (settled[at]) {
       continue;
     }
-    places[at] = best[at];
-    const NodeId id = graph.nodes()[at].id;
-    for (const std::size_t index : graph.edges_of(id)) {
-      const PoseEdge& edge = graph.edges()[index];
-      const bool forward = edge.from == id;
-      const std::size_t next = graph.index_of(forward ? edge.to : edge.from);
-      if (edge.status != EdgeStatus::active || places[next]) {
+    settled[at] = true;
+    paths.order.push_back(static_cast<uint32_t>(at));
+    const NodeId id = graph_->nodes()[at].id;
+    for (const std::size_t index : graph_->edges_of(id)) {
+      const PoseEdge& edge = graph_->edges()[index];
+      const std::size_t next = graph_->index_of(edge.from == id ? edge.to : edge.from);
+      if (edge.status != EdgeStatus::active || settled[next]) {
         continue;
       }
-      const Matrix6d known = (edge.kind == EdgeKind::odometry ? lumps : 1.0) * covariance_of(edge);
-      const double sum = reached[at] + spread(known);
-      const double path = best[at].path + edge.T_from_to.translation().norm();
-      if (sum >= reached[next]) {
-        continue;
+      const double sum = reached[at] + spread(known(index, lumps));
+      if (sum < reached[next]) {
+        reached[next] = sum;
+        paths.last_edge[next] = static_cast<uint32_t>(index);
+        open.emplace(sum, next);
       }
-      reached[next] = sum;
-      best[next] = {.covariance = forward
-                                      ? compounded(best[at].covariance, edge.T_from_to, known)
-                                      : compounded(best[at].covariance, edge.T_from_to.inverse(),
-                                                   inverted(edge.T_from_to, known)),
-                    .path = path};
-      open.emplace(sum, next);
     }
   }
+  return paths;
+}
+
+std::size_t RelativeCovariances::before(const LeastUncertainPaths& paths, std::size_t node) const {
+  const PoseEdge& edge = graph_->edges()[paths.last_edge[node]];
+  const std::size_t from = graph_->index_of(edge.from);
+  return from == node ? graph_->index_of(edge.to) : from;
+}
+
+RelativePlace RelativeCovariances::extended(const RelativePlace& place, std::size_t edge,
+                                            std::size_t next, double lumps) const {
+  const PoseEdge& step = graph_->edges()[edge];
+  const bool forward = graph_->index_of(step.to) == next;
+  const Matrix6d own = known(edge, lumps);
+  return {.covariance = forward ? compounded(place.covariance, step.T_from_to, own)
+                                : compounded(place.covariance, step.T_from_to.inverse(),
+                                             inverted(step.T_from_to, own)),
+          .path = place.path + step.T_from_to.translation().norm()};
+}
+
+std::optional<RelativePlace> RelativeCovariances::place(const LeastUncertainPaths& paths,
+                                                        NodeId node) const {
+  std::vector<std::size_t> way;  // nodes, the last one first
+  std::size_t at = graph_->index_of(node);
+  for (; at != paths.start; at = before(paths, at)) {
+    if (paths.last_edge[at] == LeastUncertainPaths::kNone) {
+      return std::nullopt;
+    }
+    way.push_back(at);
+  }
+  RelativePlace place;
+  for (const std::size_t next : std::views::reverse(way)) {
+    place = extended(place, paths.last_edge[next], next, paths.lumps);
+  }
+  return place;
+}
+
+std::vector<std::optional<RelativePlace>> RelativeCovariances::places(
+    const LeastUncertainPaths& paths) const {
+  std::vector<std::optional<RelativePlace>> places(graph_->nodes().size());
+  places[paths.start].emplace();
+  for (const uint32_t next : std::span(paths.order).subspan(1)) {
+    places[next] = extended(*places[before(paths, next)], paths.last_edge[next], next, paths.lumps);
+  }
   return places;
+}
+
+std::vector<std::optional<RelativePlace>> relative_places(const PoseGraph& graph, NodeId node,
+                                                          double lumps) {
+  const RelativeCovariances covariances(graph);
+  return covariances.places(covariances.paths_from(node, lumps));
 }
 
 }  // namespace adit

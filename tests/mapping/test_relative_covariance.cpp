@@ -122,5 +122,25 @@ TEST(RelativeCovariance, TakesTheLeastUncertainPathAndItsLength) {
   EXPECT_LT(largest(lumps - 4.0 * once), 1e-12) << "the odometry counts four times";
 }
 
+TEST(RelativeCovariance, OnePlaceIsToTheBitWhatAllPlacesHave) {
+  PoseGraph graph = test::line(40);
+  graph.add_edge(known_edge(3, 31, step(28.0), test::diagonal_covariance(0.02, 0.001)));
+  graph.add_edge(known_edge(10, 25, step(15.0), test::diagonal_covariance(0.2, 0.05)));
+  graph.add_node({.id = 40, .T_map_node = step(40.0)});
+  const RelativeCovariances covariances(graph);
+  for (const NodeId from : {0, 17, 39}) {
+    const LeastUncertainPaths paths = covariances.paths_from(from, 4.0);
+    const auto places = covariances.places(paths);
+    for (NodeId to = 0; to < 40; ++to) {
+      const auto one = covariances.place(paths, to);
+      ASSERT_TRUE(one && places[static_cast<std::size_t>(to)]);
+      EXPECT_EQ(one->covariance, places[static_cast<std::size_t>(to)]->covariance) << from << to;
+      EXPECT_EQ(one->path, places[static_cast<std::size_t>(to)]->path);
+    }
+    EXPECT_FALSE(covariances.place(paths, 40)) << "nothing ties it";
+    EXPECT_FALSE(places[40]);
+  }
+}
+
 }  // namespace
 }  // namespace adit
