@@ -4,8 +4,6 @@
 
 #include <unistd.h>
 
-#include <cctype>
-#include <cstdlib>
 #include <iostream>
 #include <string_view>
 #include <utility>
@@ -14,11 +12,10 @@
 #include <fmt/core.h>
 
 #include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/support/commit.hpp"
+#include "adit/tools/commands/invocation.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/message_buffer.hpp"
 #include "adit/tools/support/resident_memory.hpp"
-#include "adit/tools/support/version.hpp"
 
 namespace adit {
 namespace {
@@ -29,41 +26,6 @@ std::vector<std::pair<std::string, ColorChoice>> color_words() {
   return {{"auto", ColorChoice::automatic},
           {"always", ColorChoice::always},
           {"never", ColorChoice::never}};
-}
-
-/// A word as a shell takes it.
-std::string shell_word(std::string_view word) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) != 0 ||
-           std::string_view("-_./=:,@%+").find(static_cast<char>(c)) != std::string_view::npos;
-  };
-  std::string quoted = "'";
-  bool all_plain = !word.empty();
-  for (const char c : word) {
-    all_plain = all_plain && plain(static_cast<unsigned char>(c));
-    quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  }
-  return all_plain ? std::string(word) : quoted + "'";
-}
-
-std::string command_text(std::span<const char* const> words) {
-  std::string text;
-  for (const char* word : words) {
-    text += (text.empty() ? "" : " ") + shell_word(word);
-  }
-  return text;
-}
-
-/// What is set of the variables that decide on the device.
-std::string environment_text() {
-  std::string text;
-  for (const char* name :
-       {"ADIT_DEVICE", "VK_DRIVER_FILES", "VK_ICD_FILENAMES", "LP_NUM_THREADS"}) {
-    if (const char* value = std::getenv(name)) {
-      text += (text.empty() ? "" : " ") + std::string(name) + "=" + shell_word(value);
-    }
-  }
-  return text.empty() ? "the environment names no device" : text;
 }
 
 /// A stream's buffer, replaced for as long as this lives.
@@ -153,9 +115,9 @@ void Console::begin(const ConsoleOptions& options, std::span<const char* const> 
   }
   settings.details = options.verbose;
   parts_->messages.buffer().use(settings);
-  say_detail(std::cerr, fmt::format("adit {}, commit {}, {}", version(), commit(), build_type()));
-  say_detail(std::cerr, "it runs: " + command_text(words));
-  say_detail(std::cerr, environment_text());
+  for (const std::string& line : describe_invocation(words)) {
+    say_detail(std::cerr, line);
+  }
   if (parts_->log && !parts_->log->failure().empty()) {
     throw OutputError(*options.log, parts_->log->failure() + " Nothing was begun.");
   }
