@@ -28,8 +28,10 @@ std::vector<std::pair<std::string, ColorChoice>> color_words() {
           {"never", ColorChoice::never}};
 }
 
+}  // namespace
+
 /// A stream's buffer, replaced for as long as this lives.
-class Redirected {
+class Console::Redirected {
  public:
   explicit Redirected(std::ostream& stream)
       : stream_(stream), before_(*stream.rdbuf()), buffer_(before_) {
@@ -46,8 +48,6 @@ class Redirected {
   std::streambuf& before_;
   MessageBuffer buffer_;
 };
-
-}  // namespace
 
 struct Console::Parts {
   std::optional<LogFile> log{};  // outlives what writes to it

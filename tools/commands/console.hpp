@@ -48,6 +48,7 @@ class Console {
   int end(int code);
 
  private:
+  class Redirected;
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
