@@ -139,7 +139,7 @@ class CommandLine {
   /// Reads the words, calls `before` and runs the command's action. Help and mistakes are printed
   /// on the standard streams; then the exit code is given, and nothing is called.
   std::optional<int> run(int argc, const char* const* argv,
-                         const std::function<void()>& before) const;
+                         const std::function<void()>& before = {}) const;
 
  private:
   std::unique_ptr<CLI::App> app_;
