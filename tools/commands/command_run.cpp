@@ -289,8 +289,8 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   }
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
   if (!options.quiet) {
-    say_detail(err, description.recording.string() + ": " + description.recording_description +
-                        "; sweeps of " + description.topic);
+    say_detail(err, "recording: " + description.recording_description + "; its sweeps are on " +
+                        description.topic);
     say_detail(err, "settings: " + describe(options.config));
   }
   const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points));
