@@ -371,8 +371,11 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   outcome.validation_messages = context.validation_messages();
 
   int code = judge(outcome, statistics, description, err);
-  if (const Trust trust = statistics.verdict().trust;
-      options.strict && code == 0 && trust != Trust::reliable) {
+  const Trust trust = statistics.verdict().trust;
+  if (!options.quiet && statistics.sweeps() > 0) {
+    say_detail(err, "verdict: " + std::string(to_string(trust)));
+  }
+  if (options.strict && code == 0 && trust != Trust::reliable) {
     err << "adit run: the run is " << to_string(trust)
         << " (--strict); verdict.stretches in summary.json tells where and why" << std::endl;
     code = 1;
