@@ -201,6 +201,31 @@ def check_command_line(files):
                     yield path, f"includes <{name}>; only tools/commands/command_line.cpp does"
 
 
+# What reads variables of the environment, and where they are listed: rows of a table under a heading.
+READS_ENVIRONMENT = re.compile(r"\b(secure_)?getenv\b|\bos\.environ\b")
+VARIABLE = re.compile(r"""["']([A-Z][A-Z0-9_]{2,})["']""")
+ENVIRONMENT_PAGE, ENVIRONMENT_HEADING = "docs/running.md", "## The environment"
+
+
+def check_environment(files):
+    """A page lists the variables that the program and the Python package read: those and no others."""
+    section = files.get(ENVIRONMENT_PAGE, "").partition(ENVIRONMENT_HEADING + "\n")[2].partition("\n## ")[0]
+    rows = [line.split("|")[1] for line in section.split("\n") if line.startswith("| `")]
+    listed = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    read = set()
+    for path, text in files.items():
+        if not path.startswith(("engine/", "slam/", "tools/", "benchmarks/")) or suffix(path) not in CXX | {".py"}:
+            continue
+        names = set(VARIABLE.findall(text)) if READS_ENVIRONMENT.search(text) else set()
+        if "temp_directory_path" in text:  # which reads it
+            names.add("TMPDIR")
+        for name in sorted(names - listed):
+            yield path, f"reads {name}, which is not in the table of {ENVIRONMENT_PAGE}, '{ENVIRONMENT_HEADING}'"
+        read |= names
+    for name in sorted(listed - read):
+        yield ENVIRONMENT_PAGE, f"lists {name}, which nothing reads"
+
+
 def check_headers(files):
     for path, text in files.items():
         if suffix(path) not in {".hpp", ".h"}:
@@ -235,7 +260,7 @@ def check(files):
     folders = {str(parent) for path in files for parent in pathlib.PurePosixPath(path).parents}
     found = [*check_layout(files), *check_text(files), *check_markdown(files), *check_groups(files),
              *check_includes(files), *check_silence(files), *check_vulkan(files), *check_libraries(files), *check_command_line(files),
-             *check_headers(files), *check_links(files, folders)]
+             *check_environment(files), *check_headers(files), *check_links(files, folders)]
     return sorted(f"{path}: {message}" for path, message in found)
 
 

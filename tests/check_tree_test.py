@@ -99,6 +99,18 @@ class CheckTree(unittest.TestCase):
     def test_cli11_outside_its_file_is_found(self):
         self.expect("tools/commands/a.cpp", SPDX + "#include <CLI/CLI.hpp>\n", "only tools/commands/command_line.cpp")
 
+    def test_a_variable_that_is_not_listed_is_found_and_one_that_nothing_reads(self):
+        reads = {"tools/run/a.cpp": SPDX + 'auto a = std::getenv("ADIT_A");\nconst char* b[] = {"ADIT_B", "no ADIT_C"};\n',
+                 "tools/run/b.cpp": SPDX + 'auto a = fs::temp_directory_path();\nconst char* c = "ADIT_C";\n'}
+        page = "# A\n\n## The environment\n\n| variable | what |\n|---|---|\n| `ADIT_A`, `ADIT_B` | `ADIT_D` |\n| `TMPDIR` | b |\n"
+        self.assertEqual(check_tree.check({**SOUND, **reads, "docs/running.md": page}), [])
+        self.assertEqual(len(check_tree.check({**SOUND, **reads})), 3)
+        for old, new, message in (("`ADIT_A`, ", "", "tools/run/a.cpp: reads ADIT_A, which is not in the table of docs/running.md"),
+                                  ("`TMPDIR`", "`TMPDIR`, `ADIT_C`", "docs/running.md: lists ADIT_C, which nothing reads")):
+            problems = check_tree.check({**SOUND, **reads, "docs/running.md": page.replace(old, new)})
+            self.assertEqual(len(problems), 1, problems)
+            self.assertIn(message, problems[0])
+
     def test_vulkan_through_a_header_is_found(self):
         tree = {**SOUND, "engine/vulkan/leak.hpp": HEADER + "#include <vulkan/vulkan.h>\n",
                 "slam/core/a.cpp": SPDX + '#include "adit/engine/vulkan/leak.hpp"\n'}

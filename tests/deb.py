@@ -17,7 +17,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 FILES = ("usr/bin/adit", "usr/share/man/man1/adit.1.gz", "usr/share/man/man1/adit-run.1.gz",
          "usr/share/bash-completion/completions/adit", "usr/share/zsh/vendor-completions/_adit",
          "usr/share/fish/vendor_completions.d/adit.fish", "usr/share/doc/adit/copyright",
-         "usr/share/doc/adit/changelog.gz", "usr/share/doc/adit/changelog.Debian.gz")
+         "usr/share/doc/adit/changelog.gz", "usr/share/doc/adit/changelog.Debian.gz",
+         *(f"usr/share/adit/schemas/{file.name}" for file in sorted((ROOT / "docs" / "schemas").iterdir())))
 
 
 def run(*command):

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""Compares docs/formats.md with what the program writes: every --json, sweeps.csv, the map's tables.
+"""Compares docs/formats.md and docs/schemas with what the program writes: every --json, sweeps.csv, the map's tables.
 
 Usage: formats.py ADIT. Everything that is written must be on the page, under the heading of its command, and everything
-on the page must be written, but for what it calls "only" or of another command of the same heading. Exits 1 if not.
+on the page must be written, but for what it calls "only" or of another command of the same heading. Each JSON must be as
+the schema has it that it names. Exits 1 if not.
 """
 
 import json
@@ -14,6 +15,8 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
+
+import json_schema
 
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "formats.md"
 # Heading of the page, and the commands whose JSON it describes; they run in a folder of their own.
@@ -28,6 +31,16 @@ COMMANDS = {
                                                     for verb in ("info", "check", "loops", "optimize")],
     "adit devices --json": [["devices", "--json"]],
 }
+SCHEMAS = PAGE.parent / "schemas"
+# Other forms of these, of which the page has no table: their schemas alone.
+MORE = [
+    ["inspect", "json", "--json"],
+    ["evaluate", "json", "--json"],
+    ["evaluate", "json", "drive.truth.tum", "--json"],
+    ["evaluate", "json/trajectory.tum", "json/odometry.tum", "drive.truth.tum", "--json"],
+    ["devices", "--json", "--no-self-test"],
+    ["align", "drive.mcap@0", "drive.mcap@9", "--min-overlap", "1", "--json"],
+]
 SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
 
 
@@ -77,6 +90,18 @@ def spread(rows):
     return [(columns if cell == ["x_m", "qw"] else cell, text) for cell, text in rows]
 
 
+def against_schema(what, value, used):
+    """What the schema that the value names does not allow; `used` gets its name."""
+    name = str(value.get("schema", "")).split("/", 1)[0]
+    file = SCHEMAS / f"{name}.schema.json"
+    if not file.exists():
+        yield f"{what}: it names no schema of docs/schemas: {value.get('schema')}"
+        return
+    used.add(file.name)
+    for problem in json_schema.problems(json.loads(file.read_text()), value):
+        yield f"{what}: {file.name}: {problem}"
+
+
 def check(adit, folder, page):
     def run(words):
         return subprocess.run([adit, *words], cwd=folder, capture_output=True, text=True, timeout=300)
@@ -85,6 +110,7 @@ def check(adit, folder, page):
     if simulated.returncode != 0:
         yield f"adit simulate: {simulated.stderr}"
         return
+    used = set()
     for heading, commands in COMMANDS.items():
         written = set()
         for words in commands:
@@ -93,7 +119,17 @@ def check(adit, folder, page):
                 yield f"adit {' '.join(words)}: no JSON: {answer.stdout}{answer.stderr}"
                 continue
             written |= set(keys(json.loads(answer.stdout)))
+            yield from against_schema(f"adit {' '.join(words)}", json.loads(answer.stdout), used)
         yield from compare(heading, page.get(heading, []), written)
+    for words in MORE:
+        answer = run(words)
+        if not answer.stdout.startswith("{"):
+            yield f"adit {' '.join(words)}: no JSON: {answer.stdout}{answer.stderr}"
+            continue
+        yield from against_schema(f"adit {' '.join(words)}", json.loads(answer.stdout), used)
+    for file in sorted(SCHEMAS.glob("*.json")):
+        if file.name not in used:
+            yield f"{file.name}: no command writes what it describes"
     header = (pathlib.Path(folder) / "json" / "sweeps.csv").read_text().split("\n", 1)[0].split(",")
     heading = "adit run: sweeps.csv"
     yield from compare(heading, spread(page.get(heading, [])), set(header))

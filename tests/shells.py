@@ -27,6 +27,8 @@ CASES = [
     ("adit run --prese", ["adit run --preset"], []),
     ("adit run --preset kitti-r", ["adit run --preset kitti-raw"], []),
     ("adit export --frame geo", ["adit export --frame geodetic"], []),
+    ("adit devices --color al", ["adit devices --color always"], []),
+    ("adit info --log dri", ["adit info --log drive.mcap"], []),
     ("adit help dev", ["adit help devices"], []),
     ("adit run -o out dri", ["adit run -o out drive.mcap"], []),
     ("adit run other.bag --topic dri", [], ["drive.mcap"]),

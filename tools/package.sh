@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Makes dist/adit-VERSION-linux-ARCH.tar.gz: the program, the Vulkan loader beside it, manual pages, completions, licences.
-# Runs where glibc is 2.36 or later and a Vulkan driver is installed. Called by `./dev package`.
+# Makes dist/adit-VERSION-linux-ARCH.tar.gz: the program, the Vulkan loader beside it, manual pages, completions,
+# JSON schemas, licences. Runs where glibc is 2.36 or later and a Vulkan driver is installed. Called by `./dev package`.
 #
 # The C++ runtime is linked in rather than put beside: a bundled libstdc++.so would be the one that the
 # system's Vulkan driver gets as well, and a newer driver needs a newer one. The loader is C. Ceres and what
@@ -31,6 +31,8 @@ rm -rf "$build/stage"
 mkdir -p "$stage/bin" "$stage/lib" "$stage/licenses"
 cp "$build/tools/adit" "$stage/bin/"
 cp -r "$build/tools/share" "$stage/"
+mkdir -p "$stage/share/adit/schemas"
+cp "$root"/docs/schemas/*.schema.json "$stage/share/adit/schemas/"
 cp "$root/README.md" "$root/LICENSE" "$root/CHANGELOG.md" "$stage/"
 
 licenses=$stage/licenses

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tests/tools/program_support.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/support/version.hpp"
@@ -22,21 +23,8 @@
 namespace adit {
 namespace {
 
-struct Answer {
-  int code = 0;
-  std::string out;
-  std::string err;
-};
-
-Answer call(std::vector<const char*> words) {
-  words.insert(words.begin(), "adit");
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int code = program(static_cast<int>(words.size()), words.data());
-  return {.code = code,
-          .out = testing::internal::GetCapturedStdout(),
-          .err = testing::internal::GetCapturedStderr()};
-}
+using test::Answer;
+using test::call;
 
 void expect_usage_error(const std::vector<const char*>& words, const std::string& part) {
   const Answer answer = call(words);
@@ -62,6 +50,8 @@ TEST(Program, VersionAndHelpAreAnswers) {
 TEST(Program, HelpIsAWordToo) {
   EXPECT_EQ(call({"help"}).out, call({"--help"}).out);
   EXPECT_EQ(call({"help", "run"}).out, call({"run", "--help"}).out);
+  EXPECT_EQ(call({"help", "--color", "never", "run"}).out, call({"run", "--help"}).out);
+  EXPECT_EQ(call({"help", "--help"}).code, 0);
   expect_usage_error({"help", "rnu"}, "no command 'rnu'. The nearest valid name is 'run'");
 }
 

@@ -165,7 +165,8 @@ int run(const AlignCommandOptions& options, std::ostream& out, std::ostream& err
   }
   const bool all = std::ranges::all_of(pairs, &AlignedPair::usable);
   if (options.json) {
-    nlohmann::ordered_json json = {{"method", std::string(to_string(options.settings.method))},
+    nlohmann::ordered_json json = {{"schema", "align/1"},
+                                   {"method", std::string(to_string(options.settings.method))},
                                    {"usable", std::ranges::count_if(pairs, &AlignedPair::usable)},
                                    {"device", to_json(context.device())},
                                    {"pairs", nlohmann::ordered_json::array()}};

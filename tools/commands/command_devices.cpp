@@ -150,7 +150,7 @@ int devices(const DevicesCommandOptions& options, std::ostream& out, std::ostrea
     }
   }
   if (options.json) {
-    out << nlohmann::ordered_json{{"devices", json}}.dump(2) << "\n";
+    out << nlohmann::ordered_json{{"schema", "devices/1"}, {"devices", json}}.dump(2) << "\n";
   }
   out << std::flush;
   return std::ranges::any_of(findings, &Finding::usable) ? 0 : 1;

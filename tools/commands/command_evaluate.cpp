@@ -70,14 +70,30 @@ std::string title_of(const std::string& estimate, const fs::path& truth) {
   return estimate + " against " + short_names({truth}).front();
 }
 
+/// The report with the name and version of its schema before it (docs/schemas).
+nlohmann::ordered_json with_schema(const nlohmann::ordered_json& report) {
+  nlohmann::ordered_json json = {{"schema", "evaluate/1"}};
+  json.update(report);
+  return json;
+}
+
+std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 void evaluate_trajectory(const EvaluateCommandOptions& options, std::ostream& out) {
   const fs::path& path = options.estimates.front();
   const Trajectory estimate = read_estimate(options, path);
   const Trajectory truth = read_truth(options);
   const Evaluation evaluation = evaluate(estimate, truth, options.evaluation);
   const std::string report = format_evaluation(evaluation, estimate.file, truth.file);
-  out << (options.json ? evaluation_json(evaluation, estimate.file, truth.file) : report)
-      << std::flush;
+  if (options.json) {
+    out << json_text(with_schema(
+        nlohmann::ordered_json::parse(evaluation_json(evaluation, estimate.file, truth.file))));
+  } else {
+    out << report;
+  }
+  out << std::flush;
   const PlottedEstimate plotted{"estimate", &evaluation};
   write_plot(options, std::span(&plotted, 1), title_of(short_names({path}).front(), options.truth),
              report);
@@ -126,7 +142,7 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   }
   write_page(found, page);
   if (options.json) {
-    nlohmann::ordered_json json = to_json(found, truth ? truth->file : fs::path());
+    nlohmann::ordered_json json = with_schema(to_json(found, truth ? truth->file : fs::path()));
     if (edges) {
       json["map_edges"] = to_json(*edges);
     }
@@ -203,9 +219,7 @@ bool compare_estimates(const EvaluateCommandOptions& options, std::ostream& out,
   const std::string table = to_table(comparison, format);
   const std::string notes = notes_of(comparison);
   if (options.json) {
-    out << to_json(comparison, options, truth)
-               .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-        << std::endl;
+    out << json_text(with_schema(to_json(comparison, options, truth))) << std::flush;
   } else {
     out << (format == TableFormat::text ? "truth  " + comparison.truth + "\n\n" : "") << table
         << std::flush;

@@ -126,13 +126,19 @@ std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
 }
 
 std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
-  nlohmann::ordered_json json = {
-      {"map", options.map.string()},      {"bytes", figures.bytes},
-      {"keyframes", figures.keyframes},   {"sweeps", figures.sweeps},
-      {"seconds", figures.seconds},       {"length_m", figures.length},
-      {"edges", figures.edges},           {"loops", figures.loops},
-      {"revoked", figures.revoked},       {"candidates", figures.candidates},
-      {"components", figures.components}, {"verticals", figures.verticals}};
+  nlohmann::ordered_json json = {{"schema", "info/1"},
+                                 {"map", options.map.string()},
+                                 {"bytes", figures.bytes},
+                                 {"keyframes", figures.keyframes},
+                                 {"sweeps", figures.sweeps},
+                                 {"seconds", figures.seconds},
+                                 {"length_m", figures.length},
+                                 {"edges", figures.edges},
+                                 {"loops", figures.loops},
+                                 {"revoked", figures.revoked},
+                                 {"candidates", figures.candidates},
+                                 {"components", figures.components},
+                                 {"verticals", figures.verticals}};
   json["sessions"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < figures.sessions.size(); ++i) {
     const MapSession& session = figures.sessions[i];
@@ -179,7 +185,8 @@ std::vector<std::string> problems_of(const std::filesystem::path& file) {
 int check(const InfoCommandOptions& options, std::ostream& out) {
   const std::vector<std::string> problems = problems_of(options.map);
   if (options.json) {
-    out << nlohmann::ordered_json{{"map", options.map.string()},
+    out << nlohmann::ordered_json{{"schema", "check/1"},
+                                  {"map", options.map.string()},
                                   {"whole", problems.empty()},
                                   {"problems", problems}}
                .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)

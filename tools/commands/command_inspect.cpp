@@ -31,6 +31,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
+constexpr const char* kInspectSchema = "inspect/1";  // docs/schemas
+
 void print_table(const Inspection& inspection, std::ostream& out) {
   std::size_t name = 5;
   std::size_t type = 4;
@@ -151,7 +153,7 @@ ordered_json to_json(const MotionCheck& check) {
 }
 
 ordered_json to_json(const Inspection& inspection) {
-  ordered_json json = {{"description", inspection.description}};
+  ordered_json json = {{"schema", kInspectSchema}, {"description", inspection.description}};
   json["topics"] = ordered_json::array();
   for (std::size_t i = 0; i < inspection.topics.size(); ++i) {
     json["topics"].push_back(to_json(inspection.topics[i], inspection.statistics[i]));
@@ -182,7 +184,9 @@ int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
   const RunReview review = review_run(options.recording);
   const std::string report = describe(review);
   if (options.json) {
-    out << to_json(review).dump(2) << std::endl;
+    ordered_json json = {{"schema", kInspectSchema}};
+    json.update(to_json(review));
+    out << json.dump(2) << std::endl;
   } else {
     out << report << std::flush;
   }

@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kUsage = 2;
+constexpr const char* kOfEveryCommand = "Options of every command";
 
 /// Complains unless the text is a number that `fits`.
 CLI::Validator number(const std::string& wanted, const std::function<bool(double)>& fits) {
@@ -283,6 +284,11 @@ CommandOption CommandOption::bytes() const {
   return *this;
 }
 
+CommandOption CommandOption::of_every_command() const {
+  option_->group(kOfEveryCommand);
+  return *this;
+}
+
 bool CommandOption::given() const {
   return option_->count() > 0;
 }
@@ -350,8 +356,9 @@ CommandOption Command::choice(const std::string& name, const std::string& descri
                             ->check(passes(joined(words))));
 }
 
-void Command::flag(const std::string& name, bool& target, const std::string& description) const {
-  command_->add_flag(name, target, description);
+CommandOption Command::flag(const std::string& name, bool& target,
+                            const std::string& description) const {
+  return CommandOption(*command_->add_flag(name, target, description));
 }
 
 void Command::flag(const std::string& name, const std::function<void()>& set,
@@ -369,7 +376,8 @@ bool Command::has_chosen() const {
 
 std::string Command::given_besides(const std::vector<std::string>& known) const {
   for (const CLI::Option* option : command_->get_options()) {
-    if (option->count() > 0 && std::ranges::count(known, option->get_name()) == 0) {
+    if (option->count() > 0 && option->get_group() != kOfEveryCommand &&
+        std::ranges::count(known, option->get_name()) == 0) {
       return option->get_name();
     }
   }
@@ -416,11 +424,27 @@ std::vector<std::string> CommandLine::commands() const {
   return names;
 }
 
+std::vector<Command> CommandLine::all() const {
+  std::vector<CLI::App*> apps = {app_.get()};
+  for (std::size_t i = 0; i < apps.size(); ++i) {
+    for (CLI::App* below : apps[i]->get_subcommands([](const CLI::App*) { return true; })) {
+      apps.push_back(below);
+    }
+  }
+  std::vector<Command> commands;
+  for (CLI::App* app : apps) {
+    commands.emplace_back(*app);
+  }
+  return commands;
+}
+
 CommandDescription CommandLine::description() const {
   return describe(*app_, "");
 }
 
-std::optional<int> CommandLine::run(int argc, const char* const* argv) const {
+std::optional<int> CommandLine::run(int argc, const char* const* argv,
+                                    const std::function<void()>& before) const {
+  app_->parse_complete_callback(before);
   if (!commands().empty()) {
     app_->require_subcommand(1);
   }

@@ -51,6 +51,8 @@ class CommandOption {
   CommandOption file() const;
   /// A number of bytes, with or without a unit.
   CommandOption bytes() const;
+  /// One of those that all commands have: the help lists them last, and given_besides() knows them.
+  CommandOption of_every_command() const;
 
   /// It is on the command line.
   bool given() const;
@@ -87,7 +89,7 @@ class Command {
                   [&target, choices](std::size_t chosen) { target = choices[chosen].second; });
   }
 
-  void flag(const std::string& name, bool& target, const std::string& description) const;
+  CommandOption flag(const std::string& name, bool& target, const std::string& description) const;
   void flag(const std::string& name, const std::function<void()>& set,
             const std::string& description) const;
 
@@ -96,7 +98,8 @@ class Command {
 
   /// One of its sub-commands is on the command line.
   bool has_chosen() const;
-  /// The first option on the command line that is none of those; empty where there is none.
+  /// The first option on the command line that is none of those, nor of every command; empty where
+  /// there is none.
   std::string given_besides(const std::vector<std::string>& known) const;
 
  private:
@@ -128,12 +131,15 @@ class CommandLine {
   std::string help() const;
   /// Names of its commands.
   std::vector<std::string> commands() const;
+  /// The program itself, its commands and those below them.
+  std::vector<Command> all() const;
   /// All that it takes.
   CommandDescription description() const;
 
-  /// Reads the words and runs the command's action. Help and mistakes are printed on the standard
-  /// streams; then the exit code is given.
-  std::optional<int> run(int argc, const char* const* argv) const;
+  /// Reads the words, calls `before` and runs the command's action. Help and mistakes are printed
+  /// on the standard streams; then the exit code is given, and nothing is called.
+  std::optional<int> run(int argc, const char* const* argv,
+                         const std::function<void()>& before = {}) const;
 
  private:
   std::unique_ptr<CLI::App> app_;

@@ -180,7 +180,7 @@ std::string text_of(const LoopsCommandOptions& options,
 std::string json_of(const LoopsCommandOptions& options,
                     const std::vector<LoopCandidate>& candidates,
                     const std::optional<LoopChange>& changed) {
-  nlohmann::ordered_json json = {{"map", options.map.string()}};
+  nlohmann::ordered_json json = {{"schema", "loops/1"}, {"map", options.map.string()}};
   if (changed) {
     json["changed"] = {{"id", changed->id},
                        {"status", changed->what == "revoked" ? "revoked" : "active"},

@@ -259,6 +259,7 @@ std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcom
   const PoseGraph& graph = outcome.file.graph;
   const OptimizationReport& report = outcome.optimized.report;
   nlohmann::ordered_json json;
+  json["schema"] = "optimize/1";
   json["file"] = options.input.string();
   json["nodes"] = graph.nodes().size();
   json["edges"] = graph.edges().size();

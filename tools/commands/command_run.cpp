@@ -30,6 +30,7 @@
 #include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/message_buffer.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/resident_memory.hpp"
@@ -197,16 +198,16 @@ int judge(const RunOutcome& outcome, const RunStatistics& statistics, const RunD
     return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
   }
   if (statistics.left_out().any()) {
-    err << "adit run: left out: " << statistics.left_out().text() << std::endl;
+    err << "adit run: warning: left out: " << statistics.left_out().text() << std::endl;
   }
   if (statistics.left_out().put_in_order() > 0) {
-    err << "adit run: " << statistics.left_out().order_text() << std::endl;
+    err << "adit run: warning: " << statistics.left_out().order_text() << std::endl;
   }
   const InertialStatistics& imu = statistics.inertial();
   const std::size_t repeated = imu.count(ImuArrival::duplicate);
   const std::size_t back = imu.count(ImuArrival::too_late) + imu.count(ImuArrival::restarted);
   if (repeated + back > 0) {
-    err << "adit run: the IMU's clock: " << repeated << " readings repeat a time, " << back
+    err << "adit run: warning: the IMU's clock: " << repeated << " readings repeat a time, " << back
         << " go back" << std::endl;
   }
   if (statistics.sweeps() == 0 && statistics.left_out().damaged() > 0) {
@@ -287,6 +288,11 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     err << software_note(context.device()) << std::endl;
   }
   RunDescription description = describe_run(options, config, *recording, sweeps, context);
+  if (!options.quiet) {
+    say_detail(err, "recording: " + description.recording_description + "; its sweeps are on " +
+                        description.topic);
+    say_detail(err, "settings: " + describe(options.config));
+  }
   const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points));
   SlamOptions wanted{.inertial = imu.has_value(), .submap_bytes = memory.submap_bytes()};
 
@@ -365,8 +371,11 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   outcome.validation_messages = context.validation_messages();
 
   int code = judge(outcome, statistics, description, err);
-  if (const Trust trust = statistics.verdict().trust;
-      options.strict && code == 0 && trust != Trust::reliable) {
+  const Trust trust = statistics.verdict().trust;
+  if (!options.quiet && statistics.sweeps() > 0) {
+    say_detail(err, "verdict: " + std::string(to_string(trust)));
+  }
+  if (options.strict && code == 0 && trust != Trust::reliable) {
     err << "adit run: the run is " << to_string(trust)
         << " (--strict); verdict.stretches in summary.json tells where and why" << std::endl;
     code = 1;

@@ -6,6 +6,8 @@
 #include <exception>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +33,7 @@
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/commands/command_view.hpp"
+#include "adit/tools/commands/console.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/version.hpp"
@@ -63,10 +66,11 @@ std::string version_text() {
 }
 
 /// `adit help COMMAND` is `adit COMMAND --help`, and `adit help` `adit --help`.
-std::vector<const char*> without_help_word(int argc, const char* const* argv) {
-  std::vector<const char*> words(argv, argv + argc);
-  const bool of_help_itself = argc > 2 && std::string_view(argv[2]).starts_with('-');
-  if (argc > 1 && std::string_view(argv[1]) == "help" && !of_help_itself) {
+std::vector<const char*> without_help_word(std::span<const char* const> given) {
+  std::vector<const char*> words(given.begin(), given.end());
+  const std::string_view next = words.size() > 2 ? words[2] : "";
+  const bool of_help_itself = next == "-h" || next == "--help";
+  if (words.size() > 1 && std::string_view(words[1]) == "help" && !of_help_itself) {
     words.erase(words.begin() + 1);
     words.push_back("--help");
   }
@@ -84,7 +88,8 @@ void add_help_command(Command app, const std::vector<std::string>& commands) {
   command.action([words] {});
 }
 
-int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand> more) {
+int parse_and_run(std::span<const char* const> given, std::span<const AddCommand> more,
+                  Console& console) {
   const CommandLine line("adit", "Range-inertial SLAM on any Vulkan device");
   line.version(version_text);
   const Command app = line.program();
@@ -97,7 +102,9 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
       "--set;\nno other file is read.\n\n"
       "Environment:\n"
       "  ADIT_DEVICE     the device where --device names none\n"
-      "  XDG_CACHE_HOME  where what is found out about devices is kept; otherwise ~/.cache\n\n"
+      "  XDG_CACHE_HOME  where what is found out about devices is kept; otherwise ~/.cache\n"
+      "  NO_COLOR        no colours, unless --color asks for them\n"
+      "  CLICOLOR_FORCE  colours, wherever the output goes\n\n"
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped "
       "by\n"
       "SIGHUP, SIGINT (Ctrl-C) or SIGTERM.");
@@ -125,23 +132,31 @@ int parse_and_run(int argc, const char* const* argv, std::span<const AddCommand>
     add(app, done);
   }
   add_help_command(app, line.commands());
+  ConsoleOptions options;
+  for (const Command command : line.all()) {
+    add_console_options(command, options);
+  }
 
-  if (argc < 2) {
+  if (given.size() < 2) {
     std::cerr << line.help();
     return kUsage;
   }
-  const std::vector<const char*> words = without_help_word(argc, argv);
+  const std::vector<const char*> words = without_help_word(given);
   if (is_unknown_command(line, words[1])) {
     return kUsage;
   }
-  return line.run(static_cast<int>(words.size()), words.data()).value_or(code);
+  const std::optional<int> ended = line.run(static_cast<int>(words.size()), words.data(),
+                                            [&] { console.begin(options, given); });
+  return ended ? *ended : console.end(code);
 }
 
 }  // namespace
 
 int program(int argc, const char* const* argv, std::span<const AddCommand> more) {
+  const std::span<const char* const> words(argv, static_cast<std::size_t>(argc));
+  Console console(color_among(words));
   try {
-    return parse_and_run(argc, argv, more);
+    return parse_and_run(words, more, console);
   } catch (const std::exception& error) {
     std::cerr << "adit: " << error.what() << std::endl;
   } catch (...) {

@@ -83,7 +83,7 @@ cp "$wheel" "$root/dist/"
 test=$work/test-$name
 rm -rf "$test"
 "$python" -m venv "$test"
-"$test/bin/pip" install -q "$wheel" pytest mypy >&2
+"$test/bin/pip" install -q "$wheel" pytest mypy matplotlib >&2
 cd "$work"
 env -u PYTHONPATH ADIT_PROGRAM="$test/bin/adit" "$test/bin/python" -B -m pytest -q -p no:cacheprovider \
   "$root/tests/python" >&2 || die "the tests fail with the wheel"

@@ -279,6 +279,20 @@ std::string apply_override(Config& config, const std::string& text) {
 
 }  // namespace
 
+std::string describe(const ConfigSource& source) {
+  std::string text = source.kept ? "those of " + source.kept->origin.string() : "defaults";
+  if (!source.preset.empty()) {
+    text += ", preset " + source.preset;
+  }
+  if (source.file) {
+    text += ", " + source.file->string();
+  }
+  for (const std::string& one : source.overrides) {
+    text += ", " + one;
+  }
+  return text;
+}
+
 Config parse_config(const std::string& toml, const fs::path& origin) {
   Config config;
   apply_text(config, toml, origin);

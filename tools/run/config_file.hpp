@@ -36,6 +36,9 @@ struct ConfigSource {
 /// value that validate() refuses.
 Config load_config(const ConfigSource& source);
 
+/// Where its settings come from, in the order in which one takes the place of another, for people.
+std::string describe(const ConfigSource& source);
+
 /// What to_toml() wrote; `origin` is for messages. Throws InputError as load_config() does.
 Config parse_config(const std::string& toml, const std::filesystem::path& origin);
 

@@ -13,6 +13,7 @@
 #include "adit/engine/error.hpp"
 #include "adit/engine/self_test/self_test.hpp"
 #include "adit/tools/run/device_cache.hpp"
+#include "adit/tools/support/message_buffer.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -112,12 +113,19 @@ std::string requested_device(const std::string& option) {
 engine::Context open_device(const DeviceOptions& options) {
   const std::string requested = requested_device(options.device);
   give_mesa_a_cache();
+  const auto detail = [&](const std::string& text) {
+    if (options.notes != nullptr) {
+      say_detail(*options.notes, text);
+    }
+  };
   try {
     engine::Context context({.device = requested,
                              .validation = options.validation,
                              .synchronization_validation = options.validation,
                              .profile = options.profile,
                              .memory_budget_bytes = options.max_vram_bytes});
+    detail("device: " + describe(context.device()) +
+           (requested.empty() ? ", the first that fits" : ", asked for as " + requested));
     if (options.validation) {
       // Here, where the layer's messages are collected, and whatever is known of the device.
       require_known_answers(engine::run_self_test(context), context.device());
@@ -126,6 +134,8 @@ engine::Context open_device(const DeviceOptions& options) {
     const DeviceCache cache(cache_folder());
     if (const auto pipelines = cache.find(context.device())) {
       context.add_to_pipeline_cache(*pipelines);
+      detail("its kernels were tested by an earlier run, as " +
+             cache.file_of(context.device())->string() + " has it");
     } else {
       compile_and_test(context, cache, options.notes);
     }

@@ -20,6 +20,7 @@ ordered_json describe_run(const RunDescription& run, std::string_view status,
                           const std::string& reason) {
   ordered_json json;
   json["adit"] = version();
+  json["schema"] = "summary/1";  // docs/schemas
   json["status"] = status;
   json["reason"] = reason;
   json["input"] = {{"path", run.recording.string()}, {"description", run.recording_description},

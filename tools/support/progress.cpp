@@ -13,6 +13,8 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/support/message_buffer.hpp"
+
 namespace adit {
 namespace {
 
@@ -46,6 +48,10 @@ std::string failed_text(const ProgressState& state, const std::string& separator
 
 std::string count_text(const ProgressState& state) {
   return std::to_string(state.done) + "/" + std::to_string(state.total) + " " + state.unit;
+}
+
+std::size_t tenth_of(const ProgressState& state) {
+  return state.total == 0 ? 10 : 10 * state.done / state.total;
 }
 
 std::size_t terminal_columns() {
@@ -101,6 +107,7 @@ Progress::Progress(std::ostream& stream, ProgressStyle style, std::string label,
       label_(std::move(label)),
       start_(start),
       drawn_at_(start),
+      line_at_(start),
       state_{.done = 0, .total = total, .failed = 0, .elapsed_s = 0.0, .unit = std::move(unit)} {}
 
 void Progress::update(std::size_t done, std::size_t failed, Clock::time_point now) {
@@ -108,19 +115,26 @@ void Progress::update(std::size_t done, std::size_t failed, Clock::time_point no
   state_.failed = failed;
   state_.elapsed_s = std::chrono::duration<double>(now - start_).count();
   const bool last = done >= state_.total;
-  const auto since = now - drawn_at_;
-  if (style_ == ProgressStyle::bar && (last || !bar_visible_ || since >= kRedrawEvery)) {
+  if (style_ == ProgressStyle::bar && (last || !bar_visible_ || now - drawn_at_ >= kRedrawEvery)) {
     draw_bar();
     drawn_at_ = now;
   }
-  if (style_ == ProgressStyle::lines) {
-    const std::size_t tenth = state_.total == 0 ? 10 : 10 * done / state_.total;
-    if (last || since >= kLineEvery || (tenth > drawn_tenth_ && since >= kLineNotBefore)) {
-      stream_ << format_line(label_, state_) << std::endl;
-      drawn_tenth_ = tenth;
-      drawn_at_ = now;
+  if (style_ != ProgressStyle::none && line_is_due(now)) {
+    const std::string line = format_line(label_, state_);
+    if (style_ == ProgressStyle::lines) {
+      stream_ << line << std::endl;
+    } else {
+      log_line(stream_, line);
     }
+    line_tenth_ = tenth_of(state_);
+    line_at_ = now;
   }
+}
+
+bool Progress::line_is_due(Clock::time_point now) const {
+  const auto since = now - line_at_;
+  return state_.done >= state_.total || since >= kLineEvery ||
+         (tenth_of(state_) > line_tenth_ && since >= kLineNotBefore);
 }
 
 void Progress::note(const std::string& message) {

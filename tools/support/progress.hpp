@@ -41,7 +41,8 @@ enum class ProgressStyle {
 /// `bar` where the standard error stream is a terminal that can redraw, `lines` elsewhere.
 ProgressStyle progress_style_of_stderr();
 
-/// Reports on a stream. Times are given by the caller's steady clock, so that it can be tested.
+/// Reports on a stream, and beside a bar in lines to the log of what is said there, if there is
+/// one. Times are given by the caller's steady clock, so that it can be tested.
 class Progress {
  public:
   using Clock = std::chrono::steady_clock;
@@ -60,13 +61,15 @@ class Progress {
 
  private:
   void draw_bar();
+  bool line_is_due(Clock::time_point now) const;
 
   std::ostream& stream_;
   ProgressStyle style_;
   std::string label_;
   Clock::time_point start_;
-  Clock::time_point drawn_at_;
-  std::size_t drawn_tenth_ = 0;
+  Clock::time_point drawn_at_;  ///< of the bar
+  Clock::time_point line_at_;
+  std::size_t line_tenth_ = 0;
   bool bar_visible_ = false;
   ProgressState state_;
 };
