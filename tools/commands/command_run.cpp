@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -76,21 +77,6 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
   return config;
 }
 
-// What a run needs besides what is there before its first sweep: buffers of the device, the rolling
-// submap, and sweeps on their way; for a map two keyframes' submaps; for loops pairs of submaps and
-// kLeastSubmapBytes. tests/memory_bound.py measures it, docs/theory/mapping.md has what came out.
-constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
-constexpr uint64_t kWorkingBytesAPoint = 320;
-constexpr uint64_t kMapBytes = uint64_t{12} << 20U;
-constexpr uint64_t kMapBytesAPoint = 240;
-constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
-
-uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep) {
-  const uint64_t map = mapping.enabled ? kMapBytes + kMapBytesAPoint * points_a_sweep : 0;
-  return kWorkingBytes + kWorkingBytesAPoint * points_a_sweep + map +
-         (mapping.enabled && mapping.loops ? kLoopBytes : 0);
-}
-
 constexpr const char* kMountingIsAssumed =
     "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
     "(imu.T_imu_lidar; "
@@ -148,24 +134,28 @@ std::string with_room(std::string text) {
   return text;
 }
 
-/// Maps and closes the files. A failure to complete one of them counts as the end of the run unless
-/// it had ended before.
-RunOutcome map_and_close(const Mapping& mapping, RunMap* map, const RunDescription& run) {
+RunOutcome map_sweeps(const Mapping& mapping) {
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   outcome.result = map_recording(mapping);
   outcome.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return outcome;
+}
+
+/// Closes the files and writes those that come last. A failure to complete one of them counts as
+/// the end of the run unless it had ended before.
+RunOutcome with_complete_files(RunOutcome outcome, RunOutputs& outputs, HighRateOutput* high_rate,
+                               const RunMap* map, const RunDescription& run, std::size_t sweeps) {
   try {
-    mapping.outputs.close();
-    if (mapping.high_rate != nullptr) {
-      mapping.high_rate->close();
+    outputs.close();
+    if (high_rate != nullptr) {
+      high_rate->close();
     }
     if (outcome.result.map) {
-      map->write_final(mapping.outputs.map_parts());
+      map->write_final(outputs.map_parts());
     }
-    if (mapping.statistics.sweeps() > 0) {
-      write_map_page(RunFiles(run.output), mapping.outputs.page_cloud(),
-                     run.recording.filename().string());
+    if (sweeps > 0) {
+      write_map_page(RunFiles(run.output), outputs.page_cloud(), run.recording.filename().string());
     }
   } catch (const FileError& error) {
     if (outcome.result.end == RunEnd::completed) {
@@ -174,9 +164,9 @@ RunOutcome map_and_close(const Mapping& mapping, RunMap* map, const RunDescripti
       outcome.result.reason = error.what();
     }
   }
-  outcome.map_points = mapping.outputs.map_points();
-  if (mapping.high_rate != nullptr) {
-    outcome.high_rate = mapping.high_rate->statistics();
+  outcome.map_points = outputs.map_points();
+  if (high_rate != nullptr) {
+    outcome.high_rate = high_rate->statistics();
   }
   return outcome;
 }
@@ -330,7 +320,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     high_rate.emplace(options.output);
     wanted.high_rate_smoothing = options.high_rate.smoothing;
   }
-  const std::unique_ptr<Slam> slam = make_slam(context, config, wanted);
+  std::unique_ptr<Slam> slam = make_slam(context, config, wanted);
   for (const StaticTransform& transform : static_transforms(*recording)) {
     slam->add(transform);
   }
@@ -345,23 +335,26 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
       progress.note(*note);
     }
   });
-  RunOutcome outcome = map_and_close({.recording = options.strict_input ? *recording : *whole,
-                                      .topic = sweeps.topic,
-                                      .range = sweeps.range,
-                                      .imu_topic = imu,
-                                      .gnss_topic = gnss,
-                                      .slam = *slam,
-                                      .stop = [] { return StopSignal::received() != 0; },
-                                      .memory = &memory,
-                                      .outputs = outputs,
-                                      .high_rate = high_rate ? &*high_rate : nullptr,
-                                      .statistics = statistics,
-                                      .progress = progress,
-                                      .quiet = options.quiet},
-                                     map ? &*map : nullptr, description);
-  progress.finish();
+  RunOutcome outcome = map_sweeps({.recording = options.strict_input ? *recording : *whole,
+                                   .topic = sweeps.topic,
+                                   .range = sweeps.range,
+                                   .imu_topic = imu,
+                                   .gnss_topic = gnss,
+                                   .slam = *slam,
+                                   .stop = [] { return StopSignal::received() != 0; },
+                                   .memory = &memory,
+                                   .outputs = outputs,
+                                   .high_rate = high_rate ? &*high_rate : nullptr,
+                                   .statistics = statistics,
+                                   .progress = progress,
+                                   .quiet = options.quiet});
   const std::optional<Mounting> mounting = slam->mounting();
   description.config = with_mounting(slam->config(), mounting);
+  slam.reset();  // its memory is needed for the files that come last
+  release_free_memory();
+  outcome = with_complete_files(std::move(outcome), outputs, high_rate ? &*high_rate : nullptr,
+                                map ? &*map : nullptr, description, statistics.sweeps());
+  progress.finish();
   if (mounting && mounting->source == MountingSource::assumed && !options.quiet) {
     err << kMountingIsAssumed;
   }

@@ -13,6 +13,16 @@
 namespace adit {
 namespace {
 
+// What a run needs besides what is there before its first sweep: buffers of the device, the rolling
+// submap, and sweeps on their way; for a map two keyframes' submaps; for loops pairs of submaps and
+// kLeastSubmapBytes. tests/memory_bound.py measures it, docs/theory/mapping.md has what came out.
+constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
+constexpr uint64_t kWorkingBytesAPoint = 320;
+constexpr uint64_t kMapBytes = uint64_t{22} << 20U;
+constexpr uint64_t kMapBytesAPoint = 384;
+constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
+constexpr uint64_t kLoopBytesAPoint = 256;
+
 // What is free goes back to the system before the limit is reached, by this share of it: the next
 // keyframe needs room for a moment.
 constexpr uint64_t kHeadroom = 4;
@@ -22,6 +32,15 @@ std::string mebibytes(uint64_t bytes) {
 }
 
 }  // namespace
+
+uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep) {
+  uint64_t bytes = kWorkingBytes + kWorkingBytesAPoint * points_a_sweep;
+  if (mapping.enabled) {
+    bytes += kMapBytes + kMapBytesAPoint * points_a_sweep;
+    bytes += mapping.loops ? kLoopBytes + kLoopBytesAPoint * points_a_sweep : 0;
+  }
+  return bytes;
+}
 
 MemoryLimit::MemoryLimit(uint64_t most_bytes, uint64_t working_bytes) : most_(most_bytes) {
   const uint64_t at_start = resident_bytes();

@@ -2,13 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+
+#include "adit/slam/core/config.hpp"
 
 namespace adit {
 
 /// Of submaps that stay in memory, where there is room for no more.
 inline constexpr uint64_t kLeastSubmapBytes = uint64_t{8} << 20U;
+
+/// What a run needs besides what is there before its first sweep, bytes, at `points_a_sweep` points
+/// in the largest sweeps (docs/theory/mapping.md).
+uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep);
 
 /// Holds a command to an amount of memory that is resident (--max-ram). On software devices that is
 /// the device's memory, too.
