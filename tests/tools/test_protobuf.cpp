@@ -81,6 +81,15 @@ TEST(Protobuf, AnOptionalFieldIsAChoiceOfOne) {
   EXPECT_EQ(message.parts(2)[1].integer(17), 1);
 }
 
+TEST(Protobuf, FieldsHaveTheNamesThatJsonGivesThem) {
+  const std::vector<ProtobufMessageType> types = {
+      {.name = "a.B", .fields = {{.number = 1, .name = "frame_id"}, {.number = 2, .name = "x2"}}}};
+  const test::ProtobufFields set(descriptor_set(types, "a.B"));
+  const auto fields = set.part(1).part(4).parts(2);
+  EXPECT_EQ(fields[0].text(10), "frameId");
+  EXPECT_EQ(fields[1].text(10), "x2");
+}
+
 TEST(Protobuf, ATypeThatIsNotKnownIsAMistakeOfTheProgram) {
   EXPECT_THROW(descriptor_set(foxglove_types(), "foxglove.Nothing"), std::logic_error);
 }

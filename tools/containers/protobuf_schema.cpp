@@ -29,6 +29,7 @@ constexpr int kFieldLabel = 4;
 constexpr int kFieldType = 5;
 constexpr int kFieldTypeName = 6;
 constexpr int kFieldOneOf = 9;
+constexpr int kFieldJsonName = 10;
 constexpr int kFieldOptional = 17;
 constexpr int64_t kLabelOptional = 1;
 constexpr int64_t kLabelRepeated = 3;
@@ -54,6 +55,19 @@ std::string proto_file_of(const std::string& full) {
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   }
   return folder + "/" + file + ".proto";
+}
+
+/// "frame_id" as JSON has it: "frameId".
+std::string json_name_of(const std::string& field) {
+  std::string name;
+  bool raised = false;
+  for (const char letter : field) {
+    if (letter != '_') {
+      name += raised ? static_cast<char>(std::toupper(static_cast<unsigned char>(letter))) : letter;
+    }
+    raised = letter == '_';
+  }
+  return name;
 }
 
 ProtobufMessage described(const ProtobufEnumeration& enumeration) {
@@ -82,6 +96,7 @@ ProtobufMessage described(const ProtobufMessageType& type) {
     if (!field.type_name.empty()) {
       one.text(kFieldTypeName, "." + field.type_name);
     }
+    one.text(kFieldJsonName, json_name_of(field.name));
     if (field.optional) {
       one.integer(kFieldOneOf, static_cast<int64_t>(choices.size()));
       one.integer(kFieldOptional, 1);
