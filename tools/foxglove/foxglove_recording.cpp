@@ -80,8 +80,7 @@ std::vector<Point> shown_points(std::span<const CloudPoint> cloud) {
 /// The whole cloud of bounded size.
 std::vector<Point> overview_of(const ShownRun& run, std::ostream& progress) {
   PageCloud cloud(kMostOverviewPoints);
-  const auto add = [&](std::vector<Point> points) {
-    std::erase_if(points, [](const Point& point) { return !is_shown(point); });
+  const auto add = [&](const std::vector<Point>& points) {
     cloud.add(points, Eigen::Isometry3d::Identity(), 0);
   };
   if (!run.map.empty()) {
@@ -100,7 +99,9 @@ std::vector<Point> overview_of(const ShownRun& run, std::ostream& progress) {
                  "points");
     std::size_t done = 0;
     ply.visit([&](std::span<const Point> points) {
-      add({points.begin(), points.end()});
+      std::vector<Point> sound(points.begin(), points.end());
+      std::erase_if(sound, [](const Point& point) { return !is_shown(point); });
+      add(sound);
       bar.update(done += points.size(), 0);
     });
     bar.finish();
@@ -113,16 +114,16 @@ std::vector<Point> overview_of(const ShownRun& run, std::ostream& progress) {
   return points;
 }
 
-std::optional<ShownColour> colour_of_fix(FixVerdict verdict) {
+ShownColour colour_of_fix(FixVerdict verdict) {
   switch (verdict) {
     case FixVerdict::used:
     case FixVerdict::thinned:
-      return ShownColour{.r = 0.2, .g = 0.9, .b = 0.3, .a = 1.0};
+      return {.r = 0.2, .g = 0.9, .b = 0.3, .a = 1.0};
     case FixVerdict::outlier:
     case FixVerdict::frozen:
-      return ShownColour{.r = 0.95, .g = 0.25, .b = 0.2, .a = 1.0};
+      return {.r = 0.95, .g = 0.25, .b = 0.2, .a = 1.0};
     default:
-      return ShownColour{.r = 0.7, .g = 0.7, .b = 0.7, .a = 1.0};
+      return {.r = 0.7, .g = 0.7, .b = 0.7, .a = 1.0};
   }
 }
 
