@@ -13,6 +13,7 @@
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/foxglove/foxglove_recording.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -42,7 +43,48 @@ void print(const ConvertOptions& options, const ConvertReport& report, std::ostr
   out << "wrote " << options.output.string() << std::endl;
 }
 
+/// Throws UsageError for what is of use with recordings alone.
+void refuse_options_of_recordings(const ConvertOptions& options) {
+  const auto refuse = [](bool given, const char* name) {
+    if (given) {
+      throw UsageError(std::string(name) + ": --as foxglove shows a run as a whole, without it.");
+    }
+  };
+  refuse(!options.topics.empty(), "--topic");
+  refuse(options.begin_s.has_value(), "--begin");
+  refuse(options.end_s.has_value(), "--end");
+  refuse(options.encoding.has_value(), "--ros");
+  refuse(options.repair.has_value(), "--repair");
+  refuse(options.metadata.has_value(), "--metadata");
+  if (options.compression == Compression::bz2) {
+    throw UsageError("--compression bz2: MCAP knows none, lz4 and zstd.");
+  }
+}
+
+int convert_run(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
+  refuse_options_of_recordings(options);
+  const FoxgloveReport report =
+      write_foxglove({.input = options.input,
+                      .output = options.output,
+                      .compression = options.compression.value_or(Compression::zstd)},
+                     err);
+  std::size_t width = 0;
+  for (const FoxgloveTopic& topic : report.topics) {
+    width = std::max(width, topic.topic.size());
+  }
+  for (const FoxgloveTopic& topic : report.topics) {
+    out << std::left << std::setw(static_cast<int>(width + 2)) << topic.topic << std::right
+        << std::setw(9) << topic.messages << "  " << topic.type << "\n";
+  }
+  out << "wrote " << options.output.string() << "\nwrote " << report.layout.string()
+      << " (a layout for Foxglove and Lichtblick)" << std::endl;
+  return 0;
+}
+
 int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
+  if (options.foxglove) {
+    return convert_run(options, out, err);
+  }
   std::error_code ignored;
   if (fs::equivalent(options.input, options.output, ignored)) {
     throw UsageError("the recording cannot be written over itself. Name another OUT.");
@@ -76,21 +118,28 @@ int convert_command(const ConvertOptions& options, std::ostream& out, std::ostre
 void add_convert_command(Command app, std::function<void(int)> done) {
   auto options = std::make_shared<ConvertOptions>();
   const Command command =
-      app.add_command("convert", "Write a recording in another format, or a part of it");
+      app.add_command("convert", "Write a recording, or a run, in another format, or a part of it");
   command.footer(
       "IN is any recording that `adit run` reads. OUT tells the format by its name: NAME.mcap,\n"
       "NAME.bag (ROS 1), or a folder for rosbag2. Messages are copied byte for byte; between ROS "
       "1\n"
-      "and ROS 2 those of the types that adit understands are translated.\n\n"
+      "and ROS 2 those of the types that adit understands are translated.\n"
+      "With --as foxglove IN is the folder of a run or a map (map.adit). OUT is then an MCAP file\n"
+      "for Foxglove, Lichtblick and Rerun; a layout, NAME.foxglove.json, comes beside it.\n\n"
       "Examples:\n"
       "  adit convert drive.bag drive.mcap\n"
       "  adit convert drive.mcap part.mcap --begin 10 --end 40 --topic /points --topic /imu "
       "--topic /tf_static\n"
       "  adit convert kitti_0001 kitti.mcap --compression lz4\n"
-      "  adit convert drive.bag right.mcap --repair --config drive.toml\n\n"
+      "  adit convert drive.bag right.mcap --repair --config drive.toml\n"
+      "  adit convert out run.mcap --as foxglove\n\n"
       "Exit codes: 0 done, 1 failed, or the recording is damaged, 2 usage.");
-  command.option("input", options->input, "The recording").required().value_name("IN");
+  command.option("input", options->input, "The recording; with --as foxglove a run or a map")
+      .required()
+      .value_name("IN");
   command.option("output", options->output, "What to write").required().value_name("OUT");
+  command.choice<bool>("--as", "What other viewers show of a run, by Foxglove's schemas",
+                       options->foxglove, {{"foxglove", true}});
   command.option("--topic", options->topics, "Keep this topic; may be given again")
       .one_value_each()
       .value_name("NAME");

@@ -25,6 +25,7 @@ struct ConvertOptions {
   std::optional<Compression> compression{};  ///< none: the format's usual one
   std::optional<std::string> metadata{};  ///< RecordingConfig::metadata, where nothing is repaired
   std::optional<RecordingConfig> repair{};  ///< write sweeps and IMU samples as they are understood
+  bool foxglove = false;  ///< `input` is a run or a map: write what it shows, by Foxglove's schemas
 };
 
 /// Writes a recording anew: in another format, between ROS 1 and ROS 2, with fewer topics, cut in
@@ -33,8 +34,8 @@ struct ConvertOptions {
 /// encoding stays are copied byte for byte, of whatever type; but for those that are repaired:
 /// sweeps become PointCloud2 with x y z intensity, ring and time (float32, s after the stamp, which
 /// is their start), IMU samples keep rates and accelerations. Damage is reported and passed over.
-/// Throws UsageError where the options contradict each other, InputError where the input cannot be
-/// opened, OutputError where the result cannot be written.
+/// `foxglove` is not looked at here. Throws UsageError where the options contradict each other,
+/// InputError where the input cannot be opened, OutputError where the result cannot be written.
 ConvertReport convert_recording(const ConvertOptions& options);
 
 }  // namespace adit

@@ -48,33 +48,41 @@ std::size_t McapWriter::add_channel(const Channel& channel) {
     throw std::logic_error("MCAP: the encoding of " + channel.topic + " is not known");
   }
   const bool ros2 = channel.encoding == Encoding::cdr;
-  const std::string type = ros2 ? ros2_type_name(channel.type) : channel.type;
-  const std::string encoding = ros2 ? "ros2msg" : "ros1msg";
-  const auto [schema, added] =
-      schemas_.try_emplace({type, encoding}, static_cast<uint16_t>(schemas_.size() + 1));
+  return add_channel(channel.topic,
+                     {.name = ros2 ? ros2_type_name(channel.type) : channel.type,
+                      .encoding = ros2 ? "ros2msg" : "ros1msg",
+                      .data = channel.definition,
+                      .message_encoding = ros2 ? "cdr" : "ros1"},
+                     channel.metadata);
+}
+
+std::size_t McapWriter::add_channel(const std::string& topic, const McapSchema& schema,
+                                    const std::map<std::string, std::string>& metadata) {
+  const auto [known, added] = schemas_.try_emplace({schema.name, schema.encoding},
+                                                   static_cast<uint16_t>(schemas_.size() + 1));
   if (added) {
     ByteWriter content;
-    content.number(schema->second);
-    content.text(type);
-    content.text(encoding);
-    content.text(channel.definition);
+    content.number(known->second);
+    content.text(schema.name);
+    content.text(schema.encoding);
+    content.text(schema.data);
     schema_records_.push_back(text_of(record(Opcode::schema, content)));
     file_.write(schema_records_.back());
     offset_ += schema_records_.back().size();
   }
   const auto id = static_cast<uint16_t>(counts_.size());
-  ByteWriter metadata;
-  for (const auto& [key, value] : channel.metadata) {
-    metadata.text(key);
-    metadata.text(value);
+  ByteWriter pairs;
+  for (const auto& [key, value] : metadata) {
+    pairs.text(key);
+    pairs.text(value);
   }
   ByteWriter content;
   content.number(id);
-  content.number(schema->second);
-  content.text(channel.topic);
-  content.text(ros2 ? "cdr" : "ros1");
-  content.number(static_cast<uint32_t>(metadata.size()));
-  content.bytes(metadata.content());
+  content.number(known->second);
+  content.text(topic);
+  content.text(schema.message_encoding);
+  content.number(static_cast<uint32_t>(pairs.size()));
+  content.bytes(pairs.content());
   channel_records_.push_back(text_of(record(Opcode::channel, content)));
   file_.write(channel_records_.back());
   offset_ += channel_records_.back().size();

@@ -28,12 +28,24 @@ struct McapOptions {
       profile{};  ///< "ros1" or "ros2" where all channels are of one; some readers ask for it
 };
 
+/// How a topic's messages are described and laid out, by MCAP's registry: ROS's are told by
+/// Channel.
+struct McapSchema {
+  std::string name;              ///< of the type: "foxglove.PointCloud"
+  std::string encoding;          ///< of `data`: "protobuf"
+  std::string data;              ///< what a reader needs to know of the type
+  std::string message_encoding;  ///< of the messages: "protobuf"
+};
+
 /// Writes an MCAP file after its specification, version 0.
 class McapWriter final : public MessageWriter {
  public:
   McapWriter(const std::filesystem::path& path, const McapOptions& options);
 
   std::size_t add_channel(const Channel& channel) override;
+  /// A topic of messages that are none of ROS's. A schema's name and encoding stand for its data.
+  std::size_t add_channel(const std::string& topic, const McapSchema& schema,
+                          const std::map<std::string, std::string>& metadata = {});
   void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes) override;
   void close() override;
 

@@ -247,6 +247,14 @@ SweepRecord sweep_record(std::size_t index, const SweepResult& sweep) {
   return record;
 }
 
+std::vector<SweepColumn> columns_of(const SweepRecord& sweep) {
+  std::vector<SweepColumn> columns;
+  visit(sweep, [&](std::string_view name, const auto& value) {
+    columns.push_back({.name = std::string(name), .value = value});
+  });
+  return columns;
+}
+
 SweepTableWriter::SweepTableWriter(std::filesystem::path path) : file_(std::move(path)) {
   std::string header;
   const SweepRecord record;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "adit/slam/odometry/odometry.hpp"
@@ -66,6 +67,15 @@ struct SweepRecord {
 
 /// What the odometry reported of sweep `index`.
 SweepRecord sweep_record(std::size_t index, const SweepResult& sweep);
+
+/// A cell of the table with its column's name: a number (NaN: not known), the stamp, or a word.
+struct SweepColumn {
+  std::string name;
+  std::variant<double, Nanoseconds, std::string> value;
+};
+
+/// All of a line, in the order of the file.
+std::vector<SweepColumn> columns_of(const SweepRecord& sweep);
 
 /// Writes the table as sweeps come. Throws OutputError.
 class SweepTableWriter {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/maps/odometry_chain.hpp"
 
 namespace adit {
 namespace {
@@ -37,6 +38,14 @@ void append_pose(ordered_json& list, const Eigen::Isometry3d& pose) {
   }
 }
 
+ordered_json poses_json(const std::vector<Eigen::Isometry3d>& poses) {
+  ordered_json list = ordered_json::array();
+  for (const Eigen::Isometry3d& pose : poses) {
+    append_pose(list, pose);
+  }
+  return list;
+}
+
 void append_covariance(ordered_json& list, const MapKeyframe& keyframe) {
   const Eigen::Matrix3d R = keyframe.T_map_keyframe.linear();
   const Eigen::Matrix3d in_map = R * keyframe.covariance.topLeftCorner<3, 3>() * R.transpose();
@@ -60,34 +69,6 @@ Positions positions_of(const std::vector<MapKeyframe>& keyframes) {
 int64_t at(const Positions& positions, NodeId id) {
   const auto found = positions.find(id);
   return found == positions.end() ? -1 : found->second;
-}
-
-/// Poses by the odometry's edges alone, from the first keyframe on; what they do not reach begins
-/// where the map has it.
-ordered_json odometry_of(const std::vector<MapKeyframe>& keyframes, const PoseGraph& graph,
-                         const Positions& positions) {
-  std::vector<Eigen::Isometry3d> poses;
-  std::vector<bool> known(keyframes.size(), false);
-  for (const MapKeyframe& keyframe : keyframes) {
-    poses.push_back(keyframe.T_map_keyframe);
-  }
-  for (const PoseEdge& edge : graph.edges()) {
-    const int64_t from = at(positions, edge.from);
-    const int64_t to = at(positions, edge.to);
-    if (edge.kind != EdgeKind::odometry || from < 0 || to <= from) {
-      continue;
-    }
-    const auto target = static_cast<std::size_t>(to);
-    if (!known[target]) {
-      poses[target] = poses[static_cast<std::size_t>(from)] * edge.T_from_to;
-      known[target] = true;
-    }
-  }
-  ordered_json list = ordered_json::array();
-  for (const Eigen::Isometry3d& pose : poses) {
-    append_pose(list, pose);
-  }
-  return list;
 }
 
 ordered_json json_of(const LoopCandidate& loop, const Positions& positions) {
@@ -187,7 +168,7 @@ ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
             {"session", sessions},
             {"time", times},
             {"pose", poses_of(keyframes)},
-            {"odometry", odometry_of(keyframes, graph, positions)},
+            {"odometry", poses_json(odometry_chain(keyframes, graph))},
             {"covariance", covariances}}},
           {"edges", edges},
           {"loops", loops},
