@@ -29,7 +29,6 @@ constexpr int kFieldLabel = 4;
 constexpr int kFieldType = 5;
 constexpr int kFieldTypeName = 6;
 constexpr int kFieldOneOf = 9;
-constexpr int kFieldJsonName = 10;
 constexpr int kFieldOptional = 17;
 constexpr int64_t kLabelOptional = 1;
 constexpr int64_t kLabelRepeated = 3;
@@ -57,19 +56,6 @@ std::string proto_file_of(const std::string& full) {
   return folder + "/" + file + ".proto";
 }
 
-/// "frame_id" as JSON has it: "frameId".
-std::string json_name_of(const std::string& field) {
-  std::string name;
-  bool raised = false;
-  for (const char letter : field) {
-    if (letter != '_') {
-      name += raised ? static_cast<char>(std::toupper(static_cast<unsigned char>(letter))) : letter;
-    }
-    raised = letter == '_';
-  }
-  return name;
-}
-
 ProtobufMessage described(const ProtobufEnumeration& enumeration) {
   ProtobufMessage text;
   text.text(1, enumeration.name);
@@ -82,7 +68,9 @@ ProtobufMessage described(const ProtobufEnumeration& enumeration) {
   return text;
 }
 
-/// Optional fields each are the one member of a choice, which is how proto3 tells that they are.
+/// JSON's names of fields are left out: protobufjs would call fields by them, and viewers look for
+/// those of the schema. Optional fields each are the one member of a choice, which is how proto3
+/// tells that they are.
 ProtobufMessage described(const ProtobufMessageType& type) {
   ProtobufMessage message;
   message.text(kMessageName, protobuf_name(type.name).type);
@@ -96,7 +84,6 @@ ProtobufMessage described(const ProtobufMessageType& type) {
     if (!field.type_name.empty()) {
       one.text(kFieldTypeName, "." + field.type_name);
     }
-    one.text(kFieldJsonName, json_name_of(field.name));
     if (field.optional) {
       one.integer(kFieldOneOf, static_cast<int64_t>(choices.size()));
       one.integer(kFieldOptional, 1);
