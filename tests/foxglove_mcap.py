@@ -261,7 +261,7 @@ def check(adit, source, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("adit", type=lambda path: pathlib.Path(path).absolute())
     parser.add_argument("runs", type=pathlib.Path, nargs="+")
     parser.add_argument("--folder", type=pathlib.Path, help="Keep what is written here")
     options = parser.parse_args()

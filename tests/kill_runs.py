@@ -125,7 +125,7 @@ def differences_of_full(arguments, recording, out, most_bytes, expected, whole):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("adit", type=lambda path: pathlib.Path(path).absolute())
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--full", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)

@@ -31,7 +31,7 @@ def run(command):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("adit", type=lambda path: pathlib.Path(path).absolute())
     parser.add_argument("--sensor", default="VLP-16")
     parser.add_argument("--duration", default="12")
     options = parser.parse_args()

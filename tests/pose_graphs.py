@@ -83,7 +83,7 @@ def by_gtsam(poses, edges):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("adit", type=lambda path: pathlib.Path(path).absolute())
     parser.add_argument("speed", type=pathlib.Path)
     parser.add_argument("--graphs", type=int, default=5)
     parser.add_argument("--first-seed", type=int, default=1)

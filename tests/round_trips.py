@@ -352,7 +352,7 @@ def check(adit, folder, tally):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("adit", type=lambda path: pathlib.Path(path).absolute())
     parser.add_argument("--folder", type=pathlib.Path, help="keep what is written here (default: a temporary one)")
     arguments = parser.parse_args()
     tally = Tally()

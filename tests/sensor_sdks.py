@@ -475,7 +475,7 @@ def compare(adit, case):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("adit", type=pathlib.Path)
+    parser.add_argument("adit", type=lambda path: pathlib.Path(path).absolute())
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="cases whose name has this in it")
     parser.add_argument("--folder", type=pathlib.Path, help="where the captures stay; otherwise they are removed")

@@ -248,6 +248,17 @@ TEST(Recording, TimesThatDoNotMatchTheSweepsNameTheFile) {
       << error.found();
 }
 
+TEST(Recording, TheFolderOfARunIsNone) {
+  const TemporaryFolder folder;
+  folder.write("map.ply", "ply\n");
+  folder.write("summary.json", "{}\n");
+  folder.write("sweeps.csv", "sweep\n");
+  folder.write("trajectory.tum", "");
+  const InputError error = open_error(folder.path());
+  EXPECT_TRUE(contains(error.what(), "folder of a run")) << error.what();
+  EXPECT_TRUE(contains(error.what(), "--as foxglove")) << error.what();
+}
+
 TEST(Recording, TimesThatGoBackNameTheLine) {
   const TemporaryFolder folder;
   folder.write("times.txt", "0\n0.1\n0.05\n");

@@ -180,7 +180,19 @@ std::unique_ptr<Recording> open_kitti(const fs::path& path, const fs::path& fold
   return std::make_unique<FileRecording>(path, std::move(sweeps));
 }
 
+/// What `adit run` leaves, whose map.ply would pass for a sweep.
+bool is_folder_of_a_run(const fs::path& path) {
+  return fs::exists(path / "summary.json") && fs::exists(path / "sweeps.csv") &&
+         fs::exists(path / "trajectory.tum");
+}
+
 std::unique_ptr<Recording> open_plain_folder(const fs::path& path) {
+  if (is_folder_of_a_run(path)) {
+    throw InputError(path, {}, "it is the folder of a run, not a recording",
+                     "Name the recording that was mapped. Runs are for `adit inspect`, `evaluate`, "
+                     "`view` and `export`; `adit convert OUT run.mcap --as foxglove` shows one in "
+                     "other viewers");
+  }
   SweepFiles sweeps = list_sweeps(path);
   if (sweeps.files.empty()) {
     if (fs::is_empty(path)) {
