@@ -3,12 +3,14 @@
 #include "adit/tools/commands/command_optimize.hpp"
 
 #include <array>
+#include <cmath>
 #include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "adit/slam/mapping/solver.hpp"
+#include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/program.hpp"
@@ -113,6 +115,40 @@ TEST(OptimizeCommand, TakesItsOptionsFromTheCommandLine) {
   EXPECT_EQ(code("--convention", "se3", "--initial", "tree", "--loop-kernel", "dcs"), 0);
   EXPECT_EQ(code("--convention", "half"), 2);
   EXPECT_EQ(code("--max-iterations", "0"), 2);
+}
+
+TEST(OptimizeCommand, WritesAMapThatHasMovedInTheWorldAlone) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "map.adit";
+  const Geodetic origin{.latitude = 48.1, .longitude = 11.5, .altitude = 520.0};
+  Eigen::Isometry3d too_high = Eigen::Isometry3d::Identity();
+  too_high.translation().z() = 1.0;
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 3; ++id) {
+      KeyframeRecord record = test::record(id, session);
+      // All fixes are of one place, the map's origin.
+      record.fixes.push_back(
+          {.id = id + 1,
+           .keyframe = id,
+           .stamp = record.keyframe.stamp,
+           .place = origin,
+           .covariance = Eigen::Matrix3d::Identity() * 0.01,
+           .p_keyframe_antenna = record.keyframe.T_map_keyframe.inverse().translation(),
+           .verdict = FixVerdict::used,
+           .information = Eigen::Matrix3d::Identity() * 100.0});
+      map.store(record);
+    }
+    map.revise({.georeference = Georeference{.origin = origin, .T_world_map = too_high}});
+  }
+  const test::Ran ran = optimized({.input = file});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("wrote        the poses"), std::string::npos) << ran.out;
+  const MapDatabase after(file, MapAccess::read);
+  EXPECT_LT(after.georeference().value().T_world_map.translation().norm(), 1e-3);
+  EXPECT_LT(std::abs(after.keyframe(2).value().T_map_keyframe.translation().z()), 1e-6)
+      << "which has not moved";
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct Outcome {
   double file_cost = 0.0;  ///< where the file has the nodes
   InitialPoses initial = InitialPoses::file;  ///< what it started from
   OptimizedGraph optimized;
-  bool moved = false;              ///< a node is not where the file has it
+  bool moved = false;  ///< a node, or the map in the world, is not where the file has it
   std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
 };
 
@@ -140,16 +140,20 @@ InitialPoses begin(PoseGraph& graph, const OptimizationSettings& settings, const
   return wanted;
 }
 
-/// A node that is farther from its place in `before` than the solver's own accuracy.
-bool is_moved(const PoseGraph& before, const std::vector<Eigen::Isometry3d>& poses) {
+/// Apart by more than the solver's own accuracy.
+bool differ(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   constexpr double kSame = 1e-6;  // m, rad
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Eigen::Isometry3d step = before.nodes()[i].T_map_node.inverse() * poses[i];
-    if (step.translation().norm() > kSame || rotation_angle(step.linear()) > kSame) {
-      return true;
-    }
+  const Eigen::Isometry3d step = a.inverse() * b;
+  return step.translation().norm() > kSame || rotation_angle(step.linear()) > kSame;
+}
+
+/// A node is not where `before` has it, or the map not where it lies in the world.
+bool is_moved(const PoseGraph& before, const OptimizedGraph& optimized) {
+  bool moved = differ(before.T_world_map(), optimized.T_world_map);
+  for (std::size_t i = 0; i < optimized.poses.size() && !moved; ++i) {
+    moved = differ(before.nodes()[i].T_map_node, optimized.poses[i]);
   }
-  return false;
+  return moved;
 }
 
 Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
@@ -170,7 +174,7 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   outcome.initial = begin(graph, settings, outcome, options.initial);
   outcome.optimized =
       options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
-  outcome.moved = is_moved(before, outcome.optimized.poses);
+  outcome.moved = is_moved(before, outcome.optimized);
   graph.set_poses(outcome.optimized.poses);
   graph.set_T_world_map(outcome.optimized.T_world_map);
   outcome.worst = worst_edges(outcome.optimized.report);
