@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tools/maps/map_database.hpp"
 
@@ -30,6 +31,16 @@ inline KeyframeRecord record(NodeId id, SessionId session) {
     record.edges.push_back(edge(id - 1, id, step(10.0), 100.0 + static_cast<double>(id) / 3.0));
   }
   return record;
+}
+
+/// The same with a submap of one point, 1 m to the left and 2 m above; the third one's has moved.
+inline KeyframeRecord record_of_a_point(NodeId id, SessionId session) {
+  KeyframeRecord result = record(id, session);
+  KeyframeSubmap submap;
+  submap.sweeps.push_back({.stamp = result.keyframe.stamp, .merged = true});
+  submap.points.push_back({.place = {0, 2048, 4096}, .seen_through = id == 2});
+  result.submap = encode(submap);
+  return result;
 }
 
 inline SessionId add_session(MapStore& map) {

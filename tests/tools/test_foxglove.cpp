@@ -13,7 +13,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/recordings/container_support.hpp"
 #include "adit/tests/support/error_text.hpp"
@@ -42,11 +41,7 @@ void write_shown_map(const fs::path& file, bool georeferenced = false) {
   MapDatabase map(file, MapAccess::write);
   const SessionId session = test::add_session(map);
   for (NodeId id = 0; id < 3; ++id) {
-    KeyframeRecord record = test::record(id, session);
-    KeyframeSubmap submap;
-    submap.sweeps.push_back({.stamp = record.keyframe.stamp, .merged = true});
-    submap.points.push_back({.place = {0, 2048, 4096}, .seen_through = id == 2});
-    record.submap = encode(submap);
+    KeyframeRecord record = test::record_of_a_point(id, session);
     if (georeferenced) {
       record.fixes.push_back({.id = id + 1,
                               .keyframe = id,

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -25,12 +24,7 @@ void write_map(const fs::path& file) {
   MapDatabase map(file, MapAccess::write);
   const SessionId session = test::add_session(map);
   for (NodeId id = 0; id < 3; ++id) {
-    KeyframeRecord record = test::record(id, session);
-    KeyframeSubmap submap;
-    submap.sweeps.push_back({.stamp = record.keyframe.stamp, .merged = true});
-    submap.points.push_back({.place = {0, 2048, 4096}, .seen_through = id == 2});
-    record.submap = encode(submap);
-    map.store(record);
+    map.store(test::record_of_a_point(id, session));
   }
   const PoseEdge loop = test::edge(0, 2, test::step(19.0), 400.0);
   map.revise({.edges = {loop},
