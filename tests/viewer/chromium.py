@@ -38,6 +38,12 @@ COUNT = """new Promise((done, fail) => {
 })"""
 
 
+STATE = """(() => { const { painter, controls, cloud } = window.adit;
+  return JSON.stringify({ still: painter.isStill, waiting: painter.waiting, moved: painter.moved, now: performance.now(),
+    busy: controls.busy, pointers: controls.pointers?.size, keys: [...(controls.keys ?? [])], eye: controls.eye,
+    missing: cloud?.missing, hidden: document.hidden, frames: painter.frames.slice(-5) }); })()"""
+
+
 class Chromium:
     def __init__(self, width=1280, height=800):
         self.folder = tempfile.mkdtemp()
@@ -121,7 +127,8 @@ class Page:
                 return value
             time.sleep(0.05)
         sys.exit(f"FAILED: never came true within {seconds} s: {expression}\nstatus: "
-                 f"{self.evaluate('document.getElementById(`status`)?.textContent')}\nerrors: {self.errors}")
+                 f"{self.evaluate('document.getElementById(`status`)?.textContent')}\nerrors: {self.errors}\n"
+                 f"link: {self.evaluate('location.href')}\nstate: {self.evaluate(STATE)}")
 
     def open(self, url):
         self.call("Page.navigate", url="about:blank")

@@ -78,6 +78,15 @@ def check_cloud(page, link):
     found = [float(number) for number in re.findall(r"-?\d+\.\d+", told.get("x, y, z", ""))]
     require(told[""] == "point" and len(found) == 3 and math.dist(found, (3, 2, 4)) < 0.002, "another point was picked", told)
 
+    # A link that is entered stands, also in the moment in which the page writes its own.
+    page.evaluate("""(() => {
+        window.adit.above();
+        const until = performance.now() + 400;
+        while (performance.now() < until);
+        location.hash = 'shading=0&eye=0,0,0,20,-0.9,0.7';
+    })()""")
+    page.wait(f"Math.abs(window.adit.controls.eye.pitch - 0.7) < 1e-3 && {ALL_THERE}")
+
     # From the upper point to one of the square, whose points are 0.02 m apart.
     page.evaluate("location.hash = 'shading=0&eye=0,0,0,20,-0.9,0.6'")
     page.wait(f"Math.abs(window.adit.controls.eye.pitch - 0.6) < 1e-3 && {ALL_THERE}")

@@ -70,7 +70,7 @@ export class Painter {
       const goesOn = this.before({ seconds: Math.min((now - this.begun) / 1000, 0.5), moving });
       this.begun = now;
       if (goesOn) this.motion();
-      else if (moving) {
+      else if (this.moved === Infinity) {  // once a motion: frames in between do not put its end off
         this.moved = performance.now();
         setTimeout(() => this.draw(), STILL + 10);
       }

@@ -42,6 +42,7 @@ export class View implements Listener, Actions {
   private chosen: Found | null = null;
   private measuring = false;
   private timer = 0;
+  private written = location.hash;  // the link as it was last seen or written
 
   constructor() {
     this.sensor.matrixAutoUpdate = false;
@@ -196,6 +197,8 @@ export class View implements Listener, Actions {
   }
 
   private restore(): void {
+    clearTimeout(this.timer);
+    this.written = location.hash;
     if (location.hash.slice(1) === toHash(this.state)) return;
     Object.assign(this.state, fromHash(location.hash));
     if (this.sceneShown) this.timeLine.set(this.sceneShown.seconds, this.state.time);
@@ -215,7 +218,11 @@ export class View implements Listener, Actions {
 
   private remember(): void {
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => history.replaceState(null, '', `#${toHash(this.state)}`), REMEMBERED);
+    this.timer = setTimeout(() => {
+      if (location.hash !== this.written) return;  // another link was entered, and is about to be shown
+      history.replaceState(null, '', `#${toHash(this.state)}`);
+      this.written = location.hash;
+    }, REMEMBERED);
   }
 
   private apply(): void {
