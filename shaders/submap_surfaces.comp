@@ -40,7 +40,9 @@ void main() {
     const SurfaceMoments moments =
         moments_of(head, surfaces[3 * slot + 1], surfaces[3 * slot + 2], vec3(0.0));
     const bool whole = head.x == key && head.y <= kMostCellPoints;
-    const uint packed = whole ? surface_of(moments, ray, false) : no_surface();
+    const uint packed =
+        whole ? surface_of(moments, ray, beam_gap(ray, level, push.level_factor), false)
+              : no_surface();
     surface_cloud[i] = uvec4(point.xyz, packed);
   }
 }

@@ -58,7 +58,7 @@ uint surface_around(vec3 p, uint level) {
       sum = together(sum, moments_at(slot, shift));
     }
   }
-  return surface_of(sum, p, true);
+  return surface_of(sum, p, 0.0, true);
 }
 
 bool is_none(uint packed) { return (packed >> 30) == kIsotropic; }
@@ -71,7 +71,9 @@ void main() {
     const uint level = surface_level(p, push.level_factor);
     const SurfaceCellId own = surface_cell_of_level(p, level, push.inverse_surface_cell);
     const uint slot = slot_of(own.key);
-    uint packed = slot == kNoSlot ? no_surface() : surface_of(moments_at(slot, ivec3(0)), p, false);
+    uint packed = slot == kNoSlot ? no_surface()
+                                  : surface_of(moments_at(slot, ivec3(0)), p,
+                                               beam_gap(p, level, push.level_factor), false);
     if (is_none(packed)) {
       packed = surface_around(p, level);
     }

@@ -58,6 +58,9 @@ inline constexpr double kEdgeOn = 0.174;
 inline constexpr double kThin = 0.02;
 /// And the cosine between its normal and the ray below which it is oblique enough.
 inline constexpr double kOblique = 0.5;
+/// Spread of points across a plane's ray, in squares of the gap between beams, below which one beam
+/// saw them.
+inline constexpr double kOneBeam = 0.01;
 
 /// The smallest level, 0 to 14, whose cells' size relative to level 0 is at least range *
 /// 2.5 beam_spacing / edge of level 0, for a point at `p` from its sensor. Decided on squares in
@@ -82,9 +85,43 @@ inline float inverse_surface_cell(const engine::PreprocessSettings& settings, in
          static_cast<float>(1U << static_cast<unsigned>(level));
 }
 
-/// Classifies the covariance of a point's neighbours; `ray` leads to it from its sensor. Those of
-/// several cells (`wide`) show thin, oblique planes alone.
-inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& ray,
+/// The gap between neighbouring beams at the end of a ray, in cells of that level.
+inline double beam_gap(const Eigen::Vector3f& ray, const engine::PreprocessSettings& settings,
+                       int level) {
+  return static_cast<double>(ray.norm()) * settings.beam_spacing *
+         static_cast<double>(inverse_surface_cell(settings, level));
+}
+
+/// Whether a plane is that of the scan: of one beam that sweeps about z, across which its points
+/// are not spread.
+struct OneBeam {
+  bool found = false;
+  double margin = 0.0;  ///< how near that was to being decided otherwise, as Surface::margin
+};
+
+inline OneBeam one_beam(const Eigen::Matrix3d& covariance, const Surface& plane,
+                        const Eigen::Vector3d& ray, double gap) {
+  const Eigen::Vector3d along = ray.normalized();
+  const Eigen::Vector3d across = plane.direction - plane.direction.dot(along) * along;
+  const Eigen::Vector3d up = across.normalized();
+  const double spread = up.dot(covariance * up) - kOneBeam * gap * gap;
+  const double steepness = std::abs(up.z()) - kSteep;
+  // What turns `up` turns the plane, by as much as its eigenvalues are near each other.
+  const Eigen::Vector3d& e = plane.eigenvalues;
+  const double turn = (e[1] - e[0]) * across.norm();
+  const double of_spread = std::abs(spread) * std::min(1.0, turn / (2.0 * e[2]));
+  const double of_steepness = std::abs(steepness) * turn;
+  if (spread < 0.0 && steepness > 0.0) {
+    return {.found = true, .margin = std::min(of_spread, of_steepness)};
+  }
+  return {.found = false,
+          .margin = std::max(spread < 0.0 ? 0.0 : of_spread, steepness > 0.0 ? 0.0 : of_steepness)};
+}
+
+/// Classifies the covariance of a point's neighbours; `ray` leads to it from its sensor, where
+/// beams are a `gap` of cells apart. Those of several cells (`wide`) show thin, oblique planes
+/// alone.
+inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& ray, double gap,
                         int neighbours, bool wide) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   Surface surface{.eigenvalues = solver.eigenvalues(), .neighbours = neighbours};
@@ -101,7 +138,13 @@ inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d
     const double oblique = std::abs(surface.incidence - kOblique) * (e[1] - e[0]);
     surface.margin = std::min({surface.margin, oblique, std::abs(e[0] - kThin * e[1])});
   }
-  if (!line && (!wide || (e[0] < kThin * e[1] && surface.incidence < kOblique))) {
+  bool is_shown = !wide || (e[0] < kThin * e[1] && surface.incidence < kOblique);
+  if (!line && !wide) {
+    const OneBeam beam = one_beam(covariance, surface, ray, gap);
+    surface.margin = std::min(surface.margin, beam.margin);
+    is_shown = !beam.found;
+  }
+  if (!line && is_shown) {
     surface.kind = surface.incidence > kEdgeOn ? SurfaceKind::plane : SurfaceKind::grazing;
   } else if (line && !wide && std::abs(surface.direction.z()) > kSteep) {
     surface.kind = SurfaceKind::line;
@@ -115,7 +158,7 @@ inline Surface classify(const Eigen::Matrix3d& covariance, const Eigen::Vector3d
 
 /// The surface that `neighbours` show together, in cells.
 inline Surface surface_among(std::span<const Eigen::Vector3d> neighbours,
-                             const Eigen::Vector3d& ray, bool wide) {
+                             const Eigen::Vector3d& ray, double gap, bool wide) {
   const auto n = static_cast<int>(neighbours.size());
   if (n < kMinNeighbours) {
     return {.neighbours = n};
@@ -128,7 +171,7 @@ inline Surface surface_among(std::span<const Eigen::Vector3d> neighbours,
   for (const Eigen::Vector3d& neighbour : neighbours) {
     covariance += (neighbour - mean) * (neighbour - mean).transpose() / n;
   }
-  return classify(covariance, ray, n, wide);
+  return classify(covariance, ray, gap, n, wide);
 }
 
 /// A point of a cloud, and where it lies from the sensor that saw it, m.
@@ -161,7 +204,8 @@ inline Surface surface_around(const SurfaceCells& cells, const SeenPoint& point,
       neighbours.insert(neighbours.end(), found->second.begin(), found->second.end());
     }
   }
-  Surface surface = surface_among(neighbours, point.ray.cast<double>(), true);
+  Surface surface = surface_among(neighbours, point.ray.cast<double>(),
+                                  beam_gap(point.ray, settings, level), true);
   constexpr double kUndecided = 1e-4;
   surface.margin = from_the_middle < kUndecided ? 0.0 : surface.margin;
   return surface;
@@ -192,7 +236,8 @@ inline std::vector<Surface> surfaces(std::span<const SeenPoint> cloud,
   for (const SeenPoint& point : cloud) {
     const int level = surface_level(point.ray, settings);
     const Cell own = cell_of(point.p, inverse_surface_cell(settings, level));
-    Surface surface = surface_among(cells.at({level, own}), point.ray.cast<double>(), false);
+    Surface surface = surface_among(cells.at({level, own}), point.ray.cast<double>(),
+                                    beam_gap(point.ray, settings, level), false);
     for (int more = 0; more < 2 && wide && surface.kind == SurfaceKind::isotropic; ++more) {
       const double margin = surface.margin;
       surface = surface_around(cells, point, level + more, settings);

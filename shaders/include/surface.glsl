@@ -51,6 +51,12 @@ uint surface_level(vec3 p, float level_factor) {
   return min((ceil_log2 + 1u) >> 1, 14u);
 }
 
+// The square of the gap between neighbouring beams at the end of a ray, in cells of the level.
+float beam_gap(vec3 ray, uint level, float level_factor) {
+  const float cell = uintBitsToFloat((127u - level) << 23);
+  return dot(ray, ray) * level_factor * 0.16 * cell * cell;
+}
+
 struct SurfaceCellId {
   uint key;
   uvec3 offset;  // the point's, 1/65536 of the cell's edge

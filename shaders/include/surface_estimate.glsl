@@ -21,12 +21,23 @@ const float kThin = 0.02;
 // And it is seen this obliquely, the cosine between its normal and the ray: what faces the sensor
 // would have filled a cell. In a corridor, corners of a column and a row of points face it.
 const float kOblique = 0.5;
+// A plane that runs along the ray, and across which the points are spread less than this, in
+// squares of the gap between beams, was seen by one beam: it is the plane of the scan.
+const float kOneBeam = 0.01;
+
+bool is_of_one_beam(Sym3 covariance, vec3 normal, vec3 ray, float gap) {
+  const vec3 across = dot(ray, ray) * normal - dot(normal, ray) * ray;
+  const float squared = dot(across, across);
+  return across.z * across.z > kSteep * kSteep * squared &&
+         dot(across, mul(covariance, across)) < kOneBeam * gap * squared;
+}
 
 uint no_surface() { return pack_surface(vec3(0.0, 0.0, 1.0), kIsotropic); }
 
-// `ray` leads from the sensor to the point: normals are turned against it. Several cells together
-// (`wide`) show thin, oblique planes alone.
-uint classify(Sym3 covariance, vec3 ray, bool wide) {
+// `ray` leads from the sensor to the point: normals are turned against it. `gap`: the square of the
+// gap between neighbouring beams there, in cells. Several cells together (`wide`) show thin,
+// oblique planes alone.
+uint classify(Sym3 covariance, vec3 ray, float gap, bool wide) {
   const float scale = 1.0 / max(covariance.xx + covariance.yy + covariance.zz, 1e-30);
   const Sym3 unit = Sym3(covariance.xx * scale, covariance.xy * scale, covariance.xz * scale,
                          covariance.yy * scale, covariance.yz * scale, covariance.zz * scale);
@@ -35,7 +46,9 @@ uint classify(Sym3 covariance, vec3 ray, bool wide) {
   const vec3 v = eigenvector(unit, line ? values.z : values.x);
   const float along = dot(v, ray);
   const bool plain = values.x < kThin * values.y && abs(along) < kOblique * length(ray);
-  const bool useful = dot(v, v) > 0.5 && (line ? !wide && abs(v.z) > kSteep : !wide || plain);
+  const bool useful = dot(v, v) > 0.5 && (line   ? !wide && abs(v.z) > kSteep
+                                          : wide ? plain
+                                                 : !is_of_one_beam(unit, v, ray, gap * scale));
   const uint plane = abs(along) > kEdgeOn * length(ray) ? kPlane : kGrazing;
   return pack_surface(useful ? (along > 0.0 ? -v : v) : vec3(0.0, 0.0, 1.0),
                       useful ? (line ? kLine : plane) : kIsotropic);
@@ -78,13 +91,13 @@ SurfaceMoments together(SurfaceMoments a, SurfaceMoments b) {
            u * a.products.yz + v * b.products.yz, u * a.products.zz + v * b.products.zz));
 }
 
-// `ray` leads from the sensor to the point; `wide`: of several cells.
-uint surface_of(SurfaceMoments m, vec3 ray, bool wide) {
+// As classify().
+uint surface_of(SurfaceMoments m, vec3 ray, float gap, bool wide) {
   const Sym3 covariance =
       Sym3(m.products.xx - m.mean.x * m.mean.x, m.products.xy - m.mean.x * m.mean.y,
            m.products.xz - m.mean.x * m.mean.z, m.products.yy - m.mean.y * m.mean.y,
            m.products.yz - m.mean.y * m.mean.z, m.products.zz - m.mean.z * m.mean.z);
-  return m.n >= kMinPoints ? classify(covariance, ray, wide) : no_surface();
+  return m.n >= kMinPoints ? classify(covariance, ray, gap, wide) : no_surface();
 }
 
 #endif

@@ -146,7 +146,9 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
   const bool against = expected.inertial && !is_within(found, expected.prediction, kInertialSigmas);
   const double needed = against ? kAgainstInertia : kAgainstPrediction;
   const bool clearly = found.inliers > needed * result.registration.inliers;
-  if (is_usable(found.status) && (clearly || (failed && !against))) {
+  // What falls short by its residual may match nearly as many points as the right place.
+  const bool mends = found.inliers > result.registration.inliers && !usual_fit.falls_short(found);
+  if (is_usable(found.status) && (clearly || ((failed || mends) && !against))) {
     result.registration = found;
   }
   result.searched = true;

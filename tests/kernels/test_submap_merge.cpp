@@ -3,6 +3,7 @@
 //
 // Clouds merged into cells, and surfaces seen from several places, beside their twins.
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -152,6 +153,51 @@ TEST_F(SubmapKernels, SurfacesAreTheTwinsSeenFromEachSensor) {
   EXPECT_TRUE(verdict.passed()) << verdict.text();
   EXPECT_GT(verdict.worst.at("normals compared"), 1000.0);
   RecordProperty("verdict", verdict.text());
+}
+
+// The trunks of trees 8 m around a sensor, as beams 2 degrees apart see them.
+std::vector<gpu::uvec4> trunks(int beams) {
+  constexpr double kRadius = 0.35;
+  constexpr double kDistance = 8.0;
+  Random random(13);
+  std::vector<gpu::uvec4> points;
+  for (int beam = 0; beam < beams; ++beam) {
+    const double elevation = (4.0 + 2.0 * beam) / 57.29578;
+    for (int column = 0; column < 1800; ++column) {
+      const double azimuth = 2.0 * 3.14159265 * column / 1800.0;
+      // One trunk every 18 degrees: how far the ray passes its middle.
+      const double off = std::remainder(azimuth, 3.14159265 / 10.0) * kDistance;
+      if (std::abs(off) < kRadius) {
+        const double flat = kDistance - std::sqrt(kRadius * kRadius - off * off);
+        const double range = flat / std::cos(elevation) + 0.01 * random.gaussian();
+        const Eigen::Vector3f p(static_cast<float>(range * std::cos(elevation) * std::cos(azimuth)),
+                                static_cast<float>(range * std::cos(elevation) * std::sin(azimuth)),
+                                static_cast<float>(range * std::sin(elevation)));
+        points.push_back({std::bit_cast<uint32_t>(p.x()), std::bit_cast<uint32_t>(p.y()),
+                          std::bit_cast<uint32_t>(p.z()), 0});
+      }
+    }
+  }
+  return points;
+}
+
+// What one beam draws on a trunk is an arc in the plane of the scan, which moves with the sensor.
+TEST_F(SubmapKernels, AnArcOfOneBeamIsNoPlane) {
+  const engine::PreprocessSettings settings{.r_input = 0.1, .beam_spacing = 2.0 / 57.29578};
+  const std::vector<Eigen::Vector3f> sensor = {Eigen::Vector3f::Zero()};
+  const auto planes = [&](int beams) {
+    test::SubmapSurfacesRun run(context(), settings, trunks(beams), sensor);
+    run.run();
+    std::vector<reference::SurfacePoint> points = reference::decode(run.surface_cloud());
+    std::erase_if(points, [](const auto& point) { return !reference::is_plane(point.kind); });
+    return points;
+  };
+  EXPECT_TRUE(planes(1).empty());
+  const std::vector<reference::SurfacePoint> of_three = planes(3);
+  EXPECT_GT(of_three.size(), 1000U);
+  const auto flat = std::ranges::count_if(
+      of_three, [](const auto& point) { return std::abs(point.direction.z()) > 0.7; });
+  EXPECT_LT(static_cast<double>(flat), 0.02 * static_cast<double>(of_three.size()));
 }
 
 }  // namespace
