@@ -19,6 +19,8 @@ class Command;
 struct ServeOptions {
   std::string listen = "127.0.0.1";  ///< address; others than loopback ask for a token
   uint32_t port = 0;                 ///< 0: any that is free
+
+  bool operator==(const ServeOptions&) const = default;
 };
 
 /// Adds --port and --listen. `of` begins their descriptions where they belong to another option.
