@@ -26,6 +26,7 @@ NOT_RUN = {
     "./dev ": "installs packages and builds",
     "adit bench": "takes minutes",
     "adit view ": "serves until it is ended; tests/viewer does that",
+    "adit run drive.mcap --view": "likewise",
     "sudo apt install": "needs root, and what the line before it builds",
     "pip install tools/python": "builds",
     "python3 -m venv": "needs the network",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -16,6 +17,8 @@
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/run_judgement.hpp"
+#include "adit/tools/commands/run_view.hpp"
 #include "adit/tools/commands/wanted_run.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
@@ -171,75 +174,10 @@ RunOutcome with_complete_files(RunOutcome outcome, RunOutputs& outputs, HighRate
   return outcome;
 }
 
-/// Says what went wrong with a run and returns the exit code.
-int judge(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
-          std::ostream& err) {
-  for (const std::string& message : outcome.validation_messages) {
-    err << "adit run: validation: " << message << "\n";
-  }
-  if (outcome.result.end != RunEnd::completed) {
-    const bool goes_on = run.config.mapping.enabled && outcome.result.end != RunEnd::input_error;
-    err << "adit run: " << outcome.result.reason << "\n"
-        << "adit run: ended early, " << statistics.sweeps() << " of " << run.range.count
-        << " sweeps done; what was computed is kept"
-        << (goes_on ? "; adit run -o " + run.output.string() + " --continue goes on from there"
-                    : std::string())
-        << std::endl;
-    return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
-  }
-  if (statistics.left_out().any()) {
-    err << "adit run: warning: left out: " << statistics.left_out().text() << std::endl;
-  }
-  if (statistics.left_out().put_in_order() > 0) {
-    err << "adit run: warning: " << statistics.left_out().order_text() << std::endl;
-  }
-  const InertialStatistics& imu = statistics.inertial();
-  const std::size_t repeated = imu.count(ImuArrival::duplicate);
-  const std::size_t back = imu.count(ImuArrival::too_late) + imu.count(ImuArrival::restarted);
-  if (repeated + back > 0) {
-    err << "adit run: warning: the IMU's clock: " << repeated << " readings repeat a time, " << back
-        << " go back" << std::endl;
-  }
-  if (statistics.sweeps() == 0 && statistics.left_out().damaged() > 0) {
-    err << "adit run: not one sweep could be read; " << statistics.left_out().first_damage()
-        << std::endl;
-    return 1;
-  }
-  if (statistics.sweeps() > 1 && statistics.count(OdometryState::tracking) == 0) {
-    err << "adit run: not one sweep could be aligned with the ones before it; the trajectory is a "
-           "guess"
-        << std::endl;
-    return 1;
-  }
-  return outcome.validation_messages.empty() ? 0 : 1;
-}
-
-/// What is known of a run that has nothing left to do: as if it had ended now.
-int tell_of_complete_run(const EarlierRun& run, const RunCommandOptions& options, std::ostream& out,
-                         std::ostream& err) {
-  if (!options.quiet) {
-    err << "adit run: " << run.map.string()
-        << " is complete, its recording was mapped to the end; there is nothing to go on with"
-        << std::endl;
-  }
-  const std::string summary = read_text_file(RunFiles(options.output).summary);
-  if (options.json) {
-    out << summary << std::flush;
-  }
-  const auto json = nlohmann::json::parse(summary, nullptr, false);
-  const std::string state =
-      json.is_object() ? json.value(nlohmann::json::json_pointer("/verdict/state"), "") : "";
-  return options.strict && state != to_string(Trust::reliable) ? 1 : 0;
-}
-
-int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
-  const StopSignal stop;  // from the start: opening a recording or a device takes a while
-  const WantedRun chosen = wanted_run(given);
+/// `view`: null where none is wanted. It changes nothing of the results.
+int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::ostream& err) {
   const RunCommandOptions& options = chosen.options;
   const std::optional<EarlierRun>& continued = chosen.continued;
-  if (continued && continued->progress.complete) {
-    return tell_of_complete_run(*continued, given, out, err);
-  }
   // A map that is gone on with shows that the folder is a run's.
   const bool replaces_a_run =
       continued.has_value() || check_output_folder(options.recording, options.output);
@@ -263,6 +201,9 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     others.insert(others.end(), {files.odometry, files.database});
   }
   check_writable(options.output, options.map, others);
+  if (view != nullptr) {
+    view->say_link();
+  }
   const auto started = std::chrono::steady_clock::now();
   DeviceOptions device_options = options.device;
   device_options.notes = options.quiet ? nullptr : &err;
@@ -313,6 +254,9 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     }
     wanted.map = &map->store();
     wanted.session = map->session();
+    if (view != nullptr) {
+      view->show_map(files.database);
+    }
   }
   RunOutputs outputs(options.output, options.map, map.has_value());
   std::optional<HighRateOutput> high_rate;
@@ -335,6 +279,11 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
       progress.note(*note);
     }
   });
+  std::function<void(const SweepPlaced&)> placed;
+  if (view != nullptr) {
+    view->set_doing("mapping");
+    placed = [&](const SweepPlaced& sweep) { view->add(sweep, statistics, sweeps.range.count); };
+  }
   RunOutcome outcome = map_sweeps({.recording = options.strict_input ? *recording : *whole,
                                    .topic = sweeps.topic,
                                    .range = sweeps.range,
@@ -346,8 +295,12 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
                                    .outputs = outputs,
                                    .high_rate = high_rate ? &*high_rate : nullptr,
                                    .statistics = statistics,
+                                   .placed = placed,
                                    .progress = progress,
                                    .quiet = options.quiet});
+  if (view != nullptr) {
+    view->end_mapping(outcome, statistics);
+  }
   const std::optional<Mounting> mounting = slam->mounting();
   description.config = with_mounting(slam->config(), mounting);
   slam.reset();  // its memory is needed for the files that come last
@@ -363,7 +316,7 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
   outcome.resident_peak_bytes = peak_resident_bytes();
   outcome.validation_messages = context.validation_messages();
 
-  int code = judge(outcome, statistics, description, err);
+  int code = judge_run(outcome, statistics, description, err);
   const Trust trust = statistics.verdict().trust;
   if (!options.quiet && statistics.sweeps() > 0) {
     say_detail(err, "verdict: " + std::string(to_string(trust)));
@@ -383,6 +336,22 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     out << summary << std::flush;
   } else if (!options.quiet && statistics.sweeps() > 0) {
     out << summary_table(description, outcome, statistics, options.stage_table) << std::flush;
+  }
+  return code;
+}
+
+int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
+  const StopSignal stop;  // from the start: opening a recording or a device takes a while
+  const WantedRun chosen = wanted_run(given);
+  std::optional<RunView> view;
+  if (given.view) {
+    view.emplace(given.serve, chosen.options.recording, err);
+  }
+  const bool complete = chosen.continued && chosen.continued->progress.complete;
+  const int code = complete ? tell_of_complete_run(*chosen.continued, given, out, err)
+                            : map_wanted(chosen, view ? &*view : nullptr, out, err);
+  if (view) {
+    view->serve_result(given.output, given.quiet);
   }
   return code;
 }
@@ -434,6 +403,7 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "  adit run drive.mcap --topic /points -o out\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n"
+      "  adit run drive/ -o out --view --set mapping.enabled=true\n"
       "  adit run -o out --continue\n"
       "  adit run --from out/map.adit -o finer --set mapping.r_submap=0.1\n\n"
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
@@ -477,6 +447,9 @@ void add_run_command(Command app, std::function<void(int)> done) {
                "same");
   command.flag("--strict-input", options->strict_input,
                "End at the first damaged message; else such are left out and counted");
+  command.flag("--view", options->view,
+               "Show the run in a browser while it goes on, and its result until Ctrl-C");
+  add_serve_options(command, options->serve, "With --view: ");
   command.flag("--json", options->json, "Print summary.json instead of the table");
   command.flag("--quiet", options->quiet, "Print errors alone");
   command.action(

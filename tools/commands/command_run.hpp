@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "adit/tools/commands/served_page.hpp"
 #include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/run/config_file.hpp"
@@ -38,6 +39,8 @@ struct RunCommandOptions {
   bool json = false;                            ///< summary.json on `out` instead of the table
   bool quiet = false;                           ///< errors alone
   bool stage_table = false;                     ///< the table with every stage
+  bool view = false;                            ///< the run is shown in a browser
+  ServeOptions serve{};                         ///< where, if so
 };
 
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,

@@ -4,21 +4,20 @@
 // `adit view MAP`: a page for a browser, served by the program itself.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
-#include <string>
+
+#include "adit/tools/commands/served_page.hpp"
 
 namespace adit {
 
 class Command;
 
 struct ViewCommandOptions {
-  std::filesystem::path what{};      ///< a map, a run's folder, or a cloud
-  std::string listen = "127.0.0.1";  ///< address; others than loopback ask for a token
-  uint32_t port = 0;                 ///< 0: any that is free
-  bool edit = false;                 ///< loops may be revoked and restored
+  std::filesystem::path what{};  ///< a map, a run's folder, or a cloud
+  ServeOptions serve{};
+  bool edit = false;  ///< loops may be revoked and restored
 };
 
 /// Serves until a signal ends it. Returns the exit code: 0 ended by SIGINT (Ctrl-C) or SIGTERM, 1

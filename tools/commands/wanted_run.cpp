@@ -25,6 +25,9 @@ void check_options(const RunCommandOptions& options) {
   if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
     throw UsageError("--high-rate-smoothing needs --high-rate.");
   }
+  if (!options.view && options.serve != ServeOptions{}) {
+    throw UsageError("--port and --listen need --view.");
+  }
   if (options.start.value_or(0) < 0 || options.count.value_or(1) < 1) {
     throw UsageError("--start must be at least 0, --count at least 1.");
   }

@@ -77,6 +77,9 @@ void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index,
   if (failure && !mapping.quiet) {
     note_failure(mapping.progress, *failure, mapping.statistics.failures().size());
   }
+  if (mapping.placed) {
+    mapping.placed(placed);
+  }
 }
 
 void note(const Mapping& mapping, const std::optional<std::string>& text) {

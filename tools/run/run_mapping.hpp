@@ -58,6 +58,8 @@ struct Mapping {
   RunOutputs& outputs;
   HighRateOutput* high_rate = nullptr;  ///< none: not asked for
   RunStatistics& statistics;
+  /// Gets each sweep that was placed, when it is written and counted; empty: nobody wants them.
+  std::function<void(const SweepPlaced&)> placed{};
   Progress& progress;
   bool quiet = false;  ///< no note on each failed sweep
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace adit {
@@ -38,6 +39,16 @@ static_assert(kTileCells == 1U << (32U - 25U));
 CloudCube cube_about(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   const double edge = std::max(kRoom * (high - low).maxCoeff(), kSmallest);
   return {.low = 0.5 * (low + high) - Eigen::Vector3d::Constant(0.5 * edge), .edge = edge};
+}
+
+std::string tile_message(uint32_t number, std::span<const TilePoint> points) {
+  const std::array<uint32_t, 2> head = {number, static_cast<uint32_t>(points.size())};
+  std::string message(sizeof(head) + points.size_bytes(), '\0');
+  std::memcpy(message.data(), head.data(), sizeof(head));
+  if (!points.empty()) {
+    std::memcpy(message.data() + sizeof(head), points.data(), points.size_bytes());
+  }
+  return message;
 }
 
 std::vector<TilePoint> CloudTiles::read(uint32_t tile) const {

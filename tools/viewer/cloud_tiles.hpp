@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -53,6 +54,10 @@ struct TilePoint {
   TilePointFacts facts{};
 };
 static_assert(sizeof(TilePoint) == 12);
+
+/// What a page gets of a tile: its number and the number of its points (32 bits each), then the
+/// points.
+std::string tile_message(uint32_t number, std::span<const TilePoint> points);
 
 /// The root comes first and is its own parent; every other tile comes after its parent.
 struct CloudTile {

@@ -3,9 +3,7 @@
 #include "adit/tools/viewer/view_data.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <span>
 
 #include <nlohmann/json.hpp>
@@ -30,10 +28,6 @@ constexpr std::size_t kUsualShare = 98;  // of 100 points are no brighter than t
 constexpr uint64_t kKeyframesTold = 65'536;
 // A place beyond is no place that a sensor was at, and would make all others one point.
 constexpr double kFarthest = 1e8;  // m
-
-std::string text_of(const ordered_json& json) {
-  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
 
 /// What is shown of a folder or file.
 struct ViewFiles {
@@ -220,8 +214,7 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
   }
   make_tiles(maker, progress);
   make_scene(brightest > 0.0F, {});
-  graph_ = R"({"type":"graph","keyframes":{"id":[],"session":[],"time":[],"pose":[],"odometry":[],)"
-           R"("covariance":[]},"edges":[],"loops":[],"fixes":[]})";
+  graph_ = text_of(no_graph());
 }
 
 void ViewData::stop_if_wanted() const {
@@ -273,14 +266,7 @@ std::string ViewData::tile(uint32_t number) const {
   if (number >= tiles_.tiles().size()) {
     return {};
   }
-  const std::vector<TilePoint> points = tiles_.read(number);
-  const std::array<uint32_t, 2> head = {number, static_cast<uint32_t>(points.size())};
-  std::string message(sizeof(head) + points.size() * sizeof(TilePoint), '\0');
-  std::memcpy(message.data(), head.data(), sizeof(head));
-  if (!points.empty()) {
-    std::memcpy(message.data() + sizeof(head), points.data(), points.size() * sizeof(TilePoint));
-  }
-  return message;
+  return tile_message(number, tiles_.read(number));
 }
 
 LoopChange ViewData::change(int64_t loop, LoopAction action) {

@@ -46,8 +46,7 @@ class ViewData {
   const std::string& scene() const { return scene_; }
   const std::string& graph() const { return graph_; }
 
-  /// Its number and the number of its points (32 bits each), then the points; empty where there is
-  /// no such tile. Throws OutputError.
+  /// As tile_message() has it; empty where there is no such tile. Throws OutputError.
   std::string tile(uint32_t number) const;
 
   /// Changes the map, and graph() with it. Throws what change_loop() does, UsageError where the

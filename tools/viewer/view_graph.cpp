@@ -38,14 +38,6 @@ void append_pose(ordered_json& list, const Eigen::Isometry3d& pose) {
   }
 }
 
-ordered_json poses_json(const std::vector<Eigen::Isometry3d>& poses) {
-  ordered_json list = ordered_json::array();
-  for (const Eigen::Isometry3d& pose : poses) {
-    append_pose(list, pose);
-  }
-  return list;
-}
-
 void append_covariance(ordered_json& list, const MapKeyframe& keyframe) {
   const Eigen::Matrix3d R = keyframe.T_map_keyframe.linear();
   const Eigen::Matrix3d in_map = R * keyframe.covariance.topLeftCorner<3, 3>() * R.transpose();
@@ -131,12 +123,35 @@ std::vector<ViewSweep> sweeps_of(const MapDatabase& map) {
   return sweeps;
 }
 
+ordered_json poses_of(const std::vector<Eigen::Isometry3d>& poses) {
+  ordered_json list = ordered_json::array();
+  for (const Eigen::Isometry3d& pose : poses) {
+    append_pose(list, pose);
+  }
+  return list;
+}
+
 ordered_json poses_of(const std::vector<MapKeyframe>& keyframes) {
   ordered_json list = ordered_json::array();
   for (const MapKeyframe& keyframe : keyframes) {
     append_pose(list, keyframe.T_map_keyframe);
   }
   return list;
+}
+
+ordered_json no_graph() {
+  const ordered_json none = ordered_json::array();
+  return {{"type", "graph"},
+          {"keyframes",
+           {{"id", none},
+            {"session", none},
+            {"time", none},
+            {"pose", none},
+            {"odometry", none},
+            {"covariance", none}}},
+          {"edges", none},
+          {"loops", none},
+          {"fixes", none}};
 }
 
 ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
@@ -168,7 +183,7 @@ ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
             {"session", sessions},
             {"time", times},
             {"pose", poses_of(keyframes)},
-            {"odometry", poses_json(odometry_chain(keyframes, graph))},
+            {"odometry", poses_of(odometry_chain(keyframes, graph))},
             {"covariance", covariances}}},
           {"edges", edges},
           {"loops", loops},
@@ -187,6 +202,10 @@ ordered_json json_of(const std::vector<ViewSweep>& sweeps, const ViewSpan& span)
     append_pose(poses, sweeps[i].T_keyframe_lidar);
   }
   return {{"time", times}, {"keyframe", keyframes}, {"pose", poses}};
+}
+
+std::string text_of(const ordered_json& json) {
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 }  // namespace adit

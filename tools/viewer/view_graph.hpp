@@ -41,10 +41,17 @@ std::vector<ViewSweep> sweeps_of(const MapDatabase& map);
 /// place on the Earth. Throws InputError.
 nlohmann::ordered_json graph_of(const MapDatabase& map, const ViewSpan& span);
 
+/// The graph of what has no keyframes.
+nlohmann::ordered_json no_graph();
+
 /// x, y, z (m) and quaternion x, y, z, w of each, one after the other.
+nlohmann::ordered_json poses_of(const std::vector<Eigen::Isometry3d>& poses);
 nlohmann::ordered_json poses_of(const std::vector<MapKeyframe>& keyframes);
 
 /// "sweeps": evenly thinned to 65535 of them.
 nlohmann::ordered_json json_of(const std::vector<ViewSweep>& sweeps, const ViewSpan& span);
+
+/// On one line; what is no UTF-8 is replaced.
+std::string text_of(const nlohmann::ordered_json& json);
 
 }  // namespace adit

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/viewer/view_protocol.hpp"
 
+#include <functional>
 #include <limits>
 
 #include <fmt/core.h>
@@ -9,16 +10,12 @@
 
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/usage_error.hpp"
+#include "adit/tools/viewer/view_graph.hpp"
 
 namespace adit {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string told(const std::string& text, bool problem) {
-  return ordered_json({{"type", "told"}, {"problem", problem}, {"text", text}})
-      .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
 
 ViewAnswer changed(ViewData& data, int64_t loop, LoopAction action) {
   try {
@@ -41,9 +38,9 @@ bool is_tile_number(const ordered_json& number) {
          number.get<uint64_t>() <= std::numeric_limits<uint32_t>::max();
 }
 
-}  // namespace
+using Change = std::function<ViewAnswer(int64_t loop, LoopAction action)>;
 
-ViewAnswer answer_to(ViewData& data, std::string_view message) {
+ViewAnswer answer_with(const Change& change, std::string_view message) {
   const ViewAnswer no_answer{.understood = false};
   const ordered_json json = ordered_json::parse(message, nullptr, false);
   if (!json.is_object() || json.size() != 1) {
@@ -62,10 +59,31 @@ ViewAnswer answer_to(ViewData& data, std::string_view message) {
     return answer;
   }
   if ((what == "revoke" || what == "restore") && value.is_number_integer()) {
-    return changed(data, value.get<int64_t>(),
-                   what == "revoke" ? LoopAction::revoke : LoopAction::restore);
+    return change(value.get<int64_t>(),
+                  what == "revoke" ? LoopAction::revoke : LoopAction::restore);
   }
   return no_answer;
+}
+
+}  // namespace
+
+ViewAnswer answer_to(ViewData& data, std::string_view message) {
+  return answer_with([&](int64_t loop, LoopAction action) { return changed(data, loop, action); },
+                     message);
+}
+
+ViewAnswer answer_while_running(std::string_view message) {
+  return answer_with(
+      [](int64_t, LoopAction) {
+        return ViewAnswer{.reply = told("A run goes on with this map: loops can be edited once it "
+                                        "has ended, by `adit view --edit`.",
+                                        true)};
+      },
+      message);
+}
+
+std::string told(const std::string& text, bool problem) {
+  return text_of({{"type", "told"}, {"problem", problem}, {"text", text}});
 }
 
 }  // namespace adit

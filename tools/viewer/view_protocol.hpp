@@ -15,4 +15,10 @@ namespace adit {
 /// told to the page that asked, in words. Throws nothing that a message could cause.
 ViewAnswer answer_to(ViewData& data, std::string_view message);
 
+/// The answer while a run goes on, which nobody edits.
+ViewAnswer answer_while_running(std::string_view message);
+
+/// Text for people in the page.
+std::string told(const std::string& text, bool problem);
+
 }  // namespace adit

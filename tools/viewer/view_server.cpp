@@ -28,7 +28,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using Error = boost::system::error_code;
-using Text = std::shared_ptr<const std::string>;
+using Text = ViewText;
 
 constexpr std::chrono::milliseconds kAsked{100};
 constexpr std::string_view kCrowded =
@@ -121,6 +121,17 @@ class Client : public std::enable_shared_from_this<Client> {
     }
   }
 
+  /// Gets what is new, unless it still waits for something.
+  void hear() {
+    if (!service_.site.news || sending_ || closing_ || !waiting_.empty()) {
+      return;
+    }
+    ViewNews news = service_.site.news(told_);
+    told_ = news.told;
+    waiting_.insert(waiting_.end(), news.texts.begin(), news.texts.end());
+    pump();
+  }
+
  private:
   void greet() {
     ++service_.counts.clients;
@@ -128,6 +139,7 @@ class Client : public std::enable_shared_from_this<Client> {
     for (std::string& text : service_.site.greeting()) {
       send(std::make_shared<const std::string>(std::move(text)));
     }
+    hear();
     read();
   }
 
@@ -231,6 +243,7 @@ class Client : public std::enable_shared_from_this<Client> {
   beast::flat_buffer buffer_;
   std::deque<std::variant<uint32_t, Text>> waiting_;
   Text current_;
+  uint64_t told_ = 0;  ///< of the site's news
   bool sending_ = false;
   bool closing_ = false;
 };
@@ -293,7 +306,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     response_.set(http::field::content_type, "text/plain; charset=utf-8");
     response_.body() = "refused: " + std::string(to_string(refusal)) + "\n";
     if (refusal == ViewRefusal::wrong_token) {
-      response_.body() += "Open the link that `adit view` has printed.\n";
+      response_.body() += "Open the link that the program has printed.\n";
     }
     send();
   }
@@ -403,6 +416,9 @@ class ViewServer::Listener {
     if (stop()) {
       io_.stop();
       return;
+    }
+    for (Client* client : service_.clients) {
+      client->hear();
     }
     timer_.expires_after(kAsked);
     timer_.async_wait([this, &stop](Error) { ask(stop); });

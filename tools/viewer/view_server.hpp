@@ -18,8 +18,8 @@
 
 namespace adit {
 
-/// What clients can take of the server. Its memory is bounded by `clients` times a tile, the texts
-/// that are common to all, and 16 KiB a client.
+/// What clients can take of the server. Its memory is bounded by `clients` times a tile and the
+/// news of one moment, the texts that are common to all, and 16 KiB a client.
 struct ViewLimits {
   std::size_t clients = 32;            ///< connections at a time; others are sent away
   std::size_t header_bytes = 8192;     ///< of a request
@@ -37,12 +37,25 @@ struct ViewAnswer {
   bool understood = true;         ///< false: no message that the page sends
 };
 
+/// A text on its way to clients.
+using ViewText = std::shared_ptr<const std::string>;
+
+/// What has changed since a client was told last.
+struct ViewNews {
+  std::vector<ViewText> texts{};
+  uint64_t told = 0;  ///< up to which that client knows it then
+};
+
 /// What is served. What a function throws ends run().
 struct ViewSite {
   std::string_view page;  ///< HTML, packed with gzip; must outlive the server
   std::function<std::vector<std::string>()> greeting;  ///< texts that a client begins with
   std::function<ViewAnswer(std::string_view)> answer;  ///< to a client's text
   std::function<std::string(uint32_t)> tile;           ///< bytes; empty: no such tile
+  /// Asked ten times a second for each client that waits for nothing, with what it was told up to
+  /// (0: nothing): one that is slow is told less often, and then all at once. Empty: nothing
+  /// changes.
+  std::function<ViewNews(uint64_t)> news{};
 };
 
 /// What has come and gone, in all.

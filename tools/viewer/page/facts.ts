@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is told of what was clicked.
-import type { FoundPoint } from './cloud';
 import { clock, element, metres, plain } from './elements';
 import type { Found } from './graph_layer';
 import { POSE, type Graph, type Loop, type Scene } from './protocol';
+import type { FoundPoint } from './shown_cloud';
 
 export interface Facts { title: string; rows: [string, string][]; act?: { text: string; run: () => void }; }
 
@@ -69,7 +69,9 @@ function keyframeFacts(at: number, graph: Graph): Facts {
 
 export function pointFacts(point: FoundPoint, graph: Graph | null, scene: Scene): Facts {
   const rows: [string, string][] = [['x, y, z', xyz(point.p) + ' m']];
-  if (graph && graph.keyframes.id.length > 0) rows.push(['keyframe', String(graph.keyframes.id[point.keyframe] ?? '–')]);
+  if (graph && graph.keyframes.id.length > 0 && !scene.live) {
+    rows.push(['keyframe', String(graph.keyframes.id[point.keyframe] ?? '–')]);
+  }
   if (scene.seconds > 0) rows.push(['time', clock(point.moment / 65535 * scene.seconds)]);
   if (scene.intensity) rows.push(['intensity', `${point.intensity} of 255`]);
   if (point.moving) rows.push(['seen through', 'other sweeps see through it: it has moved']);

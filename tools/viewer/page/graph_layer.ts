@@ -55,6 +55,17 @@ export class GraphLayer {
     this.draw();
   }
 
+  /** The trajectory from that sweep on is another. */
+  follow(from: number): void {
+    this.sweepPoses.length = this.path.length = Math.min(from, this.path.length);
+    for (let i = this.path.length; i < this.scene.sweeps.time.length; ++i) {
+      const pose = poseMatrix(this.scene.sweeps.pose, i);
+      this.sweepPoses.push(pose);
+      this.path.push(this.placeIn(pose));
+    }
+    this.fill('trajectory', wide(steps(this.path), theme().trajectory, 2.5));
+  }
+
   /** Draws all of it anew: the graph, or the colours, are others. */
   draw(): void {
     if (!this.graph) return;

@@ -4,9 +4,9 @@
 // Draws when there is something to draw: points, with or without eye-dome lighting, and what lies over them. While
 // something moves there are only so many points that a frame is soon done.
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Scene as Stage, WebGLRenderer } from 'three';
-import type { Cloud } from './cloud';
 import { EyeDome } from './eye_dome';
 import { theme } from './palette';
+import type { ShownCloud } from './shown_cloud';
 
 const SLOW = 70, FAST = 28; // ms a frame while something moves: fewer points, or more
 const LEAST = 60_000;       // points that are drawn however slow it is
@@ -81,7 +81,7 @@ export class Painter {
     return this.isStill ? most : Math.min(most, this.inMotion);
   }
 
-  paint(cloud: Cloud | null, shading: boolean): void {
+  paint(cloud: ShownCloud | null, shading: boolean): void {
     const colours = theme();
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(this.width, this.height, false);

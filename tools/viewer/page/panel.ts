@@ -24,6 +24,7 @@ const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odom
 
 export class Panel {
   private readonly boxes = new Map<Layer, HTMLInputElement>();
+  private offered = '';
 
   constructor(private readonly state: ViewState, private readonly actions: Actions) {
     const on = (id: string, event: string, take: () => void): void =>
@@ -53,7 +54,7 @@ export class Panel {
     element('program').textContent = `${scene.program}, with three.js (MIT licence).`;
     const has: Record<Layer, boolean> = {
       trajectory: scene.sweeps.time.length > 0,
-      odometry: !!graph?.keyframes.id.length,
+      odometry: !!graph?.keyframes.id.length && !scene.live,
       keyframes: !!graph?.keyframes.id.length,
       edges: !!graph?.edges.length,
       loops: !!graph?.loops.some((loop) => loop.verdict !== 'rejected'),
@@ -64,7 +65,14 @@ export class Panel {
     const options = [...select('colour').options];
     options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
-    options.find((one) => one.value === 'keyframe')!.disabled = !graph?.keyframes.id.length;
+    options.find((one) => one.value === 'keyframe')!.disabled = !graph?.keyframes.id.length || !!scene.live;
+    const offered = [theme().dark, ...LAYERS.filter((layer) => has[layer])].join();
+    if (offered !== this.offered) this.offerLayers(has);  // else a box that is being clicked stays where it is
+    this.offered = offered;
+    this.show();
+  }
+
+  private offerLayers(has: Record<Layer, boolean>): void {
     this.boxes.clear();
     element('layers').replaceChildren(...LAYERS.filter((layer) => has[layer]).map((layer) => {
       const { label, box } = labelled('checkbox', NAMES[layer], this.markOf(layer));
@@ -76,7 +84,6 @@ export class Panel {
       this.boxes.set(layer, box);
       return label;
     }));
-    this.show();
   }
 
   /** The controls say what the state is. */

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the server says: tools/viewer/view_data.cpp and view_graph.cpp are the other side.
+// What the server says: tools/viewer/view_data.cpp, view_graph.cpp and live_scene.cpp are the other side.
 
 /** Poses one after the other: x, y, z (m) and the quaternion x, y, z, w. */
 export type Poses = number[];
@@ -11,6 +11,7 @@ export interface Cube { low: [number, number, number]; edge: number; cells: numb
 
 export interface Scene {
   type: 'scene';
+  live?: boolean;            // of a run that goes on: what there is comes with Live
   program: string;
   title: string;
   editable: boolean;
@@ -56,6 +57,21 @@ export interface Graph {
   edges: [number, number, string, string][];  // from, to, kind, status
   loops: Loop[];
   fixes: Fix[];
+}
+
+/** Points that are asked for by number: a cube about a sensor each, and the sensor's pose in the map. */
+export interface PlacedClouds { number: number[]; edge: number[]; pose: Poses; }
+
+/** What has changed in a run that goes on. */
+export interface Live {
+  type: 'live';
+  doing: string;
+  seconds: number;           // in the recording
+  progress: { sweeps: number; of: number; failed: number; verdict: string };
+  from: number;              // the trajectory's sweeps from this one on are those of `sweeps`
+  sweeps: Scene['sweeps'];
+  newest?: PlacedClouds;     // the newest sweep, none before the first
+  clouds?: PlacedClouds;     // of keyframes, all that there are; none: as before
 }
 
 export interface Told { type: 'told'; problem: boolean; text: string; }

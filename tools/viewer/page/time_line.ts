@@ -23,6 +23,12 @@ export class TimeLine {
     this.show();
   }
 
+  /** Of a run that goes on there is no time to choose, but the one it has reached. */
+  tell(now: number): void {
+    document.querySelector('footer')!.hidden = false;
+    element('now').textContent = clock(now);
+  }
+
   go(now: number): void {
     this.now = Math.min(Math.max(0, now), this.seconds);
     this.show();

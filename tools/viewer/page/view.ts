@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The view: what the server says comes in, what hands want goes through the state onto the screen.
-import { AxesHelper, Vector3 } from 'three';
-import { Cloud } from './cloud';
+import { AxesHelper, Vector3, type Matrix4 } from 'three';
+import { Cloud, poseMatrix } from './cloud';
 import { ClipBox } from './clip_box';
 import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
@@ -11,11 +11,13 @@ import { Controls } from './controls';
 import { clock, element, many, notice } from './elements';
 import { factsOf, pointFacts, showFacts } from './facts';
 import { GraphLayer, LAYERS, type Found } from './graph_layer';
+import { LiveCloud } from './live_cloud';
 import { Measure } from './measure';
 import { Painter, type Frame } from './painter';
 import { prefersDark } from './palette';
 import { Panel, type Actions } from './panel';
-import type { Graph, Loop, Scene, TilePoints, Told } from './protocol';
+import { POSE, type Graph, type Live, type Loop, type Scene, type TilePoints, type Told } from './protocol';
+import type { ShownCloud } from './shown_cloud';
 import { TimeLine } from './time_line';
 import { fromHash, toHash, type ViewState } from './view_state';
 
@@ -34,7 +36,9 @@ export class View implements Listener, Actions {
   readonly timeLine = new TimeLine(() => { this.state.time = this.timeLine.now; this.changed(); });
   sceneShown: Scene | null = null;
   graphShown: Graph | null = null;
-  cloud: Cloud | null = null;
+  cloud: ShownCloud | null = null;
+  /** Of a run that goes on, what was said of it last. */
+  liveShown: Live | null = null;
   layer: GraphLayer | null = null;
   private readonly measured = new Measure();
   private readonly sensor = new AxesHelper(1);
@@ -62,16 +66,20 @@ export class View implements Listener, Actions {
     this.cloud?.dispose();
     this.painter.points.clear();
     if (this.layer) this.painter.over.remove(this.layer.group);
-    const first = this.sceneShown === null;
+    const another = this.sceneShown === null || this.sceneShown.live;
+    if (this.liveShown) this.choose(null);
+    this.liveShown = null;
+    document.body.classList.toggle('live', scene.live === true);
     this.sceneShown = scene;
-    this.cloud = new Cloud(scene, (tiles) => this.connection.send({ tiles }));
+    const ask = (tiles: number[]): void => this.connection.send({ tiles });
+    this.cloud = scene.live ? new LiveCloud(scene, ask) : new Cloud(scene, ask);
     this.painter.points.add(this.cloud.group);
     this.layer = new GraphLayer(scene, this.cloud.origin);
     this.painter.over.add(this.layer.group);
     this.timeLine.set(scene.seconds, this.state.time);
     const { low, edge } = scene.cube;
     this.box.set([...low, ...low.map((v) => v + edge)], this.state.box);
-    if (first) this.restoreEye();
+    if (another) this.restoreEye();
     this.painter.draw();
   }
 
@@ -91,12 +99,29 @@ export class View implements Listener, Actions {
   }
 
   tile(tile: TilePoints): void {
-    this.cloud?.take(tile);
-    if (tile.number === 0) {
+    if (this.cloud?.take(tile)) {
       this.legend();
       this.fitToCloud();
+      this.fitBox();
     }
     this.painter.draw();
+  }
+
+  live(live: Live): void {
+    const { sceneShown: scene, cloud, layer } = this;
+    if (!scene || !layer || !(cloud instanceof LiveCloud)) return;
+    const { time, keyframe, pose } = scene.sweeps;
+    time.splice(live.from, Infinity, ...live.sweeps.time);
+    keyframe.splice(live.from, Infinity, ...live.sweeps.keyframe);
+    pose.splice(POSE * live.from, Infinity, ...live.sweeps.pose);
+    const begins = !this.liveShown?.newest && live.newest;
+    this.liveShown = live;
+    layer.follow(live.from);
+    cloud.follow(live);
+    if (begins) this.panel.offer(scene, this.graphShown);
+    this.timeLine.tell(live.seconds);
+    this.apply();
+    this.painter.motion();
   }
 
   told(told: Told): void {
@@ -240,8 +265,17 @@ export class View implements Listener, Actions {
     this.legend();
   }
 
+  private sensorPose(): Matrix4 | null {
+    const newest = this.liveShown?.newest;
+    if (newest) {
+      const pose = poseMatrix(newest.pose, 0), { origin } = this.cloud!;
+      return pose.setPosition(pose.elements[12] - origin.x, pose.elements[13] - origin.y, pose.elements[14] - origin.z);
+    }
+    return this.timeLine.now === null ? null : this.layer?.poseAt(this.timeLine.now) ?? null;
+  }
+
   private placeSensor(): void {
-    const pose = this.timeLine.now === null ? null : this.layer?.poseAt(this.timeLine.now) ?? null;
+    const pose = this.sensorPose();
     this.sensor.visible = pose !== null;
     if (!pose) return;
     const size = Math.max(0.5, 0.04 * this.controls.eye.distance);
@@ -272,6 +306,14 @@ export class View implements Listener, Actions {
   private fitToCloud(): void {
     if (!this.state.eye) this.lookAtAll();
     else if (this.cloud?.extent) this.controls.size = Math.max(2, this.cloud.extent.size);
+  }
+
+  /** The cube of a run that goes on is not known before its end: sides of the box go as far as there are points. */
+  private fitBox(): void {
+    const extent = this.cloud?.extent;
+    if (!this.sceneShown?.live || this.state.box || !extent) return;
+    const middle = extent.middle.clone().add(this.cloud!.origin).toArray();
+    this.box.set([...middle.map((v) => v - extent.size), ...middle.map((v) => v + extent.size)], null);
   }
 
   private repaint(): void {
@@ -305,7 +347,17 @@ export class View implements Listener, Actions {
   private status(): void {
     if (!this.connection.isOpen || !this.cloud || !this.sceneShown) return;
     const { drawn, missing } = this.cloud;
+    if (this.sceneShown.live) {
+      element('status').textContent = this.liveShown ? `${runText(this.liveShown)}; ${many(drawn)} points` : 'the run: starting';
+      return;
+    }
     element('status').textContent = this.sceneShown.points === 0 ? 'no points'
       : `${many(drawn)} of ${many(this.sceneShown.points)} points${missing > 0 ? `, ${missing} tiles to come` : ''}`;
   }
+}
+
+function runText({ doing, progress }: Live): string {
+  const { sweeps, of, failed, verdict } = progress;
+  const counted = sweeps === 0 ? '' : `; ${sweeps} of ${of} sweeps${failed > 0 ? `, ${failed} failed` : ''}, ${verdict} so far`;
+  return `the run: ${doing}${counted}`;
 }

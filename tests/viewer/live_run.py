@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The adit authors
+# SPDX-License-Identifier: Apache-2.0
+"""`adit run --view`: a real browser watches a run that goes on, beside a client that never reads.
+
+Usage: live_run.py ADIT [PICTURES]. What is shown must grow and come back when the line was lost; at the end the page must
+show the result. The files must be those of a run that nobody watches. PICTURES is a folder for screenshots.
+"""
+
+import json
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+
+from chromium import Chromium
+from viewing import require
+from websocket import WebSocket
+
+SETTINGS = ["--set", "mapping.enabled=true", "--set", "keyframe.delta_trans=0.3"]
+SWEEPS = 120
+MOST_MEMORY = 60e6  # bytes more than without a page
+LIVE = "window.adit.liveShown"
+ALL_THERE = "window.adit.cloud.drawn > 0 && window.adit.cloud.missing === 0 && window.adit.painter.isIdle"
+
+
+class Running:
+    """A running `adit run --view`; port and link are those it has printed."""
+
+    def __init__(self, adit, recording, out):
+        self.process = subprocess.Popen([str(adit), "run", str(recording), "-o", str(out), *SETTINGS, "--view"],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.said = []
+        self.ended = threading.Event()  # the run, not the program
+        for line in self.process.stderr:
+            self.said.append(line)
+            found = re.search(r"open +(http://\S+?:(\d+)/\S*)", line)
+            if found:
+                self.link, self.port = found.group(1), int(found.group(2))
+                break
+        else:
+            sys.exit("adit run --view did not start:\n" + "".join(self.said))
+        self.readers = [threading.Thread(target=self._read, args=(stream,))
+                        for stream in (self.process.stdout, self.process.stderr)]
+        for reader in self.readers:
+            reader.start()
+
+    def _read(self, stream):
+        for line in stream:
+            self.said.append(line)
+            if line.startswith("Ctrl-C ends it"):
+                self.ended.set()
+
+    def end(self):
+        """Ends it in good order; returns all that it has printed."""
+        self.process.send_signal(signal.SIGTERM)
+        code = self.process.wait(timeout=20)
+        for reader in self.readers:
+            reader.join()
+        text = "".join(self.said)
+        require(code == 0, f"adit run --view ended with exit code {code}", text)
+        return text
+
+
+def watch(page, running, pictures):
+    """From the first sweeps to the result."""
+    page.open(running.link)
+    page.wait(f"{LIVE} && {LIVE}.progress.sweeps > 0 && window.adit.cloud.keyframes > 0", 60)
+    require(page.evaluate("window.adit.sensor.visible"), "the sensor is not shown")
+    first = page.evaluate(f"[{LIVE}.progress.sweeps, window.adit.layer.path.length, window.adit.cloud.drawn]")
+    page.screenshot(pictures / "live_begin.png")
+
+    # The line is lost: the page finds back by itself, and goes on.
+    page.evaluate("window.adit.connection.socket.close()")
+    page.wait(f"{LIVE}.progress.sweeps > {first[0] + 5} && window.adit.connection.isOpen", 60)
+    page.wait(f"window.adit.layer.path.length > {first[1]} && window.adit.cloud.drawn > {first[2]}", 60)
+    page.wait("document.getElementById('status').textContent.includes('sweeps')")
+    page.wait("window.adit.graphShown.keyframes.id.length > 1", 60)
+    page.screenshot(pictures / "live_later.png")
+    seen = page.evaluate(f"[{LIVE}.progress.sweeps, window.adit.layer.path.length, window.adit.cloud.drawn]")
+    grown = page.evaluate("document.getElementById('status').textContent")
+
+    page.wait("window.adit.sceneShown.live !== true", 120)
+    page.wait(ALL_THERE, 60)
+    require("The run has ended" in page.evaluate("document.getElementById('notice').textContent"), "no end is announced")
+    page.wait("/ of .* points$/.test(document.getElementById('status').textContent)")
+    require(page.evaluate("window.adit.sceneShown.sweeps.time.length") == SWEEPS, "the result has other sweeps")
+    require(not page.evaluate("document.body.classList.contains('live')"), "there is no time line")
+    page.screenshot(pictures / "live_end.png")
+    print(f"watched from {first} to {seen} (sweeps, poses, points); {grown}")
+
+
+def never_reading(port):
+    """Is connected from the beginning, asks, and takes nothing."""
+    client = WebSocket(port, receive_buffer=4096)
+    for _ in range(100):
+        client.send('{"tiles": [0, 1, 2]}')
+    return client
+
+
+def peak(out):
+    return json.loads((out / "summary.json").read_text(encoding="utf-8"))["memory"]["resident_peak_bytes"]
+
+
+def check_refusals(adit, recording, folder):
+    """What cannot be served is said before the run begins."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        ran = subprocess.run([str(adit), "run", str(recording), "-o", str(folder / "none"), "--view", "--port", str(port)],
+                             capture_output=True, text=True, check=False)
+    require(ran.returncode == 2 and f"port {port}" in ran.stderr, "a port that is taken is not complained about", ran)
+    require(not (folder / "none" / "summary.json").exists(), "the run has begun all the same")
+    ran = subprocess.run([str(adit), "run", str(recording), "-o", str(folder / "none"), "--port", "0", "--listen", "0.0.0.0"],
+                         capture_output=True, text=True, check=False)
+    require(ran.returncode == 2 and "need --view" in ran.stderr, "an address without a page is not complained about", ran)
+
+
+def main():
+    adit = pathlib.Path(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        pictures = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else folder
+        pictures.mkdir(parents=True, exist_ok=True)
+        recording, alone, watched = folder / "room.mcap", folder / "alone", folder / "watched"
+        subprocess.run([str(adit), "simulate", "room", "-o", str(recording), "--duration", str(SWEEPS / 10), "--trajectory",
+                        "walk", "--quiet"], check=True)
+        check_refusals(adit, recording, folder)
+        browser = Chromium()
+        try:
+            page = browser.page()
+            running = Running(adit, recording, watched)
+            try:
+                client = never_reading(running.port)
+                watch(page, running, pictures)
+                require(running.ended.wait(20), "the console does not say that the run has ended", *running.said)
+                client.close()
+                require(page.errors == [], "the console has errors", *page.errors)
+                text = running.end()
+            finally:
+                running.process.kill()  # where the test has ended before it
+        finally:
+            browser.close()
+        require("result is shown" in text, "not said what is served", text)
+        subprocess.run([str(adit), "run", str(recording), "-o", str(alone), *SETTINGS, "--quiet"], check=True)
+        names = sorted(file.name for file in alone.iterdir())
+        require(names == sorted(file.name for file in watched.iterdir()), "there are other files", names)
+        for name in names:
+            if name != "summary.json":  # which has times
+                require((alone / name).read_bytes() == (watched / name).read_bytes(), f"{name} is another where it is watched")
+        more = peak(watched) - peak(alone)
+        require(more < MOST_MEMORY, f"the page took {more} bytes")
+        print(f"memory: {more / 1e6:.1f} MB more")
+    print("live_run: grows, comes back, shows the result; the same bytes")
+
+
+if __name__ == "__main__":
+    main()

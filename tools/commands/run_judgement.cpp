@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/run_judgement.hpp"
+
+#include <ostream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/stop_signal.hpp"
+
+namespace adit {
+
+int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
+              std::ostream& err) {
+  for (const std::string& message : outcome.validation_messages) {
+    err << "adit run: validation: " << message << "\n";
+  }
+  if (outcome.result.end != RunEnd::completed) {
+    const bool goes_on = run.config.mapping.enabled && outcome.result.end != RunEnd::input_error;
+    err << "adit run: " << outcome.result.reason << "\n"
+        << "adit run: ended early, " << statistics.sweeps() << " of " << run.range.count
+        << " sweeps done; what was computed is kept"
+        << (goes_on ? "; adit run -o " + run.output.string() + " --continue goes on from there"
+                    : std::string())
+        << std::endl;
+    return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
+  }
+  if (statistics.left_out().any()) {
+    err << "adit run: warning: left out: " << statistics.left_out().text() << std::endl;
+  }
+  if (statistics.left_out().put_in_order() > 0) {
+    err << "adit run: warning: " << statistics.left_out().order_text() << std::endl;
+  }
+  const InertialStatistics& imu = statistics.inertial();
+  const std::size_t repeated = imu.count(ImuArrival::duplicate);
+  const std::size_t back = imu.count(ImuArrival::too_late) + imu.count(ImuArrival::restarted);
+  if (repeated + back > 0) {
+    err << "adit run: warning: the IMU's clock: " << repeated << " readings repeat a time, " << back
+        << " go back" << std::endl;
+  }
+  if (statistics.sweeps() == 0 && statistics.left_out().damaged() > 0) {
+    err << "adit run: not one sweep could be read; " << statistics.left_out().first_damage()
+        << std::endl;
+    return 1;
+  }
+  if (statistics.sweeps() > 1 && statistics.count(OdometryState::tracking) == 0) {
+    err << "adit run: not one sweep could be aligned with the ones before it; the trajectory is a "
+           "guess"
+        << std::endl;
+    return 1;
+  }
+  return outcome.validation_messages.empty() ? 0 : 1;
+}
+
+int tell_of_complete_run(const EarlierRun& run, const RunCommandOptions& options, std::ostream& out,
+                         std::ostream& err) {
+  if (!options.quiet) {
+    err << "adit run: " << run.map.string()
+        << " is complete, its recording was mapped to the end; there is nothing to go on with"
+        << std::endl;
+  }
+  const std::string summary = read_text_file(RunFiles(options.output).summary);
+  if (options.json) {
+    out << summary << std::flush;
+  }
+  const auto json = nlohmann::json::parse(summary, nullptr, false);
+  const std::string state =
+      json.is_object() ? json.value(nlohmann::json::json_pointer("/verdict/state"), "") : "";
+  return options.strict && state != to_string(Trust::reliable) ? 1 : 0;
+}
+
+}  // namespace adit

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `adit run` says at its end, and its exit code.
+#pragma once
+
+#include <iosfwd>
+
+#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/run/earlier_run.hpp"
+#include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/run/run_summary.hpp"
+
+namespace adit {
+
+/// Says what went wrong with a run and returns the exit code.
+int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
+              std::ostream& err);
+
+/// What is known of a run that has nothing left to do: as if it had ended now. Returns the exit
+/// code.
+int tell_of_complete_run(const EarlierRun& run, const RunCommandOptions& options, std::ostream& out,
+                         std::ostream& err);
+
+}  // namespace adit

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/run_view.hpp"
+
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <ostream>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/stop_signal.hpp"
+
+namespace adit {
+namespace {
+
+bool is_stopped() {
+  return StopSignal::received() != 0;
+}
+
+/// What the run has left to be shown; nothing where it left no points, or a signal has come.
+std::unique_ptr<ViewData> result_in(const std::filesystem::path& folder, std::ostream& progress,
+                                    std::ostream& err) {
+  try {
+    return std::make_unique<ViewData>(ViewDataOptions{.what = folder, .stop = is_stopped},
+                                      progress);
+  } catch (const ViewStopped&) {
+    return nullptr;
+  } catch (const FileError& error) {
+    err << "note: the page stays as it was at the end of the run: " << error.what() << "\n";
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+RunView::RunView(const ServeOptions& options, const std::filesystem::path& recording,
+                 std::ostream& err)
+    : err_(err),
+      access_(access_of(options)),
+      live_(recording.filename().string(), required_page(), access_,
+            static_cast<uint16_t>(options.port)) {}
+
+void RunView::say_link() const {
+  adit::say_link(live_.link(), access_, "sees the run and its map", err_);
+}
+
+void RunView::add(const SweepPlaced& placed, const RunStatistics& statistics, std::size_t sweeps) {
+  live_.add(placed, {.sweeps = statistics.sweeps(),
+                     .of = sweeps,
+                     .failed = statistics.failures().size(),
+                     .verdict = std::string(to_string(statistics.verdict().trust))});
+}
+
+void RunView::end_mapping(const RunOutcome& outcome, const RunStatistics& statistics) {
+  live_.leave_map();
+  end_ = outcome.result.end == RunEnd::completed
+             ? fmt::format("The run has ended: {} sweeps, {}.", statistics.sweeps(),
+                           to_string(statistics.verdict().trust))
+             : fmt::format("The run has ended early, after {} sweeps: {}", statistics.sweeps(),
+                           outcome.result.reason);
+  live_.set_doing("ended");
+}
+
+void RunView::serve_result(const std::filesystem::path& folder, bool quiet) {
+  std::ostream nowhere(nullptr);
+  bool shown = false;
+  if (!is_stopped()) {
+    std::unique_ptr<ViewData> result = result_in(folder, quiet ? nowhere : err_, err_);
+    shown = result != nullptr;
+    if (shown) {
+      live_.show_result(std::move(result), end_);
+    }
+  }
+  if (!is_stopped() && live_.serves()) {
+    err_ << (shown ? "The run has ended; its result is shown at "
+                   : "The run has ended; the page stays at ")
+         << live_.link() << "\nCtrl-C ends it." << std::endl;
+  }
+  try {
+    const ViewCounts counts = live_.end(is_stopped);
+    if (!quiet) {
+      say_counts(counts, err_);
+    }
+  } catch (const std::exception& error) {
+    err_ << "adit run: warning: the page was not served to the end: " << error.what() << std::endl;
+  }
+}
+
+}  // namespace adit

@@ -1,0 +1,240 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/viewer/live_scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/support/version.hpp"
+#include "adit/tools/viewer/view_access.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t kMostPoses = 4096;
+constexpr std::size_t kMostClouds = 512;
+constexpr std::size_t kNewest = 8;        // sweeps that can still be asked for
+constexpr uint32_t kSweepBit = 1U << 31;  // in numbers of sweeps; those of keyframes are lower
+constexpr double kHalfEdge = 100.0;       // m, of the cube that an empty scene is given
+constexpr double kMovedBy = 1e-3;         // m or rad; what moves by less is not told anew
+
+ViewText shared_text(const ordered_json& json) {
+  return std::make_shared<const std::string>(text_of(json));
+}
+
+ordered_json empty_scene(const std::string& title) {
+  const ordered_json none = ordered_json::array();
+  return {{"type", "scene"},
+          {"live", true},
+          {"run", make_token()},  // so that no other run is taken for this one
+          {"program", std::string(kGenerator)},
+          {"title", title},
+          {"editable", false},
+          {"intensity", false},
+          {"start_ns", "0"},
+          {"seconds", 0.0},
+          {"points", 0},
+          {"keyframes_told", 0},
+          {"cube",
+           {{"low", {-kHalfEdge, -kHalfEdge, -kHalfEdge}},
+            {"edge", 2.0 * kHalfEdge},
+            {"cells", kTileCells}}},
+          {"tiles", {{"parent", none}, {"octant", none}, {"points", none}}},
+          {"tiled_poses", none},
+          {"sweeps", {{"time", none}, {"keyframe", none}, {"pose", none}}}};
+}
+
+bool is_elsewhere(const Eigen::Isometry3d& now, const Eigen::Isometry3d& before) {
+  return (now.translation() - before.translation()).norm() > kMovedBy ||
+         (now.linear() - before.linear()).norm() > kMovedBy;
+}
+
+/// Leaves every second element, from the first.
+template <class T>
+void halve(std::vector<T>& list) {
+  const std::size_t kept = (list.size() + 1) / 2;
+  for (std::size_t i = 1; i < kept; ++i) {  // the first is where it is to be
+    list[i] = std::move(list[2 * i]);
+  }
+  list.erase(list.begin() + static_cast<std::ptrdiff_t>(kept), list.end());
+}
+
+}  // namespace
+
+LiveGraph LiveGraphReader::read(const std::filesystem::path& map, const ViewSpan& span) {
+  const MapDatabase database(map, MapAccess::read);
+  LiveGraph graph{.json = text_of(graph_of(database, span))};
+  for (const MapKeyframe& keyframe : database.keyframes()) {
+    auto known = T_keyframe_first_.find(keyframe.id);
+    if (known == T_keyframe_first_.end()) {
+      const auto sweeps = load_sweeps(database, keyframe.id, map).sweeps;
+      known = T_keyframe_first_
+                  .emplace(keyframe.id, sweeps.empty() ? Eigen::Isometry3d::Identity()
+                                                       : sweeps.front().T_keyframe_lidar)
+                  .first;
+    }
+    graph.T_map_first.emplace(keyframe.id, keyframe.T_map_keyframe * known->second);
+  }
+  return graph;
+}
+
+LiveScene::LiveScene(const std::string& title)
+    : scene_(shared_text(empty_scene(title))), graph_(shared_text(no_graph())) {}
+
+/// Returns whether it is elsewhere than before.
+bool LiveScene::place(Placed& placed) const {
+  const auto first = placed.keyframe ? T_map_first_.find(*placed.keyframe) : T_map_first_.end();
+  if (first == T_map_first_.end()) {
+    return false;
+  }
+  const Eigen::Isometry3d before = placed.T_map_lidar;
+  placed.T_map_lidar = first->second * placed.T_first_lidar;
+  return is_elsewhere(placed.T_map_lidar, before);
+}
+
+void LiveScene::add(LiveSweep sweep) {
+  ++version_;
+  if (sweeps_ == 0) {
+    span_.first = sweep.stamp;
+  }
+  span_.last = std::max(sweep.stamp, span_.first);
+  progress_ = std::move(sweep.progress);
+  Placed placed{.keyframe = sweep.keyframe,
+                .T_first_lidar = sweep.T_first_lidar,
+                .T_map_lidar = sweep.T_map_lidar};
+  place(placed);
+  if (sweeps_ % stride_ == 0) {
+    add_pose({.placed = placed, .stamp = sweep.stamp, .version = version_});
+  }
+  if (sweep.keyframe_cloud) {
+    add_cloud(placed, std::move(*sweep.keyframe_cloud));
+  }
+  newest_.push_back({.number = kSweepBit | (static_cast<uint32_t>(sweeps_) & ~kSweepBit),
+                     .placed = placed,
+                     .cloud = std::move(sweep.points)});
+  if (newest_.size() > kNewest) {
+    newest_.pop_front();
+  }
+  ++sweeps_;
+}
+
+void LiveScene::add_pose(const Pose& pose) {
+  poses_.push_back(pose);
+  if (poses_.size() > kMostPoses) {
+    halve(poses_);
+    stride_ *= 2;
+    poses_version_ = version_;
+  }
+}
+
+void LiveScene::add_cloud(const Placed& placed, SensorCloud cloud) {
+  if (keyframes_ % cloud_stride_ == 0) {
+    clouds_.push_back({.number = static_cast<uint32_t>(keyframes_) & ~kSweepBit,
+                       .placed = placed,
+                       .cloud = std::move(cloud)});
+    clouds_version_ = version_;
+  }
+  ++keyframes_;
+  if (clouds_.size() > kMostClouds) {
+    halve(clouds_);
+    cloud_stride_ *= 2;
+  }
+}
+
+void LiveScene::set(const LiveGraph& graph) {
+  ++version_;
+  graph_ = std::make_shared<const std::string>(graph.json);
+  graph_version_ = version_;
+  T_map_first_ = graph.T_map_first;
+  for (Pose& pose : poses_) {
+    if (place(pose.placed)) {
+      poses_version_ = version_;
+    }
+  }
+  for (Numbered& cloud : clouds_) {
+    if (place(cloud.placed)) {
+      clouds_version_ = version_;
+    }
+  }
+  for (Numbered& sweep : newest_) {
+    place(sweep.placed);
+  }
+}
+
+void LiveScene::set_doing(const std::string& doing) {
+  ++version_;
+  doing_ = doing;
+}
+
+ViewNews LiveScene::news(uint64_t told) const {
+  ViewNews news{.told = version_};
+  if (told >= version_) {
+    return news;
+  }
+  if (told == 0) {
+    news.texts.push_back(scene_);
+  }
+  if (told < graph_version_) {
+    news.texts.push_back(graph_);
+  }
+  news.texts.push_back(std::make_shared<const std::string>(text_since(told)));
+  return news;
+}
+
+std::string LiveScene::text_since(uint64_t told) const {
+  const auto first =
+      told < poses_version_
+          ? poses_.begin()
+          : std::ranges::find_if(poses_, [&](const Pose& pose) { return pose.version > told; });
+  std::vector<ViewSweep> added;
+  for (auto pose = first; pose != poses_.end(); ++pose) {
+    added.push_back({.stamp = pose->stamp, .T_keyframe_lidar = pose->placed.T_map_lidar});
+  }
+  ordered_json json = {{"type", "live"},
+                       {"doing", doing_},
+                       {"seconds", span_.seconds_of(span_.last)},
+                       {"progress",
+                        {{"sweeps", progress_.sweeps},
+                         {"of", progress_.of},
+                         {"failed", progress_.failed},
+                         {"verdict", progress_.verdict}}},
+                       {"from", first - poses_.begin()},
+                       {"sweeps", json_of(added, span_)}};
+  const auto clouds_json = [](const auto& list) {
+    ordered_json numbers = ordered_json::array();
+    ordered_json edges = ordered_json::array();
+    std::vector<Eigen::Isometry3d> poses;
+    for (const Numbered& one : list) {
+      numbers.push_back(one.number);
+      edges.push_back(one.cloud.edge);
+      poses.push_back(one.placed.T_map_lidar);
+    }
+    return ordered_json({{"number", numbers}, {"edge", edges}, {"pose", poses_of(poses)}});
+  };
+  if (!newest_.empty()) {
+    json["newest"] = clouds_json(std::array{std::cref(newest_.back())});
+  }
+  if (told < clouds_version_) {
+    json["clouds"] = clouds_json(clouds_);
+  }
+  return text_of(json);
+}
+
+std::string LiveScene::tile(uint32_t number) const {
+  const auto in = [&](const auto& list) -> const SensorCloud* {
+    const auto found = std::ranges::find(list, number, &Numbered::number);
+    return found == list.end() ? nullptr : &found->cloud;
+  };
+  const SensorCloud* cloud = (number & kSweepBit) != 0 ? in(newest_) : in(clouds_);
+  return tile_message(number, cloud == nullptr ? std::span<const TilePoint>() : cloud->points);
+}
+
+}  // namespace adit
