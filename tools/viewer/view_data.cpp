@@ -19,6 +19,8 @@
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/support/version.hpp"
+#include "adit/tools/viewer/view_plots.hpp"
+#include "adit/tools/viewer/view_world.hpp"
 
 namespace adit {
 namespace {
@@ -125,7 +127,9 @@ ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
 }  // namespace
 
 ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
-    : edit_(options.edit), stop_(options.stop) {
+    : folder_(fs::is_directory(options.what) ? options.what : fs::path()),
+      edit_(options.edit),
+      stop_(options.stop) {
   const ViewFiles files = files_of(options.what);
   title_ = options.what.filename().empty() ? options.what.parent_path().filename().string()
                                            : options.what.filename().string();
@@ -182,7 +186,8 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
   });
   bar.finish();
   make_tiles(maker, progress);
-  make_scene(false, keyframes);
+  make_scene(false, keyframes, progress);
+  earth_ = map.georeference();
   graph_ = text_of(graph_of(map, span_));
 }
 
@@ -219,9 +224,9 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
                    std::isfinite(share) ? std::clamp(255.0F * share, 0.0F, 255.0F) : 0.0F)});
   }
   make_tiles(maker, progress);
-  make_scene(brightest > 0.0F, {});
+  make_scene(brightest > 0.0F, {}, progress);
   graph_ = R"({"type":"graph","keyframes":{"id":[],"session":[],"time":[],"pose":[],"odometry":[],)"
-           R"("covariance":[]},"edges":[],"loops":[],"fixes":[]})";
+           R"("covariance":[]},"edges":[],"loops":[],"fixes":[],"world":null})";
 }
 
 void ViewData::stop_if_wanted() const {
@@ -241,7 +246,8 @@ void ViewData::make_tiles(CloudTilesMaker& maker, std::ostream& progress) {
 }
 
 /// `tiled`: where keyframes were when their points came into tiles.
-void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled) {
+void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled,
+                          std::ostream& progress) {
   ordered_json parents = ordered_json::array();
   ordered_json octants = ordered_json::array();
   ordered_json counts = ordered_json::array();
@@ -251,22 +257,25 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
     counts.push_back(tile.points);
   }
   const CloudCube& cube = tiles_.cube();
-  scene_ = text_of({{"type", "scene"},
-                    {"program", std::string(kGenerator)},
-                    {"title", title_},
-                    {"editable", edit_},
-                    {"intensity", has_intensity},
-                    {"start_ns", std::to_string(span_.first.count())},
-                    {"seconds", seconds(span_.last - span_.first)},
-                    {"points", tiles_.points()},
-                    {"keyframes_told", std::min<uint64_t>(keyframes_, kKeyframesTold)},
-                    {"cube",
-                     {{"low", {cube.low.x(), cube.low.y(), cube.low.z()}},
-                      {"edge", cube.edge},
-                      {"cells", kTileCells}}},
-                    {"tiles", {{"parent", parents}, {"octant", octants}, {"points", counts}}},
-                    {"tiled_poses", poses_of(tiled)},
-                    {"sweeps", json_of(sweeps_, span_)}});
+  scene_ =
+      text_of({{"type", "scene"},
+               {"program", std::string(kGenerator)},
+               {"title", title_},
+               {"editable", edit_},
+               {"intensity", has_intensity},
+               {"start_ns", std::to_string(span_.first.count())},
+               {"seconds", seconds(span_.last - span_.first)},
+               {"points", tiles_.points()},
+               {"keyframes_told", std::min<uint64_t>(keyframes_, kKeyframesTold)},
+               {"cube",
+                {{"low", {cube.low.x(), cube.low.y(), cube.low.z()}},
+                 {"edge", cube.edge},
+                 {"cells", kTileCells}}},
+               {"tiles", {{"parent", parents}, {"octant", octants}, {"points", counts}}},
+               {"tiled_poses", poses_of(tiled)},
+               {"sweeps", json_of(sweeps_, span_)},
+               {"map", map_.string()},
+               {"plots", folder_.empty() ? ordered_json() : plots_of(folder_, span_, progress)}});
 }
 
 std::string ViewData::tile(uint32_t number) const {
@@ -283,12 +292,18 @@ std::string ViewData::tile(uint32_t number) const {
   return message;
 }
 
+std::string ViewData::place(const Eigen::Vector3d& p_map) const {
+  return place_answer(earth_, p_map);
+}
+
 LoopChange ViewData::change(int64_t loop, LoopAction action) {
   if (!edit_) {
     throw UsageError("this view does not edit: start it with `adit view MAP --edit`.");
   }
   const LoopChange changed = change_loop(map_, loop, action);
-  graph_ = text_of(graph_of(MapDatabase(map_, MapAccess::read), span_));
+  const MapDatabase map(map_, MapAccess::read);
+  graph_ = text_of(graph_of(map, span_));
+  earth_ = map.georeference();
   return changed;
 }
 

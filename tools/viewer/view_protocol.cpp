@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/viewer/view_protocol.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <fmt/core.h>
@@ -41,6 +42,11 @@ bool is_tile_number(const ordered_json& number) {
          number.get<uint64_t>() <= std::numeric_limits<uint32_t>::max();
 }
 
+bool is_place_asked(const ordered_json& value) {
+  return value.is_array() && value.size() == 3 &&
+         std::ranges::all_of(value, [](const ordered_json& one) { return one.is_number(); });
+}
+
 }  // namespace
 
 ViewAnswer answer_to(ViewData& data, std::string_view message) {
@@ -60,6 +66,10 @@ ViewAnswer answer_to(ViewData& data, std::string_view message) {
       answer.tiles.push_back(number.get<uint32_t>());
     }
     return answer;
+  }
+  if (what == "place" && is_place_asked(value)) {
+    return {.reply = data.place(
+                {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()})};
   }
   if ((what == "revoke" || what == "restore") && value.is_number_integer()) {
     return changed(data, value.get<int64_t>(),
