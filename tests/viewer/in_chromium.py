@@ -13,14 +13,16 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 from chromium import Chromium
 from viewing import Viewing, require, square, write_ply
 
 HALF_FIELD = math.radians(29)  # of the window's narrower side (controls.ts)
 ALL_THERE = "window.adit.cloud && window.adit.cloud.drawn > 0 && window.adit.cloud.missing === 0 && window.adit.painter.isIdle"
-ONLY_CANVAS = "document.querySelectorAll('header, aside, footer, #notice').forEach((e) => { e.style.visibility = 'hidden'; })"
-ALL_AGAIN = "document.querySelectorAll('header, aside, footer, #notice').forEach((e) => { e.style.visibility = ''; })"
+OVER_IT = "document.querySelectorAll('#marks, #under, header, aside, footer, #notice')"
+ONLY_CANVAS = OVER_IT + ".forEach((e) => { e.style.visibility = 'hidden'; })"
+ALL_AGAIN = OVER_IT + ".forEach((e) => { e.style.visibility = ''; })"
 # Where a place of the map frame is on the screen.
 PLACE = """(() => { const { cloud, painter } = window.adit;
   const { matrixWorldInverse, projectionMatrix } = painter.camera;
@@ -73,6 +75,10 @@ def check_cloud(page, link):
     page.evaluate(f"location.hash = '{above}'")
     page.wait(f"!window.adit.state.box && {ALL_THERE}")
 
+    check_scale(page, 0, 0, 0)
+    require("north" not in page.evaluate("document.getElementById('marks').ariaLabel"), "north of a cloud that is nowhere")
+    told = under_mouse(page, *place(page, 3, 2, 4))
+    require(list(told) == ["x, y, z"] and math.dist(told["x, y, z"], (3, 2, 4)) < 0.002, "another place is under the mouse", told)
     page.click(*place(page, 3, 2, 4))
     told = facts(page)
     found = [float(number) for number in re.findall(r"-?\d+\.\d+", told.get("x, y, z", ""))]
@@ -116,6 +122,53 @@ def check_cloud(page, link):
             list.dispatchEvent(new Event('change'));
         }})()""")
         page.wait(f"location.hash.includes('colour=intensity') === {'true' if colour == 'intensity' else 'false'}")
+
+
+def under_mouse(page, x, y):
+    """What is told of the place under the mouse, by name: numbers."""
+    page.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+    page.wait("!document.getElementById('under').hidden")
+    time.sleep(0.2)  # the answer of the server
+    terms = page.evaluate("[...document.querySelectorAll('#under dt')].map((t) => [t.textContent, t.nextSibling.textContent])")
+    return {name: [float(number) for number in re.findall(r"-?\d+\.\d+", value)] for name, value in terms}
+
+
+def check_scale(page, x, y, z):
+    """The bar is as long as what it says there, which is what is looked at, and of a round length."""
+    marks = page.evaluate("window.adit.marks.shown")
+    (ax, ay), (bx, by) = place(page, x, y, z), place(page, x + 1, y, z)
+    require(near(math.hypot(bx - ax, by - ay), marks["pixels"] / marks["metres"], 0.002), "another scale", ax, ay, bx, by, marks)
+    require(marks["metres"] / 10 ** math.floor(math.log10(marks["metres"]) + 1e-9) in (1, 2, 5), "no round length", marks)
+    drawn = page.evaluate("""(() => {
+        const canvas = document.getElementById('marks'), ratio = canvas.width / canvas.clientWidth;
+        const row = canvas.getContext('2d').getImageData(0, 47 * ratio, canvas.width, 1).data;
+        let dark = 0;
+        for (let x = 66 * ratio; x < canvas.width; ++x) dark += row[4 * x] < 100 && row[4 * x + 3] > 200 ? 1 : 0;
+        return dark / ratio;
+    })()""")
+    require(abs(drawn - marks["pixels"]) < 4, "the bar is drawn otherwise", drawn, marks)
+
+
+def check_world(page, link):
+    """The map's x axis points 30 degrees north of east."""
+    page.open(f"{link}#eye=20,0,2,20,{-math.pi / 2:.5f},1.5707&layers=")
+    page.wait(ALL_THERE)
+    check_scale(page, 20, 0, 2)
+    require(page.evaluate("document.getElementById('marks').ariaLabel").endswith("north is 30° clockwise from up"), "no north")
+    told = under_mouse(page, *place(page, 20, 0, 2))
+    x, y, z = told["x, y, z"]
+    require(math.dist((x, y, z), (20, 0, 2)) < 0.002, "another place is under the mouse", told)
+    latitude, longitude = told["latitude, longitude"]
+    sine = math.sin(math.radians(48))
+    across = 6378137 / math.sqrt(1 - 0.00669438 * sine ** 2)
+    along = across * (1 - 0.00669438) / (1 - 0.00669438 * sine ** 2)
+    north = math.radians(latitude - 48) * (along + 500)
+    east = math.radians(longitude - 11.5) * (across + 500) * math.cos(math.radians(48))
+    turned = (x * math.cos(math.pi / 6) - y * math.sin(math.pi / 6), x * math.sin(math.pi / 6) + y * math.cos(math.pi / 6))
+    require(math.dist((east, north), turned) < 0.003, "it is elsewhere on the Earth", told, east, north, turned)
+    require(abs(told["ellipsoidal height"][0] - 500 - z) < 0.002 and "UTM 32N east, north" in told, "no height, no UTM", told)
+    page.click(*place(page, 20, 0, 2))
+    page.wait("document.getElementById('facts').textContent.includes('UTM 32N')")
 
 
 def check_dark(page):
@@ -249,6 +302,7 @@ def main():
             check_dark(page)
             viewing.end()
             viewing = Viewing(adit, mapped, "--edit")
+            check_world(page, viewing.link)
             check_graph(page, viewing.link, pictures)
             check_time(page, viewing.link)
             viewing, _ = check_restart(page, adit, viewing, mapped)

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The line to the server, which finds back by itself when the server was away.
-import { tilePoints, type Graph, type Scene, type TilePoints, type Told } from './protocol';
+import { tilePoints, type Graph, type Place, type Scene, type TilePoints, type Told } from './protocol';
 
 export interface Listener {
   scene(scene: Scene): void;
@@ -11,6 +11,7 @@ export interface Listener {
   graph(graph: Graph): void;
   told(told: Told): void;
   tile(tile: TilePoints): void;
+  place(place: Place): void;
   lost(): void;
 }
 
@@ -53,13 +54,14 @@ export class Connection {
       this.listener.tile(tilePoints(data));
       return;
     }
-    const message = JSON.parse(data) as Scene | Graph | Told;
+    const message = JSON.parse(data) as Scene | Graph | Place | Told;
     if (message.type === 'scene') {
       this.wait = FIRST_WAIT;
       if (data === this.scene) this.listener.back();
       else this.listener.scene(message);
       this.scene = data;
     } else if (message.type === 'graph') this.listener.graph(message);
+    else if (message.type === 'place') this.listener.place(message);
     else this.listener.told(message);
   }
 }

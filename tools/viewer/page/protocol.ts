@@ -56,7 +56,19 @@ export interface Graph {
   edges: [number, number, string, string][];  // from, to, kind, status
   loops: Loop[];
   fixes: Fix[];
+  /** True north at the map's origin, in the map's axes; null where the map has no place on the Earth. */
+  world: { north: number[]; coordinates: string } | null;
 }
+
+export interface PlaceOnEarth {
+  latitude: number;          // degrees
+  longitude: number;
+  altitude: number;          // m above the ellipsoid
+  utm: { zone: string; easting: number; northing: number } | null;  // m
+}
+
+/** The answer to { place: [x, y, z] }, in the map's frame. */
+export interface Place { type: 'place'; p: number[]; world: PlaceOnEarth | null; }
 
 export interface Told { type: 'told'; problem: boolean; text: string; }
 

@@ -3,24 +3,27 @@
 //
 // The view: what the server says comes in, what hands want goes through the state onto the screen.
 import { AxesHelper, Vector3 } from 'three';
-import { Cloud } from './cloud';
+import { Cloud, type FoundPoint } from './cloud';
 import { ClipBox } from './clip_box';
 import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
 import { Controls } from './controls';
 import { clock, element, many, notice } from './elements';
-import { factsOf, pointFacts, showFacts } from './facts';
+import { factsOf, placeOf, pointFacts, showFacts, type Facts } from './facts';
 import { GraphLayer, LAYERS, type Found } from './graph_layer';
+import { Marks } from './marks';
 import { Measure } from './measure';
 import { Painter, type Frame } from './painter';
 import { prefersDark } from './palette';
 import { Panel, type Actions } from './panel';
-import type { Graph, Loop, Scene, TilePoints, Told } from './protocol';
+import { Places, UnderMouse, worldRows } from './places';
+import type { Graph, Loop, Place, Scene, TilePoints, Told } from './protocol';
 import { TimeLine } from './time_line';
 import { fromHash, toHash, type ViewState } from './view_state';
 
 const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
 const WITHIN = 12;          // pixels, of a click from what it means
+const NEAR = 5;             // pixels, of the mouse from the point that it is told of
 const APART = 1.3;          // pixels between points, of tiles that are fine enough
 const REMEMBERED = 300;     // ms, then the link has the state
 
@@ -36,10 +39,13 @@ export class View implements Listener, Actions {
   graphShown: Graph | null = null;
   cloud: Cloud | null = null;
   layer: GraphLayer | null = null;
+  readonly marks = new Marks();
+  readonly places = new Places((message) => this.connection.send(message));
   private readonly measured = new Measure();
   private readonly sensor = new AxesHelper(1);
   private readonly connection: Connection;
   private chosen: Found | null = null;
+  private facts: Facts | null = null;
   private measuring = false;
   private timer = 0;
   private written = location.hash;  // the link as it was last seen or written
@@ -48,6 +54,11 @@ export class View implements Listener, Actions {
     this.sensor.matrixAutoUpdate = false;
     this.sensor.frustumCulled = false;
     this.painter.over.add(this.measured.group, this.sensor);
+    new UnderMouse(this.canvas, (x, y) => this.pointAt(x, y, NEAR)?.p ?? null, (p, then) => {
+      if (this.graphShown?.world) this.places.ask(p, then);
+    });
+    new ResizeObserver(([footer]) => document.body.style.setProperty('--foot', `${(footer.target as HTMLElement).offsetHeight}px`))
+        .observe(document.querySelector('footer')!);
     addEventListener('resize', () => this.painter.draw());
     addEventListener('hashchange', () => this.restore());
     prefersDark.addEventListener('change', () => this.repaint());
@@ -77,6 +88,7 @@ export class View implements Listener, Actions {
 
   graph(graph: Graph): void {
     this.graphShown = graph;
+    this.marks.north = graph.world?.north ?? null;
     this.layer?.set(graph);
     this.cloud?.correct(graph.keyframes.pose);
     this.panel.offer(this.sceneShown!, graph);
@@ -99,6 +111,10 @@ export class View implements Listener, Actions {
     this.painter.draw();
   }
 
+  place(place: Place): void {
+    this.places.take(place);
+  }
+
   told(told: Told): void {
     notice(told.text, told.problem);
   }
@@ -108,6 +124,7 @@ export class View implements Listener, Actions {
   }
 
   back(): void {
+    this.places.forget();
     this.cloud?.askAgain();
     this.painter.draw();
   }
@@ -135,7 +152,7 @@ export class View implements Listener, Actions {
     this.measuring = !this.measuring;
     this.panel.pressed('measure', this.measuring);
     this.measured.clear();
-    showFacts(this.measuring ? { title: 'measure', rows: [['from', 'click a point']] } : null);
+    this.tell(this.measuring ? { title: 'measure', rows: [['from', 'click a point']] } : null);
     this.painter.draw();
   }
 
@@ -158,9 +175,24 @@ export class View implements Listener, Actions {
   choose(found: Found | null): void {
     this.chosen = found;
     this.layer?.mark(found);
-    showFacts(found && this.graphShown && this.sceneShown
-      ? factsOf(found, this.graphShown, this.sceneShown, (what, loop) => this.change(what, loop)) : null);
+    this.tell(found && this.graphShown && this.sceneShown
+      ? factsOf(found, this.graphShown, this.sceneShown, (what, loop) => this.change(what, loop)) : null,
+      found && this.graphShown && placeOf(found, this.graphShown));
     this.painter.draw();
+  }
+
+  /** Where the place of what is told of is on the Earth, follows. */
+  private tell(facts: Facts | null, p: Vector3 | null = null): void {
+    this.facts = facts;
+    showFacts(facts);
+    if (!facts || !p || !this.graphShown?.world) return;
+    this.places.ask(p, (world) => {
+      if (this.facts === facts) showFacts({ ...facts, rows: [...facts.rows, ...worldRows(world)] });
+    });
+  }
+
+  private pointAt(x: number, y: number, within: number): FoundPoint | null {
+    return this.cloud?.find(this.painter.camera, this.painter.width, this.painter.height, x, y, within) ?? null;
   }
 
   private change(what: 'revoke' | 'restore', loop: Loop): void {
@@ -176,12 +208,12 @@ export class View implements Listener, Actions {
       this.choose(found);
       return;
     }
-    const point = this.cloud.find(camera, width, height, x, y, WITHIN);
+    const point = this.pointAt(x, y, WITHIN);
     if (this.measuring) {
-      if (point) showFacts(this.measured.add(point.p, this.cloud.origin));
+      if (point) this.tell(this.measured.add(point.p, this.cloud.origin));
     } else {
       this.choose(null);
-      showFacts(point ? pointFacts(point, this.graphShown, this.sceneShown) : null);
+      this.tell(point && pointFacts(point, this.graphShown, this.sceneShown), point?.p);
     }
     this.painter.draw();
   }
@@ -298,6 +330,7 @@ export class View implements Listener, Actions {
       this.cloud.update(camera, height, APART, this.painter.budget(this.panel.budget));
       this.status();
     }
+    this.marks.draw(this.controls.eye, camera, height);
     this.painter.paint(this.cloud, this.state.shading);
     return keys || plays || this.controls.busy;
   }
