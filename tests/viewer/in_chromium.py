@@ -7,6 +7,7 @@ Usage: in_chromium.py ADIT WRITE_VIEW_MAP [PICTURES]. Scenes whose pixels and co
 scrubbed, edited, and left without a server for a while. PICTURES is a folder for screenshots.
 """
 
+import json
 import math
 import pathlib
 import re
@@ -53,6 +54,16 @@ def only_canvas(page, count):
 
 def near(found, expected, share):
     return abs(found - expected) <= share * expected
+
+
+def write_run(write_map, out):
+    """The folder of a run of 10 s, of which little is known."""
+    out.mkdir()
+    subprocess.run([write_map, out / "map.adit"], check=True)
+    rows = [f"{1_700_000_000 + i / 20:.2f},{0.1 if i == 120 else 0.9},{0.02 + i / 1e5}" for i in range(201)]
+    (out / "sweeps.csv").write_text("\n".join(["stamp_s,overlap,residual_rms_m", *rows, ""]), encoding="ascii")
+    stretch = {"state": "doubtful", "begin_s": 5.5, "end_s": 6.5, "text": "a long corridor"}
+    (out / "summary.json").write_text(json.dumps({"verdict": {"state": "doubtful", "stretches": [stretch]}}), encoding="ascii")
 
 
 def check_cloud(page, link):
@@ -158,7 +169,7 @@ def check_world(page, link):
     told = under_mouse(page, *place(page, 20, 0, 2))
     x, y, z = told["x, y, z"]
     require(math.dist((x, y, z), (20, 0, 2)) < 0.002, "another place is under the mouse", told)
-    latitude, longitude = told["latitude, longitude"]
+    latitude, longitude = told["lat, lon"]
     sine = math.sin(math.radians(48))
     across = 6378137 / math.sqrt(1 - 0.00669438 * sine ** 2)
     along = across * (1 - 0.00669438) / (1 - 0.00669438 * sine ** 2)
@@ -166,7 +177,7 @@ def check_world(page, link):
     east = math.radians(longitude - 11.5) * (across + 500) * math.cos(math.radians(48))
     turned = (x * math.cos(math.pi / 6) - y * math.sin(math.pi / 6), x * math.sin(math.pi / 6) + y * math.cos(math.pi / 6))
     require(math.dist((east, north), turned) < 0.003, "it is elsewhere on the Earth", told, east, north, turned)
-    require(abs(told["ellipsoidal height"][0] - 500 - z) < 0.002 and "UTM 32N east, north" in told, "no height, no UTM", told)
+    require(abs(told["height"][0] - 500 - z) < 0.002 and "UTM 32N" in told, "no height, no UTM", told)
     page.click(*place(page, 20, 0, 2))
     page.wait("document.getElementById('facts').textContent.includes('UTM 32N')")
 
@@ -246,6 +257,39 @@ def check_time(page, link):
     page.wait("!window.adit.timeLine.playing && window.adit.timeLine.now >= 9.99", 15)
 
 
+def check_plots(page, link):
+    """Of the run, in whose second 6 overlaps drop to 0.1 and it does not vouch for itself."""
+    page.open(f"{link}#layers=trajectory&plots=overlap")
+    page.wait(ALL_THERE)
+    offered = page.evaluate("[...document.querySelectorAll('#plotted input')].map((box) => [box.id, box.checked])")
+    require(offered == [["plot-overlap", True], ["plot-rms", False]], "other plots are offered", offered)
+    x, y, width, height = page.box("plots")
+    page.click(x + 0.2 * width, y + height / 2)
+    page.wait("Math.abs(window.adit.timeLine.now - 2) < 0.1 && window.adit.sensor.visible")
+    page.drag((x + 0.3 * width, y + height / 2), (x + 0.602 * width, y + height / 2))
+    page.wait("Math.abs(window.adit.timeLine.now - 6.02) < 0.05 && location.hash.includes('time=6.')")
+    told = page.evaluate("window.adit.plots.valueAt(window.adit.plots.curve('overlap'), window.adit.timeLine.now)")
+    require(told == "0.1", "another overlap is told", told)
+    # The dip is drawn, and nothing but the mark of the time stands where there is none.
+    lowest = page.evaluate("""(() => {
+        const canvas = document.getElementById('plots'), context = canvas.getContext('2d');
+        return [0.4, 0.6].map((share) => {
+          const data = context.getImageData(share * canvas.width - 5, 0, 11, canvas.height).data;
+          let lowest = 0;
+          for (let i = 0; i < data.length; i += 4) {
+            if (data[i] < 40 && data[i + 1] > 90 && data[i + 2] > 150 && data[i + 3] > 60) lowest = Math.floor(i / 44);
+          }
+          return lowest / canvas.height;
+        });
+    })()""")
+    require(0.3 < lowest[0] < 0.6 and lowest[1] > 0.8, "the dip is drawn elsewhere", lowest)
+    page.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + 0.6 * width, y=y + height / 2)
+    require(page.evaluate("document.getElementById('plots').title") == "a long corridor", "the stretch is not told")
+    page.click_on("plot-rms")
+    page.wait("location.hash.includes('plots=overlap,rms')")
+    require(page.box("plots")[3] > 1.5 * height, "no second plot", page.box("plots"), height)
+
+
 def check_restart(page, adit, viewing, what):
     """The server goes and comes; the page waits for it, keeps its points and can edit again."""
     page.open(f"{viewing.link}#eye=24,0,0,45,{-math.pi / 2:.5f},1.5707&layers=loops,keyframes")
@@ -268,7 +312,7 @@ def check_phone(page, link, pictures):
     page.wait(ALL_THERE)
     require(page.evaluate("document.scrollingElement.scrollWidth <= 390"), "wider than the phone")
     require(not page.evaluate("document.getElementById('panel').open"), "the panel hides the map")
-    for name in ("play", "time", "now", "speed"):
+    for name in ("plots", "play", "time", "now", "speed"):
         x, y, width, height = page.box(name)
         require(x >= 0 and x + width <= 390 and y + height <= 844, f"{name} is beyond the edge", x, y, width, height)
     drawn = only_canvas(page, page.count)
@@ -291,9 +335,9 @@ def main():
         folder = pathlib.Path(folder)
         pictures = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else folder
         pictures.mkdir(parents=True, exist_ok=True)
-        cloud, mapped = folder / "square.ply", folder / "map.adit"
+        cloud, out = folder / "square.ply", folder / "out"
         write_ply(cloud, square(10.0, 0.02) + [(3.0, 2.0, 4.0, 100.0)])
-        subprocess.run([write_map, mapped], check=True)
+        write_run(write_map, out)
         browser = Chromium()
         try:
             page = browser.page()
@@ -301,11 +345,12 @@ def main():
             check_cloud(page, viewing.link)
             check_dark(page)
             viewing.end()
-            viewing = Viewing(adit, mapped, "--edit")
+            viewing = Viewing(adit, out, "--edit")
             check_world(page, viewing.link)
             check_graph(page, viewing.link, pictures)
             check_time(page, viewing.link)
-            viewing, _ = check_restart(page, adit, viewing, mapped)
+            check_plots(page, viewing.link)
+            viewing, _ = check_restart(page, adit, viewing, out)
             check_phone(page, viewing.link, pictures)
             require(page.errors == [], "the console has errors", *page.errors)
             text = viewing.end()

@@ -13,11 +13,11 @@ type Row = [string, string];
 
 /** For people; degrees to about a millimetre. */
 export function worldRows(world: PlaceOnEarth): Row[] {
-  const rows: Row[] = [['latitude, longitude', `${world.latitude.toFixed(8)}, ${world.longitude.toFixed(8)}`],
-    ['ellipsoidal height', `${world.altitude.toFixed(3)} m`]];
+  const rows: Row[] = [['lat, lon', `${world.latitude.toFixed(8)}, ${world.longitude.toFixed(8)}`],
+    ['height', `${world.altitude.toFixed(3)} m (ellipsoid)`]];
   if (world.utm) {
     const { zone, easting, northing } = world.utm;
-    rows.push([`UTM ${zone} east, north`, `${easting.toFixed(3)}, ${northing.toFixed(3)} m`]);
+    rows.push([`UTM ${zone}`, `${easting.toFixed(3)}, ${northing.toFixed(3)} m`]);
   }
   return rows;
 }

@@ -9,6 +9,21 @@ export const POSE = 7;
 
 export interface Cube { low: [number, number, number]; edge: number; cells: number; }
 
+/** Over equal times from second 0 to the last; null: nothing is known. */
+export interface PlotCurve {
+  name: string;
+  title: string;
+  unit: string;
+  logarithmic: boolean;
+  least: (number | null)[];
+  most: (number | null)[];
+}
+
+export interface Plots {
+  curves: PlotCurve[];
+  stretches: { state: string; begin: number; end: number; text: string }[];  // s; "doubtful" or "lost"
+}
+
 export interface Scene {
   type: 'scene';
   program: string;
@@ -23,6 +38,8 @@ export interface Scene {
   tiles: { parent: number[]; octant: number[]; points: number[] };
   tiled_poses: Poses;        // of keyframes, when their points came into tiles
   sweeps: { time: number[]; keyframe: number[]; pose: Poses };  // in keyframe axes; keyframe -1: in the map's
+  map: string;               // its path as the program was given it; empty: a cloud
+  plots: Plots | null;       // of a run's folder
 }
 
 export interface Loop {

@@ -17,6 +17,7 @@ import { Painter, type Frame } from './painter';
 import { prefersDark } from './palette';
 import { Panel, type Actions } from './panel';
 import { Places, UnderMouse, worldRows } from './places';
+import { Plots } from './plots';
 import type { Graph, Loop, Place, Scene, TilePoints, Told } from './protocol';
 import { TimeLine } from './time_line';
 import { fromHash, toHash, type ViewState } from './view_state';
@@ -35,6 +36,10 @@ export class View implements Listener, Actions {
   readonly panel = new Panel(this.state, this);
   readonly box = new ClipBox(() => { this.state.box = this.box.value; this.changed(); });
   readonly timeLine = new TimeLine(() => { this.state.time = this.timeLine.now; this.changed(); });
+  readonly plots = new Plots(this.state.plots, (seconds) => this.timeLine.go(seconds), (shown) => {
+    this.state.plots = shown;
+    this.remember();
+  });
   sceneShown: Scene | null = null;
   graphShown: Graph | null = null;
   cloud: Cloud | null = null;
@@ -80,6 +85,7 @@ export class View implements Listener, Actions {
     this.layer = new GraphLayer(scene, this.cloud.origin);
     this.painter.over.add(this.layer.group);
     this.timeLine.set(scene.seconds, this.state.time);
+    this.plots.set(scene.plots ?? null, scene.seconds);
     const { low, edge } = scene.cube;
     this.box.set([...low, ...low.map((v) => v + edge)], this.state.box);
     if (first) this.restoreEye();
@@ -236,6 +242,7 @@ export class View implements Listener, Actions {
     if (this.sceneShown) this.timeLine.set(this.sceneShown.seconds, this.state.time);
     this.restoreEye();
     this.panel.show();
+    this.plots.show(this.state.plots);
     this.apply();
     this.painter.draw();
   }
@@ -268,6 +275,7 @@ export class View implements Listener, Actions {
     const box = state.box?.map((v, i) => v - cloud.origin.getComponent(i % 3));
     cloud.look.setBox(box ? new Vector3(box[0], box[1], box[2]) : null, box ? new Vector3(box[3], box[4], box[5]) : null);
     for (const one of LAYERS) layer.show(one, state.layers.includes(one));
+    this.plots.at(this.timeLine.now);
     this.placeSensor();
     this.legend();
   }
@@ -307,6 +315,7 @@ export class View implements Listener, Actions {
   }
 
   private repaint(): void {
+    this.plots.draw();
     this.layer?.draw();
     this.layer?.mark(this.chosen);
     if (this.sceneShown) this.panel.offer(this.sceneShown, this.graphShown);
