@@ -11,6 +11,7 @@ import json
 import math
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -182,6 +183,45 @@ def check_world(page, link):
     page.wait("document.getElementById('facts').textContent.includes('UTM 32N')")
 
 
+def check_picture(page, link, pictures):
+    """The PNG file has what is on the canvas, and below it the scale bar and what colours mean."""
+    page.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(pictures))
+    page.open(f"{link}#eye=24,0,0,45,{-math.pi / 2:.5f},1.5707&layers=loops,keyframes")
+    page.wait(ALL_THERE)
+    canvas = only_canvas(page, lambda: page.count(GREEN))
+    page.click_on("picture")
+    file = pictures / "out.png"
+    until = time.monotonic() + 10
+    while not file.exists() and time.monotonic() < until:
+        time.sleep(0.05)
+    require(file.exists(), "no picture was saved", list(pictures.iterdir()))
+    saved = page.count(GREEN, png=file.read_bytes())
+    require(saved["width"] == canvas["width"] and saved["height"] >= canvas["height"] + 64, "another size", saved, canvas)
+    swatch = saved["count"] - canvas["count"]
+    require(near(swatch, 121, 0.2), "the loop, or its colour in the legend, is missing", saved, canvas)
+    bar = page.count([0, 0, 0], png=file.read_bytes())["count"]
+    require(bar > 2 * page.evaluate("window.adit.marks.shown.pixels"), "no scale bar", bar)
+
+
+def check_export(page, link, adit, folder):
+    """What the command in the page writes is what is in the box: the second keyframe's wall, and its point alone."""
+    page.open(f"{link}#box=5.95,-1,-5,14.05,6,5&moving=0&grow=1&time=3")
+    page.wait(ALL_THERE)
+    page.key("KeyX", "x")
+    command = facts(page)["command"]
+    require("--without-moving" in command and "--until 1700000003.000000000" in command, "another command", command)
+    page.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    page.click_on("act")
+    page.wait("document.getElementById('notice').textContent === 'The command is copied.'")
+    require(page.evaluate("navigator.clipboard.readText()") == command, "another text was copied")
+    words = shlex.split(command)
+    require(words[0] == "adit", "another program", words)
+    done = subprocess.run([adit, *words[1:]], cwd=folder, capture_output=True, text=True, check=False)
+    require(done.returncode == 0, "the command fails", command, done.stderr)
+    head = (folder / "cloud.ply").read_bytes()[:500]
+    require(re.search(rb"element vertex +3201\n", head), "other points were exported", command, head)
+
+
 def check_dark(page):
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
     page.wait("window.adit.painter.isIdle")
@@ -347,6 +387,8 @@ def main():
             viewing.end()
             viewing = Viewing(adit, out, "--edit")
             check_world(page, viewing.link)
+            check_picture(page, viewing.link, pictures)
+            check_export(page, viewing.link, adit, folder)
             check_graph(page, viewing.link, pictures)
             check_time(page, viewing.link)
             check_plots(page, viewing.link)

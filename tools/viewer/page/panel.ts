@@ -6,6 +6,7 @@ import type { ColourBy } from './cloud_material';
 import { element, input, labelled, select } from './elements';
 import { LAYERS, type Layer } from './graph_layer';
 import { RAMP, theme } from './palette';
+import type { Legend } from './picture';
 import type { Graph, Scene } from './protocol';
 import type { ViewState } from './view_state';
 
@@ -17,12 +18,15 @@ export interface Actions {
   measure(): void;
   play(): void;
   close(): void;
+  picture(): void;
+  export(): void;
 }
 
 const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes',
   edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
 
 export class Panel {
+  private ramp: { least: string; most: string } | null = null;
   private readonly boxes = new Map<Layer, HTMLInputElement>();
 
   constructor(private readonly state: ViewState, private readonly actions: Actions) {
@@ -34,7 +38,7 @@ export class Panel {
     on('moving', 'change', () => { state.moving = input('moving').checked; });
     on('grow', 'change', () => { state.grow = input('grow').checked; });
     select('budget').addEventListener('change', () => actions.changed());
-    for (const name of ['reset', 'above', 'fly', 'measure', 'close'] as const) {
+    for (const name of ['reset', 'above', 'fly', 'measure', 'close', 'picture', 'export'] as const) {
       element(name).addEventListener('click', () => actions[name]());
     }
     addEventListener('keydown', (event) => this.key(event));
@@ -61,6 +65,7 @@ export class Panel {
       ellipses: !!graph?.keyframes.covariance.some((v) => v > 0),
       fixes: !!graph?.fixes.length,
     };
+    element('export').hidden = !scene.map;
     const options = [...select('colour').options];
     options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
@@ -89,7 +94,15 @@ export class Panel {
     for (const [layer, box] of this.boxes) box.checked = this.state.layers.includes(layer);
   }
 
+  /** What colours mean, of all that is shown. */
+  legendOf(title: string): Legend {
+    const shown = [...this.boxes].filter(([, box]) => box.checked);
+    return { title, ramp: this.ramp && { name: this.state.colour, ...this.ramp },
+      swatches: shown.map(([layer]) => [NAMES[layer], this.markOf(layer)]) };
+  }
+
   legend(least: string, most: string, ramp: boolean): void {
+    this.ramp = ramp ? { least, most } : null;
     element('scale').hidden = !ramp;
     element('least').textContent = least;
     element('most').textContent = most;
@@ -112,7 +125,7 @@ export class Panel {
     const typing = at instanceof HTMLInputElement || at instanceof HTMLSelectElement;
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const run: Record<string, () => void> = { KeyR: () => this.actions.reset(), KeyT: () => this.actions.above(),
-      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), Escape: () => this.actions.close() };
+      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), KeyP: () => this.actions.picture(), KeyX: () => this.actions.export(), Escape: () => this.actions.close() };
     if (event.code === 'Space' && !(at instanceof HTMLButtonElement)) {
       event.preventDefault();
       this.actions.play();

@@ -9,6 +9,7 @@ import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
 import { Controls } from './controls';
 import { clock, element, many, notice } from './elements';
+import { copied, exportCommand } from './export_command';
 import { factsOf, placeOf, pointFacts, showFacts, type Facts } from './facts';
 import { GraphLayer, LAYERS, type Found } from './graph_layer';
 import { Marks } from './marks';
@@ -16,6 +17,7 @@ import { Measure } from './measure';
 import { Painter, type Frame } from './painter';
 import { prefersDark } from './palette';
 import { Panel, type Actions } from './panel';
+import { composed, save } from './picture';
 import { Places, UnderMouse, worldRows } from './places';
 import { Plots } from './plots';
 import type { Graph, Loop, Place, Scene, TilePoints, Told } from './protocol';
@@ -164,6 +166,25 @@ export class View implements Listener, Actions {
 
   play(): void {
     this.timeLine.toggle();
+  }
+
+  picture(): void {
+    const { cloud, sceneShown, marks, canvas } = this;
+    if (!cloud || !sceneShown || !marks.shown) return;
+    this.painter.paint(cloud, this.state.shading);
+    save(composed(canvas, marks.shown, this.panel.legendOf(sceneShown.title)), `${sceneShown.title}.png`);
+  }
+
+  export(): void {
+    if (!this.sceneShown?.map) return;
+    const command = exportCommand(this.sceneShown, this.state, this.timeLine.now);
+    this.choose(null);
+    const facts: Facts = { title: 'export', rows: [['command', command]], act: { text: 'copy', run: async () => {
+      const done = await copied(command, document.querySelector('#facts dd')!);
+      notice(done ? 'The command is copied.' : 'Copy what is selected.');
+    } } };
+    if (this.state.box) facts.rows.push(['box', 'crops by x and y; all heights are exported']);
+    this.tell(facts);
   }
 
   close(): void {
