@@ -222,6 +222,20 @@ def check_export(page, link, adit, folder):
     require(re.search(rb"element vertex +3201\n", head), "other points were exported", command, head)
 
 
+def check_sessions(page, link):
+    """Four walls are of the first session, two of the second; they are equal, seen from their side."""
+    page.open(f"{link}#eye=25,4,0.5,45,{-math.pi / 2:.5f},0&layers=&colour=session&shading=0")
+    page.wait(ALL_THERE)
+    blue, orange = (only_canvas(page, lambda c=colour: page.count(c))["count"] for colour in ([0, 0x72, 0xb2], ORANGE))
+    require(blue > 2000 and near(blue, 2 * orange, 0.05), "sessions have other colours", blue, orange)
+    require(page.evaluate("document.getElementById('key').textContent").split() == ["1", "2"], "sessions have no legend")
+    require(page.evaluate("document.getElementById('scale').hidden"), "a ramp is told of sessions")
+    page.evaluate("location.hash = location.hash.replace('session', 'moving')")
+    page.wait(f"window.adit.state.colour === 'moving' && {ALL_THERE}")
+    blue = only_canvas(page, lambda: page.count([0, 0x72, 0xb2]))["count"]
+    require(near(blue, 3 * orange, 0.05), "what stays has another colour", blue, orange)
+
+
 def check_dark(page):
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
     page.wait("window.adit.painter.isIdle")
@@ -389,6 +403,7 @@ def main():
             check_world(page, viewing.link)
             check_picture(page, viewing.link, pictures)
             check_export(page, viewing.link, adit, folder)
+            check_sessions(page, viewing.link)
             check_graph(page, viewing.link, pictures)
             check_time(page, viewing.link)
             check_plots(page, viewing.link)

@@ -3,9 +3,9 @@
 //
 // The controls of the view, tied to its state.
 import type { ColourBy } from './cloud_material';
-import { element, input, labelled, select } from './elements';
+import { element, input, labelled, select, swatch } from './elements';
 import { LAYERS, type Layer } from './graph_layer';
-import { RAMP, theme } from './palette';
+import { RAMP, SERIES, theme } from './palette';
 import type { Legend } from './picture';
 import type { Graph, Scene } from './protocol';
 import type { ViewState } from './view_state';
@@ -25,8 +25,21 @@ export interface Actions {
 const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes',
   edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
 
+/** Each one once, in the order of keyframes. */
+export function sessionsOf(graph: Graph): number[] {
+  return [...new Set(graph.keyframes.session)];
+}
+
+/** Sessions that share a colour stand together. */
+export function sessionKey(graph: Graph): [string, string][] {
+  const sessions = sessionsOf(graph);
+  return SERIES.slice(0, sessions.length).map((hex, i) =>
+      [sessions.filter((_, at) => at % SERIES.length === i).join(', '), hex]);
+}
+
 export class Panel {
   private ramp: { least: string; most: string } | null = null;
+  private key: [string, string][] = [];
   private readonly boxes = new Map<Layer, HTMLInputElement>();
 
   constructor(private readonly state: ViewState, private readonly actions: Actions) {
@@ -41,7 +54,7 @@ export class Panel {
     for (const name of ['reset', 'above', 'fly', 'measure', 'close', 'picture', 'export'] as const) {
       element(name).addEventListener('click', () => actions[name]());
     }
-    addEventListener('keydown', (event) => this.key(event));
+    addEventListener('keydown', (event) => this.pressedKey(event));
     if (innerWidth <= 640) element<HTMLDetailsElement>('panel').open = false;
     select('budget').value = innerWidth <= 640 || matchMedia('(pointer: coarse)').matches ? '1000000' : '3000000';
   }
@@ -69,7 +82,8 @@ export class Panel {
     const options = [...select('colour').options];
     options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
-    options.find((one) => one.value === 'keyframe')!.disabled = !graph?.keyframes.id.length;
+    for (const by of ['keyframe', 'moving']) options.find((one) => one.value === by)!.disabled = !graph?.keyframes.id.length;
+    options.find((one) => one.value === 'session')!.disabled = !graph || sessionsOf(graph).length < 2;
     this.boxes.clear();
     element('layers').replaceChildren(...LAYERS.filter((layer) => has[layer]).map((layer) => {
       const { label, box } = labelled('checkbox', NAMES[layer], this.markOf(layer));
@@ -97,12 +111,16 @@ export class Panel {
   /** What colours mean, of all that is shown. */
   legendOf(title: string): Legend {
     const shown = [...this.boxes].filter(([, box]) => box.checked);
+    const key = this.key.map(([name, hex]): [string, string] => [this.state.colour === 'session' ? `session ${name}` : name, hex]);
     return { title, ramp: this.ramp && { name: this.state.colour, ...this.ramp },
-      swatches: shown.map(([layer]) => [NAMES[layer], this.markOf(layer)]) };
+      swatches: [...key, ...shown.map(([layer]): [string, string] => [NAMES[layer], this.markOf(layer)])] };
   }
 
-  legend(least: string, most: string, ramp: boolean): void {
+  /** `key`: what colours mean that are no ramp. */
+  legend(least: string, most: string, ramp: boolean, key: [string, string][] = []): void {
     this.ramp = ramp ? { least, most } : null;
+    this.key = key;
+    element('key').replaceChildren(...key.flatMap(([name, hex]) => [swatch(hex), `${name} `]));
     element('scale').hidden = !ramp;
     element('least').textContent = least;
     element('most').textContent = most;
@@ -120,7 +138,7 @@ export class Panel {
       ellipses: keyframe, fixes: verdicts.used }[layer];
   }
 
-  private key(event: KeyboardEvent): void {
+  private pressedKey(event: KeyboardEvent): void {
     const at = event.target;
     const typing = at instanceof HTMLInputElement || at instanceof HTMLSelectElement;
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;

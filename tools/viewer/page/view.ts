@@ -15,8 +15,8 @@ import { GraphLayer, LAYERS, type Found } from './graph_layer';
 import { Marks } from './marks';
 import { Measure } from './measure';
 import { Painter, type Frame } from './painter';
-import { prefersDark } from './palette';
-import { Panel, type Actions } from './panel';
+import { prefersDark, SERIES } from './palette';
+import { Panel, sessionKey, sessionsOf, type Actions } from './panel';
 import { composed, save } from './picture';
 import { Places, UnderMouse, worldRows } from './places';
 import { Plots } from './plots';
@@ -99,6 +99,8 @@ export class View implements Listener, Actions {
     this.marks.north = graph.world?.north ?? null;
     this.layer?.set(graph);
     this.cloud?.correct(graph.keyframes.pose);
+    const sessions = sessionsOf(graph);
+    this.cloud?.look.setSessions(graph.keyframes.session.map((session) => sessions.indexOf(session)));
     this.panel.offer(this.sceneShown!, graph);
     // What is told of is told anew, as it is now.
     if (this.chosen?.kind === 'loop') {
@@ -318,6 +320,8 @@ export class View implements Listener, Actions {
     const by = this.state.colour;
     if (by === 'height') this.panel.legend(low.toFixed(1), `${high.toFixed(1)} m`, true);
     else if (by === 'time') this.panel.legend(clock(0), clock(scene.seconds), true);
+    else if (by === 'session' && this.graphShown) this.panel.legend('', '', false, sessionKey(this.graphShown));
+    else if (by === 'moving') this.panel.legend('', '', false, [['stays', SERIES[0]], ['moves', SERIES[1]]]);
     else this.panel.legend('0', '255', by === 'intensity');
   }
 
