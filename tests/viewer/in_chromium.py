@@ -222,9 +222,9 @@ def check_export(page, link, adit, folder):
     require(re.search(rb"element vertex +3201\n", head), "other points were exported", command, head)
 
 
-def check_sessions(page, link):
+def check_keyframes(page, link):
     """Four walls are of the first session, two of the second; they are equal, seen from their side."""
-    page.open(f"{link}#eye=25,4,0.5,45,{-math.pi / 2:.5f},0&layers=&colour=session&shading=0")
+    page.open(f"{link}#eye=25,4,0.5,45,{-math.pi / 2:.5f},0&layers=keyframes&colour=session&shading=0")
     page.wait(ALL_THERE)
     blue, orange = (only_canvas(page, lambda c=colour: page.count(c))["count"] for colour in ([0, 0x72, 0xb2], ORANGE))
     require(blue > 2000 and near(blue, 2 * orange, 0.05), "sessions have other colours", blue, orange)
@@ -234,6 +234,20 @@ def check_sessions(page, link):
     page.wait(f"window.adit.state.colour === 'moving' && {ALL_THERE}")
     blue = only_canvas(page, lambda: page.count([0, 0x72, 0xb2]))["count"]
     require(near(blue, 3 * orange, 0.05), "what stays has another colour", blue, orange)
+
+    # A keyframe's points alone, also by the link, until what is told of it is closed.
+    page.click(*place(page, 20, 0, 0))
+    page.click_on("act")
+    page.wait("location.hash.includes('only=2') && window.adit.painter.isIdle")
+    page.open(page.evaluate("location.href"))
+    page.wait(ALL_THERE)
+    require(facts(page)[""] == "keyframe 2", "the link tells of another", facts(page))
+    alone = only_canvas(page, lambda: page.count([0, 0x72, 0xb2]))["count"]
+    require(near(alone, orange / 2, 0.1), "other points are shown", alone, orange)
+    require(page.evaluate("!window.adit.pointAt(...%s, 12)" % json.dumps(place(page, 40, 4, 0.5))), "what is hidden is picked")
+    page.click_on("close")
+    page.wait("!location.hash.includes('only') && window.adit.painter.isIdle")
+    require(only_canvas(page, lambda: page.count([0, 0x72, 0xb2]))["count"] > 0.95 * blue, "the others are not back")
 
 
 def check_dark(page):
@@ -403,7 +417,7 @@ def main():
             check_world(page, viewing.link)
             check_picture(page, viewing.link, pictures)
             check_export(page, viewing.link, adit, folder)
-            check_sessions(page, viewing.link)
+            check_keyframes(page, viewing.link)
             check_graph(page, viewing.link, pictures)
             check_time(page, viewing.link)
             check_plots(page, viewing.link)

@@ -101,6 +101,11 @@ export class Cloud {
     this.look.setCorrections(this.rows);
   }
 
+  /** The points of one keyframe alone, by its position; below 0: of all. */
+  showOnly(keyframe: number): void {
+    this.look.set('only', keyframe < 0 ? -1 : Math.floor(keyframe / this.look.get<number>('keyframeScale') + 1e-6));
+  }
+
   /** Lowest and highest of most points, m in the map's frame. */
   get heights(): [number, number] {
     const { x, y } = this.look.get<Vector2>('heights');
@@ -112,6 +117,7 @@ export class Cloud {
     const view = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const low = this.look.get<Vector3>('boxLow'), high = this.look.get<Vector3>('boxHigh');
     const until = this.look.get<number>('until'), hideMoving = this.look.get<boolean>('hideMoving');
+    const only = this.look.get<number>('only');
     const p = new Vector3();
     let best: FoundPoint | null = null, least = Infinity;
     for (const number of this.shown) {
@@ -119,7 +125,7 @@ export class Cloud {
       const { low: corner, edge } = this.octree.tiles[number];
       const step = edge / STEPS;
       for (let i = 0; i < POINT * count; i += POINT) {
-        if (values[i + 3] > until || (hideMoving && values[i + 5] > 255)) continue;
+        if (values[i + 3] > until || (hideMoving && values[i + 5] > 255) || (only >= 0 && values[i + 4] !== only)) continue;
         p.set(values[i] + 0.5, values[i + 1] + 0.5, values[i + 2] + 0.5).multiplyScalar(step).add(corner);
         if (this.rows) this.moved(p, values[i + 4]);
         const e = view.elements;

@@ -27,6 +27,7 @@ uniform float size, closeSize, mostSize;
 uniform vec3 boxLow, boxHigh;
 uniform float until;
 uniform bool hideMoving;
+uniform float only;
 out vec3 shade;
 
 int position(float keyframe) {
@@ -51,7 +52,8 @@ void main() {
   gl_PointSize = clamp(closeSize / gl_Position.w, size, mostSize);
   float intensity = mod(facts.z, 256.0);
   bool moving = facts.z >= 256.0;
-  if (any(lessThan(p, boxLow)) || any(greaterThan(p, boxHigh)) || facts.x > until || (hideMoving && moving)) {
+  bool other = only >= 0.0 && facts.y != only;
+  if (any(lessThan(p, boxLow)) || any(greaterThan(p, boxHigh)) || facts.x > until || (hideMoving && moving) || other) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   }
   if (colourBy == 3) {
@@ -89,7 +91,7 @@ export class CloudMaterial {
       series: { value: SERIES.map((hex) => { const c = colour(hex); return new Vector3(c.r, c.g, c.b); }) },
       size: { value: 2 }, closeSize: { value: 0 }, mostSize: { value: 24 }, round: { value: false },
       boxLow: { value: new Vector3().setScalar(-FAR) }, boxHigh: { value: new Vector3().setScalar(FAR) },
-      until: { value: 65536 }, hideMoving: { value: false },
+      until: { value: 65536 }, hideMoving: { value: false }, only: { value: -1 },
     },
   });
 

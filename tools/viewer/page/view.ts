@@ -107,6 +107,9 @@ export class View implements Listener, Actions {
       const id = this.chosen.loop.id;
       const loop = graph.loops.find((one) => one.id === id);
       this.choose(loop ? { kind: 'loop', loop } : null);
+    } else if (!this.chosen && this.state.only !== null) {  // by the link
+      const at = graph.keyframes.id.indexOf(this.state.only);
+      if (at >= 0) this.choose({ kind: 'keyframe', at });
     } else this.layer?.mark(this.chosen);
     this.apply();
     this.painter.draw();
@@ -191,6 +194,7 @@ export class View implements Listener, Actions {
 
   close(): void {
     if (this.measuring) this.measure();
+    if (this.state.only !== null) this.only(this.state.only);
     this.choose(null);
     this.painter.draw();
   }
@@ -205,7 +209,7 @@ export class View implements Listener, Actions {
     this.chosen = found;
     this.layer?.mark(found);
     this.tell(found && this.graphShown && this.sceneShown
-      ? factsOf(found, this.graphShown, this.sceneShown, (what, loop) => this.change(what, loop)) : null,
+      ? this.factsOf(found, this.graphShown, this.sceneShown) : null,
       found && this.graphShown && placeOf(found, this.graphShown));
     this.painter.draw();
   }
@@ -222,6 +226,22 @@ export class View implements Listener, Actions {
 
   private pointAt(x: number, y: number, within: number): FoundPoint | null {
     return this.cloud?.find(this.painter.camera, this.painter.width, this.painter.height, x, y, within) ?? null;
+  }
+
+  /** The points of a keyframe alone, or those of all again. */
+  private only(id: number): void {
+    this.state.only = this.state.only === id ? null : id;
+    this.choose(this.chosen);
+    this.changed();
+  }
+
+  private factsOf(found: Found, graph: Graph, scene: Scene): Facts {
+    const facts = factsOf(found, graph, scene, (what, loop) => this.change(what, loop));
+    if (found.kind === 'keyframe' && scene.points > 0) {
+      const id = graph.keyframes.id[found.at];
+      facts.act = { text: this.state.only === id ? 'all points' : 'its points alone', run: () => this.only(id) };
+    }
+    return facts;
   }
 
   private change(what: 'revoke' | 'restore', loop: Loop): void {
@@ -293,6 +313,7 @@ export class View implements Listener, Actions {
     const usable = state.colour === 'intensity' && !this.sceneShown.intensity ? 'height' : state.colour;
     cloud.look.set('colourBy', COLOURS.indexOf(usable));
     cloud.look.set('hideMoving', !state.moving);
+    cloud.showOnly(state.only === null ? -1 : this.graphShown?.keyframes.id.indexOf(state.only) ?? -1);
     const share = this.timeLine.now === null || !state.grow ? 2 : this.timeLine.now / Math.max(this.sceneShown.seconds, 1e-9);
     cloud.look.set('until', 65535 * share + 0.5);
     const box = state.box?.map((v, i) => v - cloud.origin.getComponent(i % 3));

@@ -18,10 +18,11 @@ export interface ViewState {
   time: number | null;      // s
   grow: boolean;
   plots: Plot[];
+  only: number | null;      // id of the keyframe whose points are shown alone
 }
 
 export const BEGIN: ViewState = { eye: null, colour: 'height', size: 2, shading: true, moving: true,
-  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false, plots: ['overlap', 'sigma'] };
+  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false, plots: ['overlap', 'sigma'], only: null };
 
 export function toHash(state: ViewState): string {
   const parts = new URLSearchParams();
@@ -36,6 +37,7 @@ export function toHash(state: ViewState): string {
   if (state.time !== null) parts.set('time', state.time.toFixed(2));
   if (state.grow) parts.set('grow', '1');
   if (String(state.plots) !== String(BEGIN.plots)) parts.set('plots', state.plots.join(','));
+  if (state.only !== null) parts.set('only', String(state.only));
   return parts.toString().replaceAll('%2C', ',');
 }
 
@@ -60,6 +62,7 @@ export function fromHash(hash: string): ViewState {
     box: list('box', 6),
     time: number('time'),
     grow: parts.get('grow') === '1',
+    only: number('only'),
     plots: plots === null ? [...BEGIN.plots] : PLOTS.filter((one) => plots.split(',').includes(one)),
   };
 }
