@@ -256,26 +256,26 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
     octants.push_back(tile.octant);
     counts.push_back(tile.points);
   }
+  const ordered_json plots = folder_.empty() ? ordered_json() : plots_of(folder_, span_, progress);
   const CloudCube& cube = tiles_.cube();
-  scene_ =
-      text_of({{"type", "scene"},
-               {"program", std::string(kGenerator)},
-               {"title", title_},
-               {"editable", edit_},
-               {"intensity", has_intensity},
-               {"start_ns", std::to_string(span_.first.count())},
-               {"seconds", seconds(span_.last - span_.first)},
-               {"points", tiles_.points()},
-               {"keyframes_told", std::min<uint64_t>(keyframes_, kKeyframesTold)},
-               {"cube",
-                {{"low", {cube.low.x(), cube.low.y(), cube.low.z()}},
-                 {"edge", cube.edge},
-                 {"cells", kTileCells}}},
-               {"tiles", {{"parent", parents}, {"octant", octants}, {"points", counts}}},
-               {"tiled_poses", poses_of(tiled)},
-               {"sweeps", json_of(sweeps_, span_)},
-               {"map", map_.string()},
-               {"plots", folder_.empty() ? ordered_json() : plots_of(folder_, span_, progress)}});
+  scene_ = text_of({{"type", "scene"},
+                    {"program", std::string(kGenerator)},
+                    {"title", title_},
+                    {"editable", edit_},
+                    {"intensity", has_intensity},
+                    {"start_ns", std::to_string(span_.first.count())},
+                    {"seconds", seconds(span_.last - span_.first)},
+                    {"points", tiles_.points()},
+                    {"keyframes_told", std::min<uint64_t>(keyframes_, kKeyframesTold)},
+                    {"cube",
+                     {{"low", {cube.low.x(), cube.low.y(), cube.low.z()}},
+                      {"edge", cube.edge},
+                      {"cells", kTileCells}}},
+                    {"tiles", {{"parent", parents}, {"octant", octants}, {"points", counts}}},
+                    {"tiled_poses", poses_of(tiled)},
+                    {"sweeps", json_of(sweeps_, span_)},
+                    {"map", map_.string()},
+                    {"plots", plots}});
 }
 
 std::string ViewData::tile(uint32_t number) const {
