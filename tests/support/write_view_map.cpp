@@ -4,9 +4,11 @@
 // write_view_map FILE: a map whose places are known, for the tests of `adit view`. Six keyframes
 // lie 10 m apart along x by the odometry; an accepted loop has the last one 1 m nearer, a rejected
 // one ties it to the second. Before each is a wall 4 m to its left; points 2 m above the first
-// three of them stand alone.
+// three of them stand alone. The last two are of a second session. The map's origin is at 48
+// degrees north, 11.5 degrees east and 500 m, and its x axis points 30 degrees north of east.
 #include <cstdio>
 #include <exception>
+#include <numbers>
 
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
@@ -34,14 +36,19 @@ KeyframeSubmap wall(NodeId id, Nanoseconds stamp) {
 
 void write(const char* file) {
   MapDatabase map(file, MapAccess::write);
-  const SessionId session = test::add_session(map);
+  const SessionId first = test::add_session(map);
+  const SessionId second = map.add_session({.name = "second"});
   for (NodeId id = 0; id < 6; ++id) {
-    KeyframeRecord record = test::record(id, session);
+    KeyframeRecord record = test::record(id, id < 4 ? first : second);
     record.keyframe.stamp = Nanoseconds(1'700'000'000'000'000'000 + 2'000'000'000 * id);
     record.submap = encode(wall(id, record.keyframe.stamp));
     map.store(record);
   }
-  map.revise(test::loops_of_six());
+  MapRevision revision = test::loops_of_six();
+  revision.georeference = Georeference{.origin = {48.0, 11.5, 500.0}};
+  revision.georeference->T_world_map.rotate(
+      Eigen::AngleAxisd(std::numbers::pi / 6.0, Eigen::Vector3d::UnitZ()));
+  map.revise(revision);
 }
 
 }  // namespace

@@ -117,7 +117,8 @@ def check_messages(port):
         return client
 
     nonsense = ["", "no json", "[]", "{}", '{"tiles": [0], "more": 1}', '{"tiles": [-1]}', '{"tiles": [4294967296]}',
-                '{"tiles": ["0"]}', '{"tiles": [999999]}', '{"revoke": "1"}', '{"open": "/etc/passwd"}', "[" * 16000]
+                '{"tiles": ["0"]}', '{"tiles": [999999]}', '{"revoke": "1"}', '{"open": "/etc/passwd"}', '{"place": [1, 2]}',
+                '{"place": [1, 2, "3"]}', '{"place": [1, 2, 1e999]}', "[" * 16000]
     for message in nonsense:
         closed_for(told(message), 1008)
     closed_for(told(b'{"tiles": [0]}', BINARY), 1003)

@@ -141,10 +141,11 @@ class Page:
             pathlib.Path(file).write_bytes(base64.b64decode(png))
         return png
 
-    def count(self, colour=None, tolerance=6):
-        """Pixels of that colour on the screen; None: those unlike the upper left corner."""
+    def count(self, colour=None, tolerance=6, png=None):
+        """Pixels of that colour on the screen, or in a PNG file; None: those unlike the upper left corner."""
         expression = COUNT.replace("COLOUR", json.dumps(colour)).replace("TOLERANCE", str(tolerance))
-        return self.evaluate(expression.replace("PNG", self.screenshot()))
+        data = base64.b64encode(png).decode() if png else self.screenshot()
+        return self.evaluate(expression.replace("PNG", data))
 
     def click(self, x, y):
         for kind in ("mousePressed", "mouseReleased"):

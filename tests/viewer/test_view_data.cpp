@@ -97,6 +97,22 @@ TEST_F(ViewDataTest, RevokesAndRestoresWhereItMayEdit) {
   EXPECT_NE(answer_to(data, R"({"revoke": 5})").reply.find("no loop 5"), std::string::npos);
 }
 
+TEST_F(ViewDataTest, APlaceIsAskedForByThreeNumbers) {
+  write_map(folder_ / "map.adit");
+  std::ofstream(folder_ / "sweeps.csv") << "stamp_s,overlap\n1700000000.2,0.5\n";
+  ViewData data = opened(folder_.path());
+  const ViewAnswer answer = answer_to(data, R"({"place": [1, -2.5, 3e0]})");
+  EXPECT_TRUE(answer.understood);
+  EXPECT_EQ(answer.reply, R"({"type":"place","p":[1.0,-2.5,3.0],"world":null})");
+  for (const char* wrong : {R"({"place": 1})", R"({"place": [1, 2]})", R"({"place": [1, 2, "3"]})",
+                            R"({"place": [1, 2, 1e999]})"}) {
+    EXPECT_FALSE(answer_to(data, wrong).understood) << wrong;
+  }
+  const auto scene = nlohmann::json::parse(data.scene());
+  EXPECT_EQ(scene.at("map"), (folder_ / "map.adit").string());
+  EXPECT_EQ(scene.at("plots").at("curves").at(0).at("least").dump(), "[0.5]");
+}
+
 TEST_F(ViewDataTest, WithoutLeaveNothingIsEdited) {
   write_map(folder_ / "map.adit");
   ViewData data = opened(folder_ / "map.adit");

@@ -17,6 +17,8 @@
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/support/version.hpp"
+#include "adit/tools/viewer/view_plots.hpp"
+#include "adit/tools/viewer/view_world.hpp"
 
 namespace adit {
 namespace {
@@ -119,7 +121,9 @@ ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
 }  // namespace
 
 ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
-    : edit_(options.edit), stop_(options.stop) {
+    : folder_(fs::is_directory(options.what) ? options.what : fs::path()),
+      edit_(options.edit),
+      stop_(options.stop) {
   const ViewFiles files = files_of(options.what);
   title_ = options.what.filename().empty() ? options.what.parent_path().filename().string()
                                            : options.what.filename().string();
@@ -176,7 +180,8 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
   });
   bar.finish();
   make_tiles(maker, progress);
-  make_scene(false, keyframes);
+  make_scene(false, keyframes, progress);
+  earth_ = map.georeference();
   graph_ = text_of(graph_of(map, span_));
 }
 
@@ -213,7 +218,7 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
                    std::isfinite(share) ? std::clamp(255.0F * share, 0.0F, 255.0F) : 0.0F)});
   }
   make_tiles(maker, progress);
-  make_scene(brightest > 0.0F, {});
+  make_scene(brightest > 0.0F, {}, progress);
   graph_ = text_of(no_graph());
 }
 
@@ -234,7 +239,8 @@ void ViewData::make_tiles(CloudTilesMaker& maker, std::ostream& progress) {
 }
 
 /// `tiled`: where keyframes were when their points came into tiles.
-void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled) {
+void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled,
+                          std::ostream& progress) {
   ordered_json parents = ordered_json::array();
   ordered_json octants = ordered_json::array();
   ordered_json counts = ordered_json::array();
@@ -243,6 +249,7 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
     octants.push_back(tile.octant);
     counts.push_back(tile.points);
   }
+  const ordered_json plots = folder_.empty() ? ordered_json() : plots_of(folder_, span_, progress);
   const CloudCube& cube = tiles_.cube();
   scene_ = text_of({{"type", "scene"},
                     {"program", std::string(kGenerator)},
@@ -259,7 +266,9 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
                       {"cells", kTileCells}}},
                     {"tiles", {{"parent", parents}, {"octant", octants}, {"points", counts}}},
                     {"tiled_poses", poses_of(tiled)},
-                    {"sweeps", json_of(sweeps_, span_)}});
+                    {"sweeps", json_of(sweeps_, span_)},
+                    {"map", map_.string()},
+                    {"plots", plots}});
 }
 
 std::string ViewData::tile(uint32_t number) const {
@@ -269,12 +278,18 @@ std::string ViewData::tile(uint32_t number) const {
   return tile_message(number, tiles_.read(number));
 }
 
+std::string ViewData::place(const Eigen::Vector3d& p_map) const {
+  return place_answer(earth_, p_map);
+}
+
 LoopChange ViewData::change(int64_t loop, LoopAction action) {
   if (!edit_) {
     throw UsageError("this view does not edit: start it with `adit view MAP --edit`.");
   }
   const LoopChange changed = change_loop(map_, loop, action);
-  graph_ = text_of(graph_of(MapDatabase(map_, MapAccess::read), span_));
+  const MapDatabase map(map_, MapAccess::read);
+  graph_ = text_of(graph_of(map, span_));
+  earth_ = map.georeference();
   return changed;
 }
 

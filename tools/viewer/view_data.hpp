@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ class ViewData {
   /// As tile_message() has it; empty where there is no such tile. Throws OutputError.
   std::string tile(uint32_t number) const;
 
+  /// The answer to the question of where a place of the map's frame is (view_world.hpp).
+  std::string place(const Eigen::Vector3d& p_map) const;
+
   /// Changes the map, and graph() with it. Throws what change_loop() does, UsageError where the
   /// view may not edit.
   LoopChange change(int64_t loop, LoopAction action);
@@ -58,10 +62,13 @@ class ViewData {
   void read_map(const std::filesystem::path& file, std::ostream& progress);
   void read_cloud(const std::filesystem::path& file, std::ostream& progress);
   void make_tiles(CloudTilesMaker& maker, std::ostream& progress);
-  void make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled);
+  void make_scene(bool has_intensity, const std::vector<MapKeyframe>& tiled,
+                  std::ostream& progress);
 
   std::string title_;
+  std::filesystem::path folder_;  ///< of a run; empty: what is shown is a file
   std::filesystem::path map_;
+  std::optional<Georeference> earth_;
   bool edit_ = false;
   std::function<bool()> stop_;
   std::size_t keyframes_ = 0;

@@ -10,6 +10,7 @@
 
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/maps/odometry_chain.hpp"
+#include "adit/tools/viewer/view_world.hpp"
 
 namespace adit {
 namespace {
@@ -151,7 +152,8 @@ ordered_json no_graph() {
             {"covariance", none}}},
           {"edges", none},
           {"loops", none},
-          {"fixes", none}};
+          {"fixes", none},
+          {"world", nullptr}};
 }
 
 ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
@@ -187,7 +189,8 @@ ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
             {"covariance", covariances}}},
           {"edges", edges},
           {"loops", loops},
-          {"fixes", fixes_of(map, span, positions)}};
+          {"fixes", fixes_of(map, span, positions)},
+          {"world", world_of(map.georeference())}};
 }
 
 ordered_json json_of(const std::vector<ViewSweep>& sweeps, const ViewSpan& span) {

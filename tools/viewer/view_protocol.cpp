@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/viewer/view_protocol.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -11,6 +12,7 @@
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
+#include "adit/tools/viewer/view_world.hpp"
 
 namespace adit {
 namespace {
@@ -38,9 +40,18 @@ bool is_tile_number(const ordered_json& number) {
          number.get<uint64_t>() <= std::numeric_limits<uint32_t>::max();
 }
 
-using Change = std::function<ViewAnswer(int64_t loop, LoopAction action)>;
+/// What a view does beside sending tiles.
+struct Doings {
+  std::function<ViewAnswer(int64_t loop, LoopAction action)> change;
+  std::function<std::string(const Eigen::Vector3d& p_map)> place;
+};
 
-ViewAnswer answer_with(const Change& change, std::string_view message) {
+bool is_place_asked(const ordered_json& value) {
+  return value.is_array() && value.size() == 3 &&
+         std::ranges::all_of(value, [](const ordered_json& one) { return one.is_number(); });
+}
+
+ViewAnswer answer_with(const Doings& doings, std::string_view message) {
   const ViewAnswer no_answer{.understood = false};
   const ordered_json json = ordered_json::parse(message, nullptr, false);
   if (!json.is_object() || json.size() != 1) {
@@ -58,9 +69,13 @@ ViewAnswer answer_with(const Change& change, std::string_view message) {
     }
     return answer;
   }
+  if (what == "place" && is_place_asked(value)) {
+    return {.reply = doings.place(
+                {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()})};
+  }
   if ((what == "revoke" || what == "restore") && value.is_number_integer()) {
-    return change(value.get<int64_t>(),
-                  what == "revoke" ? LoopAction::revoke : LoopAction::restore);
+    return doings.change(value.get<int64_t>(),
+                         what == "revoke" ? LoopAction::revoke : LoopAction::restore);
   }
   return no_answer;
 }
@@ -68,17 +83,18 @@ ViewAnswer answer_with(const Change& change, std::string_view message) {
 }  // namespace
 
 ViewAnswer answer_to(ViewData& data, std::string_view message) {
-  return answer_with([&](int64_t loop, LoopAction action) { return changed(data, loop, action); },
-                     message);
+  return answer_with(
+      {.change = [&](int64_t loop, LoopAction action) { return changed(data, loop, action); },
+       .place = [&](const Eigen::Vector3d& p_map) { return data.place(p_map); }},
+      message);
 }
 
 ViewAnswer answer_while_running(std::string_view message) {
+  const std::string refusal =
+      "A run goes on with this map: loops can be edited once it has ended, by `adit view --edit`.";
   return answer_with(
-      [](int64_t, LoopAction) {
-        return ViewAnswer{.reply = told("A run goes on with this map: loops can be edited once it "
-                                        "has ended, by `adit view --edit`.",
-                                        true)};
-      },
+      {.change = [&](int64_t, LoopAction) { return ViewAnswer{.reply = told(refusal, true)}; },
+       .place = [](const Eigen::Vector3d& p_map) { return place_answer(std::nullopt, p_map); }},
       message);
 }
 

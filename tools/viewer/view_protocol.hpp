@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a page may ask, as JSON: {"tiles": [3, 17]}, {"revoke": 5} or {"restore": 5}.
+// What a page may ask, as JSON: {"tiles": [3, 17]}, {"place": [1.5, 2, 0]}, {"revoke": 5} or
+// {"restore": 5}.
 #pragma once
 
 #include <string_view>

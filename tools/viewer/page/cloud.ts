@@ -86,6 +86,10 @@ export class Cloud implements ShownCloud {
     this.look.setCorrections(this.rows);
   }
 
+  showOnly(keyframe: number): void {
+    this.look.set('only', keyframe < 0 ? -1 : Math.floor(keyframe / this.look.get<number>('keyframeScale') + 1e-6));
+  }
+
   get heights(): [number, number] {
     const { x, y } = this.look.get<Vector2>('heights');
     return [x + this.origin.z, y + this.origin.z];

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // How points are drawn: where their keyframe is now, by which of their facts they are coloured, and which are hidden.
-import { DataTexture, FloatType, GLSL3, RawShaderMaterial, RGBAFormat, Vector2, Vector3 } from 'three';
+import { DataTexture, FloatType, GLSL3, RawShaderMaterial, RedFormat, RGBAFormat, Vector2, Vector3 } from 'three';
 import { colour, rampTexture, SERIES } from './palette';
 
-export const COLOURS = ['height', 'intensity', 'time', 'keyframe'] as const;
+export const COLOURS = ['height', 'intensity', 'time', 'keyframe', 'session', 'moving'] as const;
 export type ColourBy = (typeof COLOURS)[number];
 
 const VERTEX = `
@@ -18,6 +18,7 @@ uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
 uniform sampler2D corrections;
 uniform bool corrected;
 uniform float keyframeScale;
+uniform sampler2D sessions;
 uniform sampler2D ramp;
 uniform int colourBy;
 uniform vec2 heights;
@@ -26,10 +27,15 @@ uniform float size, closeSize, mostSize;
 uniform vec3 boxLow, boxHigh;
 uniform float until;
 uniform bool hideMoving;
+uniform float only;
 out vec3 shade;
 
+int position(float keyframe) {
+  return int(keyframe * keyframeScale + 0.5);
+}
+
 vec3 moved(vec3 p, float keyframe) {
-  int at = 3 * int(keyframe * keyframeScale + 0.5);
+  int at = 3 * position(keyframe);
   int width = textureSize(corrections, 0).x;
   vec4 q = vec4(p, 1.0);
   vec3 result;
@@ -46,11 +52,17 @@ void main() {
   gl_PointSize = clamp(closeSize / gl_Position.w, size, mostSize);
   float intensity = mod(facts.z, 256.0);
   bool moving = facts.z >= 256.0;
-  if (any(lessThan(p, boxLow)) || any(greaterThan(p, boxHigh)) || facts.x > until || (hideMoving && moving)) {
+  bool other = only >= 0.0 && facts.y != only;
+  if (any(lessThan(p, boxLow)) || any(greaterThan(p, boxHigh)) || facts.x > until || (hideMoving && moving) || other) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   }
   if (colourBy == 3) {
     shade = series[int(mod(facts.y, ${SERIES.length}.0))];
+  } else if (colourBy == 4) {
+    int at = position(facts.y), width = textureSize(sessions, 0).x;
+    shade = series[int(255.0 * texelFetch(sessions, ivec2(at % width, at / width), 0).r + 0.5)];
+  } else if (colourBy == 5) {
+    shade = series[moving ? 1 : 0];
   } else {
     float share = colourBy == 0 ? (p.z - heights.x) / (heights.y - heights.x)
         : colourBy == 1 ? intensity / 255.0 : facts.x / 65535.0;
@@ -75,11 +87,11 @@ export class CloudMaterial {
     glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT,
     uniforms: {
       corrections: { value: noCorrections() }, corrected: { value: false }, keyframeScale: { value: 1 },
-      ramp: { value: rampTexture() }, colourBy: { value: 0 }, heights: { value: new Vector2(0, 1) },
+      sessions: { value: indices(new Uint8Array(1)) }, ramp: { value: rampTexture() }, colourBy: { value: 0 }, heights: { value: new Vector2(0, 1) },
       series: { value: SERIES.map((hex) => { const c = colour(hex); return new Vector3(c.r, c.g, c.b); }) },
       size: { value: 2 }, closeSize: { value: 0 }, mostSize: { value: 24 }, round: { value: false },
       boxLow: { value: new Vector3().setScalar(-FAR) }, boxHigh: { value: new Vector3().setScalar(FAR) },
-      until: { value: 65536 }, hideMoving: { value: false },
+      until: { value: 65536 }, hideMoving: { value: false }, only: { value: -1 },
     },
   });
 
@@ -96,6 +108,12 @@ export class CloudMaterial {
     this.get<Vector3>('boxHigh').copy(high ?? new Vector3().setScalar(FAR));
   }
 
+  /** The number of each keyframe's session. */
+  setSessions(numbers: number[]): void {
+    this.get<DataTexture>('sessions').dispose();
+    this.set('sessions', indices(Uint8Array.from(numbers, (number) => number % SERIES.length)));
+  }
+
   /** Three rows of a 3x4 matrix for each keyframe: from where its points were tiled to where it is now. */
   setCorrections(rows: Float32Array | null): void {
     this.set('corrected', rows !== null);
@@ -110,6 +128,17 @@ export class CloudMaterial {
     texture.needsUpdate = true;
     this.set('corrections', texture);
   }
+}
+
+/** A number a texel, row by row. */
+function indices(numbers: Uint8Array): DataTexture {
+  const width = Math.min(Math.max(1, numbers.length), 2048), height = Math.max(1, Math.ceil(numbers.length / width));
+  const padded = new Uint8Array(width * height);
+  padded.set(numbers);
+  const texture = new DataTexture(padded, width, height, RedFormat);
+  texture.unpackAlignment = 1;
+  texture.needsUpdate = true;
+  return texture;
 }
 
 function noCorrections(): DataTexture {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The line to the server, which finds back by itself when the server was away.
-import { tilePoints, type Graph, type Live, type Scene, type TilePoints, type Told } from './protocol';
+import { tilePoints, type Graph, type Live, type Place, type Scene, type TilePoints, type Told } from './protocol';
 
 export interface Listener {
   scene(scene: Scene): void;
@@ -12,6 +12,7 @@ export interface Listener {
   live(live: Live): void;
   told(told: Told): void;
   tile(tile: TilePoints): void;
+  place(place: Place): void;
   lost(): void;
 }
 
@@ -54,7 +55,7 @@ export class Connection {
       this.listener.tile(tilePoints(data));
       return;
     }
-    const message = JSON.parse(data) as Scene | Graph | Live | Told;
+    const message = JSON.parse(data) as Scene | Graph | Live | Place | Told;
     if (message.type === 'scene') {
       this.wait = FIRST_WAIT;
       if (data === this.scene) this.listener.back();
@@ -62,6 +63,7 @@ export class Connection {
       this.scene = data;
     } else if (message.type === 'graph') this.listener.graph(message);
     else if (message.type === 'live') this.listener.live(message);
+    else if (message.type === 'place') this.listener.place(message);
     else this.listener.told(message);
   }
 }

@@ -10,16 +10,18 @@ export function element<T extends HTMLElement>(id: string): T {
 export const input = (id: string): HTMLInputElement => element<HTMLInputElement>(id);
 export const select = (id: string): HTMLSelectElement => element<HTMLSelectElement>(id);
 
+export function swatch(hex: string): HTMLElement {
+  const mark = document.createElement('i');
+  mark.style.background = hex;
+  return mark;
+}
+
 export function labelled(kind: string, text: string, mark?: string): { label: HTMLLabelElement; box: HTMLInputElement } {
   const label = document.createElement('label');
   const box = document.createElement('input');
   box.type = kind;
   label.append(box, ' ');
-  if (mark) {
-    const swatch = document.createElement('i');
-    swatch.style.background = mark;
-    label.append(swatch);
-  }
+  if (mark) label.append(swatch(mark));
   label.append(text);
   return { label, box };
 }

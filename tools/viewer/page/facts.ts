@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is told of what was clicked.
+import { Vector3 } from 'three';
 import { clock, element, metres, plain } from './elements';
 import type { Found } from './graph_layer';
 import { POSE, type Graph, type Loop, type Scene } from './protocol';
@@ -29,6 +30,12 @@ export function showFacts(facts: Facts | null): void {
     button.onclick = facts.act.run;
     element('acts').append(button);
   }
+}
+
+/** In the map's frame; null: it is at two places. */
+export function placeOf(found: Found, graph: Graph): Vector3 | null {
+  if (found.kind === 'fix') return new Vector3(...found.fix.p);
+  return found.kind === 'keyframe' ? new Vector3(...graph.keyframes.pose.slice(POSE * found.at, POSE * found.at + 3)) : null;
 }
 
 export type Change = (what: 'revoke' | 'restore', loop: Loop) => void;

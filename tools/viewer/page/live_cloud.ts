@@ -104,6 +104,8 @@ export class LiveCloud implements ShownCloud {
 
   correct(_poses: Poses): void {}  // the server says where points of keyframes are
 
+  showOnly(_keyframe: number): void {}  // which keyframe a point is of is told once the run has ended
+
   get heights(): [number, number] {
     const { x, y } = this.look.get<Vector2>('heights');
     return [x + this.origin.z, y + this.origin.z];

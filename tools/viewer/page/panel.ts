@@ -3,9 +3,10 @@
 //
 // The controls of the view, tied to its state.
 import type { ColourBy } from './cloud_material';
-import { element, input, labelled, select } from './elements';
+import { element, input, labelled, select, swatch } from './elements';
 import { LAYERS, type Layer } from './graph_layer';
-import { RAMP, theme } from './palette';
+import { RAMP, SERIES, theme } from './palette';
+import type { Legend } from './picture';
 import type { Graph, Scene } from './protocol';
 import type { ViewState } from './view_state';
 
@@ -17,12 +18,28 @@ export interface Actions {
   measure(): void;
   play(): void;
   close(): void;
+  picture(): void;
+  export(): void;
 }
 
 const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes',
   edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
 
+/** Each one once, in the order of keyframes. */
+export function sessionsOf(graph: Graph): number[] {
+  return [...new Set(graph.keyframes.session)];
+}
+
+/** Sessions that share a colour stand together. */
+export function sessionKey(graph: Graph): [string, string][] {
+  const sessions = sessionsOf(graph);
+  return SERIES.slice(0, sessions.length).map((hex, i) =>
+      [sessions.filter((_, at) => at % SERIES.length === i).join(', '), hex]);
+}
+
 export class Panel {
+  private ramp: { least: string; most: string } | null = null;
+  private key: [string, string][] = [];
   private readonly boxes = new Map<Layer, HTMLInputElement>();
   private offered = '';
 
@@ -35,10 +52,10 @@ export class Panel {
     on('moving', 'change', () => { state.moving = input('moving').checked; });
     on('grow', 'change', () => { state.grow = input('grow').checked; });
     select('budget').addEventListener('change', () => actions.changed());
-    for (const name of ['reset', 'above', 'fly', 'measure', 'close'] as const) {
+    for (const name of ['reset', 'above', 'fly', 'measure', 'close', 'picture', 'export'] as const) {
       element(name).addEventListener('click', () => actions[name]());
     }
-    addEventListener('keydown', (event) => this.key(event));
+    addEventListener('keydown', (event) => this.pressedKey(event));
     if (innerWidth <= 640) element<HTMLDetailsElement>('panel').open = false;
     select('budget').value = innerWidth <= 640 || matchMedia('(pointer: coarse)').matches ? '1000000' : '3000000';
   }
@@ -62,10 +79,13 @@ export class Panel {
       ellipses: !!graph?.keyframes.covariance.some((v) => v > 0),
       fixes: !!graph?.fixes.length,
     };
+    element('export').hidden = !scene.map;
     const options = [...select('colour').options];
     options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
-    options.find((one) => one.value === 'keyframe')!.disabled = !graph?.keyframes.id.length || !!scene.live;
+    const hasKeyframes = !!graph?.keyframes.id.length && !scene.live;
+    for (const by of ['keyframe', 'moving']) options.find((one) => one.value === by)!.disabled = !hasKeyframes;
+    options.find((one) => one.value === 'session')!.disabled = !hasKeyframes || sessionsOf(graph).length < 2;
     const offered = [theme().dark, ...LAYERS.filter((layer) => has[layer])].join();
     if (offered !== this.offered) this.offerLayers(has);  // else a box that is being clicked stays where it is
     this.offered = offered;
@@ -96,7 +116,19 @@ export class Panel {
     for (const [layer, box] of this.boxes) box.checked = this.state.layers.includes(layer);
   }
 
-  legend(least: string, most: string, ramp: boolean): void {
+  /** What colours mean, of all that is shown. */
+  legendOf(title: string): Legend {
+    const shown = [...this.boxes].filter(([, box]) => box.checked);
+    const key = this.key.map(([name, hex]): [string, string] => [this.state.colour === 'session' ? `session ${name}` : name, hex]);
+    return { title, ramp: this.ramp && { name: this.state.colour, ...this.ramp },
+      swatches: [...key, ...shown.map(([layer]): [string, string] => [NAMES[layer], this.markOf(layer)])] };
+  }
+
+  /** `key`: what colours mean that are no ramp. */
+  legend(least: string, most: string, ramp: boolean, key: [string, string][] = []): void {
+    this.ramp = ramp ? { least, most } : null;
+    this.key = key;
+    element('key').replaceChildren(...key.flatMap(([name, hex]) => [swatch(hex), `${name} `]));
     element('scale').hidden = !ramp;
     element('least').textContent = least;
     element('most').textContent = most;
@@ -114,12 +146,12 @@ export class Panel {
       ellipses: keyframe, fixes: verdicts.used }[layer];
   }
 
-  private key(event: KeyboardEvent): void {
+  private pressedKey(event: KeyboardEvent): void {
     const at = event.target;
     const typing = at instanceof HTMLInputElement || at instanceof HTMLSelectElement;
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const run: Record<string, () => void> = { KeyR: () => this.actions.reset(), KeyT: () => this.actions.above(),
-      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), Escape: () => this.actions.close() };
+      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), KeyP: () => this.actions.picture(), KeyX: () => this.actions.export(), Escape: () => this.actions.close() };
     if (event.code === 'Space' && !(at instanceof HTMLButtonElement)) {
       event.preventDefault();
       this.actions.play();

@@ -9,6 +9,21 @@ export const POSE = 7;
 
 export interface Cube { low: [number, number, number]; edge: number; cells: number; }
 
+/** Over equal times from second 0 to the last; null: nothing is known. */
+export interface PlotCurve {
+  name: string;
+  title: string;
+  unit: string;
+  logarithmic: boolean;
+  least: (number | null)[];
+  most: (number | null)[];
+}
+
+export interface Plots {
+  curves: PlotCurve[];
+  stretches: { state: string; begin: number; end: number; text: string }[];  // s; "doubtful" or "lost"
+}
+
 export interface Scene {
   type: 'scene';
   live?: boolean;            // of a run that goes on: what there is comes with Live
@@ -24,6 +39,8 @@ export interface Scene {
   tiles: { parent: number[]; octant: number[]; points: number[] };
   tiled_poses: Poses;        // of keyframes, when their points came into tiles
   sweeps: { time: number[]; keyframe: number[]; pose: Poses };  // in keyframe axes; keyframe -1: in the map's
+  map: string;               // its path as the program was given it; empty: a cloud
+  plots: Plots | null;       // of a run's folder
 }
 
 export interface Loop {
@@ -57,6 +74,8 @@ export interface Graph {
   edges: [number, number, string, string][];  // from, to, kind, status
   loops: Loop[];
   fixes: Fix[];
+  /** True north at the map's origin, in the map's axes; null where the map has no place on the Earth. */
+  world: { north: number[]; coordinates: string } | null;
 }
 
 /** Points that are asked for by number: a cube about a sensor each, and the sensor's pose in the map. */
@@ -73,6 +92,16 @@ export interface Live {
   newest?: PlacedClouds;     // the newest sweep, none before the first
   clouds?: PlacedClouds;     // of keyframes, all that there are; none: as before
 }
+
+export interface PlaceOnEarth {
+  latitude: number;          // degrees
+  longitude: number;
+  altitude: number;          // m above the ellipsoid
+  utm: { zone: string; easting: number; northing: number } | null;  // m
+}
+
+/** The answer to { place: [x, y, z] }, in the map's frame. */
+export interface Place { type: 'place'; p: number[]; world: PlaceOnEarth | null; }
 
 export interface Told { type: 'told'; problem: boolean; text: string; }
 

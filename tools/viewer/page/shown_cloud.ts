@@ -35,6 +35,8 @@ export interface ShownCloud {
   askAgain(): void;
   /** Keyframes are elsewhere than when their points were tiled. */
   correct(poses: Poses): void;
+  /** The points of one keyframe alone, by its position; below 0: of all. */
+  showOnly(keyframe: number): void;
   /** The point nearest to the eye among those within some pixels of a place on the screen. */
   find(camera: PerspectiveCamera, width: number, height: number, x: number, y: number, within: number): FoundPoint | null;
   dispose(): void;
@@ -65,11 +67,12 @@ export function nearestPoint(parts: Iterable<Part>, look: CloudMaterial, aim: Ai
   const e = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements;
   const low = look.get<Vector3>('boxLow'), high = look.get<Vector3>('boxHigh');
   const until = look.get<number>('until'), hideMoving = look.get<boolean>('hideMoving');
+  const only = look.get<number>('only');
   const p = new Vector3();
   let best: FoundPoint | null = null, least = Infinity;
   for (const { values, count, matrix } of parts) {
     for (let i = 0; i < POINT * count; i += POINT) {
-      if (values[i + 3] > until || (hideMoving && values[i + 5] > 255)) continue;
+      if (values[i + 3] > until || (hideMoving && values[i + 5] > 255) || (only >= 0 && values[i + 4] !== only)) continue;
       p.set(values[i] + 0.5, values[i + 1] + 0.5, values[i + 2] + 0.5).applyMatrix4(matrix);
       moved(p, values[i + 4]);
       const w = e[3] * p.x + e[7] * p.y + e[11] * p.z + e[15];

@@ -9,20 +9,26 @@ import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
 import { Controls } from './controls';
 import { clock, element, many, notice } from './elements';
-import { factsOf, pointFacts, showFacts } from './facts';
+import { copied, exportCommand } from './export_command';
+import { factsOf, placeOf, pointFacts, showFacts, type Facts } from './facts';
 import { GraphLayer, LAYERS, type Found } from './graph_layer';
 import { LiveCloud } from './live_cloud';
+import { Marks } from './marks';
 import { Measure } from './measure';
 import { Painter, type Frame } from './painter';
-import { prefersDark } from './palette';
-import { Panel, type Actions } from './panel';
-import { POSE, type Graph, type Live, type Loop, type Scene, type TilePoints, type Told } from './protocol';
-import type { ShownCloud } from './shown_cloud';
+import { prefersDark, SERIES } from './palette';
+import { Panel, sessionKey, sessionsOf, type Actions } from './panel';
+import { composed, save } from './picture';
+import { Places, UnderMouse, worldRows } from './places';
+import { Plots } from './plots';
+import { POSE, type Graph, type Live, type Loop, type Place, type Scene, type TilePoints, type Told } from './protocol';
+import type { FoundPoint, ShownCloud } from './shown_cloud';
 import { TimeLine } from './time_line';
 import { fromHash, toHash, type ViewState } from './view_state';
 
 const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
 const WITHIN = 12;          // pixels, of a click from what it means
+const NEAR = 5;             // pixels, of the mouse from the point that it is told of
 const APART = 1.3;          // pixels between points, of tiles that are fine enough
 const REMEMBERED = 300;     // ms, then the link has the state
 
@@ -34,16 +40,23 @@ export class View implements Listener, Actions {
   readonly panel = new Panel(this.state, this);
   readonly box = new ClipBox(() => { this.state.box = this.box.value; this.changed(); });
   readonly timeLine = new TimeLine(() => { this.state.time = this.timeLine.now; this.changed(); });
+  readonly plots = new Plots(this.state.plots, (seconds) => this.timeLine.go(seconds), (shown) => {
+    this.state.plots = shown;
+    this.remember();
+  });
   sceneShown: Scene | null = null;
   graphShown: Graph | null = null;
   cloud: ShownCloud | null = null;
   /** Of a run that goes on, what was said of it last. */
   liveShown: Live | null = null;
   layer: GraphLayer | null = null;
+  readonly marks = new Marks();
+  readonly places = new Places((message) => this.connection.send(message));
   private readonly measured = new Measure();
   private readonly sensor = new AxesHelper(1);
   private readonly connection: Connection;
   private chosen: Found | null = null;
+  private facts: Facts | null = null;
   private measuring = false;
   private timer = 0;
   private written = location.hash;  // the link as it was last seen or written
@@ -52,6 +65,11 @@ export class View implements Listener, Actions {
     this.sensor.matrixAutoUpdate = false;
     this.sensor.frustumCulled = false;
     this.painter.over.add(this.measured.group, this.sensor);
+    new UnderMouse(this.canvas, (x, y) => this.pointAt(x, y, NEAR)?.p ?? null, (p, then) => {
+      if (this.graphShown?.world) this.places.ask(p, then);
+    });
+    new ResizeObserver(([footer]) => document.body.style.setProperty('--foot', `${(footer.target as HTMLElement).offsetHeight}px`))
+        .observe(document.querySelector('footer')!);
     addEventListener('resize', () => this.painter.draw());
     addEventListener('hashchange', () => this.restore());
     prefersDark.addEventListener('change', () => this.repaint());
@@ -77,6 +95,7 @@ export class View implements Listener, Actions {
     this.layer = new GraphLayer(scene, this.cloud.origin);
     this.painter.over.add(this.layer.group);
     this.timeLine.set(scene.seconds, this.state.time);
+    this.plots.set(scene.plots ?? null, scene.seconds);
     const { low, edge } = scene.cube;
     this.box.set([...low, ...low.map((v) => v + edge)], this.state.box);
     if (another) this.restoreEye();
@@ -85,14 +104,20 @@ export class View implements Listener, Actions {
 
   graph(graph: Graph): void {
     this.graphShown = graph;
+    this.marks.north = graph.world?.north ?? null;
     this.layer?.set(graph);
     this.cloud?.correct(graph.keyframes.pose);
+    const sessions = sessionsOf(graph);
+    this.cloud?.look.setSessions(graph.keyframes.session.map((session) => sessions.indexOf(session)));
     this.panel.offer(this.sceneShown!, graph);
     // What is told of is told anew, as it is now.
     if (this.chosen?.kind === 'loop') {
       const id = this.chosen.loop.id;
       const loop = graph.loops.find((one) => one.id === id);
       this.choose(loop ? { kind: 'loop', loop } : null);
+    } else if (!this.chosen && this.state.only !== null) {  // by the link
+      const at = graph.keyframes.id.indexOf(this.state.only);
+      if (at >= 0) this.choose({ kind: 'keyframe', at });
     } else this.layer?.mark(this.chosen);
     this.apply();
     this.painter.draw();
@@ -124,6 +149,10 @@ export class View implements Listener, Actions {
     this.painter.motion();
   }
 
+  place(place: Place): void {
+    this.places.take(place);
+  }
+
   told(told: Told): void {
     notice(told.text, told.problem);
   }
@@ -133,6 +162,7 @@ export class View implements Listener, Actions {
   }
 
   back(): void {
+    this.places.forget();
     this.cloud?.askAgain();
     this.painter.draw();
   }
@@ -160,7 +190,7 @@ export class View implements Listener, Actions {
     this.measuring = !this.measuring;
     this.panel.pressed('measure', this.measuring);
     this.measured.clear();
-    showFacts(this.measuring ? { title: 'measure', rows: [['from', 'click a point']] } : null);
+    this.tell(this.measuring ? { title: 'measure', rows: [['from', 'click a point']] } : null);
     this.painter.draw();
   }
 
@@ -168,8 +198,28 @@ export class View implements Listener, Actions {
     this.timeLine.toggle();
   }
 
+  picture(): void {
+    const { cloud, sceneShown, marks, canvas } = this;
+    if (!cloud || !sceneShown || !marks.shown) return;
+    this.painter.paint(cloud, this.state.shading);
+    save(composed(canvas, marks.shown, this.panel.legendOf(sceneShown.title)), `${sceneShown.title}.png`);
+  }
+
+  export(): void {
+    if (!this.sceneShown?.map) return;
+    const command = exportCommand(this.sceneShown, this.state, this.timeLine.now);
+    this.choose(null);
+    const facts: Facts = { title: 'export', rows: [['command', command]], act: { text: 'copy', run: async () => {
+      const done = await copied(command, document.querySelector('#facts dd')!);
+      notice(done ? 'The command is copied.' : 'Copy what is selected.');
+    } } };
+    if (this.state.box) facts.rows.push(['box', 'crops by x and y; all heights are exported']);
+    this.tell(facts);
+  }
+
   close(): void {
     if (this.measuring) this.measure();
+    if (this.state.only !== null) this.only(this.state.only);
     this.choose(null);
     this.painter.draw();
   }
@@ -183,9 +233,40 @@ export class View implements Listener, Actions {
   choose(found: Found | null): void {
     this.chosen = found;
     this.layer?.mark(found);
-    showFacts(found && this.graphShown && this.sceneShown
-      ? factsOf(found, this.graphShown, this.sceneShown, (what, loop) => this.change(what, loop)) : null);
+    this.tell(found && this.graphShown && this.sceneShown
+      ? this.factsOf(found, this.graphShown, this.sceneShown) : null,
+      found && this.graphShown && placeOf(found, this.graphShown));
     this.painter.draw();
+  }
+
+  /** Where the place of what is told of is on the Earth, follows. */
+  private tell(facts: Facts | null, p: Vector3 | null = null): void {
+    this.facts = facts;
+    showFacts(facts);
+    if (!facts || !p || !this.graphShown?.world) return;
+    this.places.ask(p, (world) => {
+      if (this.facts === facts) showFacts({ ...facts, rows: [...facts.rows, ...worldRows(world)] });
+    });
+  }
+
+  private pointAt(x: number, y: number, within: number): FoundPoint | null {
+    return this.cloud?.find(this.painter.camera, this.painter.width, this.painter.height, x, y, within) ?? null;
+  }
+
+  /** The points of a keyframe alone, or those of all again. */
+  private only(id: number): void {
+    this.state.only = this.state.only === id ? null : id;
+    this.choose(this.chosen);
+    this.changed();
+  }
+
+  private factsOf(found: Found, graph: Graph, scene: Scene): Facts {
+    const facts = factsOf(found, graph, scene, (what, loop) => this.change(what, loop));
+    if (found.kind === 'keyframe' && scene.points > 0 && !scene.live) {
+      const id = graph.keyframes.id[found.at];
+      facts.act = { text: this.state.only === id ? 'all points' : 'its points alone', run: () => this.only(id) };
+    }
+    return facts;
   }
 
   private change(what: 'revoke' | 'restore', loop: Loop): void {
@@ -201,12 +282,12 @@ export class View implements Listener, Actions {
       this.choose(found);
       return;
     }
-    const point = this.cloud.find(camera, width, height, x, y, WITHIN);
+    const point = this.pointAt(x, y, WITHIN);
     if (this.measuring) {
-      if (point) showFacts(this.measured.add(point.p, this.cloud.origin));
+      if (point) this.tell(this.measured.add(point.p, this.cloud.origin));
     } else {
       this.choose(null);
-      showFacts(point ? pointFacts(point, this.graphShown, this.sceneShown) : null);
+      this.tell(point && pointFacts(point, this.graphShown, this.sceneShown), point?.p);
     }
     this.painter.draw();
   }
@@ -229,6 +310,7 @@ export class View implements Listener, Actions {
     if (this.sceneShown) this.timeLine.set(this.sceneShown.seconds, this.state.time);
     this.restoreEye();
     this.panel.show();
+    this.plots.show(this.state.plots);
     this.apply();
     this.painter.draw();
   }
@@ -256,11 +338,13 @@ export class View implements Listener, Actions {
     const usable = state.colour === 'intensity' && !this.sceneShown.intensity ? 'height' : state.colour;
     cloud.look.set('colourBy', COLOURS.indexOf(usable));
     cloud.look.set('hideMoving', !state.moving);
+    cloud.showOnly(state.only === null ? -1 : this.graphShown?.keyframes.id.indexOf(state.only) ?? -1);
     const share = this.timeLine.now === null || !state.grow ? 2 : this.timeLine.now / Math.max(this.sceneShown.seconds, 1e-9);
     cloud.look.set('until', 65535 * share + 0.5);
     const box = state.box?.map((v, i) => v - cloud.origin.getComponent(i % 3));
     cloud.look.setBox(box ? new Vector3(box[0], box[1], box[2]) : null, box ? new Vector3(box[3], box[4], box[5]) : null);
     for (const one of LAYERS) layer.show(one, state.layers.includes(one));
+    this.plots.at(this.timeLine.now);
     this.placeSensor();
     this.legend();
   }
@@ -291,6 +375,8 @@ export class View implements Listener, Actions {
     const by = this.state.colour;
     if (by === 'height') this.panel.legend(low.toFixed(1), `${high.toFixed(1)} m`, true);
     else if (by === 'time') this.panel.legend(clock(0), clock(scene.seconds), true);
+    else if (by === 'session' && this.graphShown) this.panel.legend('', '', false, sessionKey(this.graphShown));
+    else if (by === 'moving') this.panel.legend('', '', false, [['stays', SERIES[0]], ['moves', SERIES[1]]]);
     else this.panel.legend('0', '255', by === 'intensity');
   }
 
@@ -317,6 +403,7 @@ export class View implements Listener, Actions {
   }
 
   private repaint(): void {
+    this.plots.draw();
     this.layer?.draw();
     this.layer?.mark(this.chosen);
     if (this.sceneShown) this.panel.offer(this.sceneShown, this.graphShown);
@@ -340,6 +427,7 @@ export class View implements Listener, Actions {
       this.cloud.update(camera, height, APART, this.painter.budget(this.panel.budget));
       this.status();
     }
+    this.marks.draw(this.controls.eye, camera, height);
     this.painter.paint(this.cloud, this.state.shading);
     return keys || plays || this.controls.busy;
   }

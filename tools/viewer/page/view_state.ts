@@ -4,6 +4,7 @@
 // What a link to the view holds, after its '#': whoever opens it sees the same.
 import { COLOURS, type ColourBy } from './cloud_material';
 import { LAYERS, type Layer } from './graph_layer';
+import { PLOTS, type Plot } from './plots';
 
 export interface ViewState {
   /** x, y, z of what is looked at (map frame, m), distance (m), yaw, pitch (rad); null: the whole map. */
@@ -16,10 +17,12 @@ export interface ViewState {
   box: number[] | null;     // x, y, z from, x, y, z to: map frame, m
   time: number | null;      // s
   grow: boolean;
+  plots: Plot[];
+  only: number | null;      // id of the keyframe whose points are shown alone
 }
 
 export const BEGIN: ViewState = { eye: null, colour: 'height', size: 2, shading: true, moving: true,
-  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false };
+  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false, plots: ['overlap', 'sigma'], only: null };
 
 export function toHash(state: ViewState): string {
   const parts = new URLSearchParams();
@@ -33,6 +36,8 @@ export function toHash(state: ViewState): string {
   if (state.box) parts.set('box', list(state.box, 2));
   if (state.time !== null) parts.set('time', state.time.toFixed(2));
   if (state.grow) parts.set('grow', '1');
+  if (String(state.plots) !== String(BEGIN.plots)) parts.set('plots', state.plots.join(','));
+  if (state.only !== null) parts.set('only', String(state.only));
   return parts.toString().replaceAll('%2C', ',');
 }
 
@@ -46,7 +51,7 @@ export function fromHash(hash: string): ViewState {
     const value = Number(parts.get(name));
     return parts.get(name) && Number.isFinite(value) ? value : null;
   };
-  const layers = parts.get('layers');
+  const layers = parts.get('layers'), plots = parts.get('plots');
   return {
     eye: list('eye', 6),
     colour: COLOURS.find((one) => one === parts.get('colour')) ?? BEGIN.colour,
@@ -57,5 +62,7 @@ export function fromHash(hash: string): ViewState {
     box: list('box', 6),
     time: number('time'),
     grow: parts.get('grow') === '1',
+    only: number('only'),
+    plots: plots === null ? [...BEGIN.plots] : PLOTS.filter((one) => plots.split(',').includes(one)),
   };
 }

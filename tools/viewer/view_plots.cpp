@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/viewer/view_plots.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "adit/tools/results/sweep_table.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/input_file.hpp"
+
+namespace adit {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A curve, and what it is of a sweep.
+struct PlotCurve {
+  std::string_view name;
+  std::string_view title;
+  std::string_view unit;
+  bool logarithmic = false;
+  std::function<double(const SweepRecord&)> value;
+};
+
+std::array<PlotCurve, 4> plot_curves() {
+  return {{
+      {.name = "overlap",
+       .title = "share of points with a match",
+       .unit = "",
+       .value = [](const SweepRecord& sweep) { return sweep.overlap; }},
+      {.name = "sigma",
+       .title = "1 sigma of the position in the map",
+       .unit = "m",
+       .value =
+           [](const SweepRecord& sweep) {
+             const double trace = sweep.uncertainty.in_map().diagonal().head<3>().sum();
+             return trace > 0.0 ? std::sqrt(trace) : kUnknown;
+           }},
+      {.name = "rms",
+       .title = "distance of matches, rms",
+       .unit = "m",
+       .value = [](const SweepRecord& sweep) { return sweep.residual_rms; }},
+      {.name = "NIS",
+       .title = "innovation, squared and normalised, per degree of freedom",
+       .unit = "",
+       .logarithmic = true,
+       .value =
+           [](const SweepRecord& sweep) {
+             return sweep.innovation_squared / sweep.innovation_degrees;
+           }},
+  }};
+}
+
+/// Four digits: a plot is some dozens of pixels high.
+ordered_json plotted(double value) {
+  return std::isfinite(value) ? ordered_json(std::stod(fmt::format("{:.3e}", value)))
+                              : ordered_json();
+}
+
+ordered_json bins_json(const std::vector<double>& bins) {
+  ordered_json list = ordered_json::array();
+  for (const double value : bins) {
+    list.push_back(plotted(value));
+  }
+  return list;
+}
+
+ordered_json curve_json(const PlotCurve& curve, const std::vector<SweepRecord>& sweeps,
+                        const ViewSpan& span, std::size_t bins) {
+  std::vector<double> least(bins, kUnknown);
+  std::vector<double> most(bins, kUnknown);
+  const double all = span.seconds_of(span.last);
+  bool any = false;
+  for (const SweepRecord& sweep : sweeps) {
+    const double value = curve.value(sweep);
+    const double share = span.seconds_of(sweep.stamp) / all;
+    if (!std::isfinite(value) || !(share >= 0.0 && share <= 1.0)) {
+      continue;
+    }
+    const std::size_t at =
+        std::min(bins - 1, static_cast<std::size_t>(share * static_cast<double>(bins)));
+    least[at] = std::fmin(least[at], value);
+    most[at] = std::fmax(most[at], value);
+    any = true;
+  }
+  return any ? ordered_json({{"name", curve.name},
+                             {"title", curve.title},
+                             {"unit", curve.unit},
+                             {"logarithmic", curve.logarithmic},
+                             {"least", bins_json(least)},
+                             {"most", bins_json(most)}})
+             : ordered_json();
+}
+
+/// Of a run that has ended; times of a summary count from its first sweep.
+ordered_json stretches_json(const std::filesystem::path& summary, const ViewSpan& span,
+                            Nanoseconds first) {
+  ordered_json list = ordered_json::array();
+  const ordered_json json = std::filesystem::exists(summary)
+                                ? ordered_json::parse(read_text_file(summary), nullptr, false)
+                                : ordered_json();
+  const ordered_json::json_pointer at("/verdict/stretches");
+  if (!json.is_object() || !json.contains(at) || !json[at].is_array()) {
+    return list;
+  }
+  const double offset = span.seconds_of(first);
+  for (const ordered_json& stretch : json[at]) {
+    const auto number = [&](const char* key) {
+      return stretch.contains(key) && stretch[key].is_number();
+    };
+    const auto word = [&](const char* key) {
+      return stretch.contains(key) && stretch[key].is_string();
+    };
+    if (number("begin_s") && number("end_s") && word("state") && word("text")) {
+      list.push_back({{"state", stretch["state"]},
+                      {"begin", stretch["begin_s"].get<double>() + offset},
+                      {"end", stretch["end_s"].get<double>() + offset},
+                      {"text", stretch["text"]}});
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+ordered_json plots_of(const std::filesystem::path& folder, const ViewSpan& span,
+                      std::ostream& progress) {
+  const std::filesystem::path table = folder / "sweeps.csv";
+  if (!std::filesystem::exists(table) || !(span.last > span.first)) {
+    return nullptr;
+  }
+  try {
+    const std::vector<SweepRecord> sweeps = read_sweep_table(table);
+    if (sweeps.empty()) {
+      return nullptr;
+    }
+    const std::size_t bins = std::min(kMostPlotBins, sweeps.size());
+    ordered_json curves = ordered_json::array();
+    for (const PlotCurve& curve : plot_curves()) {
+      ordered_json json = curve_json(curve, sweeps, span, bins);
+      if (!json.is_null()) {
+        curves.push_back(std::move(json));
+      }
+    }
+    return {{"curves", std::move(curves)},
+            {"stretches", stretches_json(folder / "summary.json", span, sweeps.front().stamp)}};
+  } catch (const FileError& error) {
+    progress << "note: there are no plots: " << error.what() << "\n";
+    return nullptr;
+  }
+}
+
+}  // namespace adit
