@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/fusion/inertial_report.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace adit {
 
 std::string_view to_string(InertialState state) {
@@ -18,6 +22,12 @@ std::string_view to_string(InertialState state) {
       return "refused";
   }
   return "unknown";
+}
+
+double gravity_sigma(const InertialReport& report) {
+  return report.nav ? std::sqrt(std::max(
+                          0.0, report.nav_covariance.diagonal().segment<2>(kGravityAt).maxCoeff()))
+                    : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace adit

@@ -48,4 +48,8 @@ struct InertialReport {
   std::optional<RotationComparison> comparison;
 };
 
+/// Standard deviation of gravity's direction in the map, rad, the greater of two; infinite where
+/// the sweep was not fused.
+double gravity_sigma(const InertialReport& report);
+
 }  // namespace adit

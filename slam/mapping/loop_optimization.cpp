@@ -3,6 +3,7 @@
 #include "adit/slam/mapping/loop_optimization.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -44,23 +45,42 @@ double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
   return chi2.empty() ? 0.0 : median(std::move(chi2));
 }
 
+using OnStep = std::function<bool(const OptimizationStep&)>;
+
+bool is_loop_that_does_not_fit(const PoseGraph& graph, const OptimizedGraph& optimum,
+                               std::size_t i) {
+  const std::optional<EdgeResult>& result = optimum.report.edges[i];
+  return graph.edges()[i].kind == EdgeKind::loop && result && result->chi2 > kLoopReview;
+}
+
 /// With the poses of an optimum, and without the loops that it does not fit.
 PoseGraph fitting_part(PoseGraph graph, const OptimizedGraph& optimum) {
   graph.set_poses(optimum.poses);
   graph.set_T_world_map(optimum.T_world_map);
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-    const std::optional<EdgeResult>& result = optimum.report.edges[i];
-    if (graph.edges()[i].kind == EdgeKind::loop && result && result->chi2 > kLoopReview) {
+    if (is_loop_that_does_not_fit(graph, optimum, i)) {
       graph.set_status(i, EdgeStatus::revoked);
     }
   }
   return graph;
 }
 
+bool most_loops_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
+  std::size_t loops = 0;
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const bool counts = graph.edges()[i].kind == EdgeKind::loop && optimum.report.edges[i];
+    loops += counts ? 1U : 0U;
+    others += is_loop_that_does_not_fit(graph, optimum, i) ? 1U : 0U;
+  }
+  return 2 * others <= loops;
+}
+
 // A scale that is too small leaves part of the drift to the loops, so that edges seem better than
 // they are: hence the rounds.
-double odometry_scale(const PoseGraph& graph) {
-  const OptimizationSettings squared{.convention = ResidualConvention::rotation};
+double odometry_scale(const PoseGraph& graph, const OnStep& on_step) {
+  const OptimizationSettings squared{.convention = ResidualConvention::rotation,
+                                     .on_step = on_step};
   double scale = 1.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const PoseGraph trial = scaled(graph, scale);
@@ -81,9 +101,10 @@ double odometry_scale(const PoseGraph& graph) {
 // Of all loops under a kernel that takes all influence from wrong ones, looked for from where all
 // are accepted: from far off, where much drift is to be corrected, the kernel would take it from
 // right ones, too.
-OptimizedGraph robust_optimum(PoseGraph graph) {
+OptimizedGraph robust_optimum(PoseGraph graph, const OnStep& on_step) {
   OptimizationSettings settings{.convention = ResidualConvention::rotation,
-                                .odometry_kernel = kOdometryKernel};
+                                .odometry_kernel = kOdometryKernel,
+                                .on_step = on_step};
   const OptimizedGraph all_believed = optimize_condensed(graph, settings);
   settings.loop_kernel.kernel = Kernel::dcs;
   const double cost_before = graph_cost(graph, settings);
@@ -96,13 +117,26 @@ OptimizedGraph robust_optimum(PoseGraph graph) {
   return optimum;
 }
 
+LoopOptimum at_scale(const PoseGraph& graph, double scale, const OnStep& on_step) {
+  LoopOptimum optimum{robust_optimum(scale > 1.0 ? scaled(graph, scale) : graph, on_step)};
+  optimum.odometry_scale = scale;
+  return optimum;
+}
+
 }  // namespace
 
-LoopOptimum optimize_with_loops(const PoseGraph& graph) {
-  LoopOptimum optimum{robust_optimum(graph)};
-  optimum.odometry_scale = odometry_scale(fitting_part(graph, optimum));
-  if (optimum.odometry_scale > 1.0) {
-    static_cast<OptimizedGraph&>(optimum) = robust_optimum(scaled(graph, optimum.odometry_scale));
+LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
+  LoopOptimum optimum = at_scale(graph, 1.0, on_step);
+  const bool fits = most_loops_fit(graph, optimum);
+  const double scale = odometry_scale(fitting_part(graph, optimum), on_step);
+  if (scale > 1.0) {
+    optimum = at_scale(graph, scale, on_step);
+  }
+  if (!fits && !most_loops_fit(graph, optimum)) {
+    LoopOptimum believed = at_scale(graph, odometry_scale(graph, on_step), on_step);
+    if (most_loops_fit(graph, believed)) {
+      return believed;
+    }
   }
   return optimum;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 
 namespace adit {
@@ -55,8 +56,22 @@ void MapAssembly::finish() {
   if (loops_) {
     close_loops(loops_->finish(graph_), graph_.nodes().size());
   }
+  settle();
   tie_to_world(world_.finish(graph_), graph_.nodes().size());
   store_->revise({.poses = graph_.nodes()});
+}
+
+// What came after the last loop has followed it as the odometry had it, so that verticals have had
+// no say there.
+void MapAssembly::settle() {
+  if (graph_.levels().empty()) {
+    return;
+  }
+  const LoopOptimum optimum = optimize_with_loops(graph_);
+  if (optimum.report.termination != Termination::failed) {
+    graph_.set_poses(optimum.poses);
+    graph_.set_T_world_map(optimum.T_world_map);
+  }
 }
 
 // The graph with the edges that are known but have had no effect yet.

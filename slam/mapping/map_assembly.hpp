@@ -60,6 +60,7 @@ class MapAssembly {
   void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
   void tie_to_world(const WorldTies::Change& change, std::size_t last_tied);
   void follow(std::size_t last_tied);
+  void settle();
 
   MapStore* store_;
   int delay_;  ///< keyframes

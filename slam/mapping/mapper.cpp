@@ -44,7 +44,8 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
   builder_.add({.stamp = result.stamp,
                 .T_odom_lidar = result.T_map_lidar,
                 .cloud = believed ? cloud : std::span<const Point>(),
-                .gravity_odom = result.inertial.gravity_map});
+                .gravity_odom = result.inertial.gravity_map,
+                .gravity_sigma = gravity_sigma(result.inertial)});
   last_sweep_ = result.stamp;
   path_ += last_pose_ && !restarted
                ? (result.T_map_lidar.translation() - last_pose_->pose.translation()).norm()

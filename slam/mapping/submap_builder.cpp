@@ -82,6 +82,7 @@ engine::MergeView SubmapBuilder::view() const {
 void SubmapBuilder::add(const PlacedCloud& placed) {
   if (placed.gravity_odom.norm() > kLeastGravity) {
     gravity_odom_ = placed.gravity_odom;
+    gravity_sigma_ = placed.gravity_sigma;
   }
   if (sweeps_.empty()) {
     T_odom_first_ = placed.T_odom_lidar;
@@ -263,7 +264,8 @@ FrozenSubmap SubmapBuilder::freeze(double beam_spacing) {
   frozen.submap.r_submap = settings_.r_input;
   std::optional<Eigen::Vector3d> up;  // lidar axes
   if (gravity_odom_.norm() > kLeastGravity) {
-    frozen.submap.vertical = Vertical::gravity;
+    frozen.submap.vertical =
+        gravity_sigma_ < kRoughGravity ? Vertical::gravity : Vertical::rough_gravity;
     up = -(T_odom_first_.linear().transpose() * gravity_odom_).normalized();
   } else {
     std::vector<PlanePoint> planes;
@@ -298,6 +300,7 @@ FrozenSubmap SubmapBuilder::freeze(double beam_spacing) {
   frozen.crowded_cells = crowded_cells_;
   sweeps_.clear();
   gravity_odom_.setZero();
+  gravity_sigma_ = 0.0;
   counted_ = {};
   crowded_cells_ = 0;
   cleared_ = false;

@@ -23,6 +23,7 @@ struct PlacedCloud {
   std::span<const Point> cloud;
   /// Gravity in the odometry's frame (m/s^2); zero: not known.
   Eigen::Vector3d gravity_odom = Eigen::Vector3d::Zero();
+  double gravity_sigma = 0.0;  ///< of its direction, rad
 };
 
 /// A submap that nothing is added to any more.
@@ -90,6 +91,7 @@ class SubmapBuilder {
   std::vector<Pending> pending_;
   SweepSights sights_;
   Eigen::Vector3d gravity_odom_ = Eigen::Vector3d::Zero();  ///< the latest that is known
+  double gravity_sigma_ = 0.0;                              ///< the same sweep's, rad
 };
 
 }  // namespace adit

@@ -220,7 +220,7 @@ KeyframeSubmap decode_sweeps(std::span<const std::byte> chunk) {
   KeyframeSubmap submap;
   submap.r_submap = reader.get<double>();
   const auto vertical = reader.get<uint32_t>();
-  if (vertical > static_cast<uint32_t>(Vertical::ground)) {
+  if (vertical > static_cast<uint32_t>(Vertical::rough_gravity)) {
     throw SubmapDamaged("has an unknown kind of vertical, " + std::to_string(vertical));
   }
   submap.vertical = static_cast<Vertical>(vertical);

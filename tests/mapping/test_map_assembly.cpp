@@ -5,6 +5,8 @@
 // there: what the loops make of that.
 #include "adit/slam/mapping/map_assembly.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -77,20 +79,32 @@ class MapAssemblyTest : public test::DeviceTest {
     std::string dump;
   };
 
+  /// What the edges tilt by, rad a metre, and whether gravity tells of the first keyframes which way
+  /// is up.
+  struct Tilting {
+    double pitch = 0.0;
+    bool levelled = false;
+    std::size_t keyframes = std::numeric_limits<std::size_t>::max();
+  };
+
   /// `drift` is put into each edge for a metre of its way; nothing ties the keyframe `part` to the
   /// one before, and after it the odometry's axes are others.
-  static Result assembled(double yaw, double climb, std::optional<std::size_t> part = {}) {
+  static Result assembled(double yaw, double climb, std::optional<std::size_t> part = {},
+                          const Tilting& tilting = {}) {
     test::TemporaryMap map;
     MapAssembly assembly(context(), test::loop_config(true), map.store(), kSubmapBytes);
     Result result;
     Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
-    for (std::size_t i = 0; i < street().size(); ++i) {
-      const Recorded& one = street()[i];
+    for (std::size_t i = 0; i < std::min(street().size(), tilting.keyframes); ++i) {
+      Recorded one = street()[i];
+      one.submap.vertical = tilting.levelled ? Vertical::gravity : one.submap.vertical;
       std::optional<PoseEdge> edge = part == i ? std::nullopt : one.edge;
       if (edge) {
         const double metres = edge->T_from_to.translation().norm();
         edge->T_from_to.linear() *=
             Eigen::AngleAxisd(yaw * metres, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+        edge->T_from_to.linear() *=
+            Eigen::AngleAxisd(tilting.pitch * metres, Eigen::Vector3d::UnitY()).toRotationMatrix();
         edge->T_from_to.translation().z() += climb * metres;
         T_odom_keyframe = T_odom_keyframe * edge->T_from_to;
       } else if (i > 0) {
@@ -156,6 +170,17 @@ TEST_F(MapAssemblyTest, PartsThatNothingTiesAreJoinedByWhatTheyHaveInCommon) {
   EXPECT_GE(parted.loops.accepted_by_appearance, 4U);
   expect_right_loops(parted.graph);
   EXPECT_EQ(assembled(0.0, 0.0, part).dump, parted.dump) << "the same bytes twice";
+}
+
+// There is no loop on the way out: what verticals say of it counts once the map is finished.
+TEST_F(MapAssemblyTest, VerticalsStraightenAWayWithoutLoops) {
+  const std::size_t way_out = street().size() / 2;
+  const Result bent = assembled(0.0, 0.0, {}, {.pitch = 0.005, .keyframes = way_out});
+  EXPECT_GT(error_of(bent.odometry), 0.5);
+  EXPECT_EQ(error_of(bent.map), error_of(bent.odometry));
+  const Result straight =
+      assembled(0.0, 0.0, {}, {.pitch = 0.005, .levelled = true, .keyframes = way_out});
+  EXPECT_LT(error_of(straight.map), 0.5 * error_of(bent.odometry));
 }
 
 }  // namespace

@@ -255,6 +255,17 @@ TEST_F(SubmapBuilderTest, TheVerticalIsGravityElseTheGroundElseUnknown) {
     EXPECT_LT(std::acos(std::min(1.0, up.z())), told ? 1e-6 : 0.005) << "rad";
     EXPECT_EQ(frozen.T_odom_keyframe.translation(), drive.truth[0].pose.translation());
   }
+  SubmapBuilder rough(context(), test::submap_config().preprocess, kCell);
+  const std::vector<Point> cloud = test::returns(drive.sweeps[0]);
+  rough.add({.T_odom_lidar = drive.truth[0].pose,
+             .cloud = cloud,
+             .gravity_odom = kGravity,
+             .gravity_sigma = 0.007});
+  const FrozenSubmap roughly = rough.freeze(test::small_lidar().beam_spacing());
+  EXPECT_EQ(roughly.submap.vertical, Vertical::rough_gravity);
+  EXPECT_GT(roughly.T_odom_keyframe.linear().col(2).z(), 1.0 - 1e-12);
+  EXPECT_TRUE(level_of(0, Vertical::gravity));
+  EXPECT_FALSE(level_of(0, roughly.submap.vertical)) << "the graph is not told";
   // Walls alone.
   test::SubmapDrive walls = drive;
   for (std::size_t i = 0; i < walls.sweeps.size(); ++i) {

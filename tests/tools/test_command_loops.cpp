@@ -162,6 +162,25 @@ TEST_F(LoopsCommand, SaysWhatCannotBeDone) {
   EXPECT_EQ(test::ran(loops_command, {.map = map_}).code, 0) << "a reader may";
 }
 
+TEST_F(LoopsCommand, WhatContradictsTheRestIsNotRestored) {
+  PoseEdge wrong = test::edge(0, 4, test::step(20.0), 400.0);
+  wrong.kind = EdgeKind::loop;
+  wrong.status = EdgeStatus::revoked;
+  LoopCandidate candidate;
+  candidate.id = 3;
+  candidate.to = 4;
+  candidate.T_from_to = wrong.T_from_to;
+  candidate.verdict = CandidateVerdict::revoked;
+  candidate.reason = "review";
+  MapDatabase(map_, MapAccess::write).revise({.edges = {wrong}, .candidates = {candidate}});
+  const double before = x_of_last();
+  const Ran restored = test::ran(loops_command, {.map = map_, .restore = 3});
+  EXPECT_EQ(restored.code, 1);
+  EXPECT_NE(restored.err.find("loop 3 contradicts the rest of the graph"), std::string::npos)
+      << restored.err;
+  EXPECT_EQ(x_of_last(), before);
+}
+
 TEST(LoopsCommandWithoutLoops, SaysThatThereAreNone) {
   const test::TemporaryFolder folder;
   { MapDatabase map(folder / "map.adit", MapAccess::write); }

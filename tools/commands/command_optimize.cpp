@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/initialization.hpp"
+#include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
@@ -42,6 +44,7 @@ struct Outcome {
   double file_cost = 0.0;  ///< where the file has the nodes
   InitialPoses initial = InitialPoses::file;  ///< what it started from
   OptimizedGraph optimized;
+  std::optional<double> odometry_scale{};  ///< of a map's own model (LoopOptimum)
   bool moved = false;  ///< a node, or the map in the world, is not where the file has it
   std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
 };
@@ -156,6 +159,12 @@ bool is_moved(const PoseGraph& before, const OptimizedGraph& optimized) {
   return moved;
 }
 
+/// A map without wishes about how: as the run that wrote it, and as `adit loops`.
+bool is_as_its_run(const OptimizeCommandOptions& options, const Outcome& outcome) {
+  return outcome.is_map && options.loop_kernel.kernel == Kernel::none && !options.direct &&
+         options.initial == InitialPoses::better;
+}
+
 Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
   Outcome outcome;
   outcome.is_map = is_map(options.input);
@@ -171,9 +180,16 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   settings.on_step = IterationProgress(err);
   outcome.file_cost = graph_cost(graph, settings);
   const PoseGraph before = graph;
-  outcome.initial = begin(graph, settings, outcome, options.initial);
-  outcome.optimized =
-      options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
+  if (is_as_its_run(options, outcome)) {
+    LoopOptimum optimum = optimize_with_loops(graph, settings.on_step);
+    outcome.odometry_scale = optimum.odometry_scale;
+    outcome.file_cost = optimum.report.cost_before;
+    outcome.optimized = std::move(optimum);
+  } else {
+    outcome.initial = begin(graph, settings, outcome, options.initial);
+    outcome.optimized =
+        options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
+  }
   outcome.moved = is_moved(before, outcome.optimized);
   graph.set_poses(outcome.optimized.poses);
   graph.set_T_world_map(outcome.optimized.T_world_map);
@@ -238,6 +254,13 @@ std::string describe(const OptimizeCommandOptions& options, const Outcome& outco
                         graph.levels().size(), graph.fixes().size());
   }
   text += "residual     " + convention_text(convention_of(options, outcome), graph.planar()) + "\n";
+  if (outcome.odometry_scale) {
+    text += "model        as in its run: loops under a kernel that takes influence from wrong ones";
+    text +=
+        *outcome.odometry_scale > 1.0
+            ? fmt::format(", the odometry's covariances times {:.3g}\n", *outcome.odometry_scale)
+            : "\n";
+  }
   text += fmt::format("cost         {:.10g} in the file", outcome.file_cost);
   if (outcome.initial != InitialPoses::file) {
     text += fmt::format(", {:.10g} at the start ({})", report.cost_before,
@@ -274,6 +297,8 @@ std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcom
   json["indefinite_edges"] = outcome.file.indefinite_lines.size();
   json["residual"] = convention_text(convention_of(options, outcome), graph.planar());
   json["initial"] = initial_text(outcome.initial);
+  json["odometry_scale"] = outcome.odometry_scale ? nlohmann::ordered_json(*outcome.odometry_scale)
+                                                  : nlohmann::ordered_json(nullptr);
   json["cost_file"] = outcome.file_cost;
   json["cost_before"] = report.cost_before;
   json["cost_after"] = report.cost_after;
@@ -367,6 +392,7 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
   const auto options = std::make_shared<OptimizeCommandOptions>();
   command.footer(
       "A map (OUT/map.adit) gets the optimised poses, unless -o names another file for the graph.\n"
+      "It is optimised as its run does it, unless --loop-kernel, --initial or --direct say how.\n"
       "GRAPH.g2o holds VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or VERTEX_SE2 and EDGE_SE2; FIX names\n"
       "nodes that stay. Where none is fixed the first node of each connected part is held.\n"
       "The cost is the sum of chi squared, not halved. Programs differ in what a file's "

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <optional>
 
+#include <fmt/core.h>
+
 #include "adit/slam/mapping/loop_reason.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -87,8 +89,16 @@ LoopChange change_loop(const std::filesystem::path& file, int64_t id, LoopAction
 
   PoseGraph graph = map.graph();
   const std::size_t edge = edge_of(graph, candidate, file);
+  graph.set_poses(optimized_map(graph, file).poses);  // what moves from here, the loop moves
   graph.set_status(edge, status);
   const OptimizedGraph optimized = optimized_map(graph, file);
+  const std::optional<EdgeResult>& residual = optimized.report.edges[edge];
+  if (!revoke && (!residual || residual->chi2 > kLoopReview)) {
+    throw InputError(file, {},
+                     fmt::format("loop {} contradicts the rest of the graph, chi squared {:.3g}",
+                                 id, residual ? residual->chi2 : 0.0),
+                     "Nothing was changed");
+  }
   changed.cost_before = optimized.report.cost_before;
   changed.cost_after = optimized.report.cost_after;
   changed.moved = farthest_moved(graph, optimized.poses);

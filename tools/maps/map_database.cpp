@@ -236,8 +236,10 @@ void MapDatabase::migrate() {
   if (schema < 4) {
     database_.execute(kToSchema4);
   }
-  database_.execute(kToSchema5);
-  database_.execute(kTablesOfTheWorld);
+  if (schema < 5) {
+    database_.execute(kToSchema5);
+    database_.execute(kTablesOfTheWorld);
+  }
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }

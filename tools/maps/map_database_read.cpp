@@ -142,7 +142,7 @@ MapKeyframe MapDatabase::keyframe_at(const SqliteStatement& row) const {
   keyframe.covariance =
       matrix_from(numbers<36>(row.blob(5), file, "the covariance of keyframe", keyframe.id));
   keyframe.vertical =
-      enumerator(row.integer(6), Vertical::ground, file, "the vertical of a keyframe");
+      enumerator(row.integer(6), Vertical::rough_gravity, file, "the vertical of a keyframe");
   return keyframe;
 }
 

@@ -175,8 +175,7 @@ void describe_inertial(const InertialReport& report, SweepRecord& record) {
     record.accel_bias = report.nav->bias.accel;
     record.accel_bias_sigma = sigma_of(report.nav_covariance, kAccelBiasAt);
     record.gravity = report.nav->gravity_map;
-    record.gravity_sigma =
-        std::sqrt(std::max(0.0, report.nav_covariance.diagonal().tail<2>().maxCoeff()));
+    record.gravity_sigma = gravity_sigma(report);
   }
   if (report.innovation.degrees > 0) {
     record.innovation_translation = report.innovation.error.head<3>();
