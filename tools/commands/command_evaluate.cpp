@@ -339,11 +339,13 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
   command
       .option("--plot", options->plot,
               "Draw the trajectories and their errors, into NAME.svg or NAME.html")
-      .value_name("FILE");
+      .value_name("FILE")
+      .written();
   command
       .option("--html", options->html,
               "Where the page of a run goes; otherwise to its folder, as evaluation.html")
-      .value_name("FILE");
+      .value_name("FILE")
+      .written();
   command
       .option("--loops", options->loops,
               "Which places of a simulated recording see the same (NAME.truth.loops.csv): the "

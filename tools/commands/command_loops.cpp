@@ -286,7 +286,8 @@ void add_loops_command(Command app, std::function<void(int)> done) {
   command
       .option("--html", options->html,
               "Write a page that shows each loop: its submaps upon each other, before and after")
-      .value_name("FILE");
+      .value_name("FILE")
+      .written();
   add_device_options(command, options->device);
   command.flag("--json", options->json, "Print JSON instead of text");
   command.action(
