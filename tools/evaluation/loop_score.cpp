@@ -149,7 +149,7 @@ bool finds(const TrueKeyframe& from, const TrueKeyframe& to, const Revisit& revi
 }
 
 /// The cells of a line; of Windows' line ends nothing is left.
-std::vector<std::string> cells_of(std::string line) {
+std::vector<std::string> table_cells(std::string line) {
   while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) {
     line.pop_back();
   }
@@ -183,7 +183,7 @@ std::vector<TrueLoop> read_true_loops(const std::filesystem::path& file) {
   if (!in || !std::getline(in, line)) {
     throw InputError(file, {}, "it cannot be read, or is empty", kWriteAnew);
   }
-  const std::vector<std::string> head = cells_of(line);
+  const std::vector<std::string> head = table_cells(line);
   std::array<std::size_t, 4> wanted{};
   const std::array names = {"time_a_s", "time_b_s", "distance_m", "overlap"};
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -196,7 +196,7 @@ std::vector<TrueLoop> read_true_loops(const std::filesystem::path& file) {
   }
   std::vector<TrueLoop> loops;
   for (uint64_t number = 2; std::getline(in, line); ++number) {
-    const std::vector<std::string> cells = cells_of(line);
+    const std::vector<std::string> cells = table_cells(line);
     if (cells.empty()) {
       continue;
     }
