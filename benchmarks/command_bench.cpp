@@ -202,8 +202,8 @@ void add_bench_command(Command app, std::function<void(int)> done) {
       .show_default();
   command.flag(
       "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
-  command.option("--json", options->json, "Write all figures").value_name("FILE");
-  command.option("--html", options->html, "Write a page with plots").value_name("FILE");
+  command.option("--json", options->json, "Write all figures").value_name("FILE").written();
+  command.option("--html", options->html, "Write a page with plots").value_name("FILE").written();
   command.option("--compare", options->compare, "Compare two files of --json, measure nothing")
       .values(2, 2)
       .value_name("BEFORE AFTER");

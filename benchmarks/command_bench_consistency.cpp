@@ -114,7 +114,7 @@ void add_bench_consistency_command(Command bench, std::function<void(int)> done)
   add_config_options(command, options->config);
   command.option("--device", options->device.device, "Index, UUID or part of the name")
       .value_name("DEVICE");
-  command.option("--json", options->json, "Write all figures").value_name("FILE");
+  command.option("--json", options->json, "Write all figures").value_name("FILE").written();
   command.action([options, done = std::move(done)] {
     done(bench_consistency_command(*options, std::cout, std::cerr));
   });

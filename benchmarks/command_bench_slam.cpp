@@ -300,8 +300,10 @@ void add_bench_slam_command(Command bench, std::function<void(int)> done) {
               "Folder for simulated recordings and our trajectories")
       .value_name("OUT")
       .show_default();
-  command.option("--json", options->json, "Write all figures").value_name("FILE");
-  command.option("--html", options->html, "Write a page with every trajectory").value_name("FILE");
+  command.option("--json", options->json, "Write all figures").value_name("FILE").written();
+  command.option("--html", options->html, "Write a page with every trajectory")
+      .value_name("FILE")
+      .written();
   command.action([options, done = std::move(done)] {
     done(bench_slam_command(*options, std::cout, std::cerr));
   });

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/command_loops.hpp"
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -72,6 +75,95 @@ TEST_F(LoopsCommand, ListsTheLedgerAsATableAndAsJson) {
   EXPECT_EQ(json.at("loops")[0].at("verdict"), "accepted");
   EXPECT_EQ(json.at("loops")[1].at("reason"), "too_little_overlap");
   EXPECT_EQ(json.at("loops")[1].at("figure"), 0.12);
+}
+
+TEST_F(LoopsCommand, TellsWhatFoundALoopItsVotesAndItsPose) {
+  const LoopCandidate alike{.id = 3,
+                            .from = 2,
+                            .to = 5,
+                            .source = LoopSource::appearance,
+                            .score = 0.72,
+                            .chi2 = 31.5,
+                            .verdict = CandidateVerdict::rejected,
+                            .reason = "beyond_gate",
+                            .figure = 31.5};
+  MapDatabase(map_, MapAccess::write).revise({.candidates = {alike}});
+  const std::string text = test::ran(loops_command, {.map = map_}).out;
+  for (const char* part : {"found by", "residual chi2", "votes", "position", "appearance 0.72"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+  const auto json =
+      nlohmann::json::parse(test::ran(loops_command, {.map = map_, .json = true}).out);
+  const auto& in = json.at("loops")[0];
+  EXPECT_EQ(in.at("votes"), 3);
+  EXPECT_EQ(in.at("T_from_to"), nlohmann::json({49.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}));
+  EXPECT_NEAR(in.at("T_from_to_sigma_m")[0].get<double>(), 0.05, 1e-9) << "information of 400";
+  EXPECT_EQ(in.at("T_from_to_sigma_rad").size(), 3U);
+  EXPECT_TRUE(in.at("correction_chi2").is_null());
+  EXPECT_TRUE(in.at("residual_chi2").is_number());
+  EXPECT_EQ(in.at("correction_from"), "graph");
+  const auto& out = json.at("loops")[2];
+  EXPECT_TRUE(out.at("votes").is_null());
+  EXPECT_TRUE(out.at("T_from_to_sigma_m").is_null()) << "it has no edge";
+  EXPECT_EQ(out.at("correction_chi2"), 31.5);
+  EXPECT_TRUE(out.at("residual_chi2").is_null());
+  EXPECT_EQ(out.at("correction_from"), "appearance");
+}
+
+TEST_F(LoopsCommand, AGuessThatIsNoPlaceIsAUsageError) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const std::vector<double>& guess : {std::vector{std::nan(""), 0.0, 0.0, 0.0},
+                                           {0.0, infinite, 0.0, 0.0},
+                                           {0.0, 0.0, 1e300, 0.0},
+                                           {0.0, 0.0, 0.0, -infinite}}) {
+    const Ran wrong = test::ran(loops_command, {.map = map_, .add = {0, 4}, .guess = guess});
+    EXPECT_EQ(wrong.code, 2) << wrong.err;
+    EXPECT_NE(wrong.err.find("and takes a number from"), std::string::npos) << wrong.err;
+  }
+  const Ran named =
+      test::ran(loops_command, {.map = map_, .add = {0, 4}, .guess = {0.0, 0.0, 1e300, 0.0}});
+  EXPECT_NE(named.err.find("Z is 1e+300"), std::string::npos) << named.err;
+}
+
+TEST_F(LoopsCommand, ShowsTheLoopsThatAreAskedFor) {
+  const fs::path page = folder_ / "loops.html";
+  ASSERT_EQ(test::ran(loops_command, {.map = map_, .html = page, .show = {2}}).code, 0);
+  const std::string html = test::content(page);
+  EXPECT_EQ(html.find("id=\"loop1\""), std::string::npos);
+  EXPECT_NE(html.find("id=\"loop2\""), std::string::npos);
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .html = page, .show = {9}}).code, 2);
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .show = {2}}).code, 2) << "needs --html";
+}
+
+TEST_F(LoopsCommand, ALoopThatTheMapDoesNotFollowIsSeenToBeOff) {
+  const fs::path page = folder_ / "loops.html";
+  ASSERT_EQ(shown_on(page).code, 0);
+  // Nobody has optimised the map: it lies as the odometry has it.
+  std::string html = test::content(page);
+  EXPECT_NE(html.find("the map is 1.000 m and 0.00° off it"), std::string::npos);
+  EXPECT_NE(html.find("after: where the map has them"), std::string::npos);
+  ASSERT_EQ(test::ran(loops_command, {.map = map_, .revoke = 1}).code, 0);
+  ASSERT_EQ(test::ran(loops_command, {.map = map_, .restore = 1}).code, 0);
+  ASSERT_EQ(shown_on(page).code, 0);
+  html = test::content(page);
+  EXPECT_EQ(html.find("the map is 1.000 m and 0.00° off it"), std::string::npos);
+}
+
+TEST_F(LoopsCommand, OfVeryManyTheDrawnOnesAreSaidToBeAChoice) {
+  std::vector<LoopCandidate> many;
+  for (int64_t id = 3; id < 73; ++id) {
+    many.push_back({.id = id,
+                    .from = 2,
+                    .to = 5,
+                    .verdict = CandidateVerdict::rejected,
+                    .reason = "few_votes"});
+  }
+  MapDatabase(map_, MapAccess::write).revise({.candidates = many});
+  const fs::path page = folder_ / "loops.html";
+  ASSERT_EQ(shown_on(page).code, 0);
+  const std::string html = test::content(page);
+  EXPECT_NE(html.find("<h2>71 rejected</h2>\n<p>60 of them are drawn"), std::string::npos);
+  EXPECT_EQ(test::count(html, "<h3 id="), 61U);
 }
 
 TEST_F(LoopsCommand, ShowsThemAsAPage) {

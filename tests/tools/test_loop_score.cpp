@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/evaluation/loop_score.hpp"
 
+#include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -62,6 +63,32 @@ class LoopScoring : public testing::Test {
     return folder_ / "loops.csv";
   }
 
+  /// The message of the refusal; empty where there is none.
+  std::string refusal(const std::vector<TrueLoop>& pairs, const Trajectory& truth) const {
+    try {
+      check_true_loops("loops.csv", pairs, truth);
+      static_cast<void>(score_loops(map_, truth, pairs));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  /// Its places are as far apart as in the truth.
+  static TrueLoop pair(int earlier, int later) {
+    return {.earlier = seconds(earlier),
+            .later = seconds(later),
+            .distance = std::abs(static_cast<double>(later % 10 - earlier % 10)),
+            .overlap = 0.9};
+  }
+
+  /// The first poses of the truth alone.
+  Trajectory part_of_truth(std::size_t count) const {
+    Trajectory part = truth_;
+    part.poses.resize(count);
+    return part;
+  }
+
   test::TemporaryFolder folder_;
   fs::path map_ = folder_ / "map.adit";
   Trajectory truth_;
@@ -88,9 +115,89 @@ TEST_F(LoopScoring, AcceptedEdgesAreHeldAgainstTheTruthAndRevisitsAreFoundByRigh
   EXPECT_EQ(to_json(score).at("false"), 1);
 }
 
+TEST_F(LoopScoring, WhatTheTruthDoesNotCoverIsSaid) {
+  const std::vector<TrueLoop> pairs = {pair(0, 10), pair(3, 13), pair(6, 16)};
+  const LoopScore whole = score_loops(map_, truth_, pairs);
+  EXPECT_EQ(whole.uncovered, 0U);
+  EXPECT_TRUE(warnings_of(whole).empty());
+
+  const LoopScore part = score_loops(map_, part_of_truth(13), pairs);
+  EXPECT_EQ(part.accepted, 1U);
+  EXPECT_EQ(part.uncovered, 1U) << "3 to 13";
+  EXPECT_EQ(part.not_in_truth, 2U) << "pairs at 13 and 16 s";
+  EXPECT_EQ(warnings_of(part).size(), 2U);
+  EXPECT_NE(describe(part).find("1 more are accepted that the truth does not cover"),
+            std::string::npos);
+  EXPECT_EQ(to_json(part).at("not_covered"), 1);
+
+  EXPECT_NE(refusal(pairs, part_of_truth(12)).find("covers none of the 2 accepted loops"),
+            std::string::npos);
+  EXPECT_NE(refusal(pairs, part_of_truth(9)).find("none of its 3 pairs lies within the time"),
+            std::string::npos);
+}
+
+TEST_F(LoopScoring, RevisitsAfterTheRunAreNotMissed) {
+  for (int id = 20; id < 40; ++id) {
+    truth_.poses.push_back({.stamp = seconds(id), .pose = test::step(id % 10, 0.1)});
+  }
+  std::vector<TrueLoop> pairs;
+  for (int later = 10; later < 40; ++later) {
+    if (later < 17 || later > 30) {
+      pairs.push_back(pair(later % 10, later));
+    }
+  }
+  const LoopScore score = score_loops(map_, truth_, pairs);
+  ASSERT_EQ(score.revisits.size(), 1U);
+  EXPECT_TRUE(score.revisits[0].found);
+  EXPECT_EQ(score.not_of_run, 1U);
+  EXPECT_NE(describe(score).find("1, 1 of them found; 1 more are before or after the run"),
+            std::string::npos)
+      << describe(score);
+}
+
+TEST_F(LoopScoring, ARevisitIsFoundByAnEdgeInsideItToThatPlaceAlone) {
+  const auto found = [&](const std::vector<TrueLoop>& pairs) {
+    const LoopScore score = score_loops(map_, truth_, pairs);
+    EXPECT_EQ(score.revisits.size(), 1U);
+    return score.revisits.at(0).found;
+  };
+  // The right edge leads from 2 to 12 s.
+  EXPECT_TRUE(found({pair(0, 11), pair(3, 14), pair(5, 17)}));
+  EXPECT_TRUE(found({pair(2, 13), pair(3, 15), pair(5, 18)})) << "a keyframe before it";
+  EXPECT_FALSE(found({pair(2, 14), pair(3, 16), pair(5, 19)})) << "two of them";
+  std::vector<TrueLoop> elsewhere = {pair(8, 11), pair(8, 13), pair(8, 16)};
+  for (TrueLoop& one : elsewhere) {
+    one.distance = 4.0;
+  }
+  EXPECT_FALSE(found(elsewhere)) << "of a place 6 m from there";
+}
+
+TEST_F(LoopScoring, LoopsOfAnotherRecordingAreRefused) {
+  EXPECT_EQ(refusal({pair(0, 10), pair(1, 14)}, truth_), "");
+  TrueLoop off = pair(0, 14);
+  off.distance = 0.1;
+  EXPECT_NE(refusal({pair(0, 10), off}, truth_).find("it is not of the recording that the truth"),
+            std::string::npos);
+  EXPECT_EQ(refusal({}, truth_), "") << "a recording may have none";
+}
+
+TEST_F(LoopScoring, LineEndsAndEmptyLinesOfATableDoNotMatter) {
+  const std::vector<TrueLoop> pairs = read_true_loops(
+      write("time_a_s,time_b_s,distance_m,angle_rad,overlap\r\n0.0,10.0,0.1,0.0,0.9\r\n\r\n\n"));
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_EQ(pairs[0].later, seconds(10));
+  EXPECT_EQ(pairs[0].overlap, 0.9);
+  const std::vector<TrueLoop> none =
+      read_true_loops(write("time_a_s,time_b_s,distance_m,angle_rad,overlap\n"));
+  EXPECT_TRUE(none.empty());
+  EXPECT_NE(describe(score_loops(map_, truth_, none)).find("the table holds no pair"),
+            std::string::npos);
+}
+
 TEST_F(LoopScoring, ATableThatIsNoneIsNamedWithItsLine) {
   for (const char* text : {"", "a,b\n1,2\n", "time_a_s,time_b_s,distance_m,overlap\n1,2,x,4\n",
-                           "time_a_s,time_b_s,distance_m,overlap\n1,2\n"}) {
+                           "time_a_s,time_b_s,distance_m,overlap\n1,2\n",
+                           "time_a_s,time_b_s,distance_m,overlap\n2,1,0,1\n"}) {
     EXPECT_THROW(static_cast<void>(read_true_loops(write(text))), InputError) << text;
   }
 }

@@ -231,7 +231,8 @@ void add_align_command(Command app, std::function<void(int)> done) {
       .value_name("SHARE")
       .show_default();
   command.option("--picture", options->picture, "Draw B upon A, from above and from the side")
-      .value_name("FILE.png");
+      .value_name("FILE.png")
+      .written();
   add_device_options(command, options->device);
   command.flag("--json", options->json, "Print JSON instead of text");
   command.action(

@@ -7,13 +7,13 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/foxglove/foxglove_recording.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -85,10 +85,7 @@ int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err)
   if (options.foxglove) {
     return convert_run(options, out, err);
   }
-  std::error_code ignored;
-  if (fs::equivalent(options.input, options.output, ignored)) {
-    throw UsageError("the recording cannot be written over itself. Name another OUT.");
-  }
+  keep_input("OUT", options.output, options.input);
   const ConvertReport report = convert_recording(options);
   for (const std::string& error : report.errors) {
     err << "adit convert: " << error << "\n";
@@ -137,7 +134,7 @@ void add_convert_command(Command app, std::function<void(int)> done) {
   command.option("input", options->input, "The recording; with --as foxglove a run or a map")
       .required()
       .value_name("IN");
-  command.option("output", options->output, "What to write").required().value_name("OUT");
+  command.option("output", options->output, "What to write").required().value_name("OUT").written();
   command.choice<bool>("--as", "What other viewers show of a run, by Foxglove's schemas",
                        options->foxglove, {{"foxglove", true}});
   command.option("--topic", options->topics, "Keep this topic; may be given again")

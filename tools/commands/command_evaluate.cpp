@@ -116,7 +116,7 @@ RunEvaluation evaluate_as_far_as_it_went(const fs::path& folder, const Trajector
 }
 
 /// The run's own figures, those against the truth if there is one, and the page with both.
-void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
+void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
   const fs::path& folder = options.estimates.front();
   const fs::path page = options.html.value_or(folder / "evaluation.html");
   std::optional<Trajectory> truth;
@@ -133,7 +133,12 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out) {
   }
   std::optional<LoopScore> loops;
   if (options.loops && truth) {
-    loops = score_loops(map, *truth, read_true_loops(*options.loops));
+    const std::vector<TrueLoop> pairs = read_true_loops(*options.loops);
+    check_true_loops(*options.loops, pairs, *truth);
+    loops = score_loops(map, *truth, pairs);
+    for (const std::string& warning : warnings_of(*loops)) {
+      err << "adit evaluate: warning: " << warning << std::endl;
+    }
   }
   std::optional<WorldError> world;
   if (!options.world.empty() && truth) {
@@ -239,7 +244,7 @@ int run(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& 
     return compare_estimates(options, out, err) ? 0 : 1;
   }
   if (is_run(options.estimates.front())) {
-    evaluate_folder(options, out);
+    evaluate_folder(options, out, err);
   } else {
     evaluate_trajectory(options, out);
   }
@@ -339,11 +344,13 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
   command
       .option("--plot", options->plot,
               "Draw the trajectories and their errors, into NAME.svg or NAME.html")
-      .value_name("FILE");
+      .value_name("FILE")
+      .written();
   command
       .option("--html", options->html,
               "Where the page of a run goes; otherwise to its folder, as evaluation.html")
-      .value_name("FILE");
+      .value_name("FILE")
+      .written();
   command
       .option("--loops", options->loops,
               "Which places of a simulated recording see the same (NAME.truth.loops.csv): the "

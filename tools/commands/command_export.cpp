@@ -20,6 +20,7 @@
 #include "adit/tools/commands/export_poses.hpp"
 #include "adit/tools/commands/export_raster.hpp"
 #include "adit/tools/commands/export_report.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -93,6 +94,21 @@ void check_rasters(const ExportCommandOptions& options) {
   }
 }
 
+/// Nothing that is read is written over, be it by what comes beside the file.
+void check_inputs(const ExportCommandOptions& options) {
+  std::vector<fs::path> written = {options.output.value_or(fs::path())};
+  for (const char* beside : {".pgm", ".pgw"}) {
+    if (options.grid || !options.raster.empty()) {
+      written.push_back(fs::path(written.front()).replace_extension(beside));
+    }
+  }
+  for (const fs::path& file : written) {
+    for (const auto& input : {std::optional(options.map), options.recording, options.polygon}) {
+      keep_input("-o", file, input.value_or(fs::path()));
+    }
+  }
+}
+
 void check_options(const ExportCommandOptions& options) {
   const std::array<bool, 9> wanted = {!options.trajectory.empty(),
                                       !options.graph.empty(),
@@ -134,10 +150,8 @@ void check_options(const ExportCommandOptions& options) {
   check_rasters(options);
   check_frames(options);
   check_selection(options);
+  check_inputs(options);
   std::error_code ignored;
-  if (options.output && fs::equivalent(*options.output, options.map, ignored)) {
-    throw UsageError("the map cannot be written over. Name another file with -o.");
-  }
   if (options.tiles && fs::exists(*options.output, ignored)) {
     throw UsageError("-o " + options.output->string() +
                      ": it exists. Name another folder for the tiles.");
@@ -249,7 +263,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out/map.adit --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
   command.option("map", options->map, "The map").required().value_name("MAP");
-  command.option("-o,--output", options->output, "The file to write").value_name("FILE");
+  command.option("-o,--output", options->output, "The file to write").value_name("FILE").written();
   command
       .option("--trajectory", options->trajectory,
               "The pose of every sweep: tum, kitti, csv, geojson, kml, gpkg")

@@ -13,7 +13,9 @@
 #include <CLI/CLI.hpp>
 
 #include "adit/tools/commands/command_guard.hpp"
+#include "adit/tools/commands/given_option.hpp"
 #include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -64,6 +66,7 @@ std::string listed_words(const std::vector<std::string>& words) {
 
 constexpr char kBetweenWords = '\n';
 constexpr const char* kFile = "\nfile";
+constexpr const char* kWritten = "\nwritten";
 
 /// What shells offer for an option travels with it as the name of a check, which CLI11 keeps.
 std::string joined(const std::vector<std::string>& words) {
@@ -107,7 +110,7 @@ OptionDescription describe(CLI::Option& option) {
   for (const std::string& name : checks(option)) {
     if (name == kFile) {
       described.file = true;
-    } else if (!name.empty()) {
+    } else if (!name.empty() && name != kWritten) {
       described.words = CLI::detail::split(name, kBetweenWords);
     }
   }
@@ -126,6 +129,16 @@ CommandDescription describe(CLI::App& command, const std::string& above) {
     described.commands.push_back(describe(*below, described.name + " "));
   }
   return described;
+}
+
+std::vector<GivenOption> given_options(CLI::App& command) {
+  std::vector<GivenOption> given;
+  for (CLI::Option* option : command.get_options()) {
+    given.push_back({.name = option->get_name(),
+                     .values = option->results(),
+                     .written = std::ranges::count(checks(*option), kWritten) > 0});
+  }
+  return given;
 }
 
 /// What CLI11 says of a command line, in plain words.
@@ -187,18 +200,27 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command) {
   return text;
 }
 
+/// "adit loops".
+std::string name_of_chosen(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  return name;
+}
+
 /// Help and version are answers, everything else that parsing throws is a mistake on the command
 /// line.
 int answer(const CLI::App& app, const CLI::ParseError& error) {
-  std::string name = app.get_name();
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
-    return reported(name, std::cout, std::cerr, app.exit(error, std::cout, std::cerr));
+    return reported(app.get_name(), std::cout, std::cerr, app.exit(error, std::cout, std::cerr));
   }
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) {
     command = command->get_subcommands().front();
-    name += " " + command->get_name();
   }
+  const std::string name = name_of_chosen(app);
   const std::string unknown = unknown_words(app, *command);
   std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error) : unknown) << "\nRun `"
             << name << " --help` for what it takes.\n";
@@ -276,6 +298,11 @@ CommandOption CommandOption::suggest(const std::vector<std::string>& words) cons
 
 CommandOption CommandOption::file() const {
   option_->check(passes(kFile));
+  return *this;
+}
+
+CommandOption CommandOption::written() const {
+  option_->check(passes(kWritten));
   return *this;
 }
 
@@ -444,7 +471,15 @@ CommandDescription CommandLine::description() const {
 
 std::optional<int> CommandLine::run(int argc, const char* const* argv,
                                     const std::function<void()>& before) const {
-  app_->parse_complete_callback(before);
+  app_->parse_complete_callback([&] {
+    for (CLI::App* command = app_.get(); !command->get_subcommands().empty();) {
+      command = command->get_subcommands().front();
+      keep_inputs(given_options(*command));
+    }
+    if (before) {
+      before();
+    }
+  });
   if (!commands().empty()) {
     app_->require_subcommand(1);
   }
@@ -452,6 +487,9 @@ std::optional<int> CommandLine::run(int argc, const char* const* argv,
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return answer(*app_, error);
+  } catch (const UsageError& error) {
+    std::cerr << name_of_chosen(*app_) << ": " << error.what() << std::endl;
+    return kUsage;
   }
   return std::nullopt;
 }

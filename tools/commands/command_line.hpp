@@ -49,6 +49,9 @@ class CommandOption {
   CommandOption suggest(const std::vector<std::string>& words) const;
   /// Shells offer files. Those whose target is a path need not say so.
   CommandOption file() const;
+  /// It names a file to write. None of the files that the command reads is written over: then
+  /// nothing is begun.
+  CommandOption written() const;
   /// A number of bytes, with or without a unit.
   CommandOption bytes() const;
   /// One of those that all commands have: the help lists them last, and given_besides() knows them.

@@ -3,6 +3,8 @@
 #include "adit/tools/commands/command_loops.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <iostream>
 #include <memory>
@@ -40,6 +42,24 @@ MapKeyframe keyframe_of(const MapDatabase& map, int64_t id) {
   return *keyframe;
 }
 
+/// X Y Z YAW, m and degrees.
+Eigen::Isometry3d guess_of(const std::vector<double>& numbers) {
+  constexpr double kFarthest = 1e6;  // m
+  constexpr double kMostTurns = 36000.0;
+  constexpr std::array kNames = {"X", "Y", "Z", "YAW"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const double most = i < 3 ? kFarthest : kMostTurns;
+    if (!(std::abs(numbers[i]) <= most)) {
+      throw UsageError(fmt::format("--guess: {} is {}, and takes a number from {} to {} ({}).",
+                                   kNames[i], numbers[i], -most, most, i < 3 ? "m" : "degrees"));
+    }
+  }
+  Eigen::Isometry3d guess(
+      Eigen::AngleAxisd(numbers[3] / kDegreesPerRadian, Eigen::Vector3d::UnitZ()));
+  guess.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+  return guess;
+}
+
 /// The two keyframes, the earlier one first, and how they lie.
 LoopByHand loop_to_add(const MapDatabase& map, const LoopsCommandOptions& options) {
   LoopByHand loop{.from = options.add[0], .to = options.add[1]};
@@ -49,10 +69,7 @@ LoopByHand loop_to_add(const MapDatabase& map, const LoopsCommandOptions& option
     throw UsageError("--add: a loop leads from one keyframe to another one.");
   }
   if (!options.guess.empty()) {
-    Eigen::Isometry3d guess(
-        Eigen::AngleAxisd(options.guess[3] / kDegreesPerRadian, Eigen::Vector3d::UnitZ()));
-    guess.translation() = Eigen::Vector3d(options.guess[0], options.guess[1], options.guess[2]);
-    loop.guess = guess;
+    loop.guess = guess_of(options.guess);
   }
   if (loop.from > loop.to) {
     std::swap(loop.from, loop.to);
@@ -96,6 +113,9 @@ LoopVerification verified(const MapDatabase& map, const LoopByHand& loop,
 }
 
 LoopChange add(const LoopsCommandOptions& options) {
+  if (!options.guess.empty()) {
+    static_cast<void>(guess_of(options.guess));  // before anything is opened
+  }
   MapDatabase map(options.map, MapAccess::write);
   const LoopByHand loop = loop_to_add(map, options);
   const LoopVerification verdict = verified(map, loop, options);
@@ -147,10 +167,45 @@ LoopChange add(const LoopsCommandOptions& options) {
   return changed;
 }
 
+bool was_accepted(const LoopCandidate& candidate) {
+  return candidate.verdict == CandidateVerdict::accepted ||
+         candidate.verdict == CandidateVerdict::revoked;
+}
+
+/// By hand nothing decides but somebody; a loop that is in has votes, which have their own column.
 std::string reason_of(const LoopCandidate& candidate) {
-  return candidate.reason == to_string(LoopReason::none) || candidate.reason.empty()
-             ? "-"
-             : candidate.reason + fmt::format(" {:.3g}", candidate.figure);
+  const std::string& reason = candidate.reason;
+  if (reason == to_string(LoopReason::none) || reason.empty()) {
+    return "-";
+  }
+  const bool has_figure =
+      reason != to_string(LoopReason::by_hand) && reason != to_string(LoopReason::added_by_hand);
+  return has_figure ? reason + fmt::format(" {:.3g}", candidate.figure) : reason;
+}
+
+/// "appearance 0.72": how alike the two places are.
+std::string finding_of(const LoopCandidate& candidate) {
+  if (candidate.reason == to_string(LoopReason::added_by_hand)) {
+    return "hand";
+  }
+  return candidate.source == LoopSource::appearance
+             ? fmt::format("appearance {:.2f}", candidate.score)
+             : "position";
+}
+
+/// Where the pose comes from that the correction is of.
+std::string correction_from(const LoopCandidate& candidate) {
+  return candidate.reason == to_string(LoopReason::added_by_hand) ? "hand"
+         : candidate.source == LoopSource::appearance             ? "appearance"
+                                                                  : "graph";
+}
+
+/// Later keyframes that agree; known of what the vote has let in.
+std::optional<int> votes_of(const LoopCandidate& candidate) {
+  const bool voted = candidate.verdict == CandidateVerdict::accepted &&
+                     candidate.reason != to_string(LoopReason::added_by_hand) &&
+                     candidate.figure > 0.0;
+  return voted ? std::optional(static_cast<int>(std::lround(candidate.figure))) : std::nullopt;
 }
 
 std::string text_of(const LoopsCommandOptions& options,
@@ -166,18 +221,78 @@ std::string text_of(const LoopsCommandOptions& options,
     return text + options.map.string() +
            " has no loops: none were looked for (mapping.loops), or no place was seen again\n";
   }
-  text += "    id    from      to  verdict   overlap  correction           chi2  reason\n";
+  text +=
+      "    id    from      to  found by         verdict   overlap  correction          its chi2  "
+      "residual chi2  votes  reason\n";
   for (const LoopCandidate& one : candidates) {
-    text += fmt::format("{:6}  {:6}  {:6}  {:<8}  {:7.2f}  {:6.3f} m {:4.1f} deg  {:7.2f}  {}\n",
-                        one.id, one.from, one.to, to_string(one.verdict), one.overlap,
-                        one.correction, one.turn * kDegreesPerRadian, one.chi2, reason_of(one));
+    const bool has_edge = was_accepted(one);
+    const std::string chi2 = fmt::format("{:.2f}", one.chi2);
+    const std::optional<int> votes = votes_of(one);
+    text += fmt::format(
+        "{:6}  {:6}  {:6}  {:<15}  {:<8}  {:7.2f}  {:6.3f} m {:5.1f} deg  {:>8}  {:>13}  {:>5}  "
+        "{}\n",
+        one.id, one.from, one.to, finding_of(one), to_string(one.verdict), one.overlap,
+        one.correction, one.turn * kDegreesPerRadian, has_edge ? "-" : chi2, has_edge ? chi2 : "-",
+        votes ? std::to_string(*votes) : "-", reason_of(one));
   }
   const auto accepted =
       std::ranges::count(candidates, CandidateVerdict::accepted, &LoopCandidate::verdict);
   return text + fmt::format("{} candidates, {} accepted\n", candidates.size(), accepted);
 }
 
-std::string json_of(const LoopsCommandOptions& options,
+/// x y z (m) and quaternion x y z w.
+nlohmann::ordered_json json_of_pose(const Eigen::Isometry3d& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d& p = pose.translation();
+  return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+/// Standard deviations of the measured pose, [rho, phi]; of what has an edge.
+std::optional<Vector6d> sigmas_of(const LoopCandidate& candidate, const PoseGraph& graph) {
+  if (!was_accepted(candidate)) {
+    return std::nullopt;
+  }
+  const auto edge = std::ranges::find_if(graph.edges(), [&](const PoseEdge& one) {
+    return one.kind == EdgeKind::loop && one.from == candidate.from && one.to == candidate.to;
+  });
+  if (edge == graph.edges().end()) {
+    return std::nullopt;
+  }
+  return symmetric_inverse(edge->information).diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+nlohmann::ordered_json json_of(const LoopCandidate& one, const PoseGraph& graph) {
+  using Json = nlohmann::ordered_json;
+  const std::optional<Vector6d> sigmas = sigmas_of(one, graph);
+  const auto three = [&](int first) {
+    return sigmas ? Json{(*sigmas)[first], (*sigmas)[first + 1], (*sigmas)[first + 2]} : Json();
+  };
+  const bool has_edge = was_accepted(one);
+  const std::optional<int> votes = votes_of(one);
+  return {{"id", one.id},
+          {"from", one.from},
+          {"to", one.to},
+          {"verdict", std::string(to_string(one.verdict))},
+          {"reason", one.reason},
+          {"figure", one.figure},
+          {"votes", votes ? Json(*votes) : Json()},
+          {"T_from_to", json_of_pose(one.T_from_to)},
+          {"T_from_to_sigma_m", three(0)},
+          {"T_from_to_sigma_rad", three(3)},
+          {"overlap", one.overlap},
+          {"rms_m", one.rms},
+          {"correction_from", correction_from(one)},
+          {"correction_m", one.correction},
+          {"correction_rad", one.turn},
+          {"correction_chi2", has_edge ? Json() : Json(one.chi2)},
+          {"seen_through", one.through},
+          {"found_by", std::string(to_string(one.source))},
+          {"found_at", one.score},
+          {"residual_chi2", has_edge ? Json(one.chi2) : Json()},
+          {"chi2", one.chi2}};
+}
+
+std::string json_of(const LoopsCommandOptions& options, const MapDatabase& map,
                     const std::vector<LoopCandidate>& candidates,
                     const std::optional<LoopChange>& changed) {
   nlohmann::ordered_json json = {{"schema", "loops/1"}, {"map", options.map.string()}};
@@ -189,29 +304,24 @@ std::string json_of(const LoopsCommandOptions& options,
                        {"cost_after", changed->cost_after},
                        {"moved_m", changed->moved}};
   }
+  const PoseGraph graph = map.graph();
   json["loops"] = nlohmann::ordered_json::array();
   for (const LoopCandidate& one : candidates) {
-    json["loops"].push_back({{"id", one.id},
-                             {"from", one.from},
-                             {"to", one.to},
-                             {"verdict", std::string(to_string(one.verdict))},
-                             {"reason", one.reason},
-                             {"figure", one.figure},
-                             {"overlap", one.overlap},
-                             {"rms_m", one.rms},
-                             {"correction_m", one.correction},
-                             {"correction_rad", one.turn},
-                             {"seen_through", one.through},
-                             {"found_by", std::string(to_string(one.source))},
-                             {"found_at", one.score},
-                             {"chi2", one.chi2}});
+    json["loops"].push_back(json_of(one, graph));
   }
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string page_of(const MapDatabase& map) {
+std::string page_of(const MapDatabase& map, const std::vector<LoopCandidate>& candidates,
+                    const std::vector<int64_t>& shown) {
+  for (const int64_t id : shown) {
+    if (std::ranges::count(candidates, id, &LoopCandidate::id) == 0) {
+      throw UsageError("--show: the map has no loop " + std::to_string(id) +
+                       ". `adit loops MAP` lists those it has.");
+    }
+  }
   try {
-    return loops_page(map);
+    return loops_page(map, shown);
   } catch (const SubmapDamaged& damage) {
     throw damaged(map.file(), damage);
   }
@@ -227,6 +337,9 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
   if (!options.guess.empty() && !adds) {
     throw UsageError("--guess needs --add.");
   }
+  if (!options.show.empty() && !options.html) {
+    throw UsageError("--show needs --html.");
+  }
   std::optional<LoopChange> changed;
   if (options.revoke || options.restore || adds) {
     // A writer would make the file where there is none.
@@ -239,9 +352,9 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
   const MapDatabase map(options.map, MapAccess::read);
   const std::vector<LoopCandidate> candidates = map.candidates();
   if (options.html) {
-    write_text_file(*options.html, page_of(map));
+    write_text_file(*options.html, page_of(map, candidates, options.show));
   }
-  out << (options.json ? json_of(options, candidates, changed)
+  out << (options.json ? json_of(options, map, candidates, changed)
                        : text_of(options, candidates, changed));
   if (options.html && !options.json) {
     out << "look at  " << options.html->string() << "\n";
@@ -268,6 +381,7 @@ void add_loops_command(Command app, std::function<void(int)> done) {
       "Examples:\n"
       "  adit loops out/map.adit\n"
       "  adit loops out/map.adit --html loops.html\n"
+      "  adit loops out/map.adit --html loops.html --show 17 --show 18\n"
       "  adit loops out/map.adit --revoke 17\n"
       "  adit loops out/map.adit --add 3 118 --guess 1.5 0 0 170\n"
       "  adit loops out/map.adit --json\n\n"
@@ -286,7 +400,11 @@ void add_loops_command(Command app, std::function<void(int)> done) {
   command
       .option("--html", options->html,
               "Write a page that shows each loop: its submaps upon each other, before and after")
-      .value_name("FILE");
+      .value_name("FILE")
+      .written();
+  command.option("--show", options->show, "Draw this loop on the page; may be given again")
+      .one_value_each()
+      .value_name("ID");
   add_device_options(command, options->device);
   command.flag("--json", options->json, "Print JSON instead of text");
   command.action(

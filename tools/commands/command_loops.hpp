@@ -25,6 +25,7 @@ struct LoopsCommandOptions {
   std::vector<double> guess{};       ///< how they lie: x, y, z (m), yaw (degrees), or nothing
   DeviceOptions device{};            ///< that verifies it
   std::optional<std::filesystem::path> html{};  ///< a page that shows them
+  std::vector<int64_t> show{};                  ///< those that it draws, or nothing: an even choice
   bool json = false;
 };
 

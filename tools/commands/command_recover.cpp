@@ -91,7 +91,8 @@ void add_recover_command(Command app, std::function<void(int)> done) {
   command.option("map", options->map, "The map").required().value_name("MAP");
   command.option("-o,--output", options->output, "The map to write; must not be there yet")
       .required()
-      .value_name("NEW");
+      .value_name("NEW")
+      .written();
   command.action(
       [options, done = std::move(done)] { done(recover_command(*options, std::cout, std::cerr)); });
 }

@@ -168,7 +168,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
               "The recording to write; the truth comes "
               "beside it")
       .required()
-      .value_name("FILE.mcap");
+      .value_name("FILE.mcap")
+      .written();
   command.option("--sensor", simulation.lidars.front().sensor, "Range sensor")
       .value_name("NAME")
       .suggest(range_sensor_names())

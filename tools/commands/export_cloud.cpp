@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -18,6 +17,7 @@
 #include "adit/tools/maps/tiled_cloud.hpp"
 #include "adit/tools/maps/trajectory_products.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
@@ -111,10 +111,7 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   const fs::path path = options.recording
                             ? *options.recording
                             : fs::path(provenance(sessions.front(), "recording").value_or(""));
-  std::error_code ignored;
-  if (fs::equivalent(*options.output, path, ignored)) {
-    throw UsageError("the recording cannot be written over. Name another file with -o.");
-  }
+  keep_input("-o", *options.output, path);
   const std::unique_ptr<Recording> recording = open_recording(path, settings);
   const bool same = is_recording_of(sessions.front(), path);
   if (!same && !options.recording) {

@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -125,8 +126,7 @@ WantedRun wanted_run(const RunCommandOptions& given) {
             .continued = earlier};
   }
   if (given.from) {
-    std::error_code unknown;
-    if (std::filesystem::equivalent(*given.from, RunFiles(given.output).database, unknown)) {
+    if (same_file(*given.from, RunFiles(given.output).database)) {
       throw UsageError("-o " + given.output.string() + ": the new map would replace " +
                        given.from->string() + ", which it is made from. Name another folder.");
     }

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
@@ -35,8 +36,10 @@ header { top: 0; } h1 { font-size: 1.05em; margin: 0 0 0.1em; overflow-wrap: any
 label { margin-right: 0.8em; white-space: nowrap; } input[type=range] { width: 6em; vertical-align: middle; }
 aside { bottom: 0; border-radius: 0 6px 0 0; } dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 1em; margin: 0.3em 0; }
 dl[hidden] { display: none; } dt { color: #666; } dd { margin: 0; } small { color: #666; } #problem { color: #a4262c; }
+details { position: fixed; top: 0; right: 0; max-width: min(46em, calc(100vw - 2em)); max-height: 100vh; overflow: auto; box-sizing: border-box; padding: 0.5em 0.9em; background: #fffe; border-radius: 0 0 0 6px; }
+summary { cursor: pointer; } details svg { max-width: 100%; height: auto; }
 #scale { white-space: nowrap; } #ramp { display: inline-block; width: 6em; height: 0.7em; border-radius: 2px; }
-@media (prefers-color-scheme: dark) { body { color: #eceff3; background: #15181c; } header, aside { background: #15181cdd; } dt, small { color: #a7adb5; } #problem { color: #f2848a; } }
+@media (prefers-color-scheme: dark) { body { color: #eceff3; background: #15181c; } header, aside, details { background: #15181cee; } dt, small { color: #a7adb5; } #problem { color: #f2848a; } }
 )";
 
 constexpr std::string_view kBody = R"(<canvas id="view"></canvas>
@@ -44,7 +47,7 @@ constexpr std::string_view kBody = R"(<canvas id="view"></canvas>
 <p><label>colour <select id="colour"><option>height</option><option>intensity</option><option>time</option><option>uncertainty</option></select></label> <small id="scale"><span id="least"></span> <i id="ramp"></i> <span id="most"></span></small></p>
 <p><label><input type="checkbox" id="points" checked> points</label><label>size <input type="range" id="size" min="1" max="8" step="0.5" value="2"></label>
 <button id="above">from above</button> <button id="reset">reset</button></p><p id="problem"></p></header>
-<aside><dl id="told" hidden></dl><p>trajectory: <span id="states"></span></p><small>Drag turns, shift-drag shifts, the wheel zooms; click the trajectory for its sweep.</small></aside>
+@panel@<aside><dl id="told" hidden></dl><p>trajectory: <span id="states"></span></p><small>Drag turns, shift-drag shifts, the wheel zooms; click the trajectory for its sweep.</small></aside>
 )";
 
 /// A number that JSON can hold; null else.
@@ -109,6 +112,18 @@ std::string replaced(std::string text, std::string_view what, const std::string&
   return text.replace(at, what.size(), by);
 }
 
+std::string panel_of(const MapPage& page) {
+  return page.section.empty() ? ""
+                              : "<details id=\"panel\"><summary>" + escape_markup(page.section) +
+                                    "</summary>\n" + page.details + "</details>\n";
+}
+
+std::string body_of(const MapPage& page) {
+  std::string body = replaced(std::string(kBody), "@panel@", panel_of(page));
+  body = replaced(std::move(body), "@headline@", escape_markup(page.headline));
+  return replaced(std::move(body), "@title@", escape_markup(page.title));
+}
+
 }  // namespace
 
 std::string map_page(const MapPage& page) {
@@ -136,9 +151,7 @@ std::string map_page(const MapPage& page) {
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
          "<meta name=\"generator\" content=\"" +
          std::string(kGenerator) + "\"><title>" + escape_markup(page.title) + "</title><style>" +
-         std::string(kMapStyle) + "</style></head><body>\n" +
-         replaced(replaced(std::string(kBody), "@title@", escape_markup(page.title)), "@headline@",
-                  escape_markup(page.headline)) +
+         std::string(kMapStyle) + "</style></head><body>\n" + body_of(page) +
          "<script type=\"application/json\" id=\"data\">" + json + "</script>\n<script>\n" +
          std::string(map_page_script()) + "</script></body></html>\n";
 }

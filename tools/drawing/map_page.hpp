@@ -31,7 +31,9 @@ struct PagePose {
 
 struct MapPage {
   std::string title;
-  std::string headline;  ///< one line under it
+  std::string headline;   ///< one line under it
+  std::string section{};  ///< what a panel at the side opens with; without it there is none
+  std::string details{};  ///< what it shows then, HTML
   std::vector<PagePoint> points;
   std::vector<PagePose> poses;
 };

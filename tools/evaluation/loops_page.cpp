@@ -4,21 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include <fmt/core.h>
 
-#include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/loop_reason.hpp"
 #include "adit/slam/mapping/submap_cache.hpp"
 #include "adit/tools/drawing/html_page.hpp"
-#include "adit/tools/drawing/map_picture.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/overlay_picture.hpp"
+#include "adit/tools/maps/loop_drift.hpp"
+#include "adit/tools/maps/loops_picture.hpp"
 #include "adit/tools/support/base64.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -27,57 +27,8 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 60;  // loops of a verdict
 constexpr double kSteep = 0.5;          // of a wall's normal, upwards
-
-/// A node where the odometry alone has it, from the first node of its chain.
-struct ChainPlace {
-  std::size_t chain = 0;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  double path = 0.0;  ///< m, along the edges
-};
-
-std::map<NodeId, ChainPlace> chain_places(const PoseGraph& graph) {
-  std::map<NodeId, ChainPlace> places;
-  std::size_t chains = 0;
-  for (const PoseNode& node : graph.nodes()) {
-    const auto edges = graph.edges_of(node.id);
-    const auto before = std::ranges::find_if(edges, [&](std::size_t i) {
-      const PoseEdge& edge = graph.edges()[i];
-      return edge.kind == EdgeKind::odometry && edge.to == node.id && places.contains(edge.from);
-    });
-    if (before == edges.end()) {
-      places[node.id] = {.chain = chains++};
-      continue;
-    }
-    const PoseEdge& edge = graph.edges()[*before];
-    const ChainPlace& from = places.at(edge.from);
-    places[node.id] = {.chain = from.chain,
-                       .pose = from.pose * edge.T_from_to,
-                       .path = from.path + edge.T_from_to.translation().norm()};
-  }
-  return places;
-}
-
-/// What the odometry alone says about a loop.
-struct OdometrySays {
-  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
-  double path = 0.0;   ///< m between the two
-  double drift = 0.0;  ///< m, that the loop differs by
-  double turn = 0.0;   ///< rad
-};
-
-std::optional<OdometrySays> odometry_of(const std::map<NodeId, ChainPlace>& places,
-                                        const LoopCandidate& loop) {
-  const ChainPlace& from = places.at(loop.from);
-  const ChainPlace& to = places.at(loop.to);
-  if (from.chain != to.chain) {
-    return std::nullopt;
-  }
-  OdometrySays says{.T_from_to = from.pose.inverse() * to.pose, .path = to.path - from.path};
-  const Eigen::Isometry3d off = says.T_from_to.inverse() * loop.T_from_to;
-  says.drift = off.translation().norm();
-  says.turn = rotation_angle(off.linear());
-  return says;
-}
+constexpr double kSamePlace = 0.02;     // m, that drawings do not show
+constexpr double kSameTurn = 0.003;     // rad
 
 OverlayCloud cloud_of(const KeyframeSubmap& submap) {
   OverlayCloud cloud;
@@ -105,12 +56,15 @@ std::string reason_of(const LoopCandidate& loop) {
 }
 
 /// A loop in words.
-std::string words_about(const LoopCandidate& loop, const std::optional<OdometrySays>& odometry) {
+std::string words_about(const LoopCandidate& loop, const LoopDrift& drift) {
   std::string words = fmt::format("overlap {:.0f} %, rms {:.3f} m", 100.0 * loop.overlap, loop.rms);
-  if (odometry) {
+  if (drift.odometry) {
     words += fmt::format("; after {:.0f} m the odometry alone is {:.3f} m and {:.2f}° off it",
-                         odometry->path, odometry->drift, odometry->turn * kDegreesPerRadian);
+                         drift.path, drift.odometry->metres,
+                         drift.odometry->radians * kDegreesPerRadian);
   }
+  words += fmt::format("; the map is {:.3f} m and {:.2f}° off it", drift.map.metres,
+                       drift.map.radians * kDegreesPerRadian);
   if (loop.verdict == CandidateVerdict::accepted) {
     words += fmt::format("; its edge is left with a chi squared of {:.2f}", loop.chi2);
   }
@@ -124,103 +78,93 @@ std::string heading_of(const LoopCandidate& loop) {
          (reason.empty() ? "" : ": " + reason);
 }
 
-std::string drawing_of(const LoopCandidate& loop, const std::optional<OdometrySays>& odometry,
-                       SubmapCache& submaps) {
+/// Before, after, and the measured pose where the map does not have it.
+std::string drawing_of(const LoopCandidate& loop, const LoopDrift& drift, SubmapCache& submaps) {
   const OverlayCloud from = cloud_of(*submaps.get(loop.from));
   const OverlayCloud to = cloud_of(*submaps.get(loop.to));
   const OverlayView view = view_of(from, to, loop.T_from_to);
   std::string text = "<h3 id=\"loop" + std::to_string(loop.id) + "\">" +
                      escape_markup(heading_of(loop)) + "</h3><p>" +
-                     escape_markup(words_about(loop, odometry)) + "</p><div class=\"pair\">";
-  if (odometry) {
-    text += picture(overlay_picture(from, to, odometry->T_from_to, view),
-                    "where the odometry alone has them");
+                     escape_markup(words_about(loop, drift)) + "</p><div class=\"pair\">";
+  if (drift.odometry) {
+    text += picture(overlay_picture(from, to, drift.odometry->T_from_to, view),
+                    "before: where the odometry alone has them");
+  }
+  text += picture(overlay_picture(from, to, drift.map.T_from_to, view),
+                  "after: where the map has them");
+  if (drift.map.metres > kSamePlace || drift.map.radians > kSameTurn) {
+    text += picture(overlay_picture(from, to, loop.T_from_to, view), "where they were aligned");
   }
   return text +
-         picture(overlay_picture(from, to, loop.T_from_to, view), "where they were aligned") +
          fmt::format("</div><p><small>from above {:.0f} m wide, below from the side</small></p>\n",
                      2.0F * view.reach);
 }
 
+std::string off_by(const PoseBeside& pose) {
+  return fmt::format("{:.3f} m, {:.2f}°", pose.metres, pose.radians * kDegreesPerRadian);
+}
+
 std::string table_of(std::span<const LoopCandidate> loops,
-                     const std::map<NodeId, ChainPlace>& places) {
+                     const std::map<NodeId, ChainPlace>& places, const PoseGraph& graph) {
   std::string text =
       "<div class=\"scroll\"><table><tr><th>loop</th><th>from</th><th>to</th><th class=\"left\">"
-      "verdict</th><th>overlap</th><th>rms (m)</th><th>odometry off by</th><th>chi squared</th>"
+      "verdict</th><th>overlap</th><th>rms (m)</th><th>odometry off by</th>"
+      "<th>map off by</th><th>chi squared</th>"
       "<th class=\"left\">reason</th></tr>\n";
   for (const LoopCandidate& loop : loops) {
-    const std::optional<OdometrySays> odometry = odometry_of(places, loop);
+    const LoopDrift drift = drift_of(loop, places, graph);
     text += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"left\">{}</td><td>{:.2f}</td>"
-        "<td>{:.3f}</td><td>{}</td><td>{:.2f}</td><td class=\"left\">{}</td></tr>\n",
+        "<td>{:.3f}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td class=\"left\">{}</td></tr>\n",
         loop.id, loop.from, loop.to, to_string(loop.verdict), loop.overlap, loop.rms,
-        odometry
-            ? fmt::format("{:.3f} m, {:.2f}°", odometry->drift, odometry->turn * kDegreesPerRadian)
-            : "-",
-        loop.chi2, escape_markup(reason_of(loop)));
+        drift.odometry ? off_by(*drift.odometry) : "-", off_by(drift.map), loop.chi2,
+        escape_markup(reason_of(loop)));
   }
   return text + "</table></div>\n";
 }
 
-/// How many there are with which reason.
-std::string summary_of(std::span<const LoopCandidate> loops) {
-  std::map<std::string, std::size_t> counts;
-  for (const LoopCandidate& loop : loops) {
-    const bool plain = loop.reason.empty() || loop.reason == to_string(LoopReason::none);
-    ++counts[std::string(to_string(loop.verdict)) + (plain ? "" : ": " + loop.reason)];
+/// So many of them, evenly chosen.
+std::vector<LoopCandidate> evenly(const std::vector<LoopCandidate>& loops, std::size_t most) {
+  const std::size_t count = std::min(loops.size(), most);
+  std::vector<LoopCandidate> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(loops[i * loops.size() / count]);
   }
-  std::string text = "<dl>";
-  for (const auto& [what, count] : counts) {
-    text += fmt::format("<dt>{}</dt><dd>{}</dd>", escape_markup(what), count);
-  }
-  return text + "</dl>\n";
+  return chosen;
 }
 
-std::string graph_from_above(const MapDatabase& map, const PoseGraph& graph,
-                             std::span<const LoopCandidate> loops) {
-  PictureGraph drawn;
-  std::vector<StampedPose> path;
-  for (const MapKeyframe& keyframe : map.keyframes()) {
-    drawn.keyframes.emplace_back(keyframe.T_map_keyframe.translation().head<2>());
-    path.push_back({keyframe.stamp, keyframe.T_map_keyframe});
-  }
-  for (const LoopCandidate& loop : loops) {
-    if (loop.verdict == CandidateVerdict::accepted || loop.verdict == CandidateVerdict::revoked) {
-      const auto place = [&](NodeId id) -> Eigen::Vector2d {
-        return graph.nodes()[graph.index_of(id)].T_map_node.translation().head<2>();
-      };
-      drawn.loops.push_back({.from = place(loop.from),
-                             .to = place(loop.to),
-                             .revoked = loop.verdict == CandidateVerdict::revoked});
-    }
-  }
-  return map_picture({}, path, "Keyframes and loops from above", drawn);
+bool is_among(std::span<const int64_t> ids, int64_t id) {
+  return std::ranges::count(ids, id) > 0;
 }
 
-/// At most kMostDrawn of a verdict, evenly chosen.
+/// Those of a verdict: the ones that were asked for, or at most kMostDrawn.
 std::string drawings_of(std::span<const LoopCandidate> loops, CandidateVerdict verdict,
-                        const std::map<NodeId, ChainPlace>& places, SubmapCache& submaps) {
+                        std::span<const int64_t> shown, const std::map<NodeId, ChainPlace>& places,
+                        const PoseGraph& graph, SubmapCache& submaps) {
   std::vector<LoopCandidate> those;
-  std::ranges::copy_if(loops, std::back_inserter(those),
-                       [&](const LoopCandidate& loop) { return loop.verdict == verdict; });
+  std::ranges::copy_if(loops, std::back_inserter(those), [&](const LoopCandidate& loop) {
+    return loop.verdict == verdict && (shown.empty() || is_among(shown, loop.id));
+  });
   if (those.empty()) {
     return "";
   }
   std::string text = fmt::format("<h2>{} {}</h2>\n", those.size(), to_string(verdict));
-  const std::size_t drawn = std::min(those.size(), kMostDrawn);
-  if (drawn < those.size()) {
-    text += fmt::format("<p>{} of them are drawn, evenly chosen.</p>\n", drawn);
+  const std::size_t most = shown.empty() ? kMostDrawn : those.size();
+  if (most < those.size()) {
+    text += fmt::format(
+        "<p>{} of them are drawn, evenly chosen; `adit loops MAP --html FILE --show ID` draws "
+        "others.</p>\n",
+        most);
   }
-  for (std::size_t i = 0; i < drawn; ++i) {
-    const LoopCandidate& loop = those[i * those.size() / drawn];
-    text += drawing_of(loop, odometry_of(places, loop), submaps);
+  for (const LoopCandidate& loop : evenly(those, most)) {
+    text += drawing_of(loop, drift_of(loop, places, graph), submaps);
   }
   return text;
 }
 
 }  // namespace
 
-std::string loops_page(const MapDatabase& map) {
+std::string loops_page(const MapDatabase& map, std::span<const int64_t> shown) {
   const std::vector<LoopCandidate> loops = map.candidates();
   const PoseGraph graph = map.graph();
   const std::map<NodeId, ChainPlace> places = chain_places(graph);
@@ -244,16 +188,15 @@ std::string loops_page(const MapDatabase& map) {
                          "<p>There are none: they were not looked for (mapping.loops), or no "
                          "place was seen again.</p>\n");
   }
-  body += summary_of(loops) + graph_from_above(map, graph, loops);
+  body += loop_counts(loops) + loops_from_above(map, graph, loops);
   body +=
-      "<p>In each pair of pictures the earlier submap is blue and the later one orange; where "
-      "both have something it is dark. They lie right where walls and ground are thin and "
-      "dark.</p>\n";
+      "<p>In each picture the earlier submap is blue and the later one orange; where both have "
+      "something it is dark. They lie right where walls and ground are thin and dark.</p>\n";
   for (const CandidateVerdict verdict : {CandidateVerdict::accepted, CandidateVerdict::revoked,
                                          CandidateVerdict::rejected, CandidateVerdict::waiting}) {
-    body += drawings_of(loops, verdict, places, submaps);
+    body += drawings_of(loops, verdict, shown, places, graph, submaps);
   }
-  body += "<h2>All candidates</h2>\n" + table_of(loops, places);
+  body += "<h2>All candidates</h2>\n" + table_of(loops, places, graph);
   return html_page("Loops of " + name, body);
 }
 

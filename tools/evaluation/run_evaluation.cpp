@@ -8,6 +8,7 @@
 
 #include "adit/tools/evaluation/evaluation_report.hpp"
 #include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/run_loops_section.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
@@ -31,8 +32,11 @@ RunEvaluation evaluate_run(const std::filesystem::path& folder, const Trajectory
 }
 
 void write_page(const RunEvaluation& evaluation, const std::filesystem::path& page) {
+  const LoopsSection loops = run_loops_section(RunFiles(evaluation.folder));
+  const std::string section =
+      loops.headline.empty() ? "" : "<h2>" + loops.headline + "</h2>\n" + loops.body;
   write_text_file(page, run_page(evaluation.folder.string(), evaluation.report, evaluation.review,
-                                 evaluation.truth ? &*evaluation.truth : nullptr));
+                                 evaluation.truth ? &*evaluation.truth : nullptr, section));
 }
 
 nlohmann::ordered_json to_json(const RunEvaluation& evaluation,

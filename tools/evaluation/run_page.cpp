@@ -242,7 +242,7 @@ std::string draw_consistency(const RunReview& review, const PoseConsistency& con
 }
 
 std::string run_page(const std::string& title, const std::string& report, const RunReview& review,
-                     const RunTruth* truth) {
+                     const RunTruth* truth, const std::string& more) {
   std::string body = "<h1>" + escape_markup(title) + "</h1>\n" + html_text(report);
   if (truth != nullptr) {
     body += "<h2>Against the truth</h2>\n" + html_drawing([&](double width) {
@@ -255,7 +255,7 @@ std::string run_page(const std::string& title, const std::string& report, const 
               });
     }
   }
-  return html_page(title, body + "<h2>Over time</h2>\n" +
+  return html_page(title, body + more + "<h2>Over time</h2>\n" +
                               html_drawing([&](double width) { return draw_run(review, width); }));
 }
 

@@ -26,8 +26,9 @@ std::string draw_consistency(const RunReview& review, const PoseConsistency& con
                              double width);
 
 /// Both as an HTML page that needs nothing else, with what there is to say in words and, where
-/// there is a truth, the trajectories and their error. `report` is the text of `adit evaluate`.
+/// there is a truth, the trajectories and their error. `report` is the text of `adit evaluate`;
+/// `more`, which is HTML, stands before what goes over time.
 std::string run_page(const std::string& title, const std::string& report, const RunReview& review,
-                     const RunTruth* truth);
+                     const RunTruth* truth, const std::string& more = {});
 
 }  // namespace adit

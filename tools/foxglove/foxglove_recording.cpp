@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "adit/tools/clouds/ply_visit.hpp"
@@ -18,6 +17,7 @@
 #include "adit/tools/foxglove/sweep_message.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/maps/tiled_cloud.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/results/page_cloud.hpp"
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -269,14 +269,14 @@ LayoutSubject subject_of(const ShownRun& run) {
   return subject;
 }
 
+fs::path layout_beside(fs::path output) {
+  return output.replace_extension(".foxglove.json");
+}
+
 void check_output(const FoxgloveOptions& options, const ShownRun& run) {
   for (const fs::path& kept : {options.input, run.map, run.cloud, run.recording}) {
-    std::error_code unknown;
-    if (!kept.empty() && fs::equivalent(kept, options.output, unknown)) {
-      throw UsageError(
-          options.output.string() + ": it would be written over " +
-          (kept == run.recording ? "the recording that was mapped" : "what is to be converted") +
-          ". Name another OUT.");
+    for (const fs::path& written : {options.output, layout_beside(options.output)}) {
+      keep_input("OUT", written, kept);
     }
   }
 }
@@ -301,9 +301,8 @@ FoxgloveReport write_foxglove(const FoxgloveOptions& options, std::ostream& prog
     bar.update(i + 1, 0);
   }
   bar.finish();
-  FoxgloveReport report{.topics = topics.close(), .layout = options.output};
+  FoxgloveReport report{.topics = topics.close(), .layout = layout_beside(options.output)};
   draft.take_its_place();
-  report.layout.replace_extension(".foxglove.json");
   write_text_file(report.layout, foxglove_layout(subject_of(run)));
   return report;
 }

@@ -85,7 +85,6 @@ LoopChange change_loop(const std::filesystem::path& file, int64_t id, LoopAction
       find(candidates, id, revoke ? CandidateVerdict::accepted : CandidateVerdict::revoked);
   candidate.verdict = revoke ? CandidateVerdict::revoked : CandidateVerdict::accepted;
   candidate.reason = to_string(revoke ? LoopReason::by_hand : LoopReason::none);
-  candidate.figure = 0.0;
 
   PoseGraph graph = map.graph();
   const std::size_t edge = edge_of(graph, candidate, file);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/results/high_rate_output.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -27,12 +28,23 @@ namespace fs = std::filesystem;
 /// What `evaluate` and `demo` add to a run's folder by themselves.
 constexpr std::array kDrawings = {"evaluation.html", "evaluation.svg", "map.svg"};
 
-/// Every file that a run can write, but summary.json.
+void remove_file(const fs::path& file) {
+  std::error_code error;
+  fs::remove(file, error);
+  if (error) {
+    throw OutputError(file, file.string() + ": the earlier run's file cannot be removed: " +
+                                error.message() + ". Choose another folder with -o.");
+  }
+}
+
+}  // namespace
+
 std::vector<fs::path> result_files(const fs::path& folder) {
   const RunFiles files(folder);
   const HighRateFiles high_rate(folder);
   // A map that was written to until its process was killed has a log beside it.
-  return {files.tum,
+  return {files.summary,
+          files.tum,
           files.kitti,
           files.sweeps,
           files.map,
@@ -46,23 +58,6 @@ std::vector<fs::path> result_files(const fs::path& folder) {
           high_rate.csv};
 }
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code unknown;
-  return fs::equivalent(a, b, unknown) && !unknown;
-}
-
-/// Whether the folder, which need not exist yet, is the other path or lies below it.
-bool is_within(const fs::path& folder, const fs::path& other) {
-  std::error_code unknown;
-  fs::path at = fs::weakly_canonical(fs::absolute(folder), unknown);
-  for (; at.has_relative_path(); at = at.parent_path()) {
-    if (same_file(at, other)) {
-      return true;
-    }
-  }
-  return same_file(at, other);
-}
-
 bool drawn_by_us(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string head(512, '\0');
@@ -70,17 +65,6 @@ bool drawn_by_us(const fs::path& file) {
   return head.find("name=\"generator\" content=\"" + std::string(kGenerator)) != head.npos ||
          head.find("data-generator=\"" + std::string(kGenerator)) != head.npos;
 }
-
-void remove_file(const fs::path& file) {
-  std::error_code error;
-  fs::remove(file, error);
-  if (error) {
-    throw OutputError(file, file.string() + ": the earlier run's file cannot be removed: " +
-                                error.message() + ". Choose another folder with -o.");
-  }
-}
-
-}  // namespace
 
 bool holds_a_run(const fs::path& folder) {
   const fs::path summary = RunFiles(folder).summary;
@@ -103,8 +87,7 @@ bool check_output_folder(const fs::path& recording, const fs::path& folder) {
                      ": the results would be written into the recording " + recording.string() +
                      ". Name a folder outside of it.");
   }
-  std::vector<fs::path> files = result_files(folder);
-  files.push_back(RunFiles(folder).summary);
+  const std::vector<fs::path> files = result_files(folder);
   const auto input =
       std::ranges::find_if(files, [&](const fs::path& file) { return same_file(file, recording); });
   if (input != files.end()) {
@@ -131,7 +114,8 @@ void remove_earlier_run(const fs::path& folder, EarlierMap map) {
   const std::string database = RunFiles(folder).database.string();
   for (const fs::path& file : result_files(folder)) {
     std::error_code unknown;
-    const bool kept = map == EarlierMap::keep && file.string().starts_with(database);
+    const bool kept = file == RunFiles(folder).summary ||
+                      (map == EarlierMap::keep && file.string().starts_with(database));
     if (!kept && !fs::is_directory(file, unknown)) {
       remove_file(file);
     }

@@ -6,9 +6,15 @@
 #pragma once
 
 #include <filesystem>
-#include <string_view>
+#include <vector>
 
 namespace adit {
+
+/// Every file that a run can write into its folder.
+std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder);
+
+/// Whether the file is a page or a drawing that adit made.
+bool drawn_by_us(const std::filesystem::path& file);
 
 /// Whether a run of adit wrote the folder: its summary.json names the program and how it ended.
 bool holds_a_run(const std::filesystem::path& folder);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -12,6 +13,7 @@
 #include "adit/tools/drawing/map_page.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/run/run_loops_section.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {
@@ -62,6 +64,9 @@ void write_map_page(const RunFiles& files, const PageCloud& cloud, const std::st
   page.headline =
       fmt::format("{} sweeps, {:.1f} m, {:.1f} s; {} points", page.poses.size(), length,
                   page.poses.empty() ? 0.0 : page.poses.back().time, page.points.size());
+  LoopsSection loops = run_loops_section(files);
+  page.section = std::move(loops.headline);
+  page.details = std::move(loops.body);
   write_text_file(files.page, map_page(page));
 }
 
