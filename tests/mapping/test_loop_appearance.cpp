@@ -314,6 +314,21 @@ TEST(DriftClaim, EndsWhereEarlierLoopsTieTheStretches) {
   EXPECT_FALSE(drift_explains(graph, 9, again + 9, up(-2.0))) << "tied a metre before";
 }
 
+// The way between the stretches is 2 m long where they part, and 2 m longer with each keyframe.
+TEST(DriftClaim, HoldsForEachPairOfALongStretch) {
+  constexpr NodeId kLength = 300;
+  PoseGraph graph = test::line(kLength);
+  for (NodeId i = 0; i < kLength; ++i) {
+    const NodeId id = 1000 + i;
+    graph.add_node({.id = id, .T_map_node = step(static_cast<double>(i))});
+    graph.add_edge(i == 0 ? edge(0, id, up(0.0)) : edge(id - 1, id, step(1.0)));
+  }
+  for (const NodeId i : {2, 40, 299}) {
+    EXPECT_TRUE(drift_explains(graph, i, 1000 + i, up(-1.09))) << "0.5 m and 15 % of 4 m";
+    EXPECT_FALSE(drift_explains(graph, i, 1000 + i, up(-1.11))) << i;
+  }
+}
+
 TEST(ShownClimb, TellsDriftFromAFloorLikeTheOneBelow) {
   const auto claim = [](double climb, double way) {
     return ClaimedClimb{.climb = climb, .length = way, .way = way};
