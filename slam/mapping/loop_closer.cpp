@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "adit/slam/core/median.hpp"
@@ -77,10 +78,12 @@ void join_parts(PoseGraph& graph, const LoopHypothesis& loop) {
   graph.set_poses(poses);
 }
 
-std::vector<LoopHypothesis> loops_of(const auto& pending) {
+/// The last `most` of them.
+std::vector<LoopHypothesis> loops_of(const auto& pending,
+                                     std::size_t most = std::numeric_limits<std::size_t>::max()) {
   std::vector<LoopHypothesis> loops;
-  for (const PendingLoop& one : pending) {
-    loops.push_back(one.loop);
+  for (std::size_t i = pending.size() - std::min(pending.size(), most); i < pending.size(); ++i) {
+    loops.push_back(pending[i].loop);
   }
   return loops;
 }
@@ -233,7 +236,7 @@ void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
   }
   while (!queue_.empty() && queue_.front().loop.to <= oldest) {
     const std::vector<LoopHypothesis> waiting = loops_of(queue_);
-    const std::vector<LoopHypothesis> accepted = loops_of(accepted_);
+    const std::vector<LoopHypothesis> accepted = loops_of(accepted_, voting_.most_asked);
     const LoopVote vote_ =
         vote(graph, waiting, {accepted, refuted_, climb_}, false, voting_).front();
     if (vote_.unexpected && vote_.objection == LoopObjection::odometry) {
@@ -254,9 +257,17 @@ void LoopCloser::refuse(PendingLoop& pending, LoopReason reason, double figure, 
   change.records.push_back(pending.record);
 }
 
+void LoopCloser::take_back(PendingLoop& accepted, LoopReason reason, double figure,
+                           Change& change) {
+  refuse(accepted, reason, figure, change);
+  accepted.record.verdict = change.records.back().verdict = CandidateVerdict::revoked;
+  report_.accepted_by_appearance -= accepted.loop.source == LoopSource::appearance ? 1U : 0U;
+  --report_.accepted;
+}
+
 std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Change& change) {
   const std::vector<LoopHypothesis> waiting = loops_of(queue_);
-  const std::vector<LoopHypothesis> before = loops_of(accepted_);
+  const std::vector<LoopHypothesis> before = loops_of(accepted_, voting_.most_asked);
   const std::vector<LoopVote> votes =
       vote(graph, waiting, {before, refuted_, climb_}, last_chance, voting_);
   for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -303,30 +314,32 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
     graph.set_poses(optimized.poses);
     graph.set_T_world_map(optimized.T_world_map);
     change.moved = true;
+    std::map<std::pair<NodeId, NodeId>, PendingLoop*> owners;
+    for (PendingLoop& one : accepted_) {
+      owners.emplace(std::pair(one.loop.from, one.loop.to), &one);
+    }
     for (std::size_t i = 0; i < graph.edges().size(); ++i) {
       const PoseEdge& edge = graph.edges()[i];
       const std::optional<EdgeResult>& result = optimized.report.edges[i];
       if (edge.kind != EdgeKind::loop || !result) {
         continue;
       }
-      const auto owner = std::ranges::find_if(accepted_, [&](const PendingLoop& one) {
-        return one.loop.from == edge.from && one.loop.to == edge.to;
-      });
-      if (owner == accepted_.end()) {
+      const auto owner = owners.find({edge.from, edge.to});
+      if (owner == owners.end()) {
         continue;
       }
-      owner->record.chi2 = result->chi2;
+      PendingLoop& loop = *owner->second;
+      loop.record.chi2 = result->chi2;
       if (result->chi2 > kLoopReview) {
         graph.set_status(i, EdgeStatus::revoked);
         change.revoked.push_back(i);
-        refuse(*owner, LoopReason::review, result->chi2, change);
-        change.records.back().verdict = CandidateVerdict::revoked;
-        report_.accepted_by_appearance -= owner->loop.source == LoopSource::appearance ? 1U : 0U;
-        accepted_.erase(owner);
-        --report_.accepted;
+        take_back(loop, LoopReason::review, result->chi2, change);
         again = true;
       }
     }
+    std::erase_if(accepted_, [](const PendingLoop& one) {
+      return one.record.verdict == CandidateVerdict::revoked;
+    });
   }
   for (const PendingLoop& one : accepted_) {
     if (std::ranges::find(let_in, one.loop.id) != let_in.end()) {

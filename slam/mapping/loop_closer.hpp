@@ -83,6 +83,7 @@ class LoopCloser {
   std::vector<int64_t> let_in(PoseGraph& graph, bool last_chance, Change& change);
   void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
+  void take_back(PendingLoop& accepted, LoopReason reason, double figure, Change& change);
 
   SubmapCache submaps_;
   PlaceIndex index_;
