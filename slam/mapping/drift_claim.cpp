@@ -135,10 +135,6 @@ double angle_about_z(const Eigen::Matrix3d& rotation) {
   return std::abs(std::atan2(rotation(1, 0), rotation(0, 0)));
 }
 
-double tilt_of(const Eigen::Matrix3d& rotation) {
-  return std::acos(std::clamp(rotation(2, 2), -1.0, 1.0));
-}
-
 }  // namespace
 
 bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits) {
@@ -150,12 +146,16 @@ bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftL
          std::abs(off.z()) <= limits.least_distance + limits.height * path;
 }
 
+bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
+  return std::acos(std::clamp(T_from_to.linear()(2, 2), -1.0, 1.0)) > limits.tilt;
+}
+
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
                     const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
   const std::vector<PoseNode>& nodes = graph.nodes();
   std::size_t earlier = graph.index_of(from);
   std::size_t later = graph.index_of(to);
-  if (tilt_of(T_from_to.linear()) > limits.tilt) {
+  if (is_tilted(T_from_to, limits)) {
     return false;
   }
   FollowedWay way(graph, later, earlier);
