@@ -35,7 +35,7 @@ std::size_t apart(std::size_t a, std::size_t b) {
   return a < b ? b - a : a - b;
 }
 
-bool better(const LoopPlace& a, const LoopPlace& b) {
+bool nearer(const LoopPlace& a, const LoopPlace& b) {
   return std::tuple(a.distance, a.score, a.node) < std::tuple(b.distance, b.score, b.node);
 }
 
@@ -78,12 +78,12 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
                           .path = known[i]->path};
     if (!in_stretch) {
       places.push_back(place);
-    } else if (better(place, places.back())) {
+    } else if (nearer(place, places.back())) {
       places.back() = place;
     }
     in_stretch = true;
   }
-  std::ranges::sort(places, better);
+  std::ranges::sort(places, nearer);
   places.resize(std::min(places.size(), settings.most));
   return places;
 }

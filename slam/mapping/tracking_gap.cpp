@@ -9,11 +9,11 @@
 namespace adit {
 namespace {
 
-constexpr double kLeastSpeed = 1.0;  // m/s
-constexpr double kHaste = 1.5;       // times the highest speed before
-constexpr double kLeastReach = 0.5;  // m
-constexpr double kSteepest = 0.3;    // m of climb a metre of that way: as fast up stairs
-constexpr double kLeastClimb = 0.3;  // m
+constexpr double kGapSpeed = 1.0;  // m/s
+constexpr double kHaste = 1.5;     // times the highest speed before
+constexpr double kGapReach = 0.5;  // m
+constexpr double kSteepest = 0.3;  // m of climb a metre of that way: as fast up stairs
+constexpr double kGapClimb = 0.3;  // m
 
 /// Keyframes in a row that are tied one to the next.
 struct Stretch {
@@ -47,8 +47,8 @@ std::vector<Stretch> stretches_of(const PoseGraph& graph, std::span<const std::s
 }  // namespace
 
 TrackingGap tracking_gap(NodeId after, double seconds, double speed) {
-  const double way = seconds * std::max(kLeastSpeed, kHaste * speed);
-  return {.after = after, .reach = kLeastReach + way, .climb = kLeastClimb + kSteepest * way};
+  const double way = seconds * std::max(kGapSpeed, kHaste * speed);
+  return {.after = after, .reach = kGapReach + way, .climb = kGapClimb + kSteepest * way};
 }
 
 std::vector<GapCrossing> gap_crossings(const PoseGraph& graph, std::span<const std::size_t> part_of,
