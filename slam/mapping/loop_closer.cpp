@@ -350,7 +350,7 @@ void LoopCloser::leave(const PoseGraph& graph, std::deque<PendingLoop>& queue, N
     const std::vector<LoopHypothesis> waiting = loops_of(queue);
     const std::vector<LoopHypothesis> accepted = loops_of(accepted_, voting_.most_asked);
     const LoopVote vote_ =
-        vote(graph, waiting, {accepted, refuted_, gaps_, climb_}, false, voting_).front();
+        vote(graph, waiting, {accepted, refuted_, gaps_, climb_, far_off_}, false, voting_).front();
     // What position has found is nearly where the graph has it: it may be right, and merely tilted.
     if (vote_.unexpected && vote_.objection == LoopObjection::odometry &&
         queue.front().loop.source == LoopSource::appearance) {
@@ -394,10 +394,11 @@ std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, std::deque<PendingLoop
   const std::vector<LoopHypothesis> waiting = loops_of(queue);
   const std::vector<LoopHypothesis> before = loops_of(accepted_, voting_.most_asked);
   const std::vector<LoopVote> votes =
-      vote(graph, waiting, {before, refuted_, gaps_, climb_}, last_chance, voting_);
+      vote(graph, waiting, {before, refuted_, gaps_, climb_, far_off_}, last_chance, voting_);
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const LoopHypothesis& loop = waiting[i];
     if (votes[i].accepted) {
+      far_off_ = far_off_ || votes[i].odometry_chi2 > voting_.most_by_position;
       climb_.add(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
     }
   }

@@ -109,6 +109,7 @@ class LoopCloser {
   std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
   ShownClimb climb_;                     ///< that the accepted loops have shown
+  bool far_off_ = false;                 ///< EarlierLoops::far_off
   SearchPauses pauses_;                  ///< of the search by appearance
   int64_t next_id_ = 1;
   int64_t reviewed_ = 0;  ///< the opposing loop up to which joins have been reviewed

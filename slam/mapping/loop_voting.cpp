@@ -222,7 +222,7 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
       return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
     }
     return (loop.source == LoopSource::appearance ||
-            vote.odometry_chi2 <= settings.most_by_position) &&
+            (!before.far_off && vote.odometry_chi2 <= settings.most_by_position)) &&
            drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) &&
            before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
   };

@@ -71,6 +71,9 @@ struct EarlierLoops {
   std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
   std::span<const TrackingGap> gaps{};         ///< between parts of the graph
   ShownClimb climb{};                          ///< of the accepted ones
+  /// One of them was farther off than LoopVotingSettings::most_by_position: where the graph has
+  /// places says little, and what position finds has to be within its covariances.
+  bool far_off = false;
 };
 
 /// A vote per hypothesis, in order. Those of one bundle are accepted together: at least

@@ -110,6 +110,8 @@ TEST(LoopsByAppearance, ComeInWhereTheOdometryDriftedUnawares) {
   EXPECT_LT(chi2, 100.0);
   const std::vector<LoopVote> votes = vote(loose, loops, {}, true, {});
   EXPECT_EQ(std::ranges::count_if(votes, &LoopVote::accepted), 4) << "beyond the gate, but not far";
+  const std::vector<LoopVote> wary = vote(loose, loops, {.far_off = true}, true, {});
+  EXPECT_EQ(std::ranges::count_if(wary, &LoopVote::accepted), 0) << "others were far off";
 }
 
 TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
