@@ -33,9 +33,9 @@ struct Way {
   double uncorrected = 0.0;  ///< m that no loop has corrected, from the far end to the start
 };
 
-/// The shortest ways from a node to each, along active edges.
-std::vector<Way> ways_from(const PoseGraph& graph, std::size_t start) {
-  const std::vector<bool> corrected = within_loops(graph);
+/// The shortest way between two nodes along active edges. `corrected` as within_loops().
+Way shortest_way(const PoseGraph& graph, const std::vector<bool>& corrected, std::size_t start,
+                 std::size_t end) {
   std::vector<Way> ways(graph.nodes().size());
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -44,6 +44,9 @@ std::vector<Way> ways_from(const PoseGraph& graph, std::size_t start) {
   while (!open.empty()) {
     const auto [way, at] = open.top();
     open.pop();
+    if (at == end) {
+      break;
+    }
     if (way > ways[at].length) {
       continue;
     }
@@ -62,15 +65,74 @@ std::vector<Way> ways_from(const PoseGraph& graph, std::size_t start) {
       }
     }
   }
-  return ways;
+  return ways[end];
 }
+
+/// m between a node and the one before it, by an active edge; infinite: there is none.
+double step_before(const PoseGraph& graph, std::size_t at) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::size_t index : graph.edges_of(graph.nodes()[at].id)) {
+    const PoseEdge& edge = graph.edges()[index];
+    const auto [first, last] = std::minmax({graph.index_of(edge.from), graph.index_of(edge.to)});
+    if (edge.status == EdgeStatus::active && last == at && first + 1 == at) {
+      least = std::min(least, edge.T_from_to.translation().norm());
+    }
+  }
+  return least;
+}
+
+/// The way between two nodes that go backwards together. A step can shorten it by no more than both
+/// have moved, so that it is looked for again only where what is left of the last one does not
+/// tell: else a long parallel stretch would cost a search of the graph a keyframe.
+class FollowedWay {
+ public:
+  FollowedWay(const PoseGraph& graph, std::size_t later, std::size_t earlier)
+      : graph_(graph), corrected_(graph.nodes().size()), later_(later), earlier_(earlier) {
+    measure();
+  }
+
+  double least() const { return least_; }  ///< m; before it has moved, its length
+
+  void move_to(std::size_t later, std::size_t earlier) {
+    constexpr double kRounding = 1e-9;  // m a step
+    for (; later_ > later; --later_) {
+      least_ -= step_before(graph_, later_) + kRounding;
+    }
+    for (; earlier_ > earlier; --earlier_) {
+      least_ -= step_before(graph_, earlier_) + kRounding;
+    }
+    exact_ = false;
+  }
+
+  /// Whether `statement` holds for its length: one that holds for all longer ways as well.
+  template <class Statement>
+  bool holds(const Statement& statement) {
+    if (statement(least_)) {
+      return true;
+    }
+    if (exact_) {
+      return false;
+    }
+    measure();
+    return statement(least_);
+  }
+
+ private:
+  void measure() {
+    least_ = shortest_way(graph_, corrected_, later_, earlier_).length;
+    exact_ = true;
+  }
+
+  const PoseGraph& graph_;
+  std::vector<bool> corrected_;
+  std::size_t later_;
+  std::size_t earlier_;
+  double least_ = 0.0;  ///< m, no way is shorter
+  bool exact_ = false;  ///< it is the way's length
+};
 
 double angle_about_z(const Eigen::Matrix3d& rotation) {
   return std::abs(std::atan2(rotation(1, 0), rotation(0, 0)));
-}
-
-double tilt_of(const Eigen::Matrix3d& rotation) {
-  return std::acos(std::clamp(rotation(2, 2), -1.0, 1.0));
 }
 
 }  // namespace
@@ -84,25 +146,30 @@ bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftL
          std::abs(off.z()) <= limits.least_distance + limits.height * path;
 }
 
+bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
+  return std::acos(std::clamp(T_from_to.linear()(2, 2), -1.0, 1.0)) > limits.tilt;
+}
+
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
                     const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
   const std::vector<PoseNode>& nodes = graph.nodes();
   std::size_t earlier = graph.index_of(from);
   std::size_t later = graph.index_of(to);
-  if (tilt_of(T_from_to.linear()) > limits.tilt) {
+  if (is_tilted(T_from_to, limits)) {
     return false;
   }
-  if (std::isinf(ways_from(graph, later)[earlier].length)) {
+  FollowedWay way(graph, later, earlier);
+  if (std::isinf(way.least())) {
     return true;
   }
   const Eigen::Isometry3d T_claimed_map =
       nodes[earlier].T_map_node * T_from_to * nodes[later].T_map_node.inverse();
   // What was believed of the pair, against what is claimed.
-  const auto is_possible = [&](double way) {
+  const auto is_possible = [&](double length) {
     const Eigen::Isometry3d error = T_claimed_map.inverse() * nodes[earlier].T_map_node;
-    return is_possible_drift(nodes[earlier].T_map_node.inverse() * error, way, limits);
+    return is_possible_drift(nodes[earlier].T_map_node.inverse() * error, length, limits);
   };
-  if (!is_possible(ways_from(graph, later)[earlier].length)) {
+  if (!way.holds(is_possible)) {
     return false;
   }
   while (later-- > 0) {
@@ -122,11 +189,11 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
       return true;  // the stretches part here
     }
     earlier = *same;
-    const double way = ways_from(graph, later)[earlier].length;
-    if (way <= kSamePlace) {
+    way.move_to(later, earlier);
+    if (!way.holds([](double length) { return length > kSamePlace; })) {
       return true;  // loops that were accepted tie them from here on backwards
     }
-    if (!is_possible(way)) {
+    if (!way.holds(is_possible)) {
       return false;
     }
   }
@@ -155,7 +222,7 @@ ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
                            const Eigen::Isometry3d& T_from_to) {
   const std::size_t earlier = graph.index_of(from);
   const std::size_t later = graph.index_of(to);
-  const Way way = ways_from(graph, later)[earlier];
+  const Way way = shortest_way(graph, within_loops(graph), later, earlier);
   const Eigen::Isometry3d believed =
       graph.nodes()[earlier].T_map_node.inverse() * graph.nodes()[later].T_map_node;
   return {.climb = (believed * T_from_to.inverse()).translation().z(),

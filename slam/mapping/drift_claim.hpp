@@ -26,6 +26,9 @@ struct DriftLimits {
 /// first frame has z up. Its tilt does not count: an optimisation may have put it there.
 bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits = {});
 
+/// Between two places that know their vertical there is more tilt than an alignment may err by.
+bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {});
+
 /// A loop claims that the stretch that led to the later keyframe is the one that led to the earlier
 /// one, as far back as the two lie together and no accepted loop ties them: the drift has to be
 /// possible for each such pair. (On the way back the stretches are followed no farther: drift grows

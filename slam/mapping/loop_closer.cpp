@@ -6,9 +6,11 @@
 #include <chrono>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "adit/slam/core/median.hpp"
+#include "adit/slam/mapping/join_review.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 
@@ -18,6 +20,7 @@ namespace {
 // Measured on the simulated office's odometry, over 20 to 40 edges (docs/theory/loops.md).
 constexpr double kLumps = 4.0;
 constexpr NodeId kQueue = 5;        // keyframes
+constexpr NodeId kJoining = 30;     // keyframes, of loops that tie parts of the graph
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
 constexpr std::size_t kMostRefuted = 50;
 
@@ -77,17 +80,19 @@ void join_parts(PoseGraph& graph, const LoopHypothesis& loop) {
   graph.set_poses(poses);
 }
 
-std::vector<LoopHypothesis> loops_of(const auto& pending) {
+/// The last `most` of them.
+std::vector<LoopHypothesis> loops_of(const auto& pending,
+                                     std::size_t most = std::numeric_limits<std::size_t>::max()) {
   std::vector<LoopHypothesis> loops;
-  for (const PendingLoop& one : pending) {
-    loops.push_back(one.loop);
+  for (std::size_t i = pending.size() - std::min(pending.size(), most); i < pending.size(); ++i) {
+    loops.push_back(pending[i].loop);
   }
   return loops;
 }
 
-bool is_any_validated(const std::vector<PendingLoop>& found) {
+bool is_any_borne_out(const std::vector<PendingLoop>& found) {
   return std::ranges::any_of(found, [](const PendingLoop& one) {
-    return one.record.verdict == CandidateVerdict::waiting;
+    return one.record.verdict == CandidateVerdict::waiting && one.expected;
   });
 }
 
@@ -142,7 +147,36 @@ PendingLoop LoopCloser::judged(const LoopPlace& place, NodeId newest,
                      .correction = verdict.correction,
                      .turn = verdict.turn,
                      .through = verdict.through,
-                     .figure = verdict.figure}};
+                     .figure = verdict.figure},
+          .expected = verdict.expected};
+}
+
+// The newest node may not be tied to the one before: the odometry has started anew with it.
+void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) {
+  constexpr std::size_t kAsked = 10;  // keyframes, whose highest speed counts
+  const Nanoseconds stamp = submap.sweeps.front().stamp;
+  if (graph.nodes().size() > 1) {
+    const NodeId newest = graph.nodes().back().id;
+    const NodeId before = graph.nodes()[graph.nodes().size() - 2].id;
+    const auto edges = graph.edges_of(newest);
+    const auto way = std::ranges::find_if(edges, [&](std::size_t index) {
+      return graph.edges()[index].from == before || graph.edges()[index].to == before;
+    });
+    if (way == edges.end()) {
+      const auto last = std::span(speeds_).last(std::min(speeds_.size(), kAsked));
+      gaps_.push_back(tracking_gap(newest, seconds(stamp - std::min(last_tracked_, last_stamp_)),
+                                   last.empty() ? 0.0 : std::ranges::max(last)));
+    } else if (stamp > last_stamp_) {
+      speeds_.push_back(graph.edges()[*way].T_from_to.translation().norm() /
+                        seconds(stamp - last_stamp_));
+    }
+  } else {
+    last_tracked_ = stamp;
+  }
+  last_stamp_ = stamp;
+  for (const SubmapSweep& sweep : submap.sweeps) {
+    last_tracked_ = sweep.merged ? sweep.stamp : last_tracked_;
+  }
 }
 
 std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places, NodeId newest,
@@ -156,9 +190,11 @@ std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places,
   std::vector<LoopQuestion> questions;
   for (const LoopPlace& place : places) {
     submaps.push_back(submaps_.get(place.node));
-    questions.push_back({.from = submaps.back().get(),
-                         .T_from_to = place.T_node_newest,
-                         .covariance = place.covariance});
+    questions.push_back(
+        {.from = submaps.back().get(),
+         .T_from_to = place.T_node_newest,
+         .covariance = place.covariance,
+         .gate = place.source == LoopSource::position ? voting_.most_by_position : kExpectedGate});
   }
   const double expected = rms_.empty() ? kFirstRms : std::max(median(rms_), kLeastRms);
   const std::vector<LoopVerification> verdicts =
@@ -176,16 +212,22 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
                                           const SurfaceCloud& cloud) {
   const auto start = std::chrono::steady_clock::now();
   const NodeId newest = graph.nodes().back().id;
+  note_gap(graph, submap);
   reaches_.push_back(reach_of(submap));
   const auto known = relative_places(graph, newest, voting_.lumps);
   const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
   std::vector<PendingLoop> found = verified(places, newest, submap, cloud);
-  if (is_any_validated(found)) {
+  if (is_any_borne_out(found)) {
     pauses_.reset();
   } else if (pauses_.is_due()) {
-    const std::vector<LoopPlace> similar = find_similar_places(graph, index_, known, appearance_);
+    std::vector<LoopPlace> similar = find_similar_places(graph, index_, known, appearance_);
+    std::erase_if(similar, [&](const LoopPlace& place) {
+      return std::ranges::any_of(found, [&](const PendingLoop& one) {
+        return one.loop.from == place.node && one.record.verdict == CandidateVerdict::waiting;
+      });
+    });
     std::vector<PendingLoop> alike = verified(similar, newest, submap, cloud);
-    if (alike.empty() || is_any_validated(alike)) {
+    if (alike.empty() || is_any_borne_out(alike)) {
       pauses_.reset();
     } else {
       pauses_.refused();
@@ -213,8 +255,9 @@ LoopCloser::Change LoopCloser::take_effect(PoseGraph& graph, NodeId keyframe,
 
 LoopCloser::Change LoopCloser::finish(PoseGraph& graph) {
   Change change;
-  while (!queue_.empty()) {
-    settle(graph, queue_.front().loop.to, change);
+  while (!queue_.empty() || !joining_.empty()) {
+    settle(graph, queue_.empty() ? joining_.front().loop.to + kJoining : queue_.front().loop.to,
+           change);
   }
   for (const PendingLoop& one : accepted_) {
     change.records.push_back(one.record);  // with the last residual
@@ -222,27 +265,111 @@ LoopCloser::Change LoopCloser::finish(PoseGraph& graph) {
   return change;
 }
 
-// The queue votes; then what is as old as `oldest` leaves it.
+// Loops that tie parts of the graph wait longer, as they need more that speaks for them, and say
+// nothing of the others. What others have tied meanwhile is a loop like any other.
+void LoopCloser::sort_by_parts(const PoseGraph& graph) {
+  if (joining_.empty() && queue_.empty()) {
+    return;
+  }
+  const std::vector<std::size_t> part_of = connected_components(graph).component_of;
+  std::vector<PendingLoop> all;
+  std::ranges::move(queue_, std::back_inserter(all));
+  std::ranges::move(joining_, std::back_inserter(all));
+  std::ranges::stable_sort(all, {}, [](const PendingLoop& one) { return one.loop.to; });
+  queue_.clear();
+  joining_.clear();
+  for (PendingLoop& one : all) {
+    const bool is_tied =
+        part_of[graph.index_of(one.loop.from)] == part_of[graph.index_of(one.loop.to)];
+    (is_tied ? queue_ : joining_).push_back(std::move(one));
+  }
+}
+
+// The queues vote; then what is as old as `oldest` leaves them.
 void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
-  while (!queue_.empty()) {
-    const std::vector<int64_t> accepted = let_in(graph, queue_.front().loop.to <= oldest, change);
+  while (true) {
+    sort_by_parts(graph);
+    std::vector<int64_t> accepted;
+    if (!queue_.empty()) {
+      accepted = let_in(graph, queue_, queue_.front().loop.to <= oldest, change);
+    }
+    if (accepted.empty() && !joining_.empty()) {
+      accepted = let_in(graph, joining_, false, change);
+    }
     if (accepted.empty()) {
       break;
     }
     optimize_and_review(graph, accepted, change);
   }
-  while (!queue_.empty() && queue_.front().loop.to <= oldest) {
-    const std::vector<LoopHypothesis> waiting = loops_of(queue_);
-    const std::vector<LoopHypothesis> accepted = loops_of(accepted_);
+  leave(graph, queue_, oldest, change);
+  leave(graph, joining_, oldest - kJoining + kQueue, change);
+  review_joins(graph, change);
+}
+
+// What was refused may be right, and the join of two parts wrong that it contradicts: where it
+// would have joined them itself, the join is taken back, and what is found from now on decides.
+void LoopCloser::review_joins(PoseGraph& graph, Change& change) {
+  if (opposing_.size() < voting_.least_unexpected || opposing_.back().id == reviewed_) {
+    return;
+  }
+  reviewed_ = opposing_.back().id;
+  const std::vector<LoopHypothesis> opposing(opposing_.begin(), opposing_.end());
+  for (const TrackingGap& gap : gaps_) {
+    const auto crossing = [&](const LoopHypothesis& one) {
+      return crosses(graph, gap, one.from, one.to);
+    };
+    const std::size_t agreeing =
+        agreeing_on_another_join(graph, gap, opposing, loops_of(accepted_), gaps_, voting_);
+    if (agreeing == 0) {
+      continue;
+    }
+    for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+      const PoseEdge& edge = graph.edges()[i];
+      if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active &&
+          crosses(graph, gap, edge.from, edge.to)) {
+        graph.set_status(i, EdgeStatus::revoked);
+        change.revoked.push_back(i);
+      }
+    }
+    for (PendingLoop& one : accepted_) {
+      if (crossing(one.loop)) {
+        take_back(one, LoopReason::another_place, static_cast<double>(agreeing), change);
+      }
+    }
+    std::erase_if(accepted_, [](const PendingLoop& one) {
+      return one.record.verdict == CandidateVerdict::revoked;
+    });
+    std::erase_if(refuted_, crossing);
+    std::erase_if(opposing_, crossing);
+  }
+}
+
+void LoopCloser::leave(const PoseGraph& graph, std::deque<PendingLoop>& queue, NodeId oldest,
+                       Change& change) {
+  while (!queue.empty() && queue.front().loop.to <= oldest) {
+    const std::vector<LoopHypothesis> waiting = loops_of(queue);
+    const std::vector<LoopHypothesis> accepted = loops_of(accepted_, voting_.most_asked);
     const LoopVote vote_ =
-        vote(graph, waiting, {accepted, refuted_, climb_}, false, voting_).front();
-    if (vote_.unexpected && vote_.objection == LoopObjection::odometry) {
-      refuted_.push_back(queue_.front().loop);
+        vote(graph, waiting, {accepted, refuted_, gaps_, climb_, far_off_}, false, voting_).front();
+    // What position has found is nearly where the graph has it: it may be right, and merely tilted.
+    if (vote_.unexpected && vote_.objection == LoopObjection::odometry &&
+        queue.front().loop.source == LoopSource::appearance) {
+      refuted_.push_back(queue.front().loop);
       refuted_.erase(refuted_.begin(), refuted_.end() - static_cast<std::ptrdiff_t>(std::min(
                                                             refuted_.size(), kMostRefuted)));
     }
-    refuse(queue_.front(), reason_of(vote_.objection), figure_of(vote_), change);
-    queue_.pop_front();
+    const LoopHypothesis& loop = queue.front().loop;
+    if (vote_.objection != LoopObjection::voters &&
+        std::ranges::any_of(gaps_, [&](const TrackingGap& gap) {
+          return crosses(graph, gap, loop.from, loop.to);
+        })) {
+      opposing_.push_back(loop);
+      while (opposing_.front().to <= loop.to - kJoining) {
+        opposing_.pop_front();
+      }
+    }
+    refuse(queue.front(), reason_of(vote_.objection), figure_of(vote_), change);
+    queue.pop_front();
   }
 }
 
@@ -254,21 +381,31 @@ void LoopCloser::refuse(PendingLoop& pending, LoopReason reason, double figure, 
   change.records.push_back(pending.record);
 }
 
-std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Change& change) {
-  const std::vector<LoopHypothesis> waiting = loops_of(queue_);
-  const std::vector<LoopHypothesis> before = loops_of(accepted_);
+void LoopCloser::take_back(PendingLoop& accepted, LoopReason reason, double figure,
+                           Change& change) {
+  refuse(accepted, reason, figure, change);
+  accepted.record.verdict = change.records.back().verdict = CandidateVerdict::revoked;
+  report_.accepted_by_appearance -= accepted.loop.source == LoopSource::appearance ? 1U : 0U;
+  --report_.accepted;
+}
+
+std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, std::deque<PendingLoop>& queue,
+                                        bool last_chance, Change& change) {
+  const std::vector<LoopHypothesis> waiting = loops_of(queue);
+  const std::vector<LoopHypothesis> before = loops_of(accepted_, voting_.most_asked);
   const std::vector<LoopVote> votes =
-      vote(graph, waiting, {before, refuted_, climb_}, last_chance, voting_);
+      vote(graph, waiting, {before, refuted_, gaps_, climb_, far_off_}, last_chance, voting_);
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const LoopHypothesis& loop = waiting[i];
     if (votes[i].accepted) {
+      far_off_ = far_off_ || votes[i].odometry_chi2 > voting_.most_by_position;
       climb_.add(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
     }
   }
   std::deque<PendingLoop> rest;
   std::vector<int64_t> accepted;
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    PendingLoop& pending = queue_[i];
+    PendingLoop& pending = queue[i];
     if (!votes[i].accepted) {
       rest.push_back(std::move(pending));
       continue;
@@ -283,7 +420,7 @@ std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, bool last_chance, Chan
     accepted_.push_back(std::move(pending));
     ++report_.accepted;
   }
-  queue_ = std::move(rest);
+  queue = std::move(rest);
   return accepted;
 }
 
@@ -303,30 +440,32 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::span<const int64_t> 
     graph.set_poses(optimized.poses);
     graph.set_T_world_map(optimized.T_world_map);
     change.moved = true;
+    std::map<std::pair<NodeId, NodeId>, PendingLoop*> owners;
+    for (PendingLoop& one : accepted_) {
+      owners.emplace(std::pair(one.loop.from, one.loop.to), &one);
+    }
     for (std::size_t i = 0; i < graph.edges().size(); ++i) {
       const PoseEdge& edge = graph.edges()[i];
       const std::optional<EdgeResult>& result = optimized.report.edges[i];
       if (edge.kind != EdgeKind::loop || !result) {
         continue;
       }
-      const auto owner = std::ranges::find_if(accepted_, [&](const PendingLoop& one) {
-        return one.loop.from == edge.from && one.loop.to == edge.to;
-      });
-      if (owner == accepted_.end()) {
+      const auto owner = owners.find({edge.from, edge.to});
+      if (owner == owners.end()) {
         continue;
       }
-      owner->record.chi2 = result->chi2;
+      PendingLoop& loop = *owner->second;
+      loop.record.chi2 = result->chi2;
       if (result->chi2 > kLoopReview) {
         graph.set_status(i, EdgeStatus::revoked);
         change.revoked.push_back(i);
-        refuse(*owner, LoopReason::review, result->chi2, change);
-        change.records.back().verdict = CandidateVerdict::revoked;
-        report_.accepted_by_appearance -= owner->loop.source == LoopSource::appearance ? 1U : 0U;
-        accepted_.erase(owner);
-        --report_.accepted;
+        take_back(loop, LoopReason::review, result->chi2, change);
         again = true;
       }
     }
+    std::erase_if(accepted_, [](const PendingLoop& one) {
+      return one.record.verdict == CandidateVerdict::revoked;
+    });
   }
   for (const PendingLoop& one : accepted_) {
     if (std::ranges::find(let_in, one.loop.id) != let_in.end()) {

@@ -37,6 +37,7 @@ inline constexpr double kFirstRms = 0.05;
 struct PendingLoop {
   LoopHypothesis loop;
   LoopCandidate record;
+  bool expected = true;  ///< it is where the graph had it
 };
 
 /// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
@@ -78,11 +79,17 @@ class LoopCloser {
   std::vector<PendingLoop> verified(std::span<const LoopPlace> places, NodeId newest,
                                     const KeyframeSubmap& submap, const SurfaceCloud& cloud);
   PendingLoop judged(const LoopPlace& place, NodeId newest, const LoopVerification& verdict);
+  void note_gap(const PoseGraph& graph, const KeyframeSubmap& submap);
+  void sort_by_parts(const PoseGraph& graph);
+  void leave(const PoseGraph& graph, std::deque<PendingLoop>& queue, NodeId oldest, Change& change);
+  void review_joins(PoseGraph& graph, Change& change);
   void settle(PoseGraph& graph, NodeId oldest, Change& change);
   /// Ids of those that were accepted.
-  std::vector<int64_t> let_in(PoseGraph& graph, bool last_chance, Change& change);
+  std::vector<int64_t> let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, bool last_chance,
+                              Change& change);
   void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
+  void take_back(PendingLoop& accepted, LoopReason reason, double figure, Change& change);
 
   SubmapCache submaps_;
   PlaceIndex index_;
@@ -90,14 +97,22 @@ class LoopCloser {
   AppearanceSearchSettings appearance_;
   LoopVotingSettings voting_;
   LoopVerifier verifier_;
-  std::vector<double> reaches_;    ///< m, in the order of the graph's nodes
-  std::vector<double> rms_;        ///< m, of alignments of consecutive submaps
-  std::deque<PendingLoop> queue_;  ///< in the order of their later keyframes
+  std::vector<double> reaches_;  ///< m, in the order of the graph's nodes
+  std::vector<double> rms_;      ///< m, of alignments of consecutive submaps
+  std::vector<TrackingGap> gaps_;
+  std::vector<double> speeds_;       ///< m/s, from keyframe to keyframe
+  Nanoseconds last_stamp_{0};        ///< the newest keyframe's
+  Nanoseconds last_tracked_{0};      ///< when the odometry was last on its track
+  std::deque<PendingLoop> queue_;    ///< in the order of their later keyframes
+  std::deque<PendingLoop> joining_;  ///< the same, of those that tie parts of the graph
   std::vector<PendingLoop> accepted_;
+  std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
   ShownClimb climb_;                     ///< that the accepted loops have shown
+  bool far_off_ = false;                 ///< EarlierLoops::far_off
   SearchPauses pauses_;                  ///< of the search by appearance
   int64_t next_id_ = 1;
+  int64_t reviewed_ = 0;  ///< the opposing loop up to which joins have been reviewed
   LoopReport report_;
 };
 

@@ -35,7 +35,7 @@ std::size_t apart(std::size_t a, std::size_t b) {
   return a < b ? b - a : a - b;
 }
 
-bool better(const LoopPlace& a, const LoopPlace& b) {
+bool nearer(const LoopPlace& a, const LoopPlace& b) {
   return std::tuple(a.distance, a.score, a.node) < std::tuple(b.distance, b.score, b.node);
 }
 
@@ -52,8 +52,8 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
   for (std::size_t i = 0; i < known.size(); ++i) {
     const Eigen::Isometry3d T_newest_node = T_map_newest.inverse() * graph.nodes()[i].T_map_node;
     const double distance = T_newest_node.translation().norm();
-    if (i == self || !known[i] || known[i]->path < settings.min_path ||
-        distance > settings.max_distance) {
+    if (i == self || !known[i] || distance > settings.max_distance ||
+        known[i]->path < settings.min_path + settings.detour * distance) {
       in_stretch = false;
       continue;
     }
@@ -78,12 +78,12 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
                           .path = known[i]->path};
     if (!in_stretch) {
       places.push_back(place);
-    } else if (better(place, places.back())) {
+    } else if (nearer(place, places.back())) {
       places.back() = place;
     }
     in_stretch = true;
   }
-  std::ranges::sort(places, better);
+  std::ranges::sort(places, nearer);
   places.resize(std::min(places.size(), settings.most));
   return places;
 }
@@ -115,6 +115,11 @@ std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIn
     return std::tuple(b.likeness, a.place) < std::tuple(a.likeness, b.place);
   });
   guesses.resize(std::min(guesses.size(), settings.most));
+  std::erase_if(guesses, [&](const PlaceGuess& guess) {
+    const auto& way = known[guess.place];
+    return way && way->path < settings.min_path +
+                                  settings.detour * guess.T_place_newest.translation().norm();
+  });
   std::vector<LoopPlace> places;
   for (const PlaceGuess& guess : guesses) {
     places.push_back({.node = graph.nodes()[guess.place].id,

@@ -21,7 +21,8 @@ struct LoopSearchSettings {
   double least_dead_zone = 2.0;  ///< m: places so near each other see the same
   double dead_zone_share = 0.3;  ///< share of the lesser reach of both submaps, where that is more
   double max_distance = 50.0;    ///< m
-  double min_path = 10.0;        ///< m, along the edges between the two
+  double min_path = 10.0;        ///< m, along the edges between the two,
+  double detour = 2.0;           ///< and besides so many times their distance: else one went on
   std::size_t most = 5;
 };
 
@@ -49,7 +50,8 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
                                         const LoopSearchSettings& settings);
 
 struct AppearanceSearchSettings {
-  double min_path = 10.0;  ///< m, along the edges between the two, where there are any
+  double min_path = 10.0;  ///< m, along the edges between the two, where there are any,
+  double detour = 2.0;     ///< and besides so many times their distance
   double least_similarity = 0.6;
   double least_likeness = 0.6;
   std::size_t most_correlated = 3;

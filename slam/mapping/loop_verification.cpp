@@ -74,6 +74,7 @@ LoopVerification judged(const LoopQuestion& question, const RegistrationResult& 
   verdict.turn = off.tail<3>().norm();
   const Matrix6d both = question.covariance + verdict.covariance;
   verdict.chi2 = off.dot(both.ldlt().solve(off));
+  verdict.expected = verdict.chi2 <= kExpectedGate;
   verdict.strong = result.overlap >= settings.strong_overlap && all_held(result);
   if (result.overlap < settings.least_overlap) {
     refuse(verdict, LoopReason::too_little_overlap, result.overlap);
@@ -81,7 +82,7 @@ LoopVerification judged(const LoopQuestion& question, const RegistrationResult& 
     refuse(verdict, LoopReason::poor_fit, result.residual_rms);
   } else if (result.status == RegistrationStatus::degenerate) {
     refuse(verdict, LoopReason::degenerate, weakest(result).information);
-  } else if (!(verdict.chi2 <= settings.gate)) {
+  } else if (!(verdict.chi2 <= question.gate)) {
     refuse(verdict, LoopReason::beyond_gate, verdict.chi2);
   }
   return verdict;

@@ -13,10 +13,12 @@
 
 namespace adit {
 
+/// Chi squared of 6 directions: 99 % of true loops are within.
+inline constexpr double kExpectedGate = 16.81;
+
 struct LoopVerificationSettings {
   double least_overlap = 0.4;
   double most_rms = 2.0;       ///< times that of alignments of consecutive submaps
-  double gate = 16.81;         ///< chi squared of 6 directions: 99 % of true loops are within
   double most_through = 0.05;  ///< share of points that the other submap sees through
   double strong_overlap = 0.7;
 };
@@ -26,6 +28,9 @@ struct LoopQuestion {
   const KeyframeSubmap* from = nullptr;  ///< the earlier submap, from the store
   Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();  ///< as the graph has it
   Matrix6d covariance = Matrix6d::Identity();                   ///< its own, right perturbation
+  /// Refused is what is found beyond it; it may be wider than the gate that marks what is expected,
+  /// as poses drift by more than their covariances say.
+  double gate = kExpectedGate;
 };
 
 struct LoopVerification {
@@ -40,6 +45,7 @@ struct LoopVerification {
   double chi2 = 0.0;        ///< chi squared of the correction, both covariances
   double through = 0.0;     ///< share of points seen through, the larger of both
   bool strong = false;      ///< much overlap, every direction fully held
+  bool expected = false;    ///< within kExpectedGate
 };
 
 /// Verifies the places of one keyframe in a batch.

@@ -3,6 +3,7 @@
 #include "adit/slam/mapping/loop_voting.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -95,6 +96,46 @@ double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b
   return error ? chi2(*error) : kNever;
 }
 
+/// What is known of the parts that a graph is in.
+struct Parts {
+  std::vector<std::size_t> part_of;  ///< by node
+  std::span<const TrackingGap> gaps;
+};
+
+bool joins_parts(const PoseGraph& graph, const Parts& parts, const LoopHypothesis& loop) {
+  return parts.part_of[graph.index_of(loop.from)] != parts.part_of[graph.index_of(loop.to)];
+}
+
+/// By how much a loop between parts claims that more way was gone in a gap than can have been: the
+/// worst chi squared of the gaps between the two. Keyframes know which way is up.
+double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
+                        const LoopHypothesis& loop, double sigma) {
+  const std::size_t from_part = parts.part_of[graph.index_of(loop.from)];
+  const std::size_t to_part = parts.part_of[graph.index_of(loop.to)];
+  double worst = 0.0;
+  for (const GapCrossing& gap :
+       gap_crossings(graph, parts.part_of, parts.gaps, from_part, to_part)) {
+    const bool forward = parts.part_of[graph.index_of(gap.last)] == from_part;
+    const auto before = ways.between(gap.last, forward ? loop.from : loop.to);
+    const auto after = ways.between(forward ? loop.to : loop.from, gap.first);
+    if (!before || !after) {
+      continue;
+    }
+    const Uncertain crossed =
+        *before * (forward ? measured(loop) : inverse(measured(loop))) * *after;
+    const Eigen::Vector3d gone = crossed.pose.translation();
+    const double aside = gone.head<2>().norm();
+    Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
+    beyond.head<2>() = gone.head<2>() * (std::max(0.0, aside - gap.reach) / std::max(aside, 1e-9));
+    beyond.z() = std::copysign(std::max(0.0, std::abs(gone.z()) - gap.climb), gone.z());
+    const Eigen::Matrix3d R = crossed.pose.linear();
+    const Eigen::Matrix3d spread = R * crossed.covariance.topLeftCorner<3, 3>() * R.transpose() +
+                                   sigma * sigma * Eigen::Matrix3d::Identity();
+    worst = std::max(worst, beyond.dot(spread.ldlt().solve(beyond)));
+  }
+  return worst;
+}
+
 /// Hypotheses that agree with one of them, with each other, and belong to different keyframes.
 struct Bundle {
   std::vector<std::size_t> members;
@@ -169,21 +210,30 @@ struct Poll {
 };
 
 /// Whether the odometry and the loops before object.
-LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const LoopHypothesis& loop,
-                      const EarlierLoops& before, const LoopVotingSettings& settings) {
-  LoopVote vote{.odometry_chi2 = odometry_disagreement(far_ways, loop)};
-  if (!(vote.odometry_chi2 <= settings.contradiction)) {
-    vote.unexpected = loop.source == LoopSource::appearance;
-    const auto claims_the_same = [&](const LoopHypothesis& other) {
-      return disagreement(far_ways, loop, other) <= settings.agreement;
-    };
-    if (!vote.unexpected ||
-        !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) ||
-        !before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to)) ||
-        std::ranges::any_of(before.refuted, claims_the_same)) {
-      vote.objection = LoopObjection::odometry;
-      return vote;
+LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts,
+                      const LoopHypothesis& loop, const EarlierLoops& before,
+                      const LoopVotingSettings& settings) {
+  const bool joins = joins_parts(graph, parts, loop);
+  LoopVote vote{.odometry_chi2 =
+                    joins ? gap_disagreement(far_ways, graph, parts, loop, settings.gap_sigma)
+                          : odometry_disagreement(far_ways, loop)};
+  const auto is_explained = [&] {
+    if (joins) {
+      return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
     }
+    return (loop.source == LoopSource::appearance ||
+            (!before.far_off && vote.odometry_chi2 <= settings.most_by_position)) &&
+           drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) &&
+           before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+  };
+  const auto claims_the_same = [&](const LoopHypothesis& other) {
+    return disagreement(far_ways, loop, other) <= settings.agreement;
+  };
+  vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
+  if (vote.unexpected &&
+      (!is_explained() || std::ranges::any_of(before.refuted, claims_the_same))) {
+    vote.objection = LoopObjection::odometry;
+    return vote;
   }
   if (const auto worst = contradicted(far_ways, loop, vote.unexpected, before.accepted, settings)) {
     vote.objection = LoopObjection::loops;
@@ -239,18 +289,37 @@ std::optional<Bundle> single_crossing(const Poll& poll, const std::vector<LoopVo
   return bundle;
 }
 
+/// Whether later keyframes of a bundle lie far enough apart, or look elsewhere, to tie parts.
+bool is_wide(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
+             const LoopVotingSettings& settings) {
+  const auto pose = [&](std::size_t k) {
+    return graph.nodes()[graph.index_of(poll.all[k].to)].T_map_node;
+  };
+  return std::ranges::any_of(bundle.members, [&](std::size_t a) {
+    return std::ranges::any_of(bundle.members, [&](std::size_t b) {
+      const Eigen::Isometry3d way = pose(a).inverse() * pose(b);
+      return way.translation().norm() >= settings.least_apart ||
+             rotation_angle(way.linear()) >= settings.least_turned;
+    });
+  });
+}
+
 /// The bundle that the odometry does not bear out, where it is large enough and nothing speaks
 /// against it; those that another bundle disputes are told so.
-std::optional<Bundle> unexpected_bundle(const Poll& poll, std::vector<LoopVote>& votes,
+std::optional<Bundle> unexpected_bundle(const PoseGraph& graph, const Parts& parts,
+                                        const Poll& poll, std::vector<LoopVote>& votes,
                                         const LoopVotingSettings& settings) {
   std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
-  if (!best || best->members.size() < settings.least_unexpected) {
+  if (!best || best->members.size() < settings.least_unexpected ||
+      (joins_parts(graph, parts, poll.all[best->members.front()]) &&
+       !is_wide(graph, poll, *best, settings))) {
     return std::nullopt;
   }
   for (std::size_t m = 0; m < poll.all.size(); ++m) {
     const bool counts = !votes[m].unexpected || 2 * votes[m].voters > best->members.size();
     const bool against = std::ranges::any_of(best->members, [&](std::size_t k) {
-      return k != m && poll.table[k][m] > settings.contradiction;
+      // What nothing ties together says nothing.
+      return k != m && poll.table[k][m] > settings.contradiction && poll.table[k][m] < kNever;
     });
     if (poll.open[m] && counts && against) {
       for (const std::size_t k : best->members) {
@@ -282,10 +351,11 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
   const RelativeCovariances covariances(graph);
   Ways ways(graph, covariances);                      // between neighbours
   Ways far_ways(graph, covariances, settings.lumps);  // whole rounds
+  const Parts parts{.part_of = connected_components(graph).component_of, .gaps = before.gaps};
   std::vector<LoopVote> votes;
   Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
   for (const LoopHypothesis& loop : hypotheses) {
-    votes.push_back(first_judged(far_ways, graph, loop, before, settings));
+    votes.push_back(first_judged(far_ways, graph, parts, loop, before, settings));
     poll.open.push_back(votes.back().objection == LoopObjection::voters);
   }
   for (std::size_t a = 0; a < hypotheses.size(); ++a) {
@@ -305,7 +375,7 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
                        : std::nullopt;
   }
   if (!best) {
-    best = unexpected_bundle(poll, votes, settings);
+    best = unexpected_bundle(graph, parts, poll, votes, settings);
   }
   const Bundle chosen = best.value_or(Bundle());
   for (const std::size_t k : chosen.members) {

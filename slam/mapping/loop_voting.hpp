@@ -12,6 +12,7 @@
 
 #include "adit/slam/mapping/drift_claim.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/tracking_gap.hpp"
 
 namespace adit {
 
@@ -34,6 +35,13 @@ struct LoopVotingSettings {
   double lumps = 1.0;  ///< see relative_places(): of ways over odometry that are no neighbours
   std::size_t least_voters = 3;      ///< distinct later keyframes
   std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
+  /// Chi squared against the graph of what position has found: where the odometry is as far off as
+  /// that, something else than a place like the one that is believed has to have found it.
+  double most_by_position = 100.0;
+  double gap = 11.34;         ///< chi squared of what is claimed of a gap, 3 directions: 99 %
+  double gap_sigma = 0.2;     ///< m, besides what is known of the ways to its ends
+  double least_apart = 10.0;  ///< m, between two later keyframes that tie parts of a map, or
+  double least_turned = 1.0;  ///< rad
   DriftLimits drift{};
   double most_contradicting = 0.25;  ///< share of the accepted loops that may
   std::size_t most_asked = 50;       ///< accepted loops that are asked, the latest
@@ -50,7 +58,7 @@ enum class LoopObjection {
 
 struct LoopVote {
   LoopObjection objection = LoopObjection::voters;
-  double odometry_chi2 = 0.0;  ///< against the graph
+  double odometry_chi2 = 0.0;  ///< against the graph, or the gaps between its parts
   double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
   std::size_t voters = 1;      ///< later keyframes that agree, its own among them
   bool unexpected = false;     ///< not where the graph's covariances have it
@@ -61,7 +69,11 @@ struct LoopVote {
 struct EarlierLoops {
   std::span<const LoopHypothesis> accepted{};  ///< the graph's
   std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
+  std::span<const TrackingGap> gaps{};         ///< between parts of the graph
   ShownClimb climb{};                          ///< of the accepted ones
+  /// One of them was farther off than LoopVotingSettings::most_by_position: where the graph has
+  /// places says little, and what position finds has to be within its covariances.
+  bool far_off = false;
 };
 
 /// A vote per hypothesis, in order. Those of one bundle are accepted together: at least
@@ -69,9 +81,12 @@ struct EarlierLoops {
 /// `last_chance`: the oldest later keyframe is about to leave the queue, and a strong loop of it
 /// may come alone, where nothing contradicts it.
 ///
-/// What was found by appearance may contradict the graph's covariances, as far as drift explains it
-/// (drift_explains()) and no refuted loop has claimed the same. Such loops are accepted in bundles
-/// of their own, where nothing that the graph bears out contradicts them, nor another such bundle.
+/// A loop may contradict the graph's covariances, as far as drift explains it (drift_explains())
+/// and no refuted loop has claimed the same. Such loops are accepted in bundles of their own, where
+/// nothing that the graph bears out contradicts them, nor another such bundle. So are those that
+/// tie parts of the graph, as far as the gaps between the parts allow it; later keyframes of such a
+/// bundle lie `least_apart`, or have turned by `least_turned`: who stands in one corridor has seen
+/// nothing that a corridor like it would not have shown.
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Loops that were found by appearance: how far they may contradict the odometry, and that twins are
-// not taken for a place seen again.
+// Loops that the odometry does not bear out, such as appearance finds: how far they may contradict
+// it, and that twins are not taken for a place seen again.
 #include <algorithm>
 #include <numbers>
 #include <vector>
@@ -102,7 +102,16 @@ TEST(LoopsByAppearance, ComeInWhereTheOdometryDriftedUnawares) {
   for (LoopHypothesis& one : loops) {
     one.source = LoopSource::position;
   }
-  EXPECT_EQ(accepted(walk, loops), 0U) << "by position they would have been within the gate";
+  EXPECT_EQ(accepted(walk, loops), 0U) << "that far off, position would not have found them";
+  PoseGraph loose = walk.graph.with_information(
+      [](const PoseEdge& edge) -> Matrix6d { return 2e-4 * edge.information; });
+  const double chi2 = odometry_disagreement(loose, loops.front());
+  EXPECT_GT(chi2, 16.81);
+  EXPECT_LT(chi2, 100.0);
+  const std::vector<LoopVote> votes = vote(loose, loops, {}, true, {});
+  EXPECT_EQ(std::ranges::count_if(votes, &LoopVote::accepted), 4) << "beyond the gate, but not far";
+  const std::vector<LoopVote> wary = vote(loose, loops, {.far_off = true}, true, {});
+  EXPECT_EQ(std::ranges::count_if(wary, &LoopVote::accepted), 0) << "others were far off";
 }
 
 TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
@@ -259,19 +268,6 @@ TEST(LoopsByAppearance, NeitherAParallelCorridorNorAnEqualBlockIs) {
   }
 }
 
-TEST(LoopsByAppearance, TiePartsOfAMapThatNothingElseTies) {
-  const Walk walk = drifting_round(false);
-  Walk parted = walk;
-  parted.graph.set_status(30, EdgeStatus::revoked);
-  std::vector<LoopHypothesis> loops;
-  for (NodeId i = 1; i <= 4; ++i) {
-    loops.push_back(loop(walk, i, kRoundOfWalk + i));
-  }
-  EXPECT_EQ(accepted(parted, loops), 4U);
-  loops.resize(3);
-  EXPECT_EQ(accepted(parted, loops), 0U);
-}
-
 TEST(DriftClaim, LimitsGrowWithThePath) {
   EXPECT_TRUE(is_possible_drift(up(1.4), 10.0));
   EXPECT_FALSE(is_possible_drift(up(3.4), 10.0));
@@ -312,6 +308,21 @@ TEST(DriftClaim, EndsWhereEarlierLoopsTieTheStretches) {
   }
   EXPECT_TRUE(drift_explains(graph, 12, again + 12, up(0.0))) << "0.56 m of drift since";
   EXPECT_FALSE(drift_explains(graph, 9, again + 9, up(-2.0))) << "tied a metre before";
+}
+
+// The way between the stretches is 2 m long where they part, and 2 m longer with each keyframe.
+TEST(DriftClaim, HoldsForEachPairOfALongStretch) {
+  constexpr NodeId kLength = 300;
+  PoseGraph graph = test::line(kLength);
+  for (NodeId i = 0; i < kLength; ++i) {
+    const NodeId id = 1000 + i;
+    graph.add_node({.id = id, .T_map_node = step(static_cast<double>(i))});
+    graph.add_edge(i == 0 ? edge(0, id, up(0.0)) : edge(id - 1, id, step(1.0)));
+  }
+  for (const NodeId i : {2, 40, 299}) {
+    EXPECT_TRUE(drift_explains(graph, i, 1000 + i, up(-1.09))) << "0.5 m and 15 % of 4 m";
+    EXPECT_FALSE(drift_explains(graph, i, 1000 + i, up(-1.11))) << i;
+  }
 }
 
 TEST(ShownClimb, TellsDriftFromAFloorLikeTheOneBelow) {

@@ -80,10 +80,26 @@ TEST(LoopSearch, SubmapsThatReachFarHaveALargerDeadZone) {
 TEST(LoopSearch, WhatIsNearAlongTheEdgesIsNoLoop) {
   const PoseGraph graph = test::line(9);
   EXPECT_TRUE(found(graph, {.gate = 1e9}).empty());
-  EXPECT_EQ(found(graph, {.gate = 1e9, .min_path = 5.0}).size(), 1U);
+  EXPECT_EQ(found(graph, {.gate = 1e9, .min_path = 5.0, .detour = 0.0}).size(), 1U);
   PoseGraph tied = chain(there_and_back(1.0), 1e4);
   tied.add_edge(edge(1, 20, at(0.0, 1.0), 1e4));
   EXPECT_TRUE(found(tied).empty()) << "a loop has closed it";
+}
+
+TEST(LoopSearch, StraightOnIsNoLoopHoweverFar) {
+  const PoseGraph street = test::line(40);
+  EXPECT_TRUE(found(street, {.gate = 1e9}).empty()) << "39 m of way, 39 m apart";
+  EXPECT_FALSE(found(street, {.gate = 1e9, .detour = 0.0}).empty());
+  // Round a corner and on: as far along the edges as before, but no place is seen again.
+  std::vector<Eigen::Isometry3d> corner;
+  for (int i = 0; i < 8; ++i) {
+    corner.push_back(at(2.0 * i, 0.0));
+  }
+  for (int i = 1; i < 8; ++i) {
+    corner.push_back(at(14.0, 2.0 * i));
+  }
+  EXPECT_TRUE(found(chain(corner, 1e2), {.gate = 1e9}).empty());
+  EXPECT_FALSE(found(chain(there_and_back(6.0), 1e6), {}, 20.0).empty()) << "on the other lane";
 }
 
 TEST(LoopSearch, OnePlaceAStretchAndTheNearestOfThemFirst) {

@@ -89,10 +89,12 @@ test::World room() {
 class LoopVerifierTest : public test::DeviceTest {
  protected:
   static LoopVerification ask(const KeyframeSubmap& from, const KeyframeSubmap& to,
-                              const Eigen::Isometry3d& guess, const Matrix6d& known) {
+                              const Eigen::Isometry3d& guess, const Matrix6d& known,
+                              double gate = kExpectedGate) {
     LoopVerifier verifier(context(), test::submap_config());
     const SurfaceCloud cloud = make_surface_cloud(context(), to);
-    const LoopQuestion question{.from = &from, .T_from_to = guess, .covariance = known};
+    const LoopQuestion question{
+        .from = &from, .T_from_to = guess, .covariance = known, .gate = gate};
     return verifier.verify(to, cloud, std::span(&question, 1), 0.05).front();
   }
 };
@@ -130,6 +132,11 @@ TEST_F(LoopVerifierTest, ATrueMatchFarFromWhereTheGraphHasItIsBeyondTheGate) {
       ask(from.submap, to.submap, pose(1.9, 0.0, 0.0), known_to(0.05, 0.005));
   EXPECT_EQ(verdict.reason, LoopReason::beyond_gate) << to_string(verdict.reason);
   EXPECT_GT(verdict.figure, 16.81);
+  EXPECT_FALSE(verdict.expected);
+  const LoopVerification drifted =
+      ask(from.submap, to.submap, pose(1.9, 0.0, 0.0), known_to(0.05, 0.005), 1e6);
+  EXPECT_EQ(drifted.reason, LoopReason::none) << "where more may have drifted, a vote decides";
+  EXPECT_FALSE(drifted.expected);
 }
 
 TEST_F(LoopVerifierTest, ASmoothTunnelIsDegenerate) {

@@ -107,13 +107,11 @@ TEST(LoopVoting, ThreeGoodOnesAmongTwentyOutliersGiveExactlyThose) {
 TEST(LoopVoting, WrongOnesThatAgreeButContradictTheOdometryGiveNothing) {
   // An identical corridor 6 m aside: every keyframe finds it, and all agree.
   const Round round = round_trip(0.0, 0.02);
-  Vector6d aside = Vector6d::Zero();
-  aside(1) = 6.0;
   std::vector<LoopHypothesis> all;
   for (NodeId i = 0; i < 5; ++i) {
     LoopHypothesis wrong = loop(round, 2 + i, kRound + 2 + i);
     Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();  // shift of the world, alike for all
-    shift.translation().z() = 6.0;
+    shift.translation().y() = 6.0;
     wrong.T_from_to = round.truth[static_cast<std::size_t>(2 + i)].inverse() * shift *
                       round.truth[static_cast<std::size_t>(kRound + 2 + i)];
     wrong.strong = true;
