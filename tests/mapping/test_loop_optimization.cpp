@@ -97,8 +97,8 @@ TEST(OptimizeWithLoops, DriftOfAllEdgesIsSharedOutAmongThem) {
   }
 }
 
-// Each metre climbs by 10 cm that its covariance of 1 cm knows nothing of. The kernel would rather do
-// without all three loops than bend every edge.
+// Each metre climbs by 10 cm that its covariance of 1 cm knows nothing of. The kernel would rather
+// do without all three loops than bend every edge.
 TEST(OptimizeWithLoops, LoopsAreNotAllWrongWhereTheOdometryIs) {
   Square square(Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.0, 0.1)));
   const double before = square.worst_of(poses_of(square.graph));

@@ -21,6 +21,14 @@ namespace {
 
 constexpr std::size_t kWayOut = 50;  // sweeps
 
+/// What the edges tilt by, rad a metre, and whether gravity tells of the first keyframes which way
+/// is up.
+struct Tilting {
+  double pitch = 0.0;
+  bool levelled = false;
+  std::size_t keyframes = std::numeric_limits<std::size_t>::max();
+};
+
 class MapAssemblyTest : public test::DeviceTest {
  protected:
   struct Recorded {
@@ -77,14 +85,6 @@ class MapAssemblyTest : public test::DeviceTest {
     PoseGraph graph;
     LoopReport loops;
     std::string dump;
-  };
-
-  /// What the edges tilt by, rad a metre, and whether gravity tells of the first keyframes which way
-  /// is up.
-  struct Tilting {
-    double pitch = 0.0;
-    bool levelled = false;
-    std::size_t keyframes = std::numeric_limits<std::size_t>::max();
   };
 
   /// `drift` is put into each edge for a metre of its way; nothing ties the keyframe `part` to the

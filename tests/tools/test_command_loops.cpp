@@ -47,10 +47,11 @@ class LoopsCommand : public testing::Test {
     return submap;
   }
 
-  Ran shown_on(const fs::path& page) const {
+  Ran shown_on(const std::optional<fs::path>& page, const std::vector<int64_t>& show = {}) const {
     LoopsCommandOptions options;
     options.map = map_;
     options.html = page;
+    options.show = show;
     return test::ran(loops_command, options);
   }
 
@@ -127,12 +128,12 @@ TEST_F(LoopsCommand, AGuessThatIsNoPlaceIsAUsageError) {
 
 TEST_F(LoopsCommand, ShowsTheLoopsThatAreAskedFor) {
   const fs::path page = folder_ / "loops.html";
-  ASSERT_EQ(test::ran(loops_command, {.map = map_, .html = page, .show = {2}}).code, 0);
+  ASSERT_EQ(shown_on(page, {2}).code, 0);
   const std::string html = test::content(page);
   EXPECT_EQ(html.find("id=\"loop1\""), std::string::npos);
   EXPECT_NE(html.find("id=\"loop2\""), std::string::npos);
-  EXPECT_EQ(test::ran(loops_command, {.map = map_, .html = page, .show = {9}}).code, 2);
-  EXPECT_EQ(test::ran(loops_command, {.map = map_, .show = {2}}).code, 2) << "needs --html";
+  EXPECT_EQ(shown_on(page, {9}).code, 2);
+  EXPECT_EQ(shown_on(std::nullopt, {2}).code, 2) << "needs --html";
 }
 
 TEST_F(LoopsCommand, ALoopThatTheMapDoesNotFollowIsSeenToBeOff) {
