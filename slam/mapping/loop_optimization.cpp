@@ -24,6 +24,8 @@ constexpr double kMedianChi2 = 5.348;
 // The scale is settled once a round leaves it within this factor; each round comes much nearer.
 constexpr double kSettled = 1.1;
 constexpr int kMostRounds = 8;
+// Against the odometry: as many as a bundle has.
+constexpr std::size_t kFewestBelieved = 3;
 
 PoseGraph scaled(const PoseGraph& graph, double scale) {
   return graph.with_information([scale](const PoseEdge& edge) -> Matrix6d {
@@ -65,6 +67,7 @@ PoseGraph fitting_part(PoseGraph graph, const OptimizedGraph& optimum) {
   return graph;
 }
 
+/// Fewer than a bundle are not believed against the odometry.
 bool most_loops_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
   std::size_t loops = 0;
   std::size_t others = 0;
@@ -73,7 +76,7 @@ bool most_loops_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
     loops += counts ? 1U : 0U;
     others += is_loop_that_does_not_fit(graph, optimum, i) ? 1U : 0U;
   }
-  return 2 * others <= loops;
+  return loops < kFewestBelieved || 2 * others <= loops;
 }
 
 // A scale that is too small leaves part of the drift to the loops, so that edges seem better than

@@ -26,9 +26,9 @@ struct LoopOptimum : OptimizedGraph {
 /// Where the loops that fit show that the odometry's edges as a whole are off by more than their
 /// covariances say, these are scaled until the median edge between the ends of loops is as far off
 /// as it says (an estimate of the variance component). Few edges that are far off do not change
-/// that: they take what the loops correct. Where most loops do not fit, all of them say it, if most
-/// fit then: the kernel takes all influence from many right ones sooner than it bends the odometry
-/// by many of its standard deviations.
+/// that: they take what the loops correct. Where most of three or more do not fit, all of them say
+/// it, if most fit then: the kernel takes all influence from many right ones sooner than it bends
+/// the odometry by many of its standard deviations.
 ///
 /// `on_step` is asked after each iteration; false ends the work (Termination::stopped).
 LoopOptimum optimize_with_loops(const PoseGraph& graph,

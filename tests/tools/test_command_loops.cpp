@@ -256,7 +256,7 @@ TEST_F(LoopsCommand, SaysWhatCannotBeDone) {
 }
 
 TEST_F(LoopsCommand, WhatContradictsTheRestIsNotRestored) {
-  PoseEdge wrong = test::edge(0, 4, test::step(20.0), 400.0);
+  PoseEdge wrong = test::edge(0, 4, test::step(20.0), 1.0);
   wrong.kind = EdgeKind::loop;
   wrong.status = EdgeStatus::revoked;
   LoopCandidate candidate;

@@ -331,7 +331,7 @@ TEST_F(Foxglove, NothingIsWrittenOverWhatItComesFrom) {
   write_shown_run(folder_);
   EXPECT_NE(test::error_of<UsageError>([&] {
               write(folder_.path(), "drive.mcap");
-            }).find("the recording that was mapped"),
+            }).find("cannot be written over"),
             std::string::npos);
   EXPECT_EQ(test::content_of(folder_ / "drive.mcap"), "a recording");
 }
