@@ -73,20 +73,24 @@ TEST_F(VgicpLoop, RecoversThePoseFromEveryOffsetAsTheTwinDoes) {
   for (const int points : {5'000, 30'000}) {
     const AlignmentScene scene(context(), test::street_alignment(points));
     const std::vector<reference::SurfacePoint> source = reference::decode(scene.source());
+    // As far as float goes: of two that stop at a coarser step, one may take a step more, in which
+    // a match changes.
+    reference::AlignmentSettings settings = scene.settings();
+    settings.translation_epsilon = 1e-5;
+    settings.rotation_epsilon = 2e-6;
     for (const auto& [name, offset] : test::offsets()) {
       SCOPED_TRACE(std::to_string(points) + " points, " + name);
       const Eigen::Isometry3d start = retract(scene.T_target_source(), offset);
-      const test::DeviceOutcome state = align(scene, scene.source(), start, scene.settings());
+      const test::DeviceOutcome state = align(scene, scene.source(), start, settings);
       const reference::Alignment expected =
-          reference::align(source, scene.target(), start, scene.settings());
+          reference::align(source, scene.target(), start, settings);
       expect_done(state);
       EXPECT_TRUE(is_finite(state));
       EXPECT_EQ(state.converged, 1U);
       EXPECT_EQ(state.failed, 0U);
       EXPECT_TRUE(expected.converged);
       const Eigen::Isometry3d pose = from_device(state.pose);
-      // The two stop on the last step shorter than 0.1 mm and 0.02 mrad, and a point at a border
-      // may be matched by one and not by the other.
+      // A point at a border may be matched by one and not by the other.
       EXPECT_LT(distance(pose, expected.pose), 2e-4);
       EXPECT_LT(angle(pose, expected.pose), 4e-5);
       EXPECT_NEAR(static_cast<double>(state.system[gpu::kInliersAt]),
