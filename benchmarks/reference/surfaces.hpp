@@ -204,8 +204,7 @@ inline Surface surface_around(const SurfaceCells& cells, const SeenPoint& point,
       neighbours.insert(neighbours.end(), found->second.begin(), found->second.end());
     }
   }
-  Surface surface = surface_among(neighbours, point.ray.cast<double>(),
-                                  beam_gap(point.ray, settings, level), true);
+  Surface surface = surface_among(neighbours, point.ray.cast<double>(), 0.0, true);
   constexpr double kUndecided = 1e-4;
   surface.margin = from_the_middle < kUndecided ? 0.0 : surface.margin;
   return surface;

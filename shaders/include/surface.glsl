@@ -51,7 +51,8 @@ uint surface_level(vec3 p, float level_factor) {
   return min((ceil_log2 + 1u) >> 1, 14u);
 }
 
-// The square of the gap between neighbouring beams at the end of a ray, in cells of the level.
+// The square of the gap between neighbouring beams at the end of a ray, in cells of the level;
+// level_factor is of 2.5 gaps.
 float beam_gap(vec3 ray, uint level, float level_factor) {
   const float cell = uintBitsToFloat((127u - level) << 23);
   return dot(ray, ray) * level_factor * 0.16 * cell * cell;

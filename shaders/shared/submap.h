@@ -44,7 +44,7 @@ struct MergePush {
 struct SubmapSurfacePush {
   uint point_count;
   float inverse_surface_cell;  // 1 / edge of a level-0 surface cell, 1/m
-  float level_factor;          // (beam_spacing / r_input)^2, 1/m^2
+  float level_factor;          // (2.5 beam_spacing / edge of level 0)^2, 1/m^2
   uint surface_mask;           // slots of the surface table - 1
 };
 

@@ -140,7 +140,7 @@ def under_mouse(page, x, y):
     """What is told of the place under the mouse, by name: numbers."""
     page.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
     page.wait("!document.getElementById('under').hidden")
-    time.sleep(0.2)  # the answer of the server
+    page.wait("window.adit.places.asked.size === 0")  # what the server says of it has come
     terms = page.evaluate("[...document.querySelectorAll('#under dt')].map((t) => [t.textContent, t.nextSibling.textContent])")
     return {name: [float(number) for number in re.findall(r"-?\d+\.\d+", value)] for name, value in terms}
 

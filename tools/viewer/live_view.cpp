@@ -162,7 +162,7 @@ bool LiveView::serves() {
 
 ViewCounts LiveView::end(const std::function<bool()>& stop) {
   while (!stop() && serves()) {
-    std::this_thread::sleep_for(kAskedAgain);
+    std::this_thread::sleep_for(kAskedAgain);  // a signal sets a flag, and wakes nobody
   }
   join();
   if (failure_) {
