@@ -60,6 +60,8 @@ TEST_F(ViewDataTest, AMapIsPointsAndAGraph) {
   EXPECT_EQ(graph.at("keyframes").at("id").dump(), "[0,1,2]");
   EXPECT_EQ(graph.at("keyframes").at("odometry").at(14), 20.0);
   EXPECT_EQ(graph.at("loops").at(0).at("verdict"), "accepted");
+  EXPECT_EQ(graph.at("loops").at(0).at("pose").at(0), 19.0);
+  EXPECT_TRUE(graph.at("truth").is_null());
   EXPECT_EQ(graph.at("edges").size(), 3U);
   // In the map's axes: the keyframe's variance, which is the same all around.
   EXPECT_NEAR(graph.at("keyframes").at("covariance").at(0).get<double>(), 1.0 / 3.0, 1e-6);
@@ -73,6 +75,28 @@ TEST_F(ViewDataTest, AMapIsPointsAndAGraph) {
   EXPECT_EQ(points[2].facts.keyframe, 2);
   EXPECT_EQ(points[2].facts.moving, 1);
   EXPECT_EQ(data.tile(1), "");
+}
+
+TEST_F(ViewDataTest, TheTruthIsLaidOverTheMapAnewAfterAnEdit) {
+  write_map(folder_ / "map.adit");
+  int asked = 0;
+  ViewData data({.what = folder_ / "map.adit",
+                 .edit = true,
+                 .truth =
+                     [&](const MapDatabase&) {
+                       ++asked;
+                       return ViewTruth{.errors = {{1, 0.25}}, .path = {Eigen::Vector3d(1, 2, 3)}};
+                     }},
+                progress_);
+  EXPECT_EQ(nlohmann::json::parse(data.graph()).at("truth").dump(),
+            R"({"error":[null,0.25,null],"path":[1.0,2.0,3.0]})");
+  data.change(4, LoopAction::revoke);
+  EXPECT_EQ(asked, 2);
+  std::ofstream(folder_ / "cloud.ply");
+  EXPECT_THROW(ViewData({.what = folder_ / "cloud.ply",
+                         .truth = [](const MapDatabase&) { return ViewTruth{}; }},
+                        progress_),
+               UsageError);
 }
 
 TEST_F(ViewDataTest, RevokesAndRestoresWhereItMayEdit) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/command_view.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string_view>
@@ -11,6 +12,9 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/evaluation/trajectory_source.hpp"
+#include "adit/tools/evaluation/truth_on_map.hpp"
+#include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/viewer/view_data.hpp"
 #include "adit/tools/viewer/view_protocol.hpp"
@@ -19,11 +23,29 @@
 namespace adit {
 namespace {
 
+/// Empty where none is given.
+std::function<ViewTruth(const MapDatabase&)> truth_of(const ViewCommandOptions& options) {
+  if (!options.truth) {
+    return {};
+  }
+  Trajectory truth = read_any_trajectory({.path = *options.truth});
+  if (!truth.stamped) {
+    throw InputError(*options.truth, {}, "its poses have no times",
+                     "Keyframes are compared by time: TUM, or a table with times");
+  }
+  std::ranges::stable_sort(truth.poses, {}, &StampedPose::stamp);
+  return [truth = std::move(truth)](const MapDatabase& map) {
+    TruthOnMap laid = truth_on_map(map, truth);
+    return ViewTruth{.errors = std::move(laid.errors), .path = std::move(laid.path)};
+  };
+}
+
 int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err) {
   const std::string_view page = required_page();
   const StopSignal stop;
   ViewData data({.what = options.what,
                  .edit = options.edit,
+                 .truth = truth_of(options),
                  .stop = [] { return StopSignal::received() != 0; }},
                 err);
   const ViewAccess access = access_of(options.serve);
@@ -68,12 +90,17 @@ void add_view_command(Command app, std::function<void(int)> done) {
       "  adit view out\n"
       "  adit view out/map.adit --edit\n"
       "  adit view scan.ply --port 8080\n"
+      "  adit view out --truth truth.tum\n"
       "  adit view out --listen 0.0.0.0\n\n"
       "Exit codes: 0 ended by Ctrl-C or SIGTERM, 1 nothing that can be shown, 2 usage,\n129, 130 "
       "or "
       "143 stopped by SIGHUP, SIGINT or SIGTERM before there was something to show.");
   command.option("what", options->what, "What to show").required().value_name("WHAT");
   add_serve_options(command, options->serve);
+  command
+      .option("--truth", options->truth,
+              "The true trajectory: colours by error, and the true way beside the map's")
+      .value_name("FILE");
   command.flag("--edit", options->edit, "Loops may be revoked and restored in the page");
   command.action(
       [options, done = std::move(done)] { done(view_command(*options, std::cout, std::cerr)); });

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 
 #include "adit/tools/commands/served_page.hpp"
 
@@ -18,6 +19,7 @@ struct ViewCommandOptions {
   std::filesystem::path what{};  ///< a map, a run's folder, or a cloud
   ServeOptions serve{};
   bool edit = false;  ///< loops may be revoked and restored
+  std::optional<std::filesystem::path> truth{};  ///< a trajectory with times
 };
 
 /// Serves until a signal ends it. Returns the exit code: 0 ended by SIGINT (Ctrl-C) or SIGTERM, 1

@@ -49,7 +49,8 @@ ordered_json empty_scene(const std::string& title) {
             {"cells", kTileCells}}},
           {"tiles", {{"parent", none}, {"octant", none}, {"points", none}}},
           {"tiled_poses", none},
-          {"sweeps", {{"time", none}, {"keyframe", none}, {"pose", none}}}};
+          {"sweeps", {{"time", none}, {"keyframe", none}, {"pose", none}}},
+          {"weak", {{"sweep", none}, {"axis", none}, {"none", none}}}};
 }
 
 bool is_elsewhere(const Eigen::Isometry3d& now, const Eigen::Isometry3d& before) {

@@ -123,10 +123,15 @@ ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
 ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
     : folder_(fs::is_directory(options.what) ? options.what : fs::path()),
       edit_(options.edit),
+      truth_(options.truth),
       stop_(options.stop) {
   const ViewFiles files = files_of(options.what);
   title_ = options.what.filename().empty() ? options.what.parent_path().filename().string()
                                            : options.what.filename().string();
+  if (files.map.empty() && truth_) {
+    throw UsageError("--truth: " + options.what.string() +
+                     " has no map.adit, whose keyframes could be compared.");
+  }
   if (files.map.empty() && edit_) {
     throw UsageError("--edit: " + options.what.string() +
                      " has no map.adit, so there are no loops to edit.");
@@ -182,7 +187,11 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
   make_tiles(maker, progress);
   make_scene(false, keyframes, progress);
   earth_ = map.georeference();
-  graph_ = text_of(graph_of(map, span_));
+  graph_ = graph_text(map);
+}
+
+std::string ViewData::graph_text(const MapDatabase& map) const {
+  return text_of(graph_of(map, span_, truth_ ? std::optional(truth_(map)) : std::nullopt));
 }
 
 void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
@@ -249,7 +258,7 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
     octants.push_back(tile.octant);
     counts.push_back(tile.points);
   }
-  const ordered_json plots = folder_.empty() ? ordered_json() : plots_of(folder_, span_, progress);
+  const ViewRun run = folder_.empty() ? no_run() : run_of(folder_, span_, sweeps_, progress);
   const CloudCube& cube = tiles_.cube();
   scene_ = text_of({{"type", "scene"},
                     {"program", std::string(kGenerator)},
@@ -268,7 +277,8 @@ void ViewData::make_scene(bool has_intensity, const std::vector<MapKeyframe>& ti
                     {"tiled_poses", poses_of(tiled)},
                     {"sweeps", json_of(sweeps_, span_)},
                     {"map", map_.string()},
-                    {"plots", plots}});
+                    {"plots", run.plots},
+                    {"weak", run.weak}});
 }
 
 std::string ViewData::tile(uint32_t number) const {
@@ -288,7 +298,7 @@ LoopChange ViewData::change(int64_t loop, LoopAction action) {
   }
   const LoopChange changed = change_loop(map_, loop, action);
   const MapDatabase map(map_, MapAccess::read);
-  graph_ = text_of(graph_of(map, span_));
+  graph_ = graph_text(map);
   earth_ = map.georeference();
   return changed;
 }

@@ -22,6 +22,9 @@ namespace adit {
 struct ViewDataOptions {
   std::filesystem::path what;    ///< a map, a run's folder, or a cloud: PLY, PCD or LAS
   bool edit = false;             ///< loops may be revoked and restored
+  /// Lays the truth over the map, also after an edit; empty: it is not known. What it throws is
+  /// thrown.
+  std::function<ViewTruth(const MapDatabase&)> truth{};
   std::function<bool()> stop{};  ///< asked while it is read: true ends that; empty: nothing does
 };
 
@@ -34,8 +37,8 @@ class ViewStopped : public std::runtime_error {
 class ViewData {
  public:
   /// Reads it and makes its tiles; progress goes to `progress`. Throws InputError (nothing that can
-  /// be shown, or damaged), OutputError (no room for temporary files), UsageError (`edit` without a
-  /// map), ViewStopped.
+  /// be shown, or damaged), OutputError (no room for temporary files), UsageError (`edit` or
+  /// `truth` without a map), ViewStopped.
   ViewData(const ViewDataOptions& options, std::ostream& progress);
 
   uint64_t points() const { return tiles_.points(); }
@@ -59,6 +62,7 @@ class ViewData {
 
  private:
   void stop_if_wanted() const;
+  std::string graph_text(const MapDatabase& map) const;
   void read_map(const std::filesystem::path& file, std::ostream& progress);
   void read_cloud(const std::filesystem::path& file, std::ostream& progress);
   void make_tiles(CloudTilesMaker& maker, std::ostream& progress);
@@ -70,6 +74,7 @@ class ViewData {
   std::filesystem::path map_;
   std::optional<Georeference> earth_;
   bool edit_ = false;
+  std::function<ViewTruth(const MapDatabase&)> truth_;
   std::function<bool()> stop_;
   std::size_t keyframes_ = 0;
   ViewSpan span_;

@@ -77,7 +77,8 @@ ordered_json json_of(const LoopCandidate& loop, const Positions& positions) {
           {"turn", rounded(loop.turn, 1e-6)},
           {"through", rounded(loop.through, 1e-4)},
           {"found_by", to_string(loop.source)},
-          {"chi2", rounded(loop.chi2, 1e-4)}};
+          {"chi2", rounded(loop.chi2, 1e-4)},
+          {"pose", poses_of(std::vector{loop.T_from_to})}};
 }
 
 ordered_json fixes_of(const MapDatabase& map, const ViewSpan& span, const Positions& positions) {
@@ -101,6 +102,25 @@ ordered_json fixes_of(const MapDatabase& map, const ViewSpan& span, const Positi
                     {"chi2", rounded(fix.chi2, 1e-3)}});
   }
   return list;
+}
+
+ordered_json json_of(const std::optional<ViewTruth>& truth,
+                     const std::vector<MapKeyframe>& keyframes) {
+  if (!truth) {
+    return nullptr;
+  }
+  ordered_json errors = ordered_json::array();
+  for (const MapKeyframe& keyframe : keyframes) {
+    const auto found = truth->errors.find(keyframe.id);
+    errors.push_back(found == truth->errors.end() ? ordered_json() : length(found->second));
+  }
+  ordered_json path = ordered_json::array();
+  for (std::size_t i = 0; i < truth->path.size(); i += stride_of(truth->path.size())) {
+    for (int k = 0; k < 3; ++k) {
+      path.push_back(length(truth->path[i][k]));
+    }
+  }
+  return {{"error", errors}, {"path", path}};
 }
 
 }  // namespace
@@ -153,10 +173,12 @@ ordered_json no_graph() {
           {"edges", none},
           {"loops", none},
           {"fixes", none},
+          {"truth", nullptr},
           {"world", nullptr}};
 }
 
-ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
+ordered_json graph_of(const MapDatabase& map, const ViewSpan& span,
+                      const std::optional<ViewTruth>& truth) {
   const std::vector<MapKeyframe> keyframes = map.keyframes();
   const PoseGraph graph = map.graph();
   const Positions positions = positions_of(keyframes);
@@ -190,12 +212,16 @@ ordered_json graph_of(const MapDatabase& map, const ViewSpan& span) {
           {"edges", edges},
           {"loops", loops},
           {"fixes", fixes_of(map, span, positions)},
+          {"truth", json_of(truth, keyframes)},
           {"world", world_of(map.georeference())}};
 }
 
+std::size_t stride_of(std::size_t sweeps) {
+  return std::max<std::size_t>(1, (sweeps + kMostSweeps - 1) / kMostSweeps);
+}
+
 ordered_json json_of(const std::vector<ViewSweep>& sweeps, const ViewSpan& span) {
-  const std::size_t stride =
-      std::max<std::size_t>(1, (sweeps.size() + kMostSweeps - 1) / kMostSweeps);
+  const std::size_t stride = stride_of(sweeps.size());
   ordered_json times = ordered_json::array();
   ordered_json keyframes = ordered_json::array();
   ordered_json poses = ordered_json::array();

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,13 +35,20 @@ struct ViewSweep {
   Eigen::Isometry3d T_keyframe_lidar = Eigen::Isometry3d::Identity();
 };
 
+/// The truth laid over a map.
+struct ViewTruth {
+  std::map<NodeId, double> errors;    ///< m, of keyframes that it covers
+  std::vector<Eigen::Vector3d> path;  ///< in the map's frame, m
+};
+
 /// The sweeps of a map in the order of keyframes. Throws InputError where a submap is damaged.
 std::vector<ViewSweep> sweeps_of(const MapDatabase& map);
 
 /// "graph": keyframes with poses and covariances in the map's axes (m^2), what the odometry alone
 /// says of their poses, edges, loops with verdicts and reasons, GNSS fixes where the map has its
-/// place on the Earth. Throws InputError.
-nlohmann::ordered_json graph_of(const MapDatabase& map, const ViewSpan& span);
+/// place on the Earth, the truth where it is known. Throws InputError.
+nlohmann::ordered_json graph_of(const MapDatabase& map, const ViewSpan& span,
+                                const std::optional<ViewTruth>& truth = std::nullopt);
 
 /// The graph of what has no keyframes.
 nlohmann::ordered_json no_graph();
@@ -47,6 +56,9 @@ nlohmann::ordered_json no_graph();
 /// x, y, z (m) and quaternion x, y, z, w of each, one after the other.
 nlohmann::ordered_json poses_of(const std::vector<Eigen::Isometry3d>& poses);
 nlohmann::ordered_json poses_of(const std::vector<MapKeyframe>& keyframes);
+
+/// Of so many sweeps, one in so many is told.
+std::size_t stride_of(std::size_t sweeps);
 
 /// "sweeps": evenly thinned to 65535 of them.
 nlohmann::ordered_json json_of(const std::vector<ViewSweep>& sweeps, const ViewSpan& span);

@@ -8,11 +8,13 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/slam/registration/registration.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -130,32 +132,86 @@ ordered_json stretches_json(const std::filesystem::path& summary, const ViewSpan
   return list;
 }
 
-}  // namespace
-
-ordered_json plots_of(const std::filesystem::path& folder, const ViewSpan& span,
-                      std::ostream& progress) {
-  const std::filesystem::path table = folder / "sweeps.csv";
-  if (!std::filesystem::exists(table) || !(span.last > span.first)) {
+ordered_json plots_json(const std::vector<SweepRecord>& sweeps, const ViewSpan& span,
+                        const std::filesystem::path& folder) {
+  if (sweeps.empty() || !(span.last > span.first)) {
     return nullptr;
   }
-  try {
-    const std::vector<SweepRecord> sweeps = read_sweep_table(table);
-    if (sweeps.empty()) {
-      return nullptr;
+  const std::size_t bins = std::min(kMostPlotBins, sweeps.size());
+  ordered_json curves = ordered_json::array();
+  for (const PlotCurve& curve : plot_curves()) {
+    ordered_json json = curve_json(curve, sweeps, span, bins);
+    if (!json.is_null()) {
+      curves.push_back(std::move(json));
     }
-    const std::size_t bins = std::min(kMostPlotBins, sweeps.size());
-    ordered_json curves = ordered_json::array();
-    for (const PlotCurve& curve : plot_curves()) {
-      ordered_json json = curve_json(curve, sweeps, span, bins);
-      if (!json.is_null()) {
-        curves.push_back(std::move(json));
+  }
+  return {{"curves", std::move(curves)},
+          {"stretches", stretches_json(folder / "summary.json", span, sweeps.front().stamp)}};
+}
+
+struct WeakDirection {
+  std::size_t sweep = 0;  ///< its position in "sweeps"
+  Eigen::Vector3d axis;
+  bool none = false;  ///< nothing holds it
+};
+
+std::vector<WeakDirection> weak_directions(const std::vector<SweepRecord>& records,
+                                           const std::vector<ViewSweep>& sweeps) {
+  std::unordered_map<int64_t, std::size_t> told;  // by stamp
+  for (std::size_t i = 0; i < sweeps.size(); i += stride_of(sweeps.size())) {
+    told.emplace(sweeps[i].stamp.count(), told.size());
+  }
+  std::vector<WeakDirection> weak;
+  for (const SweepRecord& record : records) {
+    const auto at = told.find(record.stamp.count());
+    if (at == told.end()) {
+      continue;
+    }
+    for (const SweepDirection& direction : record.translation) {
+      const bool none = direction.localizability == to_string(Localizability::none);
+      const bool partial = direction.localizability == to_string(Localizability::partial);
+      if ((none || partial) && direction.axis.allFinite()) {
+        weak.push_back({.sweep = at->second, .axis = direction.axis, .none = none});
       }
     }
-    return {{"curves", std::move(curves)},
-            {"stretches", stretches_json(folder / "summary.json", span, sweeps.front().stamp)}};
+  }
+  return weak;
+}
+
+ordered_json weak_json(const std::vector<WeakDirection>& weak) {
+  const std::size_t stride = std::max<std::size_t>(1, (weak.size() + kMostWeak - 1) / kMostWeak);
+  ordered_json sweeps = ordered_json::array();
+  ordered_json axes = ordered_json::array();
+  ordered_json none = ordered_json::array();
+  for (std::size_t i = 0; i < weak.size(); i += stride) {
+    sweeps.push_back(weak[i].sweep);
+    for (int k = 0; k < 3; ++k) {
+      axes.push_back(plotted(weak[i].axis[k]));
+    }
+    none.push_back(weak[i].none);
+  }
+  return {{"sweep", sweeps}, {"axis", axes}, {"none", none}};
+}
+
+}  // namespace
+
+ViewRun no_run() {
+  return {.plots = nullptr, .weak = weak_json({})};
+}
+
+ViewRun run_of(const std::filesystem::path& folder, const ViewSpan& span,
+               const std::vector<ViewSweep>& sweeps, std::ostream& progress) {
+  const std::filesystem::path table = folder / "sweeps.csv";
+  if (!std::filesystem::exists(table)) {
+    return no_run();
+  }
+  try {
+    const std::vector<SweepRecord> records = read_sweep_table(table);
+    return {.plots = plots_json(records, span, folder),
+            .weak = weak_json(weak_directions(records, sweeps))};
   } catch (const FileError& error) {
     progress << "note: there are no plots: " << error.what() << "\n";
-    return nullptr;
+    return no_run();
   }
 }
 

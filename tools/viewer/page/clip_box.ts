@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The box that points are shown in: six sides, in the map's frame, m.
+// The box that points are shown in: six sides, in the map's frame, m, and how far it is turned about its middle, degrees.
+import { Vector3 } from 'three';
+import type { Box } from './cloud_material';
 import { element, input } from './elements';
 
-const NAMES = ['x from', 'y from', 'z from', 'x to', 'y to', 'z to'];
+const NAMES = ['x from', 'y from', 'z from', 'x to', 'y to', 'z to', 'turned'];
+const TURN = 6;
+const STEEPEST = 90;       // degrees, of a turn
 
 export class ClipBox {
   /** Null: everything is shown. */
@@ -37,9 +41,9 @@ export class ClipBox {
     this.value = value;
     input('boxed').checked = value !== null;
     this.ranges.forEach((range, i) => {
-      range.min = String(whole[i % 3]);
-      range.max = String(whole[i % 3 + 3]);
-      range.value = String((value ?? whole)[i]);
+      range.min = String(i === TURN ? -STEEPEST : whole[i % 3]);
+      range.max = String(i === TURN ? STEEPEST : whole[i % 3 + 3]);
+      range.value = String((value ?? [...whole, 0])[i]);
     });
     this.show();
   }
@@ -51,6 +55,12 @@ export class ClipBox {
   }
 
   private show(): void {
-    this.outputs.forEach((output, i) => { output.textContent = `${Number(this.ranges[i].value).toFixed(1)} m`; });
+    this.outputs.forEach((output, i) => { output.textContent = `${Number(this.ranges[i].value).toFixed(1)}${i === TURN ? '°' : ' m'}`; });
   }
+}
+
+/** About the origin, of what ViewState has. */
+export function boxOf([x0, y0, z0, x1, y1, z1, turn]: number[], origin: Vector3): Box {
+  return { middle: new Vector3(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * (z0 + z1)).sub(origin),
+    half: new Vector3(0.5 * (x1 - x0), 0.5 * (y1 - y0), 0.5 * (z1 - z0)), turn: turn * Math.PI / 180 };
 }

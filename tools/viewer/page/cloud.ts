@@ -86,8 +86,11 @@ export class Cloud implements ShownCloud {
     this.look.setCorrections(this.rows);
   }
 
-  showOnly(keyframe: number): void {
-    this.look.set('only', keyframe < 0 ? -1 : Math.floor(keyframe / this.look.get<number>('keyframeScale') + 1e-6));
+  showOnly(keyframes: number[]): void {
+    const scale = this.look.get<number>('keyframeScale');
+    const told = (keyframe: number | undefined): number => (keyframe === undefined ? -1 : Math.floor(keyframe / scale + 1e-6));
+    this.look.set('only', told(keyframes[0]));
+    this.look.set('other', told(keyframes[1]));
   }
 
   get heights(): [number, number] {

@@ -5,7 +5,7 @@
 import { DataTexture, FloatType, GLSL3, RawShaderMaterial, RedFormat, RGBAFormat, Vector2, Vector3 } from 'three';
 import { colour, rampTexture, SERIES } from './palette';
 
-export const COLOURS = ['height', 'intensity', 'time', 'keyframe', 'session', 'moving'] as const;
+export const COLOURS = ['height', 'intensity', 'time', 'keyframe', 'session', 'moving', 'sigma', 'error'] as const;
 export type ColourBy = (typeof COLOURS)[number];
 
 const VERTEX = `
@@ -24,10 +24,12 @@ uniform int colourBy;
 uniform vec2 heights;
 uniform vec3 series[${SERIES.length}];
 uniform float size, closeSize, mostSize;
-uniform vec3 boxLow, boxHigh;
+uniform vec3 boxMiddle, boxHalf;
+uniform vec2 boxTurn;
 uniform float until;
 uniform bool hideMoving;
-uniform float only;
+uniform float only, other;
+uniform sampler2D values;
 out vec3 shade;
 
 int position(float keyframe) {
@@ -45,6 +47,17 @@ vec3 moved(vec3 p, float keyframe) {
   return result;
 }
 
+float ofKeyframe(sampler2D numbers, float keyframe) {
+  int at = position(keyframe), width = textureSize(numbers, 0).x;
+  return texelFetch(numbers, ivec2(at % width, at / width), 0).r;
+}
+
+bool outside(vec3 p) {
+  vec3 q = p - boxMiddle;
+  q.xy = vec2(dot(boxTurn, q.xy), boxTurn.x * q.y - boxTurn.y * q.x);
+  return any(greaterThan(abs(q), boxHalf));
+}
+
 void main() {
   vec3 p = (modelMatrix * vec4(place + 0.5, 1.0)).xyz;
   if (corrected) p = moved(p, facts.y);
@@ -52,20 +65,21 @@ void main() {
   gl_PointSize = clamp(closeSize / gl_Position.w, size, mostSize);
   float intensity = mod(facts.z, 256.0);
   bool moving = facts.z >= 256.0;
-  bool other = only >= 0.0 && facts.y != only;
-  if (any(lessThan(p, boxLow)) || any(greaterThan(p, boxHigh)) || facts.x > until || (hideMoving && moving) || other) {
+  bool hidden = only >= 0.0 && facts.y != only && facts.y != other;
+  if (outside(p) || facts.x > until || (hideMoving && moving) || hidden) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   }
-  if (colourBy == 3) {
+  if (other >= 0.0) {
+    shade = series[facts.y == other ? 1 : 0];
+  } else if (colourBy == 3) {
     shade = series[int(mod(facts.y, ${SERIES.length}.0))];
   } else if (colourBy == 4) {
-    int at = position(facts.y), width = textureSize(sessions, 0).x;
-    shade = series[int(255.0 * texelFetch(sessions, ivec2(at % width, at / width), 0).r + 0.5)];
+    shade = series[int(255.0 * ofKeyframe(sessions, facts.y) + 0.5)];
   } else if (colourBy == 5) {
     shade = series[moving ? 1 : 0];
   } else {
     float share = colourBy == 0 ? (p.z - heights.x) / (heights.y - heights.x)
-        : colourBy == 1 ? intensity / 255.0 : facts.x / 65535.0;
+        : colourBy == 1 ? intensity / 255.0 : colourBy == 2 ? facts.x / 65535.0 : ofKeyframe(values, facts.y);
     shade = texture(ramp, vec2((0.5 + ${(7).toFixed(1)} * clamp(share, 0.0, 1.0)) / 8.0, 0.5)).rgb;
   }
 }`;
@@ -82,6 +96,9 @@ void main() {
 
 const FAR = 1e9;
 
+/** Turned by `turn` about its vertical axis, rad; m. */
+export interface Box { middle: Vector3; half: Vector3; turn: number; }
+
 export class CloudMaterial {
   readonly material = new RawShaderMaterial({
     glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT,
@@ -90,8 +107,9 @@ export class CloudMaterial {
       sessions: { value: indices(new Uint8Array(1)) }, ramp: { value: rampTexture() }, colourBy: { value: 0 }, heights: { value: new Vector2(0, 1) },
       series: { value: SERIES.map((hex) => { const c = colour(hex); return new Vector3(c.r, c.g, c.b); }) },
       size: { value: 2 }, closeSize: { value: 0 }, mostSize: { value: 24 }, round: { value: false },
-      boxLow: { value: new Vector3().setScalar(-FAR) }, boxHigh: { value: new Vector3().setScalar(FAR) },
-      until: { value: 65536 }, hideMoving: { value: false }, only: { value: -1 },
+      boxMiddle: { value: new Vector3() }, boxHalf: { value: new Vector3().setScalar(FAR) }, boxTurn: { value: new Vector2(1, 0) },
+      until: { value: 65536 }, hideMoving: { value: false }, only: { value: -1 }, other: { value: -1 },
+      values: { value: indices(new Uint8Array(1)) },
     },
   });
 
@@ -103,15 +121,30 @@ export class CloudMaterial {
     return this.material.uniforms[name].value as T;
   }
 
-  setBox(low: Vector3 | null, high: Vector3 | null): void {
-    this.get<Vector3>('boxLow').copy(low ?? new Vector3().setScalar(-FAR));
-    this.get<Vector3>('boxHigh').copy(high ?? new Vector3().setScalar(FAR));
+  /** About the origin; null: everything is in it. */
+  setBox(box: Box | null): void {
+    this.get<Vector3>('boxMiddle').copy(box?.middle ?? new Vector3());
+    this.get<Vector3>('boxHalf').copy(box?.half ?? new Vector3().setScalar(FAR));
+    this.get<Vector2>('boxTurn').set(Math.cos(box?.turn ?? 0), Math.sin(box?.turn ?? 0));
+  }
+
+  inBox(p: Vector3): boolean {
+    const middle = this.get<Vector3>('boxMiddle'), half = this.get<Vector3>('boxHalf'), turn = this.get<Vector2>('boxTurn');
+    const x = p.x - middle.x, y = p.y - middle.y;
+    return Math.abs(turn.x * x + turn.y * y) <= half.x && Math.abs(turn.x * y - turn.y * x) <= half.y
+        && Math.abs(p.z - middle.z) <= half.z;
   }
 
   /** The number of each keyframe's session. */
   setSessions(numbers: number[]): void {
     this.get<DataTexture>('sessions').dispose();
     this.set('sessions', indices(Uint8Array.from(numbers, (number) => number % SERIES.length)));
+  }
+
+  /** Something of each keyframe, from 0 to 1. */
+  setValues(shares: number[]): void {
+    this.get<DataTexture>('values').dispose();
+    this.set('values', indices(Uint8Array.from(shares, (share) => Math.round(255 * share))));
   }
 
   /** Three rows of a 3x4 matrix for each keyframe: from where its points were tiled to where it is now. */

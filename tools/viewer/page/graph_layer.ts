@@ -11,17 +11,18 @@ import { poseMatrix } from './cloud';
 import { colour, theme } from './palette';
 import { POSE, type Fix, type Graph, type Loop, type Scene } from './protocol';
 
-export const LAYERS = ['trajectory', 'odometry', 'keyframes', 'edges', 'loops', 'rejected', 'ellipses', 'fixes'] as const;
+export const LAYERS = ['trajectory', 'odometry', 'keyframes', 'edges', 'loops', 'rejected', 'ellipses', 'fixes', 'weak', 'truth'] as const;
 export type Layer = (typeof LAYERS)[number];
 
 /** From what lies lowest on the screen to what is above all. */
-const ORDER: Layer[] = ['edges', 'odometry', 'rejected', 'ellipses', 'fixes', 'trajectory', 'loops', 'keyframes'];
+const ORDER: Layer[] = ['edges', 'truth', 'odometry', 'rejected', 'ellipses', 'weak', 'fixes', 'trajectory', 'loops', 'keyframes'];
 
 export type Found = { kind: 'keyframe'; at: number } | { kind: 'loop'; loop: Loop } | { kind: 'fix'; fix: Fix };
 
 const LONGEST_STEP = 5;     // m between sweeps that are drawn as one line
 const SIGMAS = 3;
 const ARCS = 24;
+const ARM = 1;              // m, of a weak direction to both sides
 
 export class GraphLayer {
   readonly group = new Group();
@@ -79,8 +80,10 @@ export class GraphLayer {
         .flatMap(([from, to]) => [this.keyframes[from], this.keyframes[to]]), colours.odometry));
     this.fill('loops', ...this.loopLines(loops.filter((loop) => loop.verdict !== 'rejected'), 3));
     this.fill('rejected', ...this.loopLines(loops.filter((loop) => loop.verdict === 'rejected'), 1.5));
-    const ellipses = this.keyframes.flatMap((p, i) => ellipse(p, keyframes.covariance.slice(6 * i, 6 * i + 6)));
+    const ellipses = this.keyframes.flatMap((p, i) => ellipsoid(p, keyframes.covariance.slice(6 * i, 6 * i + 6)));
     this.fill('ellipses', thin(ellipses, colours.keyframe));
+    this.fill('weak', thin(this.weakArms(false), colours.verdicts.waiting), thin(this.weakArms(true), colours.verdicts.rejected));
+    this.fill('truth', wide(steps(this.truePath()), colours.truth, 1.5));
     const verdicts = fixes.map((fix) => colours.verdicts[fix.verdict] ?? colours.odometry);
     this.fill('fixes', dots(fixes.map((fix) => this.placeOf(fix)), verdicts, 7));
   }
@@ -145,6 +148,22 @@ export class GraphLayer {
 
   private placeIn(pose: Matrix4): Vector3 {
     return new Vector3().setFromMatrixPosition(pose).sub(this.origin);
+  }
+
+  /** Of directions that nothing holds, or of those that are held weakly. */
+  private weakArms(none: boolean): Vector3[] {
+    const { weak } = this.scene;
+    return weak.sweep.flatMap((sweep, i) => {
+      const p = this.path[sweep];
+      if (!p || weak.none[i] !== none) return [];
+      const arm = new Vector3(...weak.axis.slice(3 * i, 3 * i + 3)).multiplyScalar(ARM);
+      return [p.clone().sub(arm), p.clone().add(arm)];
+    });
+  }
+
+  private truePath(): Vector3[] {
+    const path = this.graph?.truth?.path ?? [];
+    return Array.from({ length: path.length / 3 }, (_, i) => new Vector3(...path.slice(3 * i, 3 * i + 3)).sub(this.origin));
   }
 
   private placeOf(fix: Fix): Vector3 {
@@ -230,18 +249,19 @@ function dots(places: Vector3[], hexes: string[], size: number): Points | null {
   return points;
 }
 
-/** Where the keyframe is with three standard deviations, seen from above; the covariance is that of x, y and z. */
-function ellipse(centre: Vector3, covariance: number[]): Vector3[] {
-  const [xx, xy, , yy] = covariance;
+/** Three ellipses of the ellipsoid that the keyframe is in with three standard deviations. They are the circles of a sphere,
+    moved by a root of the covariance: any root will do, that of Cholesky is at hand. */
+function ellipsoid(centre: Vector3, covariance: number[]): Vector3[] {
+  const [xx, xy, xz, yy, yz, zz] = covariance;
   if (!(xx > 0) || !(yy > 0)) return [];
-  const mean = 0.5 * (xx + yy), half = Math.hypot(0.5 * (xx - yy), xy);
-  const angle = 0.5 * Math.atan2(2 * xy, xx - yy);
-  const a = SIGMAS * Math.sqrt(mean + half), b = SIGMAS * Math.sqrt(Math.max(0, mean - half));
-  const at = (k: number): Vector3 => {
-    const t = 2 * Math.PI * k / ARCS, u = a * Math.cos(t), v = b * Math.sin(t);
-    return new Vector3(u, v, 0).applyAxisAngle(new Vector3(0, 0, 1), angle).add(centre);
+  const a = Math.sqrt(xx), b = xy / a, c = xz / a, d = Math.sqrt(Math.max(0, yy - b * b));
+  const e = d > 0 ? (yz - b * c) / d : 0, f = Math.sqrt(Math.max(0, zz - c * c - e * e));
+  const axes = [new Vector3(a, b, c), new Vector3(0, d, e), new Vector3(0, 0, f)].map((axis) => axis.multiplyScalar(SIGMAS));
+  const at = (i: number, j: number, k: number): Vector3 => {
+    const t = 2 * Math.PI * k / ARCS;
+    return centre.clone().addScaledVector(axes[i], Math.cos(t)).addScaledVector(axes[j], Math.sin(t));
   };
-  return Array.from({ length: ARCS }, (_, k) => [at(k), at(k + 1)]).flat();
+  return [[0, 1], [1, 2], [0, 2]].flatMap(([i, j]) => Array.from({ length: ARCS }, (_, k) => [at(i, j, k), at(i, j, k + 1)]).flat());
 }
 
 function toSegment(x: number, y: number, a: [number, number], b: [number, number]): number {

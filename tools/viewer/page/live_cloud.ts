@@ -70,7 +70,7 @@ export class LiveCloud implements ShownCloud {
       this.drawn += count;
     }
     this.missing = [...this.placed.keys()].filter((number) => !this.held.has(number)).length;
-    for (const name of ['size', 'closeSize', 'mostSize', 'boxLow', 'boxHigh']) this.sweepLook.set(name, this.look.get(name));
+    for (const name of ['size', 'closeSize', 'mostSize', 'boxMiddle', 'boxHalf', 'boxTurn']) this.sweepLook.set(name, this.look.get(name));
     return true;
   }
 
@@ -104,7 +104,7 @@ export class LiveCloud implements ShownCloud {
 
   correct(_poses: Poses): void {}  // the server says where points of keyframes are
 
-  showOnly(_keyframe: number): void {}  // which keyframe a point is of is told once the run has ended
+  showOnly(_keyframes: number[]): void {}  // which keyframe a point is of is told once the run has ended
 
   get heights(): [number, number] {
     const { x, y } = this.look.get<Vector2>('heights');

@@ -8,7 +8,7 @@ import { colour, theme } from './palette';
 
 export class Measure {
   readonly group = new Group();
-  private ends: Vector3[] = [];
+  ends: Vector3[] = [];      // map frame
 
   /** Another end, map frame; the third begins anew. */
   add(p: Vector3, origin: Vector3): Facts {

@@ -17,16 +17,17 @@ export interface Theme {
   odometry: string;
   keyframe: string;
   chosen: string;
+  truth: string;
   verdicts: Record<string, string>;
 }
 
 const LIGHT: Theme = {
-  dark: false, background: '#ffffff', trajectory: '#d55e00', odometry: '#555555', keyframe: '#b0508c', chosen: '#000000',
+  dark: false, background: '#ffffff', trajectory: '#d55e00', odometry: '#555555', keyframe: '#b0508c', chosen: '#000000', truth: '#0072b2',
   verdicts: { accepted: '#009e73', used: '#009e73', rejected: '#a4262c', outlier: '#a4262c', frozen: '#a4262c',
     revoked: '#8a8f96', thinned: '#8a8f96', apart: '#8a8f96', waiting: '#e6a700' },
 };
 const DARK: Theme = {
-  dark: true, background: '#15181c', trajectory: '#ff8a3d', odometry: '#b4bac2', keyframe: '#dd8abf', chosen: '#ffffff',
+  dark: true, background: '#15181c', trajectory: '#ff8a3d', odometry: '#b4bac2', keyframe: '#dd8abf', chosen: '#ffffff', truth: '#4ba6ee',
   verdicts: { accepted: '#35c496', used: '#35c496', rejected: '#e5636a', outlier: '#e5636a', frozen: '#e5636a',
     revoked: '#8a9099', thinned: '#8a9099', apart: '#8a9099', waiting: '#f5c542' },
 };

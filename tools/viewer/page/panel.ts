@@ -16,6 +16,7 @@ export interface Actions {
   above(): void;
   fly(): void;
   measure(): void;
+  section(): void;
   play(): void;
   close(): void;
   picture(): void;
@@ -23,7 +24,7 @@ export interface Actions {
 }
 
 const NAMES: Record<Layer, string> = { trajectory: 'trajectory', odometry: 'odometry', keyframes: 'keyframes',
-  edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS' };
+  edges: 'constraints', loops: 'loops', rejected: 'rejected loops', ellipses: '3 sigma', fixes: 'GNSS', weak: 'weakly held', truth: 'truth' };
 
 /** Each one once, in the order of keyframes. */
 export function sessionsOf(graph: Graph): number[] {
@@ -52,7 +53,7 @@ export class Panel {
     on('moving', 'change', () => { state.moving = input('moving').checked; });
     on('grow', 'change', () => { state.grow = input('grow').checked; });
     select('budget').addEventListener('change', () => actions.changed());
-    for (const name of ['reset', 'above', 'fly', 'measure', 'close', 'picture', 'export'] as const) {
+    for (const name of ['reset', 'above', 'fly', 'measure', 'section', 'close', 'picture', 'export'] as const) {
       element(name).addEventListener('click', () => actions[name]());
     }
     addEventListener('keydown', (event) => this.pressedKey(event));
@@ -78,6 +79,8 @@ export class Panel {
       rejected: !!graph?.loops.some((loop) => loop.verdict === 'rejected'),
       ellipses: !!graph?.keyframes.covariance.some((v) => v > 0),
       fixes: !!graph?.fixes.length,
+      weak: scene.weak.sweep.length > 0,
+      truth: !!graph?.truth,
     };
     element('export').hidden = !scene.map;
     const options = [...select('colour').options];
@@ -85,6 +88,8 @@ export class Panel {
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
     const hasKeyframes = !!graph?.keyframes.id.length && !scene.live;
     for (const by of ['keyframe', 'moving']) options.find((one) => one.value === by)!.disabled = !hasKeyframes;
+    options.find((one) => one.value === 'sigma')!.disabled = !hasKeyframes || !has.ellipses;
+    options.find((one) => one.value === 'error')!.disabled = !hasKeyframes || !graph?.truth;
     options.find((one) => one.value === 'session')!.disabled = !hasKeyframes || sessionsOf(graph).length < 2;
     const offered = [theme().dark, ...LAYERS.filter((layer) => has[layer])].join();
     if (offered !== this.offered) this.offerLayers(has);  // else a box that is being clicked stays where it is
@@ -135,15 +140,15 @@ export class Panel {
     element('ramp').style.background = `linear-gradient(to right, ${RAMP.join(', ')})`;
   }
 
-  pressed(name: 'fly' | 'measure', on: boolean): void {
+  pressed(name: 'fly' | 'measure' | 'section', on: boolean): void {
     element(name).setAttribute('aria-pressed', String(on));
-    if (name === 'measure') document.body.classList.toggle('measuring', on);
+    if (name !== 'fly') document.body.classList.toggle('measuring', on);
   }
 
   private markOf(layer: Layer): string {
-    const { trajectory, odometry, keyframe, verdicts } = theme();
+    const { trajectory, odometry, keyframe, verdicts, truth } = theme();
     return { trajectory, odometry, keyframes: keyframe, edges: odometry, loops: verdicts.accepted, rejected: verdicts.rejected,
-      ellipses: keyframe, fixes: verdicts.used }[layer];
+      ellipses: keyframe, fixes: verdicts.used, weak: verdicts.waiting, truth }[layer];
   }
 
   private pressedKey(event: KeyboardEvent): void {
@@ -151,7 +156,8 @@ export class Panel {
     const typing = at instanceof HTMLInputElement || at instanceof HTMLSelectElement;
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const run: Record<string, () => void> = { KeyR: () => this.actions.reset(), KeyT: () => this.actions.above(),
-      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), KeyP: () => this.actions.picture(), KeyX: () => this.actions.export(), Escape: () => this.actions.close() };
+      KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), KeyC: () => this.actions.section(),
+      KeyP: () => this.actions.picture(), KeyX: () => this.actions.export(), Escape: () => this.actions.close() };
     if (event.code === 'Space' && !(at instanceof HTMLButtonElement)) {
       event.preventDefault();
       this.actions.play();

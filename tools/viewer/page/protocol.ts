@@ -41,6 +41,8 @@ export interface Scene {
   sweeps: { time: number[]; keyframe: number[]; pose: Poses };  // in keyframe axes; keyframe -1: in the map's
   map: string;               // its path as the program was given it; empty: a cloud
   plots: Plots | null;       // of a run's folder
+  /** Directions that sweeps are not held in, in the map's frame: numbers of sweeps, and x, y, z of each. */
+  weak: { sweep: number[]; axis: number[]; none: boolean[] };
 }
 
 export interface Loop {
@@ -57,6 +59,7 @@ export interface Loop {
   through: number | null;
   found_by: string;
   chi2: number | null;
+  pose: Poses;               // of the later keyframe in the earlier one, as verified or as guessed before; none: []
 }
 
 export interface Fix {
@@ -74,6 +77,8 @@ export interface Graph {
   edges: [number, number, string, string][];  // from, to, kind, status
   loops: Loop[];
   fixes: Fix[];
+  /** Where the keyframes really were: how far each is off, m, once the truth lies on the map as it fits best, and the true way. */
+  truth: { error: (number | null)[]; path: number[] } | null;
   /** True north at the map's origin, in the map's axes; null where the map has no place on the Earth. */
   world: { north: number[]; coordinates: string } | null;
 }

@@ -35,8 +35,8 @@ export interface ShownCloud {
   askAgain(): void;
   /** Keyframes are elsewhere than when their points were tiled. */
   correct(poses: Poses): void;
-  /** The points of one keyframe alone, by its position; below 0: of all. */
-  showOnly(keyframe: number): void;
+  /** The points of one keyframe alone, by its position, or those of two in two colours; none: of all. */
+  showOnly(keyframes: number[]): void;
   /** The point nearest to the eye among those within some pixels of a place on the screen. */
   find(camera: PerspectiveCamera, width: number, height: number, x: number, y: number, within: number): FoundPoint | null;
   dispose(): void;
@@ -65,14 +65,13 @@ export function nearestPoint(parts: Iterable<Part>, look: CloudMaterial, aim: Ai
                              moved: (p: Vector3, keyframe: number) => void): FoundPoint | null {
   const { camera, width, height, x, y, within } = aim;
   const e = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements;
-  const low = look.get<Vector3>('boxLow'), high = look.get<Vector3>('boxHigh');
   const until = look.get<number>('until'), hideMoving = look.get<boolean>('hideMoving');
-  const only = look.get<number>('only');
+  const only = look.get<number>('only'), other = look.get<number>('other');
   const p = new Vector3();
   let best: FoundPoint | null = null, least = Infinity;
   for (const { values, count, matrix } of parts) {
     for (let i = 0; i < POINT * count; i += POINT) {
-      if (values[i + 3] > until || (hideMoving && values[i + 5] > 255) || (only >= 0 && values[i + 4] !== only)) continue;
+      if (values[i + 3] > until || (hideMoving && values[i + 5] > 255) || (only >= 0 && values[i + 4] !== only && values[i + 4] !== other)) continue;
       p.set(values[i] + 0.5, values[i + 1] + 0.5, values[i + 2] + 0.5).applyMatrix4(matrix);
       moved(p, values[i + 4]);
       const w = e[3] * p.x + e[7] * p.y + e[11] * p.z + e[15];
@@ -80,7 +79,7 @@ export function nearestPoint(parts: Iterable<Part>, look: CloudMaterial, aim: Ai
       const dx = (0.5 + 0.5 * (e[0] * p.x + e[4] * p.y + e[8] * p.z + e[12]) / w) * width - x;
       const dy = (0.5 - 0.5 * (e[1] * p.x + e[5] * p.y + e[9] * p.z + e[13]) / w) * height - y;
       if (dx * dx + dy * dy > within * within) continue;
-      if (p.x < low.x || p.y < low.y || p.z < low.z || p.x > high.x || p.y > high.y || p.z > high.z) continue;
+      if (!look.inBox(p)) continue;
       // The nearest to the eye, and of those on one surface the nearest to the finger.
       const rank = w * (1 + 0.3 * (dx * dx + dy * dy) / (within * within));
       if (rank < least) {

@@ -4,27 +4,31 @@
 // The view: what the server says comes in, what hands want goes through the state onto the screen.
 import { AxesHelper, Vector3, type Matrix4 } from 'three';
 import { Cloud, poseMatrix } from './cloud';
-import { ClipBox } from './clip_box';
+import { boxOf, ClipBox } from './clip_box';
 import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
 import { Controls } from './controls';
-import { clock, element, many, notice } from './elements';
+import { element, notice } from './elements';
 import { copied, exportCommand } from './export_command';
-import { factsOf, placeOf, pointFacts, showFacts, type Facts } from './facts';
+import { factsOf, placeOf, pointFacts, showFacts, type Act, type Facts } from './facts';
 import { GraphLayer, LAYERS, type Found } from './graph_layer';
 import { LiveCloud } from './live_cloud';
 import { Marks } from './marks';
+import { meaningOf } from './meaning';
 import { Measure } from './measure';
 import { Painter, type Frame } from './painter';
-import { prefersDark, SERIES } from './palette';
-import { Panel, sessionKey, sessionsOf, type Actions } from './panel';
+import { prefersDark } from './palette';
+import { Panel, sessionsOf, type Actions } from './panel';
 import { composed, save } from './picture';
 import { Places, UnderMouse, worldRows } from './places';
 import { Plots } from './plots';
 import { POSE, type Graph, type Live, type Loop, type Place, type Scene, type TilePoints, type Told } from './protocol';
+import { sectionAlong } from './section';
 import type { FoundPoint, ShownCloud } from './shown_cloud';
+import { showKeyframes } from './shown_keyframes';
+import { statusText } from './status_text';
 import { TimeLine } from './time_line';
-import { fromHash, toHash, type ViewState } from './view_state';
+import { fromHash, OVERLAYS, toHash, type ViewState } from './view_state';
 
 const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
 const WITHIN = 12;          // pixels, of a click from what it means
@@ -57,7 +61,8 @@ export class View implements Listener, Actions {
   private readonly connection: Connection;
   private chosen: Found | null = null;
   private facts: Facts | null = null;
-  private measuring = false;
+  private picking: 'measure' | 'section' | null = null;
+  private keyframesShown: string | null = null;  // how
   private timer = 0;
   private written = location.hash;  // the link as it was last seen or written
 
@@ -104,9 +109,9 @@ export class View implements Listener, Actions {
 
   graph(graph: Graph): void {
     this.graphShown = graph;
+    this.keyframesShown = null;
     this.marks.north = graph.world?.north ?? null;
     this.layer?.set(graph);
-    this.cloud?.correct(graph.keyframes.pose);
     const sessions = sessionsOf(graph);
     this.cloud?.look.setSessions(graph.keyframes.session.map((session) => sessions.indexOf(session)));
     this.panel.offer(this.sceneShown!, graph);
@@ -115,6 +120,9 @@ export class View implements Listener, Actions {
       const id = this.chosen.loop.id;
       const loop = graph.loops.find((one) => one.id === id);
       this.choose(loop ? { kind: 'loop', loop } : null);
+    } else if (!this.chosen && this.state.overlaid) {  // by the link
+      const loop = graph.loops.find((one) => one.id === this.state.overlaid!.loop);
+      if (loop) this.choose({ kind: 'loop', loop });
     } else if (!this.chosen && this.state.only !== null) {  // by the link
       const at = graph.keyframes.id.indexOf(this.state.only);
       if (at >= 0) this.choose({ kind: 'keyframe', at });
@@ -187,11 +195,38 @@ export class View implements Listener, Actions {
   }
 
   measure(): void {
-    this.measuring = !this.measuring;
-    this.panel.pressed('measure', this.measuring);
+    this.pick('measure');
+  }
+
+  section(): void {
+    this.pick('section');
+  }
+
+  /** Two points are to be clicked, or no more. */
+  private pick(what: 'measure' | 'section'): void {
+    this.picking = this.picking === what ? null : what;
+    for (const one of ['measure', 'section'] as const) this.panel.pressed(one, this.picking === one);
     this.measured.clear();
-    this.tell(this.measuring ? { title: 'measure', rows: [['from', 'click a point']] } : null);
+    this.tell(this.picking ? { title: what, rows: [['from', 'click a point']] } : null);
     this.painter.draw();
+  }
+
+  private picked(p: Vector3): void {
+    const { measured, cloud, sceneShown: scene } = this;
+    const facts = measured.add(p, cloud!.origin);
+    if (this.picking === 'measure' || measured.ends.length < 2) {
+      this.tell({ ...facts, title: this.picking === 'measure' ? facts.title : 'section' });
+      return;
+    }
+    const { low, edge } = scene!.cube, [a, b] = measured.ends;
+    const section = sectionAlong(a, b, low[2], low[2] + edge);
+    this.pick('section');
+    if (!section) return;
+    this.box.set([...low, ...low.map((v) => v + edge)], section.box);
+    this.state.box = section.box;
+    this.controls.eye = { ...section.eye, target: section.eye.target.sub(cloud!.origin) };
+    this.moved();
+    this.changed();
   }
 
   play(): void {
@@ -209,17 +244,18 @@ export class View implements Listener, Actions {
     if (!this.sceneShown?.map) return;
     const command = exportCommand(this.sceneShown, this.state, this.timeLine.now);
     this.choose(null);
-    const facts: Facts = { title: 'export', rows: [['command', command]], act: { text: 'copy', run: async () => {
+    const facts: Facts = { title: 'export', rows: [['command', command]], acts: [{ text: 'copy', run: async () => {
       const done = await copied(command, document.querySelector('#facts dd')!);
       notice(done ? 'The command is copied.' : 'Copy what is selected.');
-    } } };
+    } }] };
     if (this.state.box) facts.rows.push(['box', 'crops by x and y; all heights are exported']);
     this.tell(facts);
   }
 
   close(): void {
-    if (this.measuring) this.measure();
+    if (this.picking) this.pick(this.picking);
     if (this.state.only !== null) this.only(this.state.only);
+    if (this.state.overlaid) this.overlay(null);
     this.choose(null);
     this.painter.draw();
   }
@@ -256,17 +292,37 @@ export class View implements Listener, Actions {
   /** The points of a keyframe alone, or those of all again. */
   private only(id: number): void {
     this.state.only = this.state.only === id ? null : id;
+    this.state.overlaid = null;
+    this.choose(this.chosen);
+    this.changed();
+  }
+
+  /** The points of a loop's keyframes alone, the one to the other as somebody says, or those of all again. */
+  private overlay(overlaid: ViewState['overlaid']): void {
+    this.state.overlaid = overlaid;
+    this.state.only = null;
     this.choose(this.chosen);
     this.changed();
   }
 
   private factsOf(found: Found, graph: Graph, scene: Scene): Facts {
     const facts = factsOf(found, graph, scene, (what, loop) => this.change(what, loop));
-    if (found.kind === 'keyframe' && scene.points > 0 && !scene.live) {
+    if (scene.points === 0 || scene.live) return facts;
+    if (found.kind === 'keyframe') {
       const id = graph.keyframes.id[found.at];
-      facts.act = { text: this.state.only === id ? 'all points' : 'its points alone', run: () => this.only(id) };
+      facts.acts = [{ text: this.state.only === id ? 'all points' : 'its points alone', run: () => this.only(id) }];
+    } else if (found.kind === 'loop' && found.loop.from >= 0 && found.loop.to >= 0) {
+      facts.acts = [...(facts.acts ?? []), ...this.overlayActs(found.loop)];
     }
     return facts;
+  }
+
+  private overlayActs(loop: Loop): Act[] {
+    const shown = this.state.overlaid?.loop === loop.id ? this.state.overlaid.by : null;
+    if (!shown) return [{ text: 'overlay', run: () => this.overlay({ loop: loop.id, by: 'map' }) }];
+    const by = OVERLAYS.filter((one) => one !== 'loop' || loop.pose.length > 0);
+    return [...by.map((one) => ({ text: `by the ${one}`, pressed: one === shown, run: () => this.overlay({ loop: loop.id, by: one }) })),
+      { text: 'all points', run: () => this.overlay(null) }];
   }
 
   private change(what: 'revoke' | 'restore', loop: Loop): void {
@@ -277,14 +333,14 @@ export class View implements Listener, Actions {
   private click(x: number, y: number): void {
     if (!this.cloud || !this.sceneShown) return;
     const { camera, width, height } = this.painter;
-    const found = this.measuring ? null : this.layer?.find(camera, width, height, x, y, WITHIN) ?? null;
+    const found = this.picking ? null : this.layer?.find(camera, width, height, x, y, WITHIN) ?? null;
     if (found) {
       this.choose(found);
       return;
     }
     const point = this.pointAt(x, y, WITHIN);
-    if (this.measuring) {
-      if (point) this.tell(this.measured.add(point.p, this.cloud.origin));
+    if (this.picking) {
+      if (point) this.picked(point.p);
     } else {
       this.choose(null);
       this.tell(point && pointFacts(point, this.graphShown, this.sceneShown), point?.p);
@@ -338,11 +394,12 @@ export class View implements Listener, Actions {
     const usable = state.colour === 'intensity' && !this.sceneShown.intensity ? 'height' : state.colour;
     cloud.look.set('colourBy', COLOURS.indexOf(usable));
     cloud.look.set('hideMoving', !state.moving);
-    cloud.showOnly(state.only === null ? -1 : this.graphShown?.keyframes.id.indexOf(state.only) ?? -1);
+    const shown = [state.colour, state.only, state.overlaid?.loop, state.overlaid?.by].join();
+    if (this.graphShown && shown !== this.keyframesShown) showKeyframes(cloud, this.graphShown, state);
+    this.keyframesShown = this.graphShown ? shown : null;
     const share = this.timeLine.now === null || !state.grow ? 2 : this.timeLine.now / Math.max(this.sceneShown.seconds, 1e-9);
     cloud.look.set('until', 65535 * share + 0.5);
-    const box = state.box?.map((v, i) => v - cloud.origin.getComponent(i % 3));
-    cloud.look.setBox(box ? new Vector3(box[0], box[1], box[2]) : null, box ? new Vector3(box[3], box[4], box[5]) : null);
+    cloud.look.setBox(state.box && boxOf(state.box, cloud.origin));
     for (const one of LAYERS) layer.show(one, state.layers.includes(one));
     this.plots.at(this.timeLine.now);
     this.placeSensor();
@@ -369,15 +426,10 @@ export class View implements Listener, Actions {
   }
 
   private legend(): void {
-    const scene = this.sceneShown;
-    if (!scene || !this.cloud) return;
-    const [low, high] = this.cloud.heights;
-    const by = this.state.colour;
-    if (by === 'height') this.panel.legend(low.toFixed(1), `${high.toFixed(1)} m`, true);
-    else if (by === 'time') this.panel.legend(clock(0), clock(scene.seconds), true);
-    else if (by === 'session' && this.graphShown) this.panel.legend('', '', false, sessionKey(this.graphShown));
-    else if (by === 'moving') this.panel.legend('', '', false, [['stays', SERIES[0]], ['moves', SERIES[1]]]);
-    else this.panel.legend('0', '255', by === 'intensity');
+    const { sceneShown: scene, cloud, graphShown: graph, state } = this;
+    if (!scene || !cloud) return;
+    const { least, most, ramp, key } = meaningOf(state, scene, cloud, graph);
+    this.panel.legend(least, most, ramp, key);
   }
 
   private lookAtAll(): void {
@@ -434,18 +486,6 @@ export class View implements Listener, Actions {
 
   private status(): void {
     if (!this.connection.isOpen || !this.cloud || !this.sceneShown) return;
-    const { drawn, missing } = this.cloud;
-    if (this.sceneShown.live) {
-      element('status').textContent = this.liveShown ? `${runText(this.liveShown)}; ${many(drawn)} points` : 'the run: starting';
-      return;
-    }
-    element('status').textContent = this.sceneShown.points === 0 ? 'no points'
-      : `${many(drawn)} of ${many(this.sceneShown.points)} points${missing > 0 ? `, ${missing} tiles to come` : ''}`;
+    element('status').textContent = statusText(this.sceneShown, this.cloud, this.liveShown);
   }
-}
-
-function runText({ doing, progress }: Live): string {
-  const { sweeps, of, failed, verdict } = progress;
-  const counted = sweeps === 0 ? '' : `; ${sweeps} of ${of} sweeps${failed > 0 ? `, ${failed} failed` : ''}, ${verdict} so far`;
-  return `the run: ${doing}${counted}`;
 }

@@ -6,6 +6,13 @@ import { COLOURS, type ColourBy } from './cloud_material';
 import { LAYERS, type Layer } from './graph_layer';
 import { PLOTS, type Plot } from './plots';
 
+/** Whose pose the later keyframe of a loop is shown with, to the earlier one. */
+export const OVERLAYS = ['odometry', 'map', 'loop'] as const;
+export type Overlay = (typeof OVERLAYS)[number];
+
+/** The points of a loop's two keyframes alone. */
+export interface Overlaid { loop: number; by: Overlay; }
+
 export interface ViewState {
   /** x, y, z of what is looked at (map frame, m), distance (m), yaw, pitch (rad); null: the whole map. */
   eye: number[] | null;
@@ -14,15 +21,17 @@ export interface ViewState {
   shading: boolean;
   moving: boolean;
   layers: Layer[];
-  box: number[] | null;     // x, y, z from, x, y, z to: map frame, m
+  /** x, y, z from, x, y, z to (map frame, m), and how far it is turned about its middle then (degrees, to the left). */
+  box: number[] | null;
   time: number | null;      // s
   grow: boolean;
   plots: Plot[];
   only: number | null;      // id of the keyframe whose points are shown alone
+  overlaid: Overlaid | null;
 }
 
 export const BEGIN: ViewState = { eye: null, colour: 'height', size: 2, shading: true, moving: true,
-  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false, plots: ['overlap', 'sigma'], only: null };
+  layers: ['trajectory', 'loops', 'fixes'], box: null, time: null, grow: false, plots: ['overlap', 'sigma'], only: null, overlaid: null };
 
 export function toHash(state: ViewState): string {
   const parts = new URLSearchParams();
@@ -38,6 +47,7 @@ export function toHash(state: ViewState): string {
   if (state.grow) parts.set('grow', '1');
   if (String(state.plots) !== String(BEGIN.plots)) parts.set('plots', state.plots.join(','));
   if (state.only !== null) parts.set('only', String(state.only));
+  if (state.overlaid) parts.set('overlaid', `${state.overlaid.loop},${state.overlaid.by}`);
   return parts.toString().replaceAll('%2C', ',');
 }
 
@@ -59,10 +69,17 @@ export function fromHash(hash: string): ViewState {
     shading: parts.get('shading') !== '0',
     moving: parts.get('moving') !== '0',
     layers: layers === null ? [...BEGIN.layers] : LAYERS.filter((layer) => layers.split(',').includes(layer)),
-    box: list('box', 6),
+    box: list('box', 7) ?? list('box', 6)?.concat(0) ?? null,
     time: number('time'),
     grow: parts.get('grow') === '1',
     only: number('only'),
+    overlaid: overlaidIn(parts.get('overlaid') ?? ''),
     plots: plots === null ? [...BEGIN.plots] : PLOTS.filter((one) => plots.split(',').includes(one)),
   };
+}
+
+function overlaidIn(text: string): Overlaid | null {
+  const [, loop, name] = /^(\d+),(\w+)$/.exec(text) ?? [];
+  const by = OVERLAYS.find((one) => one === name);
+  return by ? { loop: Number(loop), by } : null;
 }

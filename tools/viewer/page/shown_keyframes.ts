@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which keyframes' points are shown, and where: all as the map has them, or a loop's later one laid over its earlier one.
+import { Quaternion, Vector3, type Matrix4 } from 'three';
+import { poseMatrix } from './cloud';
+import { POSE, type Graph, type Loop, type Poses } from './protocol';
+import type { ShownCloud } from './shown_cloud';
+import type { Overlay, ViewState } from './view_state';
+
+export function showKeyframes(cloud: ShownCloud, graph: Graph, state: ViewState): void {
+  const loop = state.overlaid && graph.loops.find((one) => one.id === state.overlaid!.loop);
+  cloud.correct(loop ? overlaidPoses(graph, loop, state.overlaid!.by) : graph.keyframes.pose);
+  const only = state.only === null ? -1 : graph.keyframes.id.indexOf(state.only);
+  cloud.showOnly(loop ? [loop.from, loop.to] : only >= 0 ? [only] : []);
+  const { values, most } = valuesOf(graph, state.colour);
+  cloud.look.setValues(values.map((value) => (value ?? 0) / most));
+}
+
+/** What colours by error, else by sigma, are of: m, of each keyframe. */
+export function valuesOf(graph: Graph, colour: ViewState['colour']): { values: (number | null)[]; most: number } {
+  const c = graph.keyframes.covariance;
+  const values = colour === 'error' ? graph.truth?.error ?? []
+    : graph.keyframes.id.map((_, i) => Math.sqrt(Math.max(0, c[6 * i] + c[6 * i + 3] + c[6 * i + 5])));
+  return { values, most: values.reduce<number>((most, value) => Math.max(most, value ?? 0), 1e-3) };
+}
+
+/** Poses of keyframes as the map has them, but the loop's later one: it is to the earlier one as the odometry, the map or the
+    loop says. */
+function overlaidPoses(graph: Graph, loop: Loop, by: Overlay): Poses {
+  const { pose, odometry } = graph.keyframes;
+  if (by === 'map' || (by === 'loop' && loop.pose.length === 0)) return pose;
+  const T_from_to = by === 'loop' ? poseMatrix(loop.pose, 0)
+    : poseMatrix(odometry, loop.from).invert().multiply(poseMatrix(odometry, loop.to));
+  const poses = [...pose];
+  poses.splice(POSE * loop.to, POSE, ...partsOf(poseMatrix(pose, loop.from).multiply(T_from_to)));
+  return poses;
+}
+
+function partsOf(matrix: Matrix4): number[] {
+  const p = new Vector3(), q = new Quaternion();
+  matrix.decompose(p, q, new Vector3());
+  return [...p.toArray(), ...q.toArray()];
+}
