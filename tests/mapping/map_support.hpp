@@ -45,7 +45,7 @@ inline KeyframeRecord record_of_a_point(NodeId id, SessionId session) {
 
 inline SessionId add_session(MapStore& map) {
   return map.add_session({.name = "first",
-                          .configuration = "[odometry]\nr_input = 0.25\n",
+                          .configuration = "[preprocess]\nr_input = 0.25\n",
                           .provenance = {{"input", "abc123"}, {"device", "llvmpipe"}}});
 }
 

@@ -18,51 +18,19 @@ import tempfile
 import time
 
 from chromium import Chromium
+from page_graph import check_graph, check_layers, check_overlay, check_proposal, check_truth, click_loop
+from page_hands import ALL_THERE, DARK, GREEN, HALF_FIELD, ORANGE, WHITE, facts, near, only_canvas, place
 from viewing import Viewing, require, square, write_ply
-
-HALF_FIELD = math.radians(29)  # of the window's narrower side (controls.ts)
-ALL_THERE = "window.adit.cloud && window.adit.cloud.drawn > 0 && window.adit.cloud.missing === 0 && window.adit.painter.isIdle"
-OVER_IT = "document.querySelectorAll('#marks, #under, header, aside, footer, #notice')"
-ONLY_CANVAS = OVER_IT + ".forEach((e) => { e.style.visibility = 'hidden'; })"
-ALL_AGAIN = OVER_IT + ".forEach((e) => { e.style.visibility = ''; })"
-# Where a place of the map frame is on the screen.
-PLACE = """(() => { const { cloud, painter } = window.adit;
-  const { matrixWorldInverse, projectionMatrix } = painter.camera;
-  const p = cloud.origin.clone().set(%s).sub(cloud.origin).applyMatrix4(matrixWorldInverse).applyMatrix4(projectionMatrix);
-  return [(0.5 + 0.5 * p.x) * painter.width, (0.5 - 0.5 * p.y) * painter.height]; })()"""
-WHITE, DARK, GREEN, ORANGE = [255, 255, 255], [0x15, 0x18, 0x1c], [0x00, 0x9e, 0x73], [0xd5, 0x5e, 0x00]
-
-
-def place(page, x, y, z):
-    return page.evaluate(PLACE % f"{x}, {y}, {z}")
-
-
-def facts(page):
-    """What is told of what was clicked, by name."""
-    return page.evaluate("""(() => {
-        const title = document.getElementById('told').hidden ? '' : document.getElementById('what').textContent;
-        const terms = [...document.querySelectorAll('#facts dt')];
-        return Object.fromEntries([['', title], ...terms.map((term) => [term.textContent, term.nextSibling.textContent])]);
-    })()""")
-
-
-def only_canvas(page, count):
-    page.evaluate(ONLY_CANVAS)
-    result = count()
-    page.evaluate(ALL_AGAIN)
-    return result
-
-
-def near(found, expected, share):
-    return abs(found - expected) <= share * expected
 
 
 def write_run(write_map, out):
     """The folder of a run of 10 s, of which little is known."""
     out.mkdir()
     subprocess.run([write_map, out / "map.adit"], check=True)
-    rows = [f"{1_700_000_000 + i / 20:.2f},{0.1 if i == 120 else 0.9},{0.02 + i / 1e5}" for i in range(201)]
-    (out / "sweeps.csv").write_text("\n".join(["stamp_s,overlap,residual_rms_m", *rows, ""]), encoding="ascii")
+    weak = ",translation1_localizability,translation1_axis_x,translation1_axis_y,translation1_axis_z"
+    rows = [f"{1_700_000_000 + i / 20:.2f},{0.1 if i == 120 else 0.9},{0.02 + i / 1e5},{'none,0,0,1' if i == 40 else ',,,'}"
+            for i in range(201)]
+    (out / "sweeps.csv").write_text("\n".join(["stamp_s,overlap,residual_rms_m" + weak, *rows, ""]), encoding="ascii")
     stretch = {"state": "doubtful", "begin_s": 5.5, "end_s": 6.5, "text": "a long corridor"}
     (out / "summary.json").write_text(json.dumps({"verdict": {"state": "doubtful", "stretches": [stretch]}}), encoding="ascii")
 
@@ -211,7 +179,7 @@ def check_export(page, link, adit, folder):
     command = facts(page)["command"]
     require("--without-moving" in command and "--until 1700000003.000000000" in command, "another command", command)
     page.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
-    page.click_on("act")
+    page.click_on("act-copy")
     page.wait("document.getElementById('notice').textContent === 'The command is copied.'")
     require(page.evaluate("navigator.clipboard.readText()") == command, "another text was copied")
     words = shlex.split(command)
@@ -237,7 +205,7 @@ def check_keyframes(page, link):
 
     # A keyframe's points alone, also by the link, until what is told of it is closed.
     page.click(*place(page, 20, 0, 0))
-    page.click_on("act")
+    page.click_on("act-its-points-alone")
     page.wait("location.hash.includes('only=2') && window.adit.painter.isIdle")
     page.open(page.evaluate("location.href"))
     page.wait(ALL_THERE)
@@ -250,6 +218,25 @@ def check_keyframes(page, link):
     require(only_canvas(page, lambda: page.count([0, 0x72, 0xb2]))["count"] > 0.95 * blue, "the others are not back")
 
 
+def check_section(page, link):
+    """Along a line of 10 m of the square: a plank half a metre thick, somewhat longer than it."""
+    above = f"eye=0,0,0,20,{-math.pi / 2:.5f},1.5707&shading=0"
+    page.open(f"{link}#{above}")
+    page.wait(ALL_THERE)
+    page.key("KeyC", "c")
+    page.click(*place(page, -4, -3, 0))
+    page.click(*place(page, 4, 3, 0))
+    page.wait("location.hash.includes('box=') && Math.abs(window.adit.controls.eye.pitch) < 1e-6")
+    box = page.evaluate("window.adit.state.box")
+    require(len(box) == 7 and abs(box[6] - math.degrees(math.atan2(3, 4))) < 0.5, "turned otherwise", box)
+    page.evaluate(f"location.hash = '{above}&box={','.join(map(str, box))}'")
+    page.wait(f"Math.abs(window.adit.controls.eye.pitch - 1.5707) < 1e-3 && {ALL_THERE}")
+    metre = page.evaluate("innerHeight") / (2 * 20.0 * math.tan(HALF_FIELD))
+    seen = only_canvas(page, page.count)["count"]
+    require(near(seen, 11.0 * 0.5 * metre * metre, 0.1), "another section", seen, 5.5 * metre * metre)
+    require(page.evaluate("!window.adit.pointAt(...%s, 3)" % json.dumps(place(page, 3, -3, 0))), "what is cut off is picked")
+
+
 def check_dark(page):
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
     page.wait("window.adit.painter.isIdle")
@@ -257,54 +244,6 @@ def check_dark(page):
     dark = only_canvas(page, lambda: page.count(DARK, 1))
     require(dark["first"] == DARK and dark["count"] > 100_000, "not dark", dark)
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
-
-
-def last_x(page):
-    return page.evaluate("window.adit.graphShown.keyframes.pose[7 * 5]")
-
-
-def act_on_loop(page, verdict):
-    """Clicks the loop, between two of the keyframes it goes past, and the button that is offered."""
-    page.click(*place(page, 24.6, 0, 0))
-    told = facts(page)
-    require(told[""] == f"loop 1: {verdict}" and told["keyframes"] == "0 and 5", "another loop was clicked", told)
-    page.click_on("act")
-
-
-def check_graph(page, link, pictures):
-    above = f"eye=24,0,0,45,{-math.pi / 2:.5f},1.5707&layers=loops,keyframes"
-    page.open(f"{link}#{above}")
-    page.wait(ALL_THERE)
-    page.wait("window.adit.graphShown.loops.length === 2")
-    require(abs(last_x(page) - 50) < 1e-6, "the last keyframe is elsewhere", last_x(page))
-    green = only_canvas(page, lambda: page.count(GREEN))["count"]
-    require(green > 1000, "the accepted loop is not drawn", green)
-    page.click(*place(page, 20, 0, 0))
-    told = facts(page)
-    require(told[""] == "keyframe 2" and told["x, y, z"].startswith("20.000, 0.000, 0.000"), "another keyframe", told)
-    page.screenshot(pictures / "graph.png")
-
-    act_on_loop(page, "accepted")
-    page.wait("window.adit.graphShown.loops[0].verdict === 'revoked'")
-    require(only_canvas(page, lambda: page.count(GREEN))["count"] < 0.2 * green, "the revoked loop is still drawn as accepted")
-    require(page.evaluate("document.getElementById('notice').textContent").startswith("Loop 1 is revoked"), "it is not said")
-    require(facts(page)[""] == "loop 1: revoked", "what is told is old", facts(page))
-    require(abs(last_x(page) - 50) < 0.01, "without the loop it lies where the odometry has it", last_x(page))
-    page.click_on("act")
-    page.wait("window.adit.graphShown.loops[0].verdict === 'accepted'")
-    x = last_x(page)
-    require(49.0 < x < 49.9, "the loop draws the last keyframe nearer", x)
-    require(only_canvas(page, lambda: page.count(GREEN))["count"] > 0.8 * green, "the restored loop is not drawn")
-
-    # Points go with their keyframes: those of the last wall, whose middle is above and below it.
-    page.evaluate("window.adit.close()")
-    page.evaluate(f"location.hash = 'eye=48,4,0,6,{-math.pi / 2:.5f},0.3&layers='")
-    page.wait(f"Math.abs(window.adit.controls.eye.distance - 6) < 1e-3 && {ALL_THERE}")
-    page.click(*place(page, x, 4, 0.5))
-    told = facts(page)
-    found = [float(number) for number in re.findall(r"-?\d+\.\d+", told.get("x, y, z", ""))]
-    require(told[""] == "point" and told["keyframe"] == "5" and math.dist(found, (x, 4, 0.5)) < 0.06 and
-            abs((found[0] - x) * 10 - round((found[0] - x) * 10)) < 0.05, "the points did not follow", told, x)
 
 
 def check_time(page, link):
@@ -366,9 +305,10 @@ def check_restart(page, adit, viewing, what):
     page.wait("document.getElementById('status').textContent.startsWith('no connection')")
     again = Viewing(adit, what, "--edit", port=viewing.port)
     page.wait(f"document.getElementById('status').textContent.includes('points') && {ALL_THERE}")
-    act_on_loop(page, "accepted")
+    click_loop(page, "accepted")
+    page.click_on("act-revoke")
     page.wait("window.adit.graphShown.loops[0].verdict === 'revoked'")
-    page.click_on("act")
+    page.click_on("act-restore")
     page.wait("window.adit.graphShown.loops[0].verdict === 'accepted'")
     return again, text
 
@@ -398,7 +338,7 @@ def check_phone(page, link, pictures):
 
 
 def main():
-    adit, write_map = sys.argv[1:3]
+    adit, write_map = (pathlib.Path(name).absolute() for name in sys.argv[1:3])
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         pictures = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else folder
@@ -411,6 +351,7 @@ def main():
             page = browser.page()
             viewing = Viewing(adit, cloud)
             check_cloud(page, viewing.link)
+            check_section(page, viewing.link)
             check_dark(page)
             viewing.end()
             viewing = Viewing(adit, out, "--edit")
@@ -419,12 +360,18 @@ def main():
             check_export(page, viewing.link, adit, folder)
             check_keyframes(page, viewing.link)
             check_graph(page, viewing.link, pictures)
+            check_overlay(page, viewing.link)
+            check_layers(page, viewing.link)
+            check_proposal(page, viewing.link)
             check_time(page, viewing.link)
             check_plots(page, viewing.link)
             viewing, _ = check_restart(page, adit, viewing, out)
             check_phone(page, viewing.link, pictures)
-            require(page.errors == [], "the console has errors", *page.errors)
             text = viewing.end()
+            page.call("Emulation.clearDeviceMetricsOverride")
+            page.call("Emulation.setTouchEmulationEnabled", enabled=False)
+            check_truth(page, adit, out)
+            require(page.errors == [], "the console has errors", *page.errors)
             require("refused" not in text, "the page itself was refused something", text)
         finally:
             browser.close()

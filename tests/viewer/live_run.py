@@ -8,6 +8,7 @@ show the result. The files must be those of a run that nobody watches. PICTURES 
 """
 
 import json
+import os
 import pathlib
 import re
 import signal
@@ -102,6 +103,31 @@ def never_reading(port):
     return client
 
 
+def check_recording(adit, page, recording, folder):
+    """`adit view` of a recording maps it, shows the result, and leaves nothing."""
+    with tempfile.TemporaryDirectory(dir=folder) as temporary:
+        process = subprocess.Popen([str(adit), "view", str(recording)], env={**os.environ, "TMPDIR": temporary},
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        try:
+            said = []
+            for line in process.stderr:
+                said.append(line)
+                found = re.search(r"open +(http://\S+)", line)
+                if found:
+                    break
+            require(found and "a folder that goes away" in said[0], "not said what happens", *said)
+            page.open(found.group(1))
+            page.wait("window.adit.sceneShown && window.adit.sceneShown.live !== true", 120)
+            page.wait(ALL_THERE, 60)
+            require(os.listdir(temporary), "nothing is made of it")
+            process.send_signal(signal.SIGTERM)
+            process.stderr.read()
+            require(process.wait(timeout=20) == 0, "it ended otherwise", process.returncode)
+        finally:
+            process.kill()
+        require(os.listdir(temporary) == [], "something is left", os.listdir(temporary))
+
+
 def peak(out):
     return json.loads((out / "summary.json").read_text(encoding="utf-8"))["memory"]["resident_peak_bytes"]
 
@@ -140,10 +166,11 @@ def main():
                 watch(page, running, pictures)
                 require(running.ended.wait(20), "the console does not say that the run has ended", *running.said)
                 client.close()
-                require(page.errors == [], "the console has errors", *page.errors)
                 text = running.end()
             finally:
                 running.process.kill()  # where the test has ended before it
+            check_recording(adit, page, recording, folder)
+            require(page.errors == [], "the console has errors", *page.errors)
         finally:
             browser.close()
         require("result is shown" in text, "not said what is served", text)

@@ -141,6 +141,8 @@ TEST_F(ViewDataTest, WithoutLeaveNothingIsEdited) {
   write_map(folder_ / "map.adit");
   ViewData data = opened(folder_ / "map.adit");
   EXPECT_NE(answer_to(data, R"({"revoke": 4})").reply.find("--edit"), std::string::npos);
+  EXPECT_NE(answer_to(data, R"({"add": [0, 1]})").reply.find("--edit"), std::string::npos);
+  EXPECT_FALSE(answer_to(data, R"({"add": [0]})").understood);
   EXPECT_EQ(MapDatabase(folder_ / "map.adit", MapAccess::read).candidates()[0].verdict,
             CandidateVerdict::accepted);
 }
@@ -181,6 +183,9 @@ TEST_F(ViewDataTest, WhatCannotBeShownSaysWhatCan) {
   EXPECT_NE(said(folder_ / "none.adit").find("none.adit"), std::string::npos);
   std::ofstream(folder_ / "drive.mcap") << "x";
   EXPECT_NE(said(folder_ / "drive.mcap").find("adit run"), std::string::npos);
+  EXPECT_FALSE(is_shown_as_it_is(folder_ / "drive.mcap"));
+  EXPECT_FALSE(is_shown_as_it_is(folder_.path()));
+  EXPECT_TRUE(is_shown_as_it_is(folder_ / "none.adit"));
   std::ofstream(folder_ / "empty.ply")
       << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
          "property float z\nend_header\nnan nan nan\n";

@@ -66,7 +66,9 @@ TEST_F(ViewPlotsTest, DirectionsThatAreNotHeldAreTold) {
     SweepRecord sweep;
     sweep.index = i;
     sweep.stamp = nanoseconds(i);
-    sweep.translation[0] = {.localizability = i == 0 ? "full" : i == 1 ? "none" : "partial",
+    sweep.translation[0] = {.localizability = i == 0   ? "full"
+                                              : i == 1 ? "none"
+                                                       : "partial",
                             .axis = Eigen::Vector3d::UnitX()};
     sweep.translation[1] = {.localizability = "full", .axis = Eigen::Vector3d::UnitY()};
     table.write(sweep);

@@ -24,23 +24,15 @@
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/loops_page.hpp"
+#include "adit/tools/maps/loop_addition.hpp"
 #include "adit/tools/maps/loop_change.hpp"
 #include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/run/loop_verifier.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
-
-MapKeyframe keyframe_of(const MapDatabase& map, int64_t id) {
-  const std::optional<MapKeyframe> keyframe = map.keyframe(id);
-  if (!keyframe) {
-    throw UsageError("--add: the map has no keyframe " + std::to_string(id) +
-                     ". `adit export MAP --trajectory csv` lists those it has.");
-  }
-  return *keyframe;
-}
 
 /// X Y Z YAW, m and degrees.
 Eigen::Isometry3d guess_of(const std::vector<double>& numbers) {
@@ -60,111 +52,16 @@ Eigen::Isometry3d guess_of(const std::vector<double>& numbers) {
   return guess;
 }
 
-/// The two keyframes, the earlier one first, and how they lie.
-LoopByHand loop_to_add(const MapDatabase& map, const LoopsCommandOptions& options) {
-  LoopByHand loop{.from = options.add[0], .to = options.add[1]};
-  static_cast<void>(keyframe_of(map, loop.from));
-  static_cast<void>(keyframe_of(map, loop.to));
-  if (loop.from == loop.to) {
-    throw UsageError("--add: a loop leads from one keyframe to another one.");
-  }
-  if (!options.guess.empty()) {
-    loop.guess = guess_of(options.guess);
-  }
-  if (loop.from > loop.to) {
-    std::swap(loop.from, loop.to);
-    loop.guess = loop.guess ? std::optional(loop.guess->inverse()) : std::nullopt;
-  }
-  const std::vector<LoopCandidate> candidates = map.candidates();
-  const auto known = std::ranges::find_if(candidates, [&](const LoopCandidate& candidate) {
-    return candidate.from == loop.from && candidate.to == loop.to &&
-           (candidate.verdict == CandidateVerdict::accepted ||
-            candidate.verdict == CandidateVerdict::revoked);
-  });
-  if (known != candidates.end()) {
-    throw UsageError("--add: loop " + std::to_string(known->id) + " is between the two, and " +
-                     std::string(to_string(known->verdict)) + ".");
-  }
-  return loop;
-}
-
-[[noreturn]] void refuse_to_add(const LoopsCommandOptions& options, const std::string& reason) {
-  throw InputError(options.map, {}, "there is no loop as it was said: " + reason,
-                   "Nothing was changed. docs/theory/loops.md says what the reasons mean; --guess "
-                   "X Y Z YAW tells how the second keyframe lies, seen from the first");
-}
-
 InputError damaged(const std::filesystem::path& map, const SubmapDamaged& damage) {
   return {map, {}, "a submap is damaged: " + std::string(damage.what()), "`adit check` says which"};
 }
 
-LoopVerification verified(const MapDatabase& map, const LoopByHand& loop,
-                          const LoopsCommandOptions& options) {
-  const std::optional<MapSession> session = map.session(keyframe_of(map, loop.from).session);
-  const Config config = session ? parse_config(session->configuration, options.map) : Config{};
-  DeviceSession device(options.device);
-  try {
-    return verify_by_hand(device.context(), config, map, loop);
-  } catch (const NoGuess& none) {
-    throw UsageError("--add: " + std::string(none.what()) + "; --guess X Y Z YAW is needed.");
-  } catch (const SubmapDamaged& damage) {
-    throw damaged(options.map, damage);
-  }
-}
-
 LoopChange add(const LoopsCommandOptions& options) {
+  LoopByHand loop{.from = options.add[0], .to = options.add[1]};
   if (!options.guess.empty()) {
-    static_cast<void>(guess_of(options.guess));  // before anything is opened
+    loop.guess = guess_of(options.guess);
   }
-  MapDatabase map(options.map, MapAccess::write);
-  const LoopByHand loop = loop_to_add(map, options);
-  const LoopVerification verdict = verified(map, loop, options);
-  if (verdict.reason != LoopReason::none) {
-    refuse_to_add(options,
-                  std::string(to_string(verdict.reason)) + fmt::format(" {:.3g}", verdict.figure));
-  }
-  PoseGraph graph = map.graph();
-  const PoseEdge edge{.from = loop.from,
-                      .to = loop.to,
-                      .T_from_to = verdict.T_from_to,
-                      .information = symmetric_inverse(verdict.covariance),
-                      .kind = EdgeKind::loop};
-  graph.add_edge(edge);
-  const OptimizedGraph optimized = optimized_map(graph, options.map);
-  const std::optional<EdgeResult>& residual = optimized.report.edges.back();
-  if (!residual || residual->chi2 > kLoopReview) {
-    refuse_to_add(options, "it contradicts the rest of the graph, chi squared " +
-                               fmt::format("{:.3g}", residual ? residual->chi2 : 0.0));
-  }
-  std::vector<LoopCandidate> candidates = map.candidates();
-  int64_t id = 1;
-  for (const LoopCandidate& candidate : candidates) {
-    id = std::max(id, candidate.id + 1);
-  }
-  candidates.push_back({.id = id,
-                        .from = loop.from,
-                        .to = loop.to,
-                        .T_from_to = verdict.T_from_to,
-                        .overlap = verdict.overlap,
-                        .verdict = CandidateVerdict::accepted,
-                        .reason = std::string(to_string(LoopReason::added_by_hand)),
-                        .rms = verdict.rms,
-                        .correction = verdict.correction,
-                        .turn = verdict.turn,
-                        .through = verdict.through});
-  const LoopChange changed{.id = id,
-                           .what = "added",
-                           .cost_before = optimized.report.cost_before,
-                           .cost_after = optimized.report.cost_after,
-                           .moved = farthest_moved(graph, optimized.poses)};
-  const std::vector<LoopCandidate> records =
-      with_residuals(candidates, graph, optimized.report, options.map);
-  graph.set_poses(optimized.poses);
-  map.revise({.edges = {edge},
-              .candidates = records,
-              .poses = graph.nodes(),
-              .georeference = placed(map.georeference(), optimized.T_world_map)});
-  return changed;
+  return add_loop(options.map, loop, loop_verifier(options.device));
 }
 
 bool was_accepted(const LoopCandidate& candidate) {

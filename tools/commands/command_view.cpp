@@ -12,10 +12,14 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/evaluation/truth_on_map.hpp"
+#include "adit/tools/run/loop_verifier.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
+#include "adit/tools/support/temporary_folder.hpp"
+#include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/viewer/view_data.hpp"
 #include "adit/tools/viewer/view_protocol.hpp"
 #include "adit/tools/viewer/view_server.hpp"
@@ -40,11 +44,39 @@ std::function<ViewTruth(const MapDatabase&)> truth_of(const ViewCommandOptions& 
   };
 }
 
+/// As `adit run --view` does, but that nothing is left in the end.
+int view_recording(const ViewCommandOptions& options, std::ostream& out, std::ostream& err) {
+  const std::string what = options.what.string();
+  if (options.edit || options.truth) {
+    throw UsageError(what +
+                     " is no map, so there is nothing to edit or to compare. Map it first: "
+                     "adit run " +
+                     what + " -o out --set mapping.enabled=true");
+  }
+  const TemporaryFolder folder("adit-view");
+  err << "note: " << what
+      << " is neither a map nor a cloud: it is mapped, into a folder that goes "
+         "away in the end. To keep it: adit run "
+      << what << " --view -o out --set mapping.enabled=true" << std::endl;
+  RunCommandOptions mapping;
+  mapping.recording = options.what;
+  mapping.output = folder.path() / options.what.filename();
+  mapping.config.overrides = {"mapping.enabled=true"};
+  mapping.view = true;
+  mapping.serve = options.serve;
+  mapping.device = options.device;
+  return run_command(mapping, out, err);
+}
+
 int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err) {
   const std::string_view page = required_page();
+  if (!is_shown_as_it_is(options.what)) {
+    return view_recording(options, out, err);
+  }
   const StopSignal stop;
   ViewData data({.what = options.what,
                  .edit = options.edit,
+                 .verify = options.edit ? loop_verifier(options.device) : VerifyLoop{},
                  .truth = truth_of(options),
                  .stop = [] { return StopSignal::received() != 0; }},
                 err);
@@ -79,17 +111,20 @@ int view_command(const ViewCommandOptions& options, std::ostream& out, std::ostr
 }
 
 void add_view_command(Command app, std::function<void(int)> done) {
-  const Command command =
-      app.add_command("view", "Show a map, a run or a cloud in a browser, and edit its loops");
+  const Command command = app.add_command(
+      "view", "Show a map, a run, a cloud or a recording in a browser, and edit loops");
   const auto options = std::make_shared<ViewCommandOptions>();
   command.footer(
-      "WHAT is a map (OUT/map.adit), the folder OUT of a run, or a cloud (PLY, PCD or LAS).\n"
+      "WHAT is a map (OUT/map.adit), the folder OUT of a run, a cloud (PLY, PCD or LAS), or a "
+      "recording, which\nis mapped while one looks on; nothing of that is kept (adit run --view "
+      "does).\n"
       "The page needs no network beyond this program. It is served to this machine alone, unless "
       "--listen names another address; the printed link then carries a token.\n\n"
       "Examples:\n"
       "  adit view out\n"
       "  adit view out/map.adit --edit\n"
       "  adit view scan.ply --port 8080\n"
+      "  adit view drive.mcap\n"
       "  adit view out --truth truth.tum\n"
       "  adit view out --listen 0.0.0.0\n\n"
       "Exit codes: 0 ended by Ctrl-C or SIGTERM, 1 nothing that can be shown, 2 usage,\n129, 130 "
@@ -97,11 +132,12 @@ void add_view_command(Command app, std::function<void(int)> done) {
       "143 stopped by SIGHUP, SIGINT or SIGTERM before there was something to show.");
   command.option("what", options->what, "What to show").required().value_name("WHAT");
   add_serve_options(command, options->serve);
+  add_device_options(command, options->device);
   command
       .option("--truth", options->truth,
               "The true trajectory: colours by error, and the true way beside the map's")
       .value_name("FILE");
-  command.flag("--edit", options->edit, "Loops may be revoked and restored in the page");
+  command.flag("--edit", options->edit, "Loops may be revoked, restored and proposed in the page");
   command.action(
       [options, done = std::move(done)] { done(view_command(*options, std::cout, std::cerr)); });
 }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "adit/tools/commands/served_page.hpp"
+#include "adit/tools/run/device_session.hpp"
 
 namespace adit {
 
@@ -18,7 +19,8 @@ class Command;
 struct ViewCommandOptions {
   std::filesystem::path what{};  ///< a map, a run's folder, or a cloud
   ServeOptions serve{};
-  bool edit = false;  ///< loops may be revoked and restored
+  DeviceOptions device{};  ///< that recordings are mapped and proposed loops verified on
+  bool edit = false;       ///< loops may be revoked, restored and proposed
   std::optional<std::filesystem::path> truth{};  ///< a trajectory with times
 };
 

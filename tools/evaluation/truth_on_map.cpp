@@ -61,8 +61,7 @@ TruthOnMap truth_on_map(const MapDatabase& map, const Trajectory& truth) {
     }
     for (std::size_t i = 0; i < part.ids.size(); ++i) {
       const Eigen::Isometry3d true_pose = *T_map_world * part.in_world[i];
-      result.errors[part.ids[i]] =
-          (true_pose.translation() - part.in_map[i].translation()).norm();
+      result.errors[part.ids[i]] = (true_pose.translation() - part.in_map[i].translation()).norm();
     }
     for (const StampedPose& pose : truth.poses) {
       if (pose.stamp >= part.first && pose.stamp <= part.last) {

@@ -3,6 +3,7 @@
 #include "adit/tools/viewer/view_data.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -49,6 +50,8 @@ bool is_cloud(const fs::path& file) {
   const std::string extension = extension_of(file);
   return extension == ".ply" || extension == ".pcd" || extension == ".las";
 }
+
+constexpr std::array kShownOfAFolder = {"map.adit", "map.ply", "cloud.ply"};
 
 ViewFiles files_in(const fs::path& folder) {
   if (fs::exists(folder / "map.adit")) {
@@ -120,9 +123,18 @@ ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
 
 }  // namespace
 
+bool is_shown_as_it_is(const fs::path& what) {
+  if (fs::is_directory(what)) {
+    return std::ranges::any_of(kShownOfAFolder,
+                               [&](const char* name) { return fs::exists(what / name); });
+  }
+  return !fs::exists(what) || is_cloud(what) || extension_of(what) == ".adit";
+}
+
 ViewData::ViewData(const ViewDataOptions& options, std::ostream& progress)
     : folder_(fs::is_directory(options.what) ? options.what : fs::path()),
       edit_(options.edit),
+      verify_(options.verify),
       truth_(options.truth),
       stop_(options.stop) {
   const ViewFiles files = files_of(options.what);
@@ -292,15 +304,31 @@ std::string ViewData::place(const Eigen::Vector3d& p_map) const {
   return place_answer(earth_, p_map);
 }
 
-LoopChange ViewData::change(int64_t loop, LoopAction action) {
+void ViewData::must_edit() const {
   if (!edit_) {
     throw UsageError("this view does not edit: start it with `adit view MAP --edit`.");
   }
-  const LoopChange changed = change_loop(map_, loop, action);
+}
+
+/// The graph is another.
+LoopChange ViewData::shown(LoopChange changed) {
   const MapDatabase map(map_, MapAccess::read);
   graph_ = graph_text(map);
   earth_ = map.georeference();
   return changed;
+}
+
+LoopChange ViewData::change(int64_t loop, LoopAction action) {
+  must_edit();
+  return shown(change_loop(map_, loop, action));
+}
+
+LoopChange ViewData::add(const LoopByHand& loop) {
+  must_edit();
+  if (!verify_) {
+    throw UsageError("this view cannot verify a loop: use `adit loops MAP --add A B`.");
+  }
+  return shown(add_loop(map_, loop, verify_));
 }
 
 }  // namespace adit

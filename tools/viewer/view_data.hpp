@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "adit/tools/maps/loop_addition.hpp"
 #include "adit/tools/maps/loop_change.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
@@ -20,8 +21,9 @@
 namespace adit {
 
 struct ViewDataOptions {
-  std::filesystem::path what;    ///< a map, a run's folder, or a cloud: PLY, PCD or LAS
-  bool edit = false;             ///< loops may be revoked and restored
+  std::filesystem::path what;  ///< a map, a run's folder, or a cloud: PLY, PCD or LAS
+  bool edit = false;           ///< loops may be revoked and restored
+  VerifyLoop verify{};         ///< of loops that are proposed; empty: none can be
   /// Lays the truth over the map, also after an edit; empty: it is not known. What it throws is
   /// thrown.
   std::function<ViewTruth(const MapDatabase&)> truth{};
@@ -33,6 +35,9 @@ class ViewStopped : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// A map, a cloud or the folder of a run, by its name and what it holds; or nothing at all.
+bool is_shown_as_it_is(const std::filesystem::path& what);
 
 class ViewData {
  public:
@@ -59,9 +64,13 @@ class ViewData {
   /// Changes the map, and graph() with it. Throws what change_loop() does, UsageError where the
   /// view may not edit.
   LoopChange change(int64_t loop, LoopAction action);
+  /// Lets a loop in. Throws what add_loop() does, UsageError where the view may not edit.
+  LoopChange add(const LoopByHand& loop);
 
  private:
   void stop_if_wanted() const;
+  void must_edit() const;
+  LoopChange shown(LoopChange changed);
   std::string graph_text(const MapDatabase& map) const;
   void read_map(const std::filesystem::path& file, std::ostream& progress);
   void read_cloud(const std::filesystem::path& file, std::ostream& progress);
@@ -74,6 +83,7 @@ class ViewData {
   std::filesystem::path map_;
   std::optional<Georeference> earth_;
   bool edit_ = false;
+  VerifyLoop verify_;
   std::function<ViewTruth(const MapDatabase&)> truth_;
   std::function<bool()> stop_;
   std::size_t keyframes_ = 0;

@@ -19,9 +19,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ViewAnswer changed(ViewData& data, int64_t loop, LoopAction action) {
+ViewAnswer changed(const ViewData& data, const std::function<LoopChange()>& make) {
   try {
-    const LoopChange change = data.change(loop, action);
+    const LoopChange change = make();
     return {.reply = told(fmt::format("Loop {} is {}: cost {:.4g}, now {:.4g}; keyframes moved by "
                                       "up to {:.3f} m.",
                                       change.id, change.what, change.cost_before, change.cost_after,
@@ -43,12 +43,19 @@ bool is_tile_number(const ordered_json& number) {
 /// What a view does beside sending tiles.
 struct Doings {
   std::function<ViewAnswer(int64_t loop, LoopAction action)> change;
+  std::function<ViewAnswer(const LoopByHand& loop)> add;
   std::function<std::string(const Eigen::Vector3d& p_map)> place;
 };
 
 bool is_place_asked(const ordered_json& value) {
   return value.is_array() && value.size() == 3 &&
          std::ranges::all_of(value, [](const ordered_json& one) { return one.is_number(); });
+}
+
+/// Ids of two keyframes.
+bool is_pair(const ordered_json& value) {
+  return value.is_array() && value.size() == 2 && value[0].is_number_integer() &&
+         value[1].is_number_integer();
 }
 
 ViewAnswer answer_with(const Doings& doings, std::string_view message) {
@@ -77,6 +84,9 @@ ViewAnswer answer_with(const Doings& doings, std::string_view message) {
     return doings.change(value.get<int64_t>(),
                          what == "revoke" ? LoopAction::revoke : LoopAction::restore);
   }
+  if (what == "add" && is_pair(value)) {
+    return doings.add({.from = value[0].get<NodeId>(), .to = value[1].get<NodeId>()});
+  }
   return no_answer;
 }
 
@@ -84,7 +94,11 @@ ViewAnswer answer_with(const Doings& doings, std::string_view message) {
 
 ViewAnswer answer_to(ViewData& data, std::string_view message) {
   return answer_with(
-      {.change = [&](int64_t loop, LoopAction action) { return changed(data, loop, action); },
+      {.change =
+           [&](int64_t loop, LoopAction action) {
+             return changed(data, [&] { return data.change(loop, action); });
+           },
+       .add = [&](const LoopByHand& loop) { return changed(data, [&] { return data.add(loop); }); },
        .place = [&](const Eigen::Vector3d& p_map) { return data.place(p_map); }},
       message);
 }
@@ -94,6 +108,7 @@ ViewAnswer answer_while_running(std::string_view message) {
       "A run goes on with this map: loops can be edited once it has ended, by `adit view --edit`.";
   return answer_with(
       {.change = [&](int64_t, LoopAction) { return ViewAnswer{.reply = told(refusal, true)}; },
+       .add = [&](const LoopByHand&) { return ViewAnswer{.reply = told(refusal, true)}; },
        .place = [](const Eigen::Vector3d& p_map) { return place_answer(std::nullopt, p_map); }},
       message);
 }

@@ -18,19 +18,25 @@ export function showFacts(facts: Facts | null): void {
   element('told').hidden = facts === null;
   if (!facts) return;
   element('what').textContent = facts.title;
-  element('facts').replaceChildren(...facts.rows.flatMap(([name, value]) => {
-    const term = document.createElement('dt'), told = document.createElement('dd');
-    term.textContent = name;
-    told.textContent = value;
-    return [term, told];
-  }));
+  element('facts').replaceChildren();
+  addRows(facts.rows);
   element('acts').replaceChildren(...(facts.acts ?? []).flatMap(({ text, run, pressed }) => {
     const button = document.createElement('button');
-    button.dataset.act = text;
+    button.id = `act-${text.replaceAll(' ', '-')}`;
     button.textContent = text;
     button.onclick = run;
     if (pressed !== undefined) button.setAttribute('aria-pressed', String(pressed));
     return [button, ' '];
+  }));
+}
+
+/** To what is told; buttons stay as they are, and where they are, for one of them may be being pressed. */
+export function addRows(rows: [string, string][]): void {
+  element('facts').append(...rows.flatMap(([name, value]) => {
+    const term = document.createElement('dt'), told = document.createElement('dd');
+    term.textContent = name;
+    told.textContent = value;
+    return [term, told];
   }));
 }
 

@@ -10,7 +10,7 @@ import { Connection, type Listener } from './connection';
 import { Controls } from './controls';
 import { element, notice } from './elements';
 import { copied, exportCommand } from './export_command';
-import { factsOf, placeOf, pointFacts, showFacts, type Act, type Facts } from './facts';
+import { addRows, factsOf, placeOf, pointFacts, showFacts, type Act, type Facts } from './facts';
 import { GraphLayer, LAYERS, type Found } from './graph_layer';
 import { LiveCloud } from './live_cloud';
 import { Marks } from './marks';
@@ -20,6 +20,7 @@ import { Painter, type Frame } from './painter';
 import { prefersDark } from './palette';
 import { Panel, sessionsOf, type Actions } from './panel';
 import { composed, save } from './picture';
+import { Proposal } from './proposal';
 import { Places, UnderMouse, worldRows } from './places';
 import { Plots } from './plots';
 import { POSE, type Graph, type Live, type Loop, type Place, type Scene, type TilePoints, type Told } from './protocol';
@@ -61,6 +62,7 @@ export class View implements Listener, Actions {
   private readonly connection: Connection;
   private chosen: Found | null = null;
   private facts: Facts | null = null;
+  private readonly proposal = new Proposal((from, to) => this.connection.send({ add: [from, to] }), () => this.choose(this.chosen));
   private picking: 'measure' | 'section' | null = null;
   private keyframesShown: string | null = null;  // how
   private timer = 0;
@@ -281,7 +283,7 @@ export class View implements Listener, Actions {
     showFacts(facts);
     if (!facts || !p || !this.graphShown?.world) return;
     this.places.ask(p, (world) => {
-      if (this.facts === facts) showFacts({ ...facts, rows: [...facts.rows, ...worldRows(world)] });
+      if (this.facts === facts) addRows(worldRows(world));
     });
   }
 
@@ -311,6 +313,7 @@ export class View implements Listener, Actions {
     if (found.kind === 'keyframe') {
       const id = graph.keyframes.id[found.at];
       facts.acts = [{ text: this.state.only === id ? 'all points' : 'its points alone', run: () => this.only(id) }];
+      if (scene.editable) facts.acts.push(this.proposal.act(id));
     } else if (found.kind === 'loop' && found.loop.from >= 0 && found.loop.to >= 0) {
       facts.acts = [...(facts.acts ?? []), ...this.overlayActs(found.loop)];
     }

@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/run/loop_verifier.hpp"
+
+#include <optional>
+
+#include "adit/tools/run/config_file.hpp"
+
+namespace adit {
+
+VerifyLoop loop_verifier(const DeviceOptions& device) {
+  return [device](const MapDatabase& map, const LoopByHand& loop) {
+    const std::optional<MapKeyframe> keyframe = map.keyframe(loop.from);
+    const std::optional<MapSession> session =
+        keyframe ? map.session(keyframe->session) : std::nullopt;
+    const Config config = session ? parse_config(session->configuration, map.file()) : Config{};
+    DeviceSession opened(device);
+    return verify_by_hand(opened.context(), config, map, loop);
+  };
+}
+
+}  // namespace adit
