@@ -157,14 +157,16 @@ def check_picture(page, link, pictures):
     page.open(f"{link}#eye=24,0,0,45,{-math.pi / 2:.5f},1.5707&layers=loops,keyframes")
     page.wait(ALL_THERE)
     canvas = only_canvas(page, lambda: page.count(GREEN))
-    page.click_on("picture")
     file = pictures / "out.png"
+    file.unlink(missing_ok=True)
+    page.click_on("picture")
     until = time.monotonic() + 10
     while not file.exists() and time.monotonic() < until:
         time.sleep(0.05)
     require(file.exists(), "no picture was saved", list(pictures.iterdir()))
     saved = page.count(GREEN, png=file.read_bytes())
-    require(saved["width"] == canvas["width"] and saved["height"] >= canvas["height"] + 64, "another size", saved, canvas)
+    height = page.evaluate("document.getElementById('view').clientHeight")
+    require(saved["width"] == canvas["width"] and saved["height"] >= height + 64, "another size", saved, height)
     swatch = saved["count"] - canvas["count"]
     require(near(swatch, 121, 0.2), "the loop, or its colour in the legend, is missing", saved, canvas)
     bar = page.count([0, 0, 0], png=file.read_bytes())["count"]

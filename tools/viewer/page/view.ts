@@ -75,8 +75,10 @@ export class View implements Listener, Actions {
     new UnderMouse(this.canvas, (x, y) => this.pointAt(x, y, NEAR)?.p ?? null, (p, then) => {
       if (this.graphShown?.world) this.places.ask(p, then);
     });
-    new ResizeObserver(([footer]) => document.body.style.setProperty('--foot', `${(footer.target as HTMLElement).offsetHeight}px`))
-        .observe(document.querySelector('footer')!);
+    new ResizeObserver(([footer]) => {
+      document.body.style.setProperty('--foot', `${(footer.target as HTMLElement).offsetHeight}px`);
+      this.painter.draw();
+    }).observe(document.querySelector('footer')!);
     addEventListener('resize', () => this.painter.draw());
     addEventListener('hashchange', () => this.restore());
     prefersDark.addEventListener('change', () => this.repaint());
