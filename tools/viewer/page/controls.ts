@@ -3,6 +3,7 @@
 //
 // Mouse, fingers and keys: one turns about what is looked at, or flies. z is up.
 import { PerspectiveCamera, Vector3 } from 'three';
+import type { Extent } from './shown_cloud';
 
 /** Where one looks from: metres from the cloud's origin, radians. */
 export interface Eye { target: Vector3; distance: number; yaw: number; pitch: number; }
@@ -10,6 +11,9 @@ export interface Eye { target: Vector3; distance: number; yaw: number; pitch: nu
 const STEEPEST = 1.5707;
 const TURN = 0.006;         // rad a pixel
 const CLICK = 5;            // pixels that a click may move
+const NARROW = Math.tan(29 * Math.PI / 180);  // of half the field of view, of the window's narrower side
+const PITCH = 0.9;          // rad, of the look at all of it
+const ROOM = 1.15;          // about what is looked at
 const MOVES: Record<string, [number, number, number]> = {  // right, forward, up
   KeyW: [0, 1, 0], ArrowUp: [0, 1, 0], KeyS: [0, -1, 0], ArrowDown: [0, -1, 0], KeyA: [-1, 0, 0], ArrowLeft: [-1, 0, 0],
   KeyD: [1, 0, 0], ArrowRight: [1, 0, 0], KeyE: [0, 0, 1], PageUp: [0, 0, 1], KeyQ: [0, 0, -1], PageDown: [0, 0, -1],
@@ -20,6 +24,20 @@ export function axesOf(eye: Eye): { back: Vector3; right: Vector3; up: Vector3 }
   const back = new Vector3(flat * Math.cos(eye.yaw), flat * Math.sin(eye.yaw), Math.sin(eye.pitch));
   const right = new Vector3(-Math.sin(eye.yaw), Math.cos(eye.yaw), 0);
   return { back, right, up: new Vector3().crossVectors(back, right) };
+}
+
+/** The longer side of what there is lies across the window, right of the panel that covers so many of its pixels. */
+export function eyeOnAll(extent: Extent | null, size: number, width: number, height: number, panel: number): Eye {
+  if (!extent) return { target: new Vector3(), distance: 0.95 * size, yaw: -0.6, pitch: PITCH };
+  const { middle, heading, reach } = extent;
+  const metre = Math.min(width, height) / (2 * NARROW);  // pixels of a metre, a metre away
+  const free = width - panel > 0.4 * width ? panel : 0;
+  const depth = Math.cos(PITCH) * reach.y + Math.sin(PITCH) * reach.z;
+  const upright = Math.sin(PITCH) * reach.y + Math.cos(PITCH) * reach.z;
+  const distance = Math.max(0.5, ROOM * metre * Math.max(reach.x / (width - free), upright / height)) + 0.5 * depth;
+  const eye = { target: middle.clone(), distance, yaw: heading - 0.5 * Math.PI, pitch: PITCH };
+  eye.target.addScaledVector(axesOf(eye).right, -0.5 * free * distance / metre);
+  return eye;
 }
 
 export class Controls {
@@ -52,7 +70,7 @@ export class Controls {
     const { back, right, up } = axesOf(this.eye);
     camera.aspect = width / Math.max(height, 1);
     // The narrower side of the window sees the same, whichever it is.
-    camera.fov = 2 * Math.atan(Math.tan(29 * Math.PI / 180) / Math.min(1, camera.aspect)) * 180 / Math.PI;
+    camera.fov = 2 * Math.atan(NARROW / Math.min(1, camera.aspect)) * 180 / Math.PI;
     camera.near = Math.max(this.eye.distance / 500, 0.02);
     camera.far = this.eye.distance + 6 * this.size;
     camera.up.copy(up);

@@ -14,8 +14,9 @@ const FLATTEST = 0.5;              // m, of the heights that colours are spread 
 /** A point that was found, in the map's frame. */
 export interface FoundPoint { p: Vector3; moment: number; keyframe: number; intensity: number; moving: boolean; }
 
-/** Of most points, about the origin, m. */
-export interface Extent { middle: Vector3; size: number; }
+/** Of most points, about the origin: m, and the heading (rad) in which they reach farthest, with how far along it, across
+    it and up. */
+export interface Extent { middle: Vector3; size: number; heading: number; reach: Vector3; }
 
 export interface ShownCloud {
   readonly group: Group;
@@ -93,12 +94,31 @@ export function nearestPoint(parts: Iterable<Part>, look: CloudMaterial, aim: Ai
 }
 
 /** Of points whose x, y and z are listed apart; the look gets the heights. */
-export function extentOf(sides: [Float64Array, Float64Array, Float64Array], look: CloudMaterial): Extent {
-  const most = sides.map((all) => {
-    all.sort();
-    return [all[Math.floor(0.02 * all.length)] ?? 0, all[Math.floor(0.98 * (all.length - 1))] ?? 1];
-  });
-  const [lowest, highest] = most[2];
+export function extentOf([xs, ys, zs]: [Float64Array, Float64Array, Float64Array], look: CloudMaterial): Extent {
+  const heading = headingOf(xs, ys);
+  const c = Math.cos(heading), s = Math.sin(heading);
+  const along = mostOf(xs.map((x, i) => c * x + s * ys[i])), across = mostOf(xs.map((x, i) => c * ys[i] - s * x));
+  const [lowest, highest] = mostOf(zs);
   look.get<Vector2>('heights').set(lowest, Math.max(highest, lowest + FLATTEST));
-  return { middle: new Vector3(...most.map(([a, b]) => 0.5 * (a + b))), size: Math.hypot(...most.map(([a, b]) => b - a)) };
+  const u = 0.5 * (along[0] + along[1]), v = 0.5 * (across[0] + across[1]);
+  const reach = new Vector3(along[1] - along[0], across[1] - across[0], highest - lowest);
+  return { middle: new Vector3(c * u - s * v, s * u + c * v, 0.5 * (lowest + highest)), size: reach.length(), heading, reach };
+}
+
+function mostOf(all: Float64Array): [number, number] {
+  const sorted = all.slice().sort();
+  return [sorted[Math.floor(0.02 * sorted.length)] ?? 0, sorted[Math.floor(0.98 * (sorted.length - 1))] ?? 1];
+}
+
+/** Of the longer axis of their spread. */
+function headingOf(xs: Float64Array, ys: Float64Array): number {
+  const mean = (all: Float64Array): number => all.reduce((sum, one) => sum + one, 0) / Math.max(1, all.length);
+  const mx = mean(xs), my = mean(ys);
+  let xx = 0, xy = 0, yy = 0;
+  for (let i = 0; i < xs.length; ++i) {
+    xx += (xs[i] - mx) ** 2;
+    xy += (xs[i] - mx) * (ys[i] - my);
+    yy += (ys[i] - my) ** 2;
+  }
+  return 0.5 * Math.atan2(2 * xy, xx - yy);
 }

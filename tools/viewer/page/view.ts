@@ -7,7 +7,7 @@ import { Cloud, poseMatrix } from './cloud';
 import { boxOf, ClipBox } from './clip_box';
 import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
-import { Controls } from './controls';
+import { Controls, eyeOnAll } from './controls';
 import { element, notice } from './elements';
 import { copied, exportCommand } from './export_command';
 import { addRows, factsOf, placeOf, pointFacts, showFacts, type Act, type Facts } from './facts';
@@ -439,10 +439,9 @@ export class View implements Listener, Actions {
 
   private lookAtAll(): void {
     if (!this.sceneShown || !this.cloud) return;
-    const edge = this.cloud.extent?.size ?? this.sceneShown.cube.edge;
-    this.controls.size = Math.max(2, edge);
-    this.controls.eye = { target: this.cloud.extent?.middle.clone() ?? new Vector3(),
-      distance: 0.95 * this.controls.size, yaw: -0.6, pitch: 0.9 };
+    this.controls.size = Math.max(2, this.cloud.extent?.size ?? this.sceneShown.cube.edge);
+    const panel = element<HTMLDetailsElement>('panel').open ? element('title').parentElement!.offsetWidth : 0;
+    this.controls.eye = eyeOnAll(this.cloud.extent, this.controls.size, this.painter.width, this.painter.height, panel);
   }
 
   /** With the first points it is known how large what there is to see is. */
