@@ -105,7 +105,7 @@ void replay(engine::Context& context, const MapDatabase& map, const Options& opt
   {
     MapDatabase out(options.replayed, MapAccess::write);
     const SessionId session = out.add_session({.name = "replay"});
-    MapAssembly assembly(context, config, out, kSubmapBytes);
+    MapAssembly assembly(context, config, out, {});
     Eigen::Isometry3d T_odom_keyframe = input.keyframes.front().T_map_keyframe;
     for (const MapKeyframe& stored : input.keyframes) {
       const KeyframeSubmap submap = decode(map.submap(stored.id));

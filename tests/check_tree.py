@@ -29,7 +29,7 @@ GROUPS = [
     "shaders", "engine", "engine/kernels", "engine/self_test",
     "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
-    "tools/topics", "tools/results", "tools/simulator", "tools/maps", "tools/viewer", "tools/foxglove", "tools/run",
+    "tools/topics", "tools/results", "tools/simulator", "tools/maps", "tools/foxglove", "tools/viewer", "tools/run",
     "tools/evaluation", "tools/inspection", "tools/commands",
     "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]

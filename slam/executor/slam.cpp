@@ -45,7 +45,7 @@ class OfflineSlam final : public Slam {
         context_(&context),
         map_(options.map),
         session_(options.session),
-        submap_bytes_(options.submap_bytes) {
+        map_memory_(options.map_memory) {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
@@ -172,7 +172,7 @@ class OfflineSlam final : public Slam {
     if (mapper_) {
       return;
     }
-    mapper_.emplace(*context_, odometry_.config(), *map_, session_, submap_bytes_);
+    mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_);
     for (const GnssFix& fix : std::exchange(before_map_fixes_, {})) {
       take(fix);
     }
@@ -202,7 +202,7 @@ class OfflineSlam final : public Slam {
   engine::Context* context_;
   MapStore* map_;
   SessionId session_;
-  uint64_t submap_bytes_;
+  MapMemory map_memory_;
   double waited_s_ = 0.0;  ///< for the map
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began

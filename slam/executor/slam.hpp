@@ -65,8 +65,8 @@ struct SlamOptions {
   std::optional<double> high_rate_smoothing{};
   /// Where a map is kept, and whose share of it this is; null: no map is made. Outlives the Slam.
   MapStore* map = nullptr;
-  SessionId session = 0;                 ///< as MapStore::add_session() gave it
-  uint64_t submap_bytes = kSubmapBytes;  ///< of stored submaps that stay in memory
+  SessionId session = 0;   ///< as MapStore::add_session() gave it
+  MapMemory map_memory{};  ///< that the map may take
 };
 
 /// The whole system: measurements in, placed sweeps out. make_slam() makes one.

@@ -99,8 +99,9 @@ bool is_any_borne_out(const std::vector<PendingLoop>& found) {
 }  // namespace
 
 LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
-                       uint64_t submap_bytes)
-    : submaps_(store, submap_bytes),
+                       const MapMemory& memory)
+    : memory_(memory),
+      submaps_(store, memory.submap_bytes),
       index_(context),
       search_(search_settings(config)),
       appearance_{.min_path = search_.min_path},
@@ -214,6 +215,9 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   const NodeId newest = graph.nodes().back().id;
   note_gap(graph, submap);
   reaches_.push_back(reach_of(submap));
+  if (!memory_.can_optimize(graph.nodes().size())) {
+    return {};
+  }
   const auto known = relative_places(graph, newest, voting_.lumps);
   const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
   std::vector<PendingLoop> found = verified(places, newest, submap, cloud);

@@ -10,6 +10,7 @@
 #include "adit/slam/mapping/loop_search.hpp"
 #include "adit/slam/mapping/loop_verification.hpp"
 #include "adit/slam/mapping/loop_voting.hpp"
+#include "adit/slam/mapping/map_memory.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/place_index.hpp"
 #include "adit/slam/mapping/search_pauses.hpp"
@@ -43,9 +44,10 @@ struct PendingLoop {
 /// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
 class LoopCloser {
  public:
-  /// What the constructor is given must outlive it. Submaps of up to `submap_bytes` stay in memory.
+  /// What the constructor is given must outlive it. No loops are looked for once the graph has
+  /// outgrown `memory`.
   LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
-             uint64_t submap_bytes);
+             const MapMemory& memory);
 
   /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are
   /// held.
@@ -91,6 +93,7 @@ class LoopCloser {
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
   void take_back(PendingLoop& accepted, LoopReason reason, double figure, Change& change);
 
+  MapMemory memory_;
   SubmapCache submaps_;
   PlaceIndex index_;
   LoopSearchSettings search_;

@@ -11,10 +11,10 @@
 namespace adit {
 
 MapAssembly::MapAssembly(engine::Context& context, const Config& config, MapStore& store,
-                         uint64_t submap_bytes)
-    : store_(&store), delay_(config.mapping.delay), world_(config.gnss) {
+                         const MapMemory& memory)
+    : store_(&store), memory_(memory), delay_(config.mapping.delay), world_(config.gnss) {
   if (config.mapping.loops) {
-    loops_.emplace(context, config, store, submap_bytes);
+    loops_.emplace(context, config, store, memory);
   }
 }
 
@@ -39,6 +39,9 @@ void MapAssembly::add(const AssembledKeyframe& added) {
   store_->store(
       {.keyframe = keyframe, .submap = encode(*added.submap, descriptor), .fixes = added.fixes});
   graph_.add_node({.id = keyframe.id, .T_map_node = keyframe.T_map_keyframe});
+  if (!outgrown_ && !can_optimize()) {
+    outgrown_ = keyframe.id;
+  }
   if (const auto level = level_of(keyframe.id, keyframe.vertical)) {
     graph_.add_level(*level);
   }
@@ -57,14 +60,16 @@ void MapAssembly::finish() {
     close_loops(loops_->finish(graph_), graph_.nodes().size());
   }
   settle();
-  tie_to_world(world_.finish(graph_), graph_.nodes().size());
+  if (can_optimize()) {
+    tie_to_world(world_.finish(graph_), graph_.nodes().size());
+  }
   store_->revise({.poses = graph_.nodes()});
 }
 
 // What came after the last loop has followed it as the odometry had it, so that verticals have had
 // no say there.
 void MapAssembly::settle() {
-  if (graph_.levels().empty()) {
+  if (graph_.levels().empty() || !can_optimize()) {
     return;
   }
   const LoopOptimum optimum = optimize_with_loops(graph_);
@@ -110,7 +115,9 @@ void MapAssembly::take_effect(NodeId until) {
       close_loops(loops_->take_effect(graph_, due.keyframe, std::move(due.loops)), at);
     }
     store_edges();
-    tie_to_world(world_.take_effect(graph_, due.keyframe), at);
+    if (can_optimize()) {
+      tie_to_world(world_.take_effect(graph_, due.keyframe), at);
+    }
   }
   store_edges();
 }

@@ -9,6 +9,7 @@
 
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/mapping/loop_closer.hpp"
+#include "adit/slam/mapping/map_memory.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/world_ties.hpp"
 
@@ -28,10 +29,10 @@ struct AssembledKeyframe {
 /// corrected, and all of it goes to the store.
 class MapAssembly {
  public:
-  /// What the constructor is given must outlive it. Stored submaps of up to `submap_bytes` stay in
-  /// memory.
+  /// What the constructor is given must outlive it. A graph that has outgrown `memory` is optimised
+  /// no more.
   MapAssembly(engine::Context& context, const Config& config, MapStore& store,
-              uint64_t submap_bytes);
+              const MapMemory& memory);
 
   /// The next keyframe. What the store throws comes through.
   void add(const AssembledKeyframe& added);
@@ -40,6 +41,8 @@ class MapAssembly {
 
   const Eigen::Isometry3d& T_map_odom() const { return T_map_odom_; }
   const PoseGraph& graph() const { return graph_; }
+  /// By its number, with which the graph has outgrown the memory.
+  std::optional<NodeId> outgrown() const { return outgrown_; }
   /// Rms distance (m) in an alignment of consecutive submaps.
   void add_expected_rms(double rms);
   /// None: loops are not looked for.
@@ -55,6 +58,7 @@ class MapAssembly {
     std::vector<PendingLoop> loops{};
   };
 
+  bool can_optimize() const { return memory_.can_optimize(graph_.nodes().size()); }
   PoseGraph known_graph() const;
   void take_effect(NodeId until);
   void close_loops(const LoopCloser::Change& change, std::size_t last_tied);
@@ -63,6 +67,7 @@ class MapAssembly {
   void settle();
 
   MapStore* store_;
+  MapMemory memory_;
   int delay_;  ///< keyframes
   std::optional<LoopCloser> loops_;
   WorldTies world_;
@@ -70,6 +75,7 @@ class MapAssembly {
   std::vector<Eigen::Isometry3d> T_odom_keyframes_;  ///< in the order of the graph's nodes
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();
   std::deque<Due> due_;
+  std::optional<NodeId> outgrown_;
 };
 
 }  // namespace adit

@@ -14,7 +14,7 @@
 namespace adit {
 
 Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
-               uint64_t submap_bytes)
+               const MapMemory& memory)
     : context_(&context),
       config_(config),
       store_(&store),
@@ -23,7 +23,7 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       builder_(context, config.preprocess, config.mapping.r_submap),
       clouds_(context, config.preprocess),
       aligner_(context, submap_alignment_settings(config, method_of(config.registration))),
-      assembly_(context, config, store, submap_bytes) {}
+      assembly_(context, config, store, memory) {}
 
 MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                          std::span<const Point> cloud) {
@@ -100,6 +100,7 @@ void Mapper::finish() {
   }
   assembly_.finish();
   report_.loops = assembly_.loops();
+  report_.outgrown = assembly_.outgrown();
   report_.gnss = assembly_.world().report();
   report_.components = connected_components(assembly_.graph()).components.size();
 }

@@ -31,6 +31,8 @@ struct MapReport {
   std::size_t edges = 0;            ///< between keyframes
   std::size_t aligned_edges = 0;    ///< the submaps could be aligned; the others are odometry alone
   std::size_t components = 0;       ///< parts of the map that nothing ties together
+  /// The graph has outgrown its memory with it (MapMemory), and is optimised no more.
+  std::optional<NodeId> outgrown{};
   uint64_t points = 0;              ///< total over all submaps
   uint64_t seen_through = 0;        ///< of them, which have moved: docs/theory/mapping.md
   uint64_t lost_points = 0;         ///< lay too far from their keyframe for its cells
@@ -48,10 +50,9 @@ struct MapReport {
 /// is really done makes no difference to any result.
 class Mapper {
  public:
-  /// What the constructor is given must outlive it; `config` must have passed validate(). Stored
-  /// submaps of up to `submap_bytes` stay in memory.
+  /// What the constructor is given must outlive it; `config` must have passed validate().
   Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
-         uint64_t submap_bytes = kSubmapBytes);
+         const MapMemory& memory = {});
 
   /// The sweep belongs to a new keyframe, if its result says so, or else to the last one. `cloud`
   /// is its down-sampled cloud, lidar axes. What the store throws comes through.

@@ -84,15 +84,16 @@ class MapAssemblyTest : public test::DeviceTest {
     std::vector<Eigen::Isometry3d> map;
     PoseGraph graph;
     LoopReport loops;
+    std::optional<NodeId> outgrown;
     std::string dump;
   };
 
   /// `drift` is put into each edge for a metre of its way; nothing ties the keyframe `part` to the
   /// one before, and after it the odometry's axes are others.
   static Result assembled(double yaw, double climb, std::optional<std::size_t> part = {},
-                          const Tilting& tilting = {}) {
+                          const Tilting& tilting = {}, const MapMemory& memory = {}) {
     test::TemporaryMap map;
-    MapAssembly assembly(context(), test::loop_config(true), map.store(), kSubmapBytes);
+    MapAssembly assembly(context(), test::loop_config(true), map.store(), memory);
     Result result;
     Eigen::Isometry3d T_odom_keyframe = Eigen::Isometry3d::Identity();
     for (std::size_t i = 0; i < std::min(street().size(), tilting.keyframes); ++i) {
@@ -124,6 +125,7 @@ class MapAssemblyTest : public test::DeviceTest {
     result.map = poses_of(assembly.graph());
     result.graph = map.store().graph();
     result.loops = *assembly.loops();
+    result.outgrown = assembly.outgrown();
     result.dump = map.dump();
     return result;
   }
@@ -160,6 +162,18 @@ TEST_F(MapAssemblyTest, LoopsTakeOutADriftThatTheCovariancesKnowNothingOf) {
   EXPECT_GE(drifted.loops.accepted_by_appearance, 1U);
   EXPECT_GE(drifted.loops.by_appearance, drifted.loops.accepted_by_appearance);
   expect_right_loops(drifted.graph);
+}
+
+// All that the odometry says is kept; only what would take more memory is left out.
+TEST_F(MapAssemblyTest, AGraphThatHasOutgrownItsMemoryIsOptimizedNoMore) {
+  const MapMemory memory{.graph_bytes = 10 * MapMemory::kBytesANode};
+  const Result held = assembled(0.0, 0.0, {}, {.pitch = 0.005, .levelled = true}, memory);
+  EXPECT_EQ(held.outgrown, 10);
+  EXPECT_EQ(held.loops.candidates, 0U);
+  EXPECT_EQ(held.loops.optimizations, 0U);
+  EXPECT_EQ(held.map.size(), street().size());
+  EXPECT_EQ(error_of(held.map), error_of(held.odometry));
+  EXPECT_EQ(assembled(0.0, 0.0).outgrown, std::nullopt);
 }
 
 TEST_F(MapAssemblyTest, PartsThatNothingTiesAreJoinedByWhatTheyHaveInCommon) {

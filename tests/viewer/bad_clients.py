@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 
-from viewing import Viewing, require, square, write_ply
+from viewing import Viewing, refusals, require, square, write_ply
 from websocket import BINARY, CLOSE, TEXT, Refused, WebSocket
 
 
@@ -194,6 +194,13 @@ def never_reading(port):
     return client
 
 
+def never_reading_foxglove(port):
+    """The same by Foxglove's protocol: the whole cloud, and it takes nothing of it."""
+    client = WebSocket(port, "/", receive_buffer=4096, protocol="foxglove.websocket.v1")
+    client.send('{"op": "subscribe", "subscriptions": [{"id": 0, "channelId": 0}]}')
+    return client
+
+
 def main():
     adit = pathlib.Path(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -206,7 +213,7 @@ def main():
         print(f"page: {packed} bytes packed, {whole} bytes")
         before = viewing.memory()
         began = time.monotonic()
-        silent = [never_reading(viewing.port) for _ in range(8)]
+        silent = [never_reading(viewing.port) for _ in range(8)] + [never_reading_foxglove(viewing.port) for _ in range(4)]
         slow = socket.create_connection(("127.0.0.1", viewing.port))
         slow.sendall(b"GET / HTTP/1.1\r\n")
         expected = {}
@@ -223,8 +230,7 @@ def main():
         for name, count in check_crowd(viewing.port).items():
             expected[name] = expected.get(name, 0) + count
         text = viewing.end()
-        refusals = text.split("refused ")[1].split(": ", 1)[1]
-        counted = {name: int(number) for number, name in re.findall(r"(\d+) ([a-z ]+?)(?:,|$)", refusals, re.MULTILINE)}
+        counted = refusals(text)
         require(counted == expected, "counted otherwise", f"expected {expected}", f"counted  {counted}", text)
         print(text, end="")
         print(f"memory grew by {grown / 1e6:.1f} MB")

@@ -32,8 +32,8 @@ ALL_THERE = "window.adit.cloud.drawn > 0 && window.adit.cloud.missing === 0 && w
 class Running:
     """A running `adit run --view`; port and link are those it has printed."""
 
-    def __init__(self, adit, recording, out):
-        self.process = subprocess.Popen([str(adit), "run", str(recording), "-o", str(out), *SETTINGS, "--view"],
+    def __init__(self, adit, recording, out, *options):
+        self.process = subprocess.Popen([str(adit), "run", str(recording), "-o", str(out), *SETTINGS, "--view", *options],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.said = []
         self.ended = threading.Event()  # the run, not the program

@@ -41,6 +41,21 @@ TEST(ViewAccess, AnOriginIsTheHostsOwn) {
   }
 }
 
+TEST(ViewAccess, FoxglovesPagesAreLetInByATokenAlone) {
+  const auto by = [](const std::string& token, const std::string& target, bool is_foxglove) {
+    return refusal_of({.token = token}, {.host = "127.0.0.1:80",
+                                         .origin = "https://app.foxglove.dev",
+                                         .target = target,
+                                         .is_foxglove = is_foxglove});
+  };
+  EXPECT_EQ(by("0123", "/?token=0123", true), Refusal());
+  EXPECT_EQ(by("0123", "/?token=0124", true), ViewRefusal::wrong_token);
+  EXPECT_EQ(by("0123", "/", true), ViewRefusal::wrong_token);
+  EXPECT_EQ(by("0123", "/?token=0123", false), ViewRefusal::foreign_origin);
+  EXPECT_EQ(by("", "/", true), ViewRefusal::foreign_origin);
+  EXPECT_EQ(by("", "/?token=", true), ViewRefusal::foreign_origin);
+}
+
 TEST(ViewAccess, ATokenIsWholeOrWrong) {
   const ViewAccess access{.address = "0.0.0.0", .token = "0123abcd"};
   const auto by = [&](const std::string& target) {

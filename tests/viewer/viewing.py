@@ -46,6 +46,12 @@ class Viewing:
         return text
 
 
+def refusals(text):
+    """How many were refused for which reason, by what a program says at its end."""
+    line = text.split("refused ", 1)[1].split(": ", 1)[1] if "refused " in text else ""
+    return {name: int(number) for number, name in re.findall(r"(\d+) ([a-z ]+?)(?:,|$)", line, re.MULTILINE)}
+
+
 def write_ply(file, points):
     """Points of float32 x, y, z, intensity."""
     with open(file, "wb") as stream:

@@ -15,7 +15,7 @@ class Refused(Exception):
 
 
 class WebSocket:
-    def __init__(self, port, path="/socket", origin=None, host=None, timeout=20, receive_buffer=None):
+    def __init__(self, port, path="/socket", origin=None, host=None, timeout=20, receive_buffer=None, protocol=None):
         self.socket = socket.socket()
         if receive_buffer:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
@@ -25,6 +25,8 @@ class WebSocket:
                  f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}", "Sec-WebSocket-Version: 13"]
         if origin:
             lines.append(f"Origin: {origin}")
+        if protocol:
+            lines.append(f"Sec-WebSocket-Protocol: {protocol}")
         self.socket.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
         self.pending = b""
         head = self._until(b"\r\n\r\n")

@@ -225,7 +225,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     say_detail(err, "settings: " + describe(options.config));
   }
   const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points));
-  SlamOptions wanted{.inertial = imu.has_value(), .submap_bytes = memory.submap_bytes()};
+  SlamOptions wanted{.inertial = imu.has_value(), .map_memory = memory.map_memory()};
 
   std::optional<MapSession> origin;
   if (config.mapping.enabled) {

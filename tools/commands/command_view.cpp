@@ -87,12 +87,16 @@ int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
                            return std::vector{data.scene(), data.graph()};
                          },
                      .answer = [&](std::string_view message) { return answer_to(data, message); },
-                     .tile = [&](uint32_t number) { return data.tile(number); }},
+                     .tile = [&](uint32_t number) { return data.tile(number); },
+                     .foxglove = [&] { return data.foxglove(); }},
                     access, static_cast<uint16_t>(options.serve.port));
   out << fmt::format("{}: {} points, {} keyframes\n", data.title(), data.points(),
                      data.keyframes());
   say_link(server.link(), access, data.editable() ? "sees the map and may edit it" : "sees the map",
            out);
+  if (options.serve.foxglove) {
+    say_foxglove_link(server.foxglove_link(), out);
+  }
   out << "Ctrl-C ends it." << std::endl;
   say_counts(server.run([] { return StopSignal::received() != 0; }), out);
   return 0;
@@ -126,7 +130,8 @@ void add_view_command(Command app, std::function<void(int)> done) {
       "  adit view scan.ply --port 8080\n"
       "  adit view drive.mcap\n"
       "  adit view out --truth truth.tum\n"
-      "  adit view out --listen 0.0.0.0\n\n"
+      "  adit view out --listen 0.0.0.0\n"
+      "  adit view out --foxglove\n\n"
       "Exit codes: 0 ended by Ctrl-C or SIGTERM, 1 nothing that can be shown, 2 usage,\n129, 130 "
       "or "
       "143 stopped by SIGHUP, SIGINT or SIGTERM before there was something to show.");

@@ -40,11 +40,15 @@ RunView::RunView(const ServeOptions& options, const std::filesystem::path& recor
                  std::ostream& err)
     : err_(err),
       access_(access_of(options)),
+      foxglove_(options.foxglove),
       live_(recording.filename().string(), required_page(), access_,
             static_cast<uint16_t>(options.port)) {}
 
 void RunView::say_link() const {
   adit::say_link(live_.link(), access_, "sees the run and its map", err_);
+  if (foxglove_) {
+    say_foxglove_link(live_.foxglove_link(), err_);
+  }
 }
 
 void RunView::add(const SweepPlaced& placed, const RunStatistics& statistics, std::size_t sweeps) {

@@ -38,6 +38,7 @@ class RunView {
  private:
   std::ostream& err_;
   ViewAccess access_;
+  bool foxglove_;  ///< its link is printed
   LiveView live_;
   std::string end_;  ///< how the run has ended, in words
 };

@@ -38,6 +38,8 @@ void add_serve_options(Command command, ServeOptions& options, const std::string
   command.option("--listen", options.listen, of + "Numeric address to listen on")
       .value_name("ADDRESS")
       .show_default();
+  command.flag("--foxglove", options.foxglove,
+               of + "Print a link for Foxglove and Lichtblick; links carry a token then");
 }
 
 std::string_view required_page() {
@@ -51,7 +53,8 @@ std::string_view required_page() {
 }
 
 ViewAccess access_of(const ServeOptions& options) {
-  return {.address = options.listen, .token = is_loopback(options.listen) ? "" : make_token()};
+  const bool asks = options.foxglove || !is_loopback(options.listen);
+  return {.address = options.listen, .token = asks ? make_token() : ""};
 }
 
 void say_link(const std::string& link, const ViewAccess& access, std::string_view may,
@@ -67,9 +70,16 @@ void say_link(const std::string& link, const ViewAccess& access, std::string_vie
   out << std::flush;
 }
 
+void say_foxglove_link(const std::string& link, std::ostream& out) {
+  out << "Foxglove or Lichtblick, as a Foxglove WebSocket:  " << link << std::endl;
+}
+
 void say_counts(const ViewCounts& counts, std::ostream& out) {
   out << fmt::format("{} connections, {} tiles, {:.1f} MB sent\n", counts.clients, counts.tiles,
                      static_cast<double>(counts.bytes_sent) / kMegabyte);
+  if (counts.messages > 0) {
+    out << fmt::format("{} messages to Foxglove's clients\n", counts.messages);
+  }
   if (counts.refused() > 0) {
     out << fmt::format("refused {}: {}\n", counts.refused(), refusals_text(counts));
   }

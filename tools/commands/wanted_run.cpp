@@ -27,7 +27,7 @@ void check_options(const RunCommandOptions& options) {
     throw UsageError("--high-rate-smoothing needs --high-rate.");
   }
   if (!options.view && options.serve != ServeOptions{}) {
-    throw UsageError("--port and --listen need --view.");
+    throw UsageError("--port, --listen and --foxglove need --view.");
   }
   if (options.start.value_or(0) < 0 || options.count.value_or(1) < 1) {
     throw UsageError("--start must be at least 0, --count at least 1.");

@@ -67,7 +67,7 @@ void tie(ShownLines& lines, const KeyframesById& keyframes, NodeId from, NodeId 
 }
 
 ShownPart shown_keyframes(const std::vector<MapKeyframe>& keyframes) {
-  ShownPart part{.topic = "/graph/keyframes", .entity = {.id = "keyframes"}};
+  ShownPart part{.topic = kKeyframesTopic, .entity = {.id = "keyframes"}};
   for (const MapKeyframe& keyframe : keyframes) {
     part.entity.boxes.push_back({.pose = keyframe.T_map_keyframe,
                                  .size = Eigen::Vector3d::Constant(kKeyframeSize),
@@ -81,7 +81,7 @@ ShownPart shown_odometry(const std::vector<MapKeyframe>& keyframes, const PoseGr
   for (const Eigen::Isometry3d& pose : odometry_chain(keyframes, graph)) {
     way.points.emplace_back(pose.translation());
   }
-  return {.topic = "/graph/odometry", .entity = {.id = "odometry", .lines = {std::move(way)}}};
+  return {.topic = kOdometryTopic, .entity = {.id = "odometry", .lines = {std::move(way)}}};
 }
 
 ShownPart shown_constraints(const PoseGraph& graph, const KeyframesById& keyframes) {
@@ -91,12 +91,11 @@ ShownPart shown_constraints(const PoseGraph& graph, const KeyframesById& keyfram
       tie(lines, keyframes, edge.from, edge.to);
     }
   }
-  return {.topic = "/graph/constraints",
-          .entity = {.id = "constraints", .lines = {std::move(lines)}}};
+  return {.topic = kConstraintsTopic, .entity = {.id = "constraints", .lines = {std::move(lines)}}};
 }
 
 ShownPart shown_loops(const std::vector<LoopCandidate>& loops, const KeyframesById& keyframes) {
-  ShownPart part{.topic = "/graph/loops", .entity = {.id = "loops"}};
+  ShownPart part{.topic = kLoopsTopic, .entity = {.id = "loops"}};
   for (const CandidateVerdict verdict : kVerdictsShown) {
     ShownLines lines{.strip = false,
                      .width = verdict == CandidateVerdict::accepted ? 3.0 : 1.0,
@@ -114,7 +113,7 @@ ShownPart shown_loops(const std::vector<LoopCandidate>& loops, const KeyframesBy
 }
 
 ShownPart shown_uncertainty(const std::vector<MapKeyframe>& keyframes) {
-  ShownPart part{.topic = "/graph/uncertainty", .entity = {.id = "uncertainty"}};
+  ShownPart part{.topic = kUncertaintyTopic, .entity = {.id = "uncertainty"}};
   const std::size_t stride = stride_for(keyframes.size(), kMostEllipsoids);
   for (std::size_t i = 0; i < keyframes.size(); i += stride) {
     const Eigen::Matrix3d covariance = keyframes[i].covariance.topLeftCorner<3, 3>();
@@ -130,7 +129,7 @@ ShownPart shown_uncertainty(const std::vector<MapKeyframe>& keyframes) {
 }  // namespace
 
 ShownPart shown_trajectory(std::span<const StampedPose> poses, std::span<const std::size_t> parts) {
-  ShownPart part{.topic = "/graph/trajectory", .entity = {.id = "trajectory"}};
+  ShownPart part{.topic = kTrajectoryTopic, .entity = {.id = "trajectory"}};
   const std::size_t stride = stride_for(poses.size(), kMostPosesShown);
   std::size_t next_part = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -14,9 +14,16 @@
 
 namespace adit {
 
+inline constexpr const char* kTrajectoryTopic = "/graph/trajectory";
+inline constexpr const char* kKeyframesTopic = "/graph/keyframes";
+inline constexpr const char* kOdometryTopic = "/graph/odometry";
+inline constexpr const char* kConstraintsTopic = "/graph/constraints";
+inline constexpr const char* kLoopsTopic = "/graph/loops";
+inline constexpr const char* kUncertaintyTopic = "/graph/uncertainty";
+
 /// What is drawn of a graph, with the topic that it goes to, so that each can be hidden alone.
 struct ShownPart {
-  std::string topic;  ///< "/graph/loops"
+  std::string topic;
   ShownEntity entity;
 };
 

@@ -81,7 +81,7 @@ ProtobufMessage point_cloud(Nanoseconds stamp, std::string_view frame, std::stri
   message.message(3, protobuf_of(Eigen::Isometry3d(Eigen::Isometry3d::Identity())));
   message.fixed(4, sizeof(Point));
   const std::array<std::string_view, 4> names = {"x", "y", "z", fourth};
-  for (std::size_t i = 0; i < names.size(); ++i) {
+  for (std::size_t i = 0; i < (fourth.empty() ? 3U : 4U); ++i) {
     ProtobufMessage field;
     field.text(1, names[i]);
     field.fixed(2, static_cast<uint32_t>(i * sizeof(float)));

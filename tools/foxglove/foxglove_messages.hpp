@@ -52,8 +52,8 @@ ProtobufMessage frame_transform(Nanoseconds stamp, std::string_view parent, std:
 ProtobufMessage pose_in_frame(Nanoseconds stamp, std::string_view frame,
                               const Eigen::Isometry3d& pose);
 
-/// foxglove.PointCloud of x, y, z and `fourth`, which is what Point::intensity holds: float32, 16
-/// bytes a point, in the axes of the frame.
+/// foxglove.PointCloud of x, y, z and `fourth`, which is what Point::intensity holds (empty:
+/// nothing that is to be shown): float32, 16 bytes a point, in the axes of the frame.
 ProtobufMessage point_cloud(Nanoseconds stamp, std::string_view frame, std::string_view fourth,
                             std::span<const Point> points);
 

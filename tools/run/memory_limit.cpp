@@ -18,6 +18,7 @@ namespace {
 // kLeastSubmapBytes. tests/memory_bound.py measures it, docs/theory/mapping.md has what came out.
 constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
 constexpr uint64_t kWorkingBytesAPoint = 320;
+constexpr uint64_t kLeastGraphBytes = uint64_t{6} << 20U;  // of kMapBytes: 512 keyframes
 constexpr uint64_t kMapBytes = uint64_t{22} << 20U;
 constexpr uint64_t kMapBytesAPoint = 384;
 constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
@@ -55,6 +56,16 @@ MemoryLimit::MemoryLimit(uint64_t most_bytes, uint64_t working_bytes) : most_(mo
 
 uint64_t MemoryLimit::submap_bytes() const {
   return most_ == 0 ? kSubmapBytes : std::min(kSubmapBytes, kLeastSubmapBytes + spare_);
+}
+
+// Graph and submaps share alike: the one is optimised, the others are looked at by loops.
+MapMemory MemoryLimit::map_memory() const {
+  if (most_ == 0) {
+    return {};
+  }
+  const uint64_t submaps = std::min(kSubmapBytes, kLeastSubmapBytes + spare_ / 2);
+  return {.submap_bytes = submaps,
+          .graph_bytes = kLeastGraphBytes + spare_ - (submaps - kLeastSubmapBytes)};
 }
 
 bool MemoryLimit::exceeded() const {

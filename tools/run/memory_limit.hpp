@@ -7,6 +7,7 @@
 #include <string>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/mapping/map_memory.hpp"
 
 namespace adit {
 
@@ -26,8 +27,10 @@ class MemoryLimit {
   /// them.
   MemoryLimit(uint64_t most_bytes, uint64_t working_bytes);
 
-  /// What submaps in memory may take of it.
+  /// What submaps in memory may take of it, where nothing else grows.
   uint64_t submap_bytes() const;
+  /// What a map that grows may take of it.
+  MapMemory map_memory() const;
   /// More is resident than may be, also after what is free was given back to the system.
   bool exceeded() const;
   /// "--max-ram 300 MiB: ... are resident", for people.

@@ -135,6 +135,7 @@ ordered_json describe_map(const MapReport& map) {
       {"seen_through_points", map.seen_through},
       {"lost_points", map.lost_points},
       {"crowded_cells", map.crowded_cells},
+      {"outgrown_keyframe", map.outgrown ? ordered_json(*map.outgrown) : ordered_json()},
       {"waited_s", map.waited_s},
       {"keyframe_ms",
        {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};

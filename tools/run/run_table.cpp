@@ -95,6 +95,12 @@ std::string map_text(const MapReport& map, double wall_s) {
         "mapping.r_submap keeps it",
         map.crowded_cells);
   }
+  if (map.outgrown) {
+    text += fmt::format(
+        "; from keyframe {} on the graph has outgrown --max-ram: no loops were looked for, and it "
+        "was not optimised, which `adit optimize` does",
+        *map.outgrown);
+  }
   text += fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
   return text + fmt::format("; sweeps waited {:.1f} s for it, {:.0f} % of the run", map.waited_s,
                             wall_s > 0.0 ? 100.0 * map.waited_s / wall_s : 0.0);

@@ -72,7 +72,7 @@ void halve(std::vector<T>& list) {
 
 LiveGraph LiveGraphReader::read(const std::filesystem::path& map, const ViewSpan& span) {
   const MapDatabase database(map, MapAccess::read);
-  LiveGraph graph{.json = text_of(graph_of(database, span))};
+  LiveGraph graph{.json = text_of(graph_of(database, span)), .parts = shown_graph(database)};
   for (const MapKeyframe& keyframe : database.keyframes()) {
     auto known = T_keyframe_first_.find(keyframe.id);
     if (known == T_keyframe_first_.end()) {
@@ -116,11 +116,18 @@ void LiveScene::add(LiveSweep sweep) {
     add_pose({.placed = placed, .stamp = sweep.stamp, .version = version_});
   }
   if (sweep.keyframe_cloud) {
-    add_cloud(placed, std::move(*sweep.keyframe_cloud));
+    add_cloud({.number = static_cast<uint32_t>(keyframes_) & ~kSweepBit,
+               .placed = placed,
+               .cloud = std::move(*sweep.keyframe_cloud),
+               .stamp = sweep.stamp,
+               .version = version_});
   }
-  newest_.push_back({.number = kSweepBit | (static_cast<uint32_t>(sweeps_) & ~kSweepBit),
-                     .placed = placed,
-                     .cloud = std::move(sweep.points)});
+  newest_.push_back({.shown = {.number = kSweepBit | (static_cast<uint32_t>(sweeps_) & ~kSweepBit),
+                               .placed = placed,
+                               .cloud = std::move(sweep.points),
+                               .stamp = sweep.stamp,
+                               .version = version_},
+                     .record = std::move(sweep.record)});
   if (newest_.size() > kNewest) {
     newest_.pop_front();
   }
@@ -132,16 +139,14 @@ void LiveScene::add_pose(const Pose& pose) {
   if (poses_.size() > kMostPoses) {
     halve(poses_);
     stride_ *= 2;
-    poses_version_ = version_;
+    versions_.poses = version_;
   }
 }
 
-void LiveScene::add_cloud(const Placed& placed, SensorCloud cloud) {
+void LiveScene::add_cloud(Numbered cloud) {
   if (keyframes_ % cloud_stride_ == 0) {
-    clouds_.push_back({.number = static_cast<uint32_t>(keyframes_) & ~kSweepBit,
-                       .placed = placed,
-                       .cloud = std::move(cloud)});
-    clouds_version_ = version_;
+    clouds_.push_back(std::move(cloud));
+    versions_.clouds = version_;
   }
   ++keyframes_;
   if (clouds_.size() > kMostClouds) {
@@ -153,25 +158,27 @@ void LiveScene::add_cloud(const Placed& placed, SensorCloud cloud) {
 void LiveScene::set(const LiveGraph& graph) {
   ++version_;
   graph_ = std::make_shared<const std::string>(graph.json);
-  graph_version_ = version_;
+  graph_parts_ = graph.parts;
+  versions_.graph = version_;
   T_map_first_ = graph.T_map_first;
   for (Pose& pose : poses_) {
     if (place(pose.placed)) {
-      poses_version_ = version_;
+      versions_.poses = version_;
     }
   }
   for (Numbered& cloud : clouds_) {
     if (place(cloud.placed)) {
-      clouds_version_ = version_;
+      versions_.clouds = version_;
     }
   }
-  for (Numbered& sweep : newest_) {
-    place(sweep.placed);
+  for (Newest& sweep : newest_) {
+    place(sweep.shown.placed);
   }
 }
 
 void LiveScene::set_doing(const std::string& doing) {
   ++version_;
+  versions_.doing = version_;
   doing_ = doing;
 }
 
@@ -183,7 +190,7 @@ ViewNews LiveScene::news(uint64_t told) const {
   if (told == 0) {
     news.texts.push_back(scene_);
   }
-  if (told < graph_version_) {
+  if (told < versions_.graph) {
     news.texts.push_back(graph_);
   }
   news.texts.push_back(std::make_shared<const std::string>(text_since(told)));
@@ -192,7 +199,7 @@ ViewNews LiveScene::news(uint64_t told) const {
 
 std::string LiveScene::text_since(uint64_t told) const {
   const auto first =
-      told < poses_version_
+      told < versions_.poses
           ? poses_.begin()
           : std::ranges::find_if(poses_, [&](const Pose& pose) { return pose.version > told; });
   std::vector<ViewSweep> added;
@@ -221,21 +228,25 @@ std::string LiveScene::text_since(uint64_t told) const {
     return ordered_json({{"number", numbers}, {"edge", edges}, {"pose", poses_of(poses)}});
   };
   if (!newest_.empty()) {
-    json["newest"] = clouds_json(std::array{std::cref(newest_.back())});
+    json["newest"] = clouds_json(std::array{std::cref(newest_.back().shown)});
   }
-  if (told < clouds_version_) {
+  if (told < versions_.clouds) {
     json["clouds"] = clouds_json(clouds_);
   }
   return text_of(json);
 }
 
 std::string LiveScene::tile(uint32_t number) const {
-  const auto in = [&](const auto& list) -> const SensorCloud* {
-    const auto found = std::ranges::find(list, number, &Numbered::number);
-    return found == list.end() ? nullptr : &found->cloud;
-  };
-  const SensorCloud* cloud = (number & kSweepBit) != 0 ? in(newest_) : in(clouds_);
-  return tile_message(number, cloud == nullptr ? std::span<const TilePoint>() : cloud->points);
+  std::span<const TilePoint> points;
+  if ((number & kSweepBit) != 0) {
+    const auto found =
+        std::ranges::find(newest_, number, [](const Newest& sweep) { return sweep.shown.number; });
+    points = found == newest_.end() ? points : found->shown.cloud.points;
+  } else {
+    const auto found = std::ranges::find(clouds_, number, &Numbered::number);
+    points = found == clouds_.end() ? points : found->cloud.points;
+  }
+  return tile_message(number, points);
 }
 
 }  // namespace adit

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "adit/tools/foxglove/foxglove_graph.hpp"
 #include "adit/tools/viewer/live_sweep.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
 #include "adit/tools/viewer/view_server.hpp"
@@ -21,7 +22,8 @@ namespace adit {
 
 /// The graph of a map that is being written, as it was stored by then.
 struct LiveGraph {
-  std::string json{};  ///< as graph_of() has it
+  std::string json{};              ///< as graph_of() has it
+  std::vector<ShownPart> parts{};  ///< the same for Foxglove
   /// Poses of the keyframes' first sweeps in the map.
   std::map<NodeId, Eigen::Isometry3d> T_map_first{};
 };
@@ -39,6 +41,36 @@ class LiveGraphReader {
 
 class LiveScene {
  public:
+  /// Of a sensor when it was placed, and where it is now.
+  struct Placed {
+    std::optional<NodeId> keyframe{};
+    Eigen::Isometry3d T_first_lidar = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
+  };
+  struct Pose {
+    Placed placed{};
+    Nanoseconds stamp{0};
+    uint64_t version = 0;  ///< that it came with
+  };
+  struct Numbered {
+    uint32_t number = 0;
+    Placed placed{};
+    SensorCloud cloud{};
+    Nanoseconds stamp{0};
+    uint64_t version = 0;  ///< that it came with
+  };
+  struct Newest {
+    Numbered shown{};
+    SweepRecord record{};
+  };
+  /// Versions since which parts of it are as they are.
+  struct Versions {
+    uint64_t doing = 1;
+    uint64_t graph = 1;
+    uint64_t poses = 1;   ///< all of the trajectory, but for poses that were added
+    uint64_t clouds = 1;  ///< likewise
+  };
+
   /// `title`: what is mapped.
   explicit LiveScene(const std::string& title);
 
@@ -58,30 +90,25 @@ class LiveScene {
   /// layout of ViewData::tile(). Without points where it is there no more.
   std::string tile(uint32_t number) const;
 
- private:
-  struct Placed {
-    std::optional<NodeId> keyframe{};
-    Eigen::Isometry3d T_first_lidar = Eigen::Isometry3d::Identity();
-    Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();
-  };
-  struct Pose {
-    Placed placed{};
-    Nanoseconds stamp{0};
-    uint64_t version = 0;
-  };
-  struct Numbered {
-    uint32_t number = 0;
-    Placed placed{};
-    SensorCloud cloud{};
-  };
+  const Versions& versions() const { return versions_; }
+  const std::string& doing() const { return doing_; }
+  const std::vector<ShownPart>& graph_parts() const { return graph_parts_; }
+  /// Some of the sweeps' poses, evenly chosen.
+  const std::vector<Pose>& poses() const { return poses_; }
+  /// Likewise of the keyframes' clouds.
+  const std::vector<Numbered>& clouds() const { return clouds_; }
+  /// The last few.
+  const std::deque<Newest>& newest() const { return newest_; }
 
+ private:
   std::string text_since(uint64_t told) const;
   void add_pose(const Pose& pose);
-  void add_cloud(const Placed& placed, SensorCloud cloud);
+  void add_cloud(Numbered cloud);
   bool place(Placed& placed) const;
 
   ViewText scene_;
   ViewText graph_;
+  std::vector<ShownPart> graph_parts_;
   std::map<NodeId, Eigen::Isometry3d> T_map_first_;
   ViewSpan span_;
   std::size_t sweeps_ = 0;
@@ -90,13 +117,11 @@ class LiveScene {
   std::size_t keyframes_ = 0;
   std::size_t cloud_stride_ = 1;  ///< of keyframes, one has points
   std::vector<Numbered> clouds_;
-  std::deque<Numbered> newest_;  ///< sweeps
+  std::deque<Newest> newest_;
   LiveProgress progress_{};
   std::string doing_ = "starting";
   uint64_t version_ = 1;
-  uint64_t graph_version_ = 1;
-  uint64_t poses_version_ = 1;   ///< all of the trajectory is another since then
-  uint64_t clouds_version_ = 1;  ///< likewise
+  Versions versions_;
 };
 
 }  // namespace adit

@@ -48,12 +48,25 @@ SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most) {
   return cloud;
 }
 
+std::vector<Point> points_of(const SensorCloud& cloud, const Eigen::Isometry3d& T_frame_sensor) {
+  std::vector<Point> points;
+  points.reserve(cloud.points.size());
+  for (const TilePoint& one : cloud.points) {
+    const Eigen::Array3d place(one.place[0], one.place[1], one.place[2]);
+    const Eigen::Vector3d p_sensor = ((place + 0.5) / kPlaces - 0.5) * cloud.edge;
+    const Eigen::Vector3f p = (T_frame_sensor * p_sensor).cast<float>();
+    points.push_back({.x = p.x(), .y = p.y(), .z = p.z()});
+  }
+  return points;
+}
+
 LiveSweep LiveSweepMaker::make(const SweepPlaced& placed, const LiveProgress& progress) {
   const SweepResult& result = placed.result;
   LiveSweep sweep{.stamp = result.stamp,
                   .T_map_lidar = result.T_map_lidar,
                   .points = sensor_cloud(placed.sweep.points, kSweepPoints),
-                  .progress = progress};
+                  .progress = progress,
+                  .record = sweep_record(placed.sweep.number.value_or(progress.sweeps), result)};
   if (placed.mapped) {
     if (keyframe_ != placed.mapped->keyframe) {
       keyframe_ = placed.mapped->keyframe;

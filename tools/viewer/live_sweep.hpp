@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adit/slam/executor/slam.hpp"
+#include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
 
 namespace adit {
@@ -24,6 +25,8 @@ struct SensorCloud {
 
 /// Evenly thinned to `most` points. NaN and (0, 0, 0), which mean no return, are left out.
 SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most);
+/// The points again, m, where `T_frame_sensor` has them.
+std::vector<Point> points_of(const SensorCloud& cloud, const Eigen::Isometry3d& T_frame_sensor);
 
 /// How far a run has come.
 struct LiveProgress {
@@ -44,6 +47,7 @@ struct LiveSweep {
   SensorCloud points{};                         ///< of the sweep as it came
   std::optional<SensorCloud> keyframe_cloud{};  ///< de-skewed and down-sampled: it stays
   LiveProgress progress{};
+  SweepRecord record{};  ///< as sweeps.csv has it
 };
 
 /// Makes them of a run's sweeps, in their order.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/viewer/foxglove_live_feed.hpp"
 #include "adit/tools/viewer/view_protocol.hpp"
 
 namespace adit {
@@ -23,7 +24,10 @@ constexpr int kReadShare = 10;  // of the time goes by between readings of the m
 
 LiveView::LiveView(const std::string& title, std::string_view page, const ViewAccess& access,
                    uint16_t port)
-    : scene_(title), server_(site(page), access, port), thread_([this] { serve(); }) {}
+    : scene_(title),
+      foxglove_(std::make_shared<FoxgloveLiveFeed>(scene_)),
+      server_(site(page), access, port),
+      thread_([this] { serve(); }) {}
 
 LiveView::~LiveView() {
   join();
@@ -53,7 +57,8 @@ ViewSite LiveView::site(std::string_view page) {
                 std::string message = result_ ? result_->tile(number) : scene_.tile(number);
                 return message.empty() ? tile_message(number, {}) : message;
               },
-          .news = [this](uint64_t told) { return news(told); }};
+          .news = [this](uint64_t told) { return news(told); },
+          .foxglove = [this] { return foxglove(); }};
 }
 
 void LiveView::serve() {
@@ -124,6 +129,11 @@ ViewNews LiveView::news(uint64_t told) {
     }
   }
   return news;
+}
+
+std::shared_ptr<FoxgloveFeed> LiveView::foxglove() {
+  watched_ = true;
+  return result_ ? result_->foxglove() : foxglove_;
 }
 
 void LiveView::set_doing(const std::string& doing) {

@@ -36,6 +36,7 @@ class LiveView {
   LiveView& operator=(const LiveView&) = delete;
 
   std::string link() const { return server_.link(); }
+  std::string foxglove_link() const { return server_.foxglove_link(); }
 
   /// In words, what the run is doing now.
   void set_doing(const std::string& doing);
@@ -69,6 +70,7 @@ class LiveView {
   bool take();
   void read_graph();
   ViewNews news(uint64_t told);
+  std::shared_ptr<FoxgloveFeed> foxglove();
 
   // The run's side.
   LiveSweepMaker maker_;
@@ -81,6 +83,7 @@ class LiveView {
   std::filesystem::path map_;
   // The server's side.
   LiveScene scene_;
+  std::shared_ptr<FoxgloveFeed> foxglove_;  ///< of the scene
   LiveGraphReader graph_reader_;
   std::chrono::steady_clock::time_point next_read_{};
   bool watched_ = false;  ///< somebody has asked for news since the map was read

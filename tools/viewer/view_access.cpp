@@ -92,6 +92,8 @@ std::string_view to_string(ViewRefusal refusal) {
       return "wrong token";
     case ViewRefusal::unknown_path:
       return "unknown path";
+    case ViewRefusal::not_offered:
+      return "not offered";
   }
   return "unknown";
 }
@@ -105,7 +107,8 @@ std::optional<ViewRefusal> refusal_of(const ViewAccess& access, const ViewReques
   if (!is_ours(access, request.host)) {
     return ViewRefusal::foreign_host;
   }
-  if (!request.origin.empty() && !is_same_origin(request.origin, request.host)) {
+  const bool is_foreign = !request.origin.empty() && !is_same_origin(request.origin, request.host);
+  if (is_foreign && !(request.is_foxglove && !access.token.empty())) {
     return ViewRefusal::foreign_origin;
   }
   if (!access.token.empty() && !is_equal(token_of(request.target), access.token)) {

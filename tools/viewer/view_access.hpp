@@ -20,8 +20,9 @@ enum class ViewRefusal {
   foreign_origin,  ///< another page's script
   wrong_token,
   unknown_path,
+  not_offered,  ///< a Foxglove client asks for what is not there; it is told, and stays
 };
-inline constexpr int kViewRefusals = 8;
+inline constexpr int kViewRefusals = 9;
 /// In plain words, for the count at the end.
 std::string_view to_string(ViewRefusal refusal);
 
@@ -37,13 +38,15 @@ bool is_loopback(std::string_view address);
 struct ViewRequest {
   std::string_view host;
   std::string_view origin;
-  std::string_view target;  ///< path and query
+  std::string_view target;   ///< path and query
+  bool is_foxglove = false;  ///< it asks for Foxglove's protocol
 };
 
 /// Nothing where the request is let in. A name in Host that is neither localhost nor the address
 /// listened on is refused, since such a name could be made to lead here by whoever owns it; numeric
 /// addresses cannot, and ports are not compared, so that tunnels work. An Origin, which browsers
-/// send, must be the Host's.
+/// send, must be the Host's; but programs that speak Foxglove's protocol are pages of others, and
+/// let in where there is a token that they have.
 std::optional<ViewRefusal> refusal_of(const ViewAccess& access, const ViewRequest& request);
 
 /// "/socket" of "/socket?token=1".

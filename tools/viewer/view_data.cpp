@@ -18,6 +18,8 @@
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/support/version.hpp"
+#include "adit/tools/viewer/foxglove_cloud_feed.hpp"
+#include "adit/tools/viewer/foxglove_run_feed.hpp"
 #include "adit/tools/viewer/view_plots.hpp"
 #include "adit/tools/viewer/view_world.hpp"
 
@@ -300,6 +302,15 @@ std::string ViewData::tile(uint32_t number) const {
   return tile_message(number, tiles_.read(number));
 }
 
+std::shared_ptr<FoxgloveFeed> ViewData::foxglove() {
+  if (!foxglove_ && map_.empty() && sweeps_.empty()) {
+    foxglove_ = std::make_shared<FoxgloveCloudFeed>(tiles_);
+  } else if (!foxglove_) {
+    foxglove_ = std::make_shared<FoxgloveRunFeed>(folder_.empty() ? map_ : folder_);
+  }
+  return foxglove_;
+}
+
 std::string ViewData::place(const Eigen::Vector3d& p_map) const {
   return place_answer(earth_, p_map);
 }
@@ -312,6 +323,7 @@ void ViewData::must_edit() const {
 
 /// The graph is another.
 LoopChange ViewData::shown(LoopChange changed) {
+  foxglove_.reset();
   const MapDatabase map(map_, MapAccess::read);
   graph_ = graph_text(map);
   earth_ = map.georeference();

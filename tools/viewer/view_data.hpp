@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@
 #include "adit/tools/maps/loop_addition.hpp"
 #include "adit/tools/maps/loop_change.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
+#include "adit/tools/viewer/foxglove_feed.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
 
 namespace adit {
@@ -58,6 +60,10 @@ class ViewData {
   /// As tile_message() has it; empty where there is no such tile. Throws OutputError.
   std::string tile(uint32_t number) const;
 
+  /// The same for Foxglove's protocol, read when it is asked for first, and anew after a change.
+  /// Throws InputError, OutputError.
+  std::shared_ptr<FoxgloveFeed> foxglove();
+
   /// The answer to the question of where a place of the map's frame is (view_world.hpp).
   std::string place(const Eigen::Vector3d& p_map) const;
 
@@ -92,6 +98,7 @@ class ViewData {
   CloudTiles tiles_;
   std::string scene_;
   std::string graph_;
+  std::shared_ptr<FoxgloveFeed> foxglove_;
 };
 
 }  // namespace adit

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/viewer/view_server.hpp"
 
-#include <deque>
+#include <array>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
-#include <variant>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -18,6 +17,7 @@
 
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/support/version.hpp"
+#include "adit/tools/viewer/page_session.hpp"
 
 namespace adit {
 namespace {
@@ -28,7 +28,6 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using Error = boost::system::error_code;
-using Text = ViewText;
 
 constexpr std::chrono::milliseconds kAsked{100};
 constexpr std::string_view kCrowded =
@@ -59,6 +58,7 @@ struct Service {
   ViewCounts counts;
   std::size_t connections = 0;
   std::set<class Client*> clients;
+  std::string run = make_token();  ///< a name of this one among all
 
   void refuse(ViewRefusal refusal) { ++counts.refusals[static_cast<std::size_t>(refusal)]; }
 };
@@ -81,8 +81,7 @@ class Counted {
   Service* service_;
 };
 
-/// A page that is connected. What it waits for is sent one by one: a client that reads slowly has
-/// one message on its way, however much it has asked for.
+/// A client that is connected. It has one message on its way, however much it has asked for.
 class Client : public std::enable_shared_from_this<Client> {
  public:
   Client(Service& service, Counted counted, beast::tcp_stream stream)
@@ -93,13 +92,22 @@ class Client : public std::enable_shared_from_this<Client> {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  void begin(const http::request<http::empty_body>& request) {
+  /// `foxglove`: the name of its protocol that was chosen; empty: the client is a page.
+  void begin(const http::request<http::empty_body>& request, std::string_view foxglove) {
     websocket::stream_base::timeout timeout{};
     timeout.handshake_timeout = service_.limits.request;
     timeout.idle_timeout = service_.limits.silence;
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
     socket_.read_message_max(service_.limits.message_bytes);
+    if (!foxglove.empty()) {
+      is_page_ = false;
+      socket_.set_option(
+          websocket::stream_base::decorator([foxglove](websocket::response_type& response) {
+            response.set(http::field::sec_websocket_protocol,
+                         beast::string_view(foxglove.data(), foxglove.size()));
+          }));
+    }
     socket_.async_accept(request, [self = shared_from_this()](Error error) {
       if (error) {
         self->service_.refuse(ViewRefusal::malformed);
@@ -109,37 +117,29 @@ class Client : public std::enable_shared_from_this<Client> {
     });
   }
 
-  void send(Text text) {
-    if (closing_) {
+  /// Gets what there is for it, unless something is on its way.
+  void pump() {
+    if (sending_ || closing_) {
       return;
     }
-    waiting_.emplace_back(std::move(text));
-    if (waiting_.size() > service_.limits.waiting) {
-      close(ViewRefusal::too_slow, websocket::close_code::policy_error);
-    } else {
-      pump();
+    std::optional<ViewFrame> frame = session_->next();
+    if (frame && frame->refused) {
+      close(*frame->refused, websocket::close_code::policy_error);
+    } else if (frame) {
+      write(std::move(*frame));
     }
-  }
-
-  /// Gets what is new, unless it still waits for something.
-  void hear() {
-    if (!service_.site.news || sending_ || closing_ || !waiting_.empty()) {
-      return;
-    }
-    ViewNews news = service_.site.news(told_);
-    told_ = news.told;
-    waiting_.insert(waiting_.end(), news.texts.begin(), news.texts.end());
-    pump();
   }
 
  private:
   void greet() {
+    if (is_page_) {
+      session_ = std::make_unique<PageSession>(service_.site, service_.limits.waiting);
+    } else {
+      session_ = std::make_unique<FoxgloveSession>(service_.site.foxglove, service_.run);
+    }
     ++service_.counts.clients;
     service_.clients.insert(this);
-    for (std::string& text : service_.site.greeting()) {
-      send(std::make_shared<const std::string>(std::move(text)));
-    }
-    hear();
+    pump();
     read();
   }
 
@@ -154,68 +154,60 @@ class Client : public std::enable_shared_from_this<Client> {
   }
 
   void take() {
-    if (!socket_.got_text()) {
-      close(ViewRefusal::malformed, websocket::close_code::unknown_data);
-      return;
-    }
     const std::string message = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
-    ViewAnswer answer = service_.site.answer(message);
-    if (!answer.understood) {
-      close(ViewRefusal::malformed, websocket::close_code::policy_error);
+    const bool is_text = socket_.got_text();
+    const ViewTaken taken = session_->take(message, is_text);
+    if (!taken.goes_on) {
+      close(*taken.refused,
+            is_text ? websocket::close_code::policy_error : websocket::close_code::unknown_data);
       return;
     }
-    waiting_.insert(waiting_.end(), answer.tiles.begin(), answer.tiles.end());
-    if (!answer.reply.empty()) {
-      waiting_.emplace_back(std::make_shared<const std::string>(std::move(answer.reply)));
-    }
-    if (waiting_.size() > service_.limits.waiting) {
-      close(ViewRefusal::too_many, websocket::close_code::policy_error);
-      return;
+    if (taken.refused) {
+      service_.refuse(*taken.refused);
     }
     pump();
-    if (!answer.to_all.empty()) {
-      const auto text = std::make_shared<const std::string>(std::move(answer.to_all));
+    if (taken.to_all) {
       for (Client* client : service_.clients) {
-        client->send(text);
+        client->tell(taken.to_all);
       }
     }
     read();
   }
 
-  void pump() {
-    if (sending_ || closing_ || waiting_.empty()) {
+  void tell(const ViewText& text) {
+    if (closing_) {
       return;
     }
-    const std::variant<uint32_t, Text> next = std::move(waiting_.front());
-    waiting_.pop_front();
-    if (const auto* text = std::get_if<Text>(&next)) {
-      current_ = *text;
-      socket_.text(true);
+    if (const auto refusal = session_->tell(text)) {
+      close(*refusal, websocket::close_code::policy_error);
     } else {
-      current_ = std::make_shared<const std::string>(service_.site.tile(std::get<uint32_t>(next)));
-      socket_.binary(true);
-      if (current_->empty()) {
-        close(ViewRefusal::malformed, websocket::close_code::policy_error);
-        return;
-      }
-      ++service_.counts.tiles;
+      pump();
     }
+  }
+
+  void write(ViewFrame frame) {
+    current_ = std::move(frame);
+    socket_.binary(!current_.is_text);
+    if (!current_.is_text) {
+      ++(is_page_ ? service_.counts.tiles : service_.counts.messages);
+    }
+    const std::array<asio::const_buffer, 2> buffers = {
+        asio::buffer(current_.head),
+        current_.content ? asio::buffer(*current_.content) : asio::const_buffer()};
     sending_ = true;
-    socket_.async_write(asio::buffer(*current_),
-                        [self = shared_from_this()](Error error, std::size_t bytes) {
-                          self->sending_ = false;
-                          self->service_.counts.bytes_sent += bytes;
-                          if (!error) {
-                            self->pump();
-                          }
-                        });
+    socket_.async_write(buffers, [self = shared_from_this()](Error error, std::size_t bytes) {
+      self->sending_ = false;
+      self->service_.counts.bytes_sent += bytes;
+      if (!error) {
+        self->pump();
+      }
+    });
   }
 
   void close(ViewRefusal refusal, websocket::close_code code) {
     service_.refuse(refusal);
     closing_ = true;
-    waiting_.clear();
     if (!sending_) {
       socket_.async_close(code, [self = shared_from_this()](Error) {});
     } else {
@@ -241,9 +233,9 @@ class Client : public std::enable_shared_from_this<Client> {
   Counted counted_;
   websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
-  std::deque<std::variant<uint32_t, Text>> waiting_;
-  Text current_;
-  uint64_t told_ = 0;  ///< of the site's news
+  std::unique_ptr<ViewSession> session_;  ///< from the greeting on
+  ViewFrame current_;                     ///< on its way
+  bool is_page_ = true;
   bool sending_ = false;
   bool closing_ = false;
 };
@@ -283,14 +275,21 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     }
     const auto& request = parser_.get();
     const std::string_view target = view(request.target());
+    const bool upgrades = websocket::is_upgrade(request);
+    const std::string_view foxglove =
+        upgrades && service_.site.foxglove && path_of(target) == "/"
+            ? foxglove_protocol_of(view(request[http::field::sec_websocket_protocol]))
+            : std::string_view();
     const auto refusal = refusal_of(service_.access, {.host = view(request[http::field::host]),
                                                       .origin = view(request[http::field::origin]),
-                                                      .target = target});
+                                                      .target = target,
+                                                      .is_foxglove = !foxglove.empty()});
     if (refusal) {
       refuse(*refusal);
-    } else if (websocket::is_upgrade(request) && path_of(target) == "/socket") {
+    } else if (!foxglove.empty() || (upgrades && path_of(target) == "/socket")) {
       stream_.expires_never();
-      std::make_shared<Client>(service_, std::move(counted_), std::move(stream_))->begin(request);
+      std::make_shared<Client>(service_, std::move(counted_), std::move(stream_))
+          ->begin(request, foxglove);
     } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
       refuse(ViewRefusal::malformed);
     } else if (path_of(target) != "/") {
@@ -358,6 +357,12 @@ tcp::endpoint endpoint_of(const std::string& address, uint16_t port) {
   return {numeric, port};
 }
 
+std::string link_of(const ViewAccess& access, const std::string& scheme, uint16_t port) {
+  const bool v6 = access.address.find(':') != std::string::npos;
+  return scheme + "://" + (v6 ? "[" + access.address + "]" : access.address) + ":" +
+         std::to_string(port) + "/" + (access.token.empty() ? "" : "?token=" + access.token);
+}
+
 }  // namespace
 
 uint64_t ViewCounts::refused() const {
@@ -418,7 +423,7 @@ class ViewServer::Listener {
       return;
     }
     for (Client* client : service_.clients) {
-      client->hear();
+      client->pump();
     }
     timer_.expires_after(kAsked);
     timer_.async_wait([this, &stop](Error) { ask(stop); });
@@ -441,10 +446,11 @@ uint16_t ViewServer::port() const {
 }
 
 std::string ViewServer::link() const {
-  const ViewAccess& access = listener_->access();
-  const bool v6 = access.address.find(':') != std::string::npos;
-  return "http://" + (v6 ? "[" + access.address + "]" : access.address) + ":" +
-         std::to_string(port()) + "/" + (access.token.empty() ? "" : "?token=" + access.token);
+  return link_of(listener_->access(), "http", port());
+}
+
+std::string ViewServer::foxglove_link() const {
+  return link_of(listener_->access(), "ws", port());
 }
 
 ViewCounts ViewServer::run(const std::function<bool()>& stop) {

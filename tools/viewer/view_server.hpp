@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// HTTP and WebSocket on one port. view_server.cpp is the one file that sees Boost.
+// HTTP and WebSocket on one port, for the page and for Foxglove's protocol. view_server.cpp is the
+// one file that sees Boost.
 #pragma once
 
 #include <array>
@@ -14,7 +15,9 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/tools/viewer/foxglove_session.hpp"
 #include "adit/tools/viewer/view_access.hpp"
+#include "adit/tools/viewer/view_session.hpp"
 
 namespace adit {
 
@@ -37,9 +40,6 @@ struct ViewAnswer {
   bool understood = true;         ///< false: no message that the page sends
 };
 
-/// A text on its way to clients.
-using ViewText = std::shared_ptr<const std::string>;
-
 /// What has changed since a client was told last.
 struct ViewNews {
   std::vector<ViewText> texts{};
@@ -56,13 +56,16 @@ struct ViewSite {
   /// (0: nothing): one that is slow is told less often, and then all at once. Empty: nothing
   /// changes.
   std::function<ViewNews(uint64_t)> news{};
+  /// What Foxglove and its like get, asked before each message. Empty: they are not served.
+  FoxgloveSession::Source foxglove{};
 };
 
 /// What has come and gone, in all.
 struct ViewCounts {
   uint64_t clients = 0;     ///< WebSocket connections let in
   uint64_t tiles = 0;       ///< sent
-  uint64_t bytes_sent = 0;  ///< of tiles and texts
+  uint64_t messages = 0;    ///< of channels, sent to Foxglove's clients
+  uint64_t bytes_sent = 0;  ///< of tiles, texts and messages
   std::array<uint64_t, kViewRefusals> refusals{};
 
   uint64_t refused() const;
@@ -79,6 +82,8 @@ class ViewServer {
   uint16_t port() const;
   /// What to open in a browser, with the token where there is one.
   std::string link() const;
+  /// What to open in Foxglove or Lichtblick, likewise.
+  std::string foxglove_link() const;
 
   /// Serves on this thread until `stop` says so, which is asked ten times a second.
   ViewCounts run(const std::function<bool()>& stop);
