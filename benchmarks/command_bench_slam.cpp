@@ -9,9 +9,11 @@
 #include <utility>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/slam/slam_families.hpp"
+#include "adit/benchmarks/slam/slam_loops_report.hpp"
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/benchmarks/slam/slam_run.hpp"
 #include "adit/benchmarks/slam/slam_sequences.hpp"
@@ -40,7 +42,8 @@ struct Candidate {
 std::string described(const SlamEntry& entry) {
   return fmt::format("{:<7} {:<8} {:<13} {:>3.0f} s from {:>4.0f} m on, seed {}{}", entry.scene,
                      entry.sensor, entry.trajectory, entry.duration, entry.begin, entry.seed,
-                     entry.quick ? ", quick" : "");
+                     entry.quick ? ", quick" : "") +
+         (entry.settings.empty() ? "" : fmt::format(", {}", fmt::join(entry.settings, ", ")));
 }
 
 std::vector<Candidate> candidates(const BenchSlamOptions& options) {
@@ -54,7 +57,7 @@ std::vector<Candidate> candidates(const BenchSlamOptions& options) {
     }
     return all;
   }
-  for (const SlamEntry& entry : slam_catalogue()) {
+  for (const SlamEntry& entry : options.loops ? loop_catalogue() : slam_catalogue()) {
     if (options.quick && !entry.quick) {
       continue;
     }
@@ -189,17 +192,20 @@ SlamReport measure_all(const BenchSlamOptions& options, const std::vector<Candid
     report.systems.push_back({.name = peer.filename().string(), .origin = peer.string()});
   }
   print_setting(report, sequences.size(), out);
-  print_head(report, out);
+  options.loops ? print_loop_head(report, out) : print_head(report, out);
   out << std::flush;
   for (const Candidate& candidate : sequences) {
-    const SlamSequence sequence = sequence_of(candidate, options.output / "recordings", err);
+    SlamSequence sequence = sequence_of(candidate, options.output / "recordings", err);
+    if (!options.loops) {
+      sequence.loops.reset();
+    }
     SlamRow& row = report.rows.emplace_back();
     row.sequence = sequence.name;
     row.family = sequence.family;
     row.description = sequence.description;
     const auto add = [&](SlamResult result) {
       row.results.push_back(judged(std::move(result), report.limits));
-      print_result(report, row, row.results.size() - 1, out);
+      (options.loops ? print_loop_result : print_result)(report, row, row.results.size() - 1, out);
       out << std::flush;
     };
     for (const SlamVariant& variant : variants) {
@@ -207,7 +213,7 @@ SlamReport measure_all(const BenchSlamOptions& options, const std::vector<Candid
                        options.output / "runs" / variant.name / sequence.name));
     }
     for (const fs::path& peer : peers) {
-      add(judge_trajectory(sequence, peer.filename().string(), peer / (sequence.name + ".tum")));
+      add(judge_system(sequence, peer));
     }
   }
   return report;
@@ -223,8 +229,12 @@ int bench_slam(const BenchSlamOptions& options, std::ostream& out, std::ostream&
     return 0;
   }
   const SlamReport report = measure_all(options, sequences, out, err);
-  print_table(report, out);
-  print_families(report, out);
+  if (options.loops) {
+    print_loop_spreads(report, out);
+  } else {
+    print_table(report, out);
+    print_families(report, out);
+  }
   out << "\n";
   if (!options.json.empty()) {
     constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
@@ -260,13 +270,16 @@ void add_bench_slam_command(Command bench, std::function<void(int)> done) {
       "system\n"
       "  adit bench slam --seeds 5                     the whole catalogue five times: median, "
       "worst\n"
-      "  adit bench slam --recordings data             data/NAME.bag with data/NAME.truth.tum\n\n"
+      "  adit bench slam --recordings data             data/NAME.bag with data/NAME.truth.tum\n"
+      "  adit bench slam --loops --quick               loop closing, on one recording of a mine\n\n"
       "Exit codes: 0 done, whatever failed is in the table; 1 the device or a file failed, 2 "
       "usage.");
   command.flag("--list", options->list, "Name the sequences and do nothing");
   command.option("--only", options->only, "Names of sequences, or how they begin")
       .value_name("NAME");
   command.flag("--quick", options->quick, "Few sequences of the catalogue");
+  command.flag("--loops", options->loops,
+               "Loop closing: maps with loops, on long recordings of places seen again");
   command
       .option("--seeds", options->seeds,
               "Each sequence of the catalogue so many times, with other seeds and beginnings")

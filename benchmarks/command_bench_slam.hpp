@@ -24,6 +24,7 @@ struct BenchSlamOptions {
   std::vector<std::string> only{};  ///< names of sequences or their beginnings; empty: all
   bool quick = false;               ///< the catalogue's quick ones alone
   bool list = false;
+  bool loops = false;       ///< loop closing: with maps, another catalogue and its own table
   uint64_t seeds = 0;       ///< each sequence of the catalogue so many times; 0: as it stands there
   uint64_t first_seed = 1;  ///< the first of these
   double apart = kBetweenBeginnings;     ///< m along the route, of where five of these begin

@@ -149,14 +149,15 @@ void replay(engine::Context& context, const MapDatabase& map, const Options& opt
   for (const ScoredLoop& loop : score.loops) {
     const LoopCandidate& one = loop.candidate;
     ++counted[std::string(to_string(one.source)) + " " + std::string(to_string(one.verdict)) + " " +
-              one.reason][loop.right ? 0 : 1];
+              one.reason][loop.error.right ? 0 : 1];
     if (options.list) {
       std::printf(
           "  %5ld %5ld %-10s %-9s %-18s score %6.2f overlap %.2f figure %8.3g, off %7.3f m "
           "%6.2f deg\n",
           static_cast<long>(one.from), static_cast<long>(one.to),
           std::string(to_string(one.source)).c_str(), std::string(to_string(one.verdict)).c_str(),
-          one.reason.c_str(), one.score, one.overlap, one.figure, loop.metres, loop.degrees);
+          one.reason.c_str(), one.score, one.overlap, one.figure, loop.error.metres,
+          loop.error.degrees);
     }
   }
   for (const auto& [what, numbers] : counted) {

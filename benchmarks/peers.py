@@ -4,7 +4,10 @@
 """Other systems' trajectories of simulated recordings, for `adit bench slam --trajectories`.
 
 Usage: peers.py RECORDINGS -o OTHERS. Runs KISS-ICP and RKO-LIO with their default settings on the MCAP files of a
-folder and writes OTHERS/SYSTEM/SEQUENCE.tum: T_any_lidar, each pose stamped with the time that it holds for.
+folder and writes OTHERS/SYSTEM/SEQUENCE.tum: T_any_lidar, each pose stamped with the time that it holds for. KISS-SLAM,
+which closes loops, runs where it is asked for: kiss-slam with its defaults, kiss-slam-50m, -20m and -10m with local
+maps that are split so often. It also leaves SEQUENCE.odometry.tum, its odometry without its closures, and
+SEQUENCE.loops.csv, a closure a line: times of the two local maps and T_a_b, for `adit bench slam --loops`.
 
 A pose of either holds for the last point of its sweep, to whose time points are de-skewed: KISS-ICP 1.3.0 leaves the
 latest point where it is and moves the first by the whole motion, RKO-LIO 0.4.0 stamps its poses itself. Stamps half a
@@ -14,6 +17,8 @@ Exit codes: 0 done, 1 a system failed on a recording (which leaves no file, and 
 """
 
 import argparse
+import functools
+import importlib
 import importlib.metadata
 import os
 import pathlib
@@ -21,20 +26,12 @@ import struct
 import sys
 import time
 
-SYSTEMS = ("kiss-icp", "rko-lio")
-PACKAGES = ("kiss-icp", "rko_lio", "numpy")
-
 try:
     import numpy as np
-    from kiss_icp.config import load_config
-    from kiss_icp.kiss_icp import KissICP
     from mcap.reader import make_reader
     from pyquaternion import Quaternion
-    from rko_lio.config import LIOConfig
-    from rko_lio.lio import LIO
-    from rko_lio.rko_lio_pybind import InputError
 except ImportError as error:
-    print(f"peers.py: {error}; pip install kiss-icp rko_lio mcap zstandard numpy", file=sys.stderr)
+    print(f"peers.py: {error}; pip install mcap zstandard numpy pyquaternion", file=sys.stderr)
     sys.exit(2)
 
 # Types of a PointCloud2's fields by their number, and the fields with a point's time: their unit in ns, and whether it
@@ -158,8 +155,24 @@ def inertial(recording):
     return readings, transforms
 
 
+def numbers(T):
+    """x, y, z, qx, qy, qz, qw."""
+    q = Quaternion(matrix=T, rtol=1e-4, atol=1e-4)
+    return (*T[:3, 3], q.x, q.y, q.z, q.w)
+
+
+class Outcome:
+    """Poses are lines (ns, x, y, z, qx, qy, qz, qw), seconds those of each sweep, closures (ns, ns, x, ..., qw) between
+    so many local maps."""
+
+    def __init__(self, poses, seconds, odometry=None, closures=None, maps=0):
+        self.poses, self.seconds, self.odometry, self.closures, self.maps = poses, seconds, odometry, closures, maps
+
+
 def run_kiss_icp(recording, threads):
-    """Lines (ns, x, y, z, qx, qy, qz, qw), and the seconds of each sweep."""
+    from kiss_icp.config import load_config
+    from kiss_icp.kiss_icp import KissICP
+
     config = load_config(None)
     config.registration.max_num_threads = threads
     odometry = KissICP(config)
@@ -168,13 +181,57 @@ def run_kiss_icp(recording, threads):
         begin = time.perf_counter()
         odometry.register_frame(points, 1e-9 * (times - times.min()))  # which it scales to 0 to 1
         seconds.append(time.perf_counter() - begin)
-        q = Quaternion(matrix=odometry.last_pose, rtol=1e-4, atol=1e-4)
-        poses.append((times.max(), *odometry.last_pose[:3, 3], q.x, q.y, q.z, q.w))
-    return poses, seconds
+        poses.append((times.max(), *numbers(odometry.last_pose)))
+    return Outcome(poses, seconds)
+
+
+def run_kiss_slam(recording, threads, split=None):
+    """As its own pipeline does. `split`: metres from where on a local map is complete; none: its default."""
+    from kiss_slam.config import load_config
+    from kiss_slam.slam import KissSLAM
+
+    config = load_config(None)
+    config.odometry.registration.max_num_threads = threads
+    config.local_mapper.splitting_distance = split or config.local_mapper.splitting_distance
+    slam = KissSLAM(config)
+    constraints = []
+    add = slam.optimizer.add_factor
+
+    def noted(source, target, pose, information):
+        constraints.append((source, target, np.array(pose)))
+        add(source, target, pose, information)
+
+    slam.optimizer.add_factor = noted
+    stamps, begins, seconds = [], [], []  # begins: of local maps, at the sweep that the one before ends with
+    for _, points, times in sweeps(recording):
+        begin = time.perf_counter()
+        stamps.append(times.max())
+        begins = begins or [stamps[0]]
+        slam.process_scan(points, 1e-9 * (times - times.min()))
+        seconds.append(time.perf_counter() - begin)
+        if len(slam.get_keyposes()) > len(begins):
+            begins.append(stamps[-1])
+    slam.generate_new_node()
+    slam.local_map_graph.erase_last_local_map()
+    poses, _ = slam.fine_grained_optimization()
+    # A factor holds T_target_source. Those of closures lead from an earlier local map to a later one.
+    closures = [(begins[a], begins[b], *numbers(np.linalg.inv(T_b_a))) for a, b, T_b_a in constraints
+                if (a, b) in slam.closures]
+    odometry, T_any_map = [], np.eye(4)
+    for number, local in enumerate(slam.local_map_graph.local_maps()):
+        # All but the first begin with the pose that the one before ends with.
+        odometry += [T_any_map @ T for T in local.local_trajectory[1 if number else 0 :]]
+        T_any_map = T_any_map @ local.local_trajectory[-1]
+    stamped = [[(t, *numbers(T)) for t, T in zip(stamps, some, strict=True)] for some in (poses, odometry)]
+    return Outcome(stamped[0], seconds, stamped[1], closures, len(slam.get_keyposes()))
 
 
 def run_rko_lio(recording, threads):
-    """The same. The base is the lidar, as in RKO-LIO's own program unless it is told another: poses are the lidar's."""
+    """The base is the lidar, as in RKO-LIO's own program unless it is told another: poses are the lidar's."""
+    from rko_lio.config import LIOConfig
+    from rko_lio.lio import LIO
+    from rko_lio.rko_lio_pybind import InputError
+
     readings, transforms = inertial(recording)
     odometry = LIO(LIOConfig(max_num_threads=threads))
     seconds, fed = [], 0
@@ -195,31 +252,58 @@ def run_rko_lio(recording, threads):
             print(f"\n{recording.stem}: a sweep dropped: {error}", file=sys.stderr)
         seconds.append(time.perf_counter() - begin)
     stamps, poses = odometry.poses_with_timestamps()
-    return [(stamp, *pose) for stamp, pose in zip(stamps, poses, strict=True)], seconds
+    return Outcome([(stamp, *pose) for stamp, pose in zip(stamps, poses, strict=True)], seconds)
+
+
+# By name: the runner, the packages whose versions are told, and the modules that it needs.
+SYSTEMS = {
+    "kiss-icp": (run_kiss_icp, ("kiss-icp",), ("kiss_icp.kiss_icp",)),
+    "rko-lio": (run_rko_lio, ("rko_lio",), ("rko_lio.lio",)),
+    "kiss-slam": (run_kiss_slam, ("kiss-slam", "kiss-icp", "map_closures"), ("kiss_slam.slam",)),
+}
+for metres in (50, 20, 10):
+    SYSTEMS[f"kiss-slam-{metres}m"] = (functools.partial(run_kiss_slam, split=metres), *SYSTEMS["kiss-slam"][1:])
+DEFAULT = ("kiss-icp", "rko-lio")
+
+
+def time_text(t):
+    return f"{t // 10**9}.{t % 10**9:09d}"
 
 
 def write_tum(path, poses):
-    lines = [f"{t // 10**9}.{t % 10**9:09d} " + " ".join(f"{value:.9g}" for value in pose) for t, *pose in poses]
+    lines = [time_text(t) + " " + " ".join(f"{value:.9g}" for value in pose) for t, *pose in poses]
     path.write_text("\n".join(lines) + "\n")
 
 
-def run(system, recording, output, threads):
+def write_closures(path, closures):
+    lines = [",".join([time_text(a), time_text(b)] + [f"{value:.9g}" for value in pose]) for a, b, *pose in closures]
+    path.write_text("\n".join(["time_a_s,time_b_s,x,y,z,qx,qy,qz,qw"] + lines) + "\n")
+
+
+def run(system, recording, folder, threads):
     """What to say of it; raises where it failed, and then leaves no file."""
-    output.unlink(missing_ok=True)
-    poses, seconds = (run_kiss_icp if system == "kiss-icp" else run_rko_lio)(recording, threads)
-    if not poses:
+    files = [folder / f"{recording.stem}{ending}" for ending in (".tum", ".odometry.tum", ".loops.csv")]
+    for file in files:
+        file.unlink(missing_ok=True)
+    outcome = SYSTEMS[system][0](recording, threads)
+    if not outcome.poses:
         raise ValueError("no sweep was placed")
-    if not np.isfinite(np.array(poses, dtype=float)).all():
+    if not np.isfinite(np.array(outcome.poses, dtype=float)).all():
         raise ValueError("a pose is not finite")
-    write_tum(output, poses)
-    return f"{len(poses)} poses, {1e3 * np.mean(seconds):.1f} ms a sweep"
+    write_tum(files[0], outcome.poses)
+    said = f"{len(outcome.poses)} poses, {1e3 * np.mean(outcome.seconds):.1f} ms a sweep"
+    if outcome.closures is not None:
+        write_tum(files[1], outcome.odometry)
+        write_closures(files[2], outcome.closures)
+        said += f", {len(outcome.closures)} closures of {outcome.maps} local maps"
+    return said
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recordings", type=pathlib.Path, help="folder of MCAP files")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="folder for SYSTEM/SEQUENCE.tum")
-    parser.add_argument("--systems", nargs="+", choices=SYSTEMS, default=SYSTEMS)
+    parser.add_argument("--systems", nargs="+", choices=SYSTEMS, default=DEFAULT)
     parser.add_argument("--only", nargs="+", default=[""], help="names of sequences, or how they begin")
     parser.add_argument("--threads", type=int, default=1, help="of each system; with one, runs agree to the last digit")
     options = parser.parse_args()
@@ -228,8 +312,14 @@ def main():
         if not any(path.stem.startswith(wanted) for path in recordings):
             parser.error(f"{options.recordings}: there is no {wanted}*.mcap in it")
     recordings = [path for path in recordings if path.stem.startswith(tuple(options.only))]
-    versions = "".join(f"{name} {importlib.metadata.version(name)}\n" for name in PACKAGES)
     for system in options.systems:
+        _, packages, modules = SYSTEMS[system]
+        try:
+            for module in modules:
+                importlib.import_module(module)
+        except ImportError as error:
+            parser.error(f"{system}: {error}; pip install {' '.join(packages)}")
+        versions = "".join(f"{name} {importlib.metadata.version(name)}\n" for name in (*packages, "numpy"))
         (options.output / system).mkdir(parents=True, exist_ok=True)
         (options.output / system / "version.txt").write_text(versions)
     # RKO-LIO writes to the standard output: that goes with the progress, the lines below stay by themselves.
@@ -240,7 +330,7 @@ def main():
         for system in options.systems:
             print(f"{number} of {len(recordings)}: {recording.stem}, {system}", file=sys.stderr, flush=True)
             try:
-                said = run(system, recording, options.output / system / f"{recording.stem}.tum", options.threads)
+                said = run(system, recording, options.output / system, options.threads)
             except Exception as error:  # whatever a system or a file fails with, the others are run
                 failed, said = True, f"failed: {error or type(error).__name__}"
             print(f"{recording.stem:<28} {system:<10} {said}", file=lines, flush=True)

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/slam/slam_families.hpp"
+#include "adit/benchmarks/slam/slam_loops_report.hpp"
 
 namespace adit::bench {
 namespace {
@@ -38,7 +39,8 @@ Json to_json(const SlamResult& result, const SlamSystem& system) {
           {"why", result.why},
           {"trust", result.trust.empty() ? Json() : Json(result.trust)},
           {"errors", result.errors ? to_json(*result.errors) : Json()},
-          {"effort", result.effort ? to_json(*result.effort) : Json()}};
+          {"effort", result.effort ? to_json(*result.effort) : Json()},
+          {"loops", result.loops ? loops_to_json(result) : Json()}};
 }
 
 Json to_json(const Setting& s) {
@@ -147,6 +149,7 @@ Json to_json(const SlamReport& report) {
                                  {"results", results}});
   }
   json["families"] = families_to_json(report);
+  json["loop_families"] = loop_spreads_to_json(report);
   return json;
 }
 

@@ -13,6 +13,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "adit/benchmarks/setting.hpp"
+#include "adit/benchmarks/slam/slam_loops.hpp"
 
 namespace adit::bench {
 
@@ -52,6 +53,7 @@ struct SlamResult {
   std::string why{};                   ///< it failed
   std::optional<SlamErrors> errors{};  ///< none where there is no trajectory to judge
   std::optional<SlamEffort> effort{};
+  std::optional<SlamLoops> loops{};  ///< with --loops
   std::string trust{};    ///< what the run said of itself (Trust); empty of other systems
   std::string drawing{};  ///< HTML: against the truth
 };
@@ -80,6 +82,10 @@ struct SlamReport {
 };
 
 nlohmann::ordered_json to_json(const SlamReport& report);
+
+/// Characters of the columns with names.
+inline constexpr std::size_t kSequenceWidth = 22;
+std::size_t system_width(const SlamReport& report);
 
 /// For people: what is measured on, then a block of lines a sequence, as they come.
 void print_setting(const SlamReport& report, std::size_t sequences, std::ostream& out);

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/benchmarks/slam/slam_loops_report.hpp"
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
@@ -134,8 +135,8 @@ std::string to_html(const SlamReport& report) {
       << fmt::format("{:g}", l.error_least) << " m, more than "
       << fmt::format("{:g}", 100.0 * l.lost_share) << " % of the sweeps not placed, or less than "
       << fmt::format("{:g}", 100.0 * l.covered_share)
-      << " % of the path covered.</p>\n<div class=scroll>" << error_table(report)
-      << "</div>\n<h2>All figures</h2>\n<p>Drift: the mean error of "
+      << " % of the path covered.</p>\n<div class=scroll>" << error_table(report) << "</div>\n"
+      << loops_to_html(report) << "<h2>All figures</h2>\n<p>Drift: the mean error of "
       << "stretches of 10 m. Time: of the host, with reading and writing.</p>\n<div class=scroll>"
       << figure_table(report) << "</div>\n<h2>Trajectories</h2>\n"
       << drawings(report);

@@ -18,16 +18,7 @@ std::string left(const std::string& text, std::size_t width) {
   return text + std::string(width > text.size() ? width - text.size() : 0, ' ');
 }
 
-constexpr std::size_t kSequence = 22;
 constexpr std::size_t kDescription = 22;
-
-std::size_t system_width(const SlamReport& report) {
-  std::size_t width = 9;
-  for (const SlamSystem& system : report.systems) {
-    width = std::max(width, system.name.size() + 2);
-  }
-  return width;
-}
 
 /// An error, the best of its row with a star.
 std::string cell(const SlamRow& row, std::size_t system) {
@@ -45,6 +36,14 @@ std::string cell(const SlamRow& row, std::size_t system) {
 }
 
 }  // namespace
+
+std::size_t system_width(const SlamReport& report) {
+  std::size_t width = 9;
+  for (const SlamSystem& system : report.systems) {
+    width = std::max(width, system.name.size() + 2);
+  }
+  return width;
+}
 
 void print_setting(const SlamReport& report, std::size_t sequences, std::ostream& out) {
   const Setting& s = report.setting;
@@ -66,8 +65,8 @@ void print_setting(const SlamReport& report, std::size_t sequences, std::ostream
 }
 
 void print_head(const SlamReport& report, std::ostream& out) {
-  out << left("sequence", kSequence) << left("sensor", kDescription) << right("path m", 8) << "  "
-      << left("system", system_width(report)) << right("ATE m", 9) << right("max m", 9)
+  out << left("sequence", kSequenceWidth) << left("sensor", kDescription) << right("path m", 8)
+      << "  " << left("system", system_width(report)) << right("ATE m", 9) << right("max m", 9)
       << right("deg", 8) << right("drift %", 9) << right("placed", 11) << right("ms", 8) << "\n";
 }
 
@@ -75,7 +74,7 @@ void print_result(const SlamReport& report, const SlamRow& row, std::size_t syst
                   std::ostream& out) {
   const SlamResult& result = row.results[system];
   const bool first = system == 0;
-  out << left(first ? row.sequence : "", kSequence)
+  out << left(first ? row.sequence : "", kSequenceWidth)
       << left(first ? row.description : "", kDescription)
       << right(first && result.errors ? fmt::format("{:.1f}", result.errors->path) : "", 8) << "  "
       << left(report.systems[system].name, system_width(report));
@@ -104,14 +103,14 @@ void print_result(const SlamReport& report, const SlamRow& row, std::size_t syst
 void print_table(const SlamReport& report, std::ostream& out) {
   std::vector<std::size_t> widths;
   out << "\nATE RMSE (m), SE(3)-aligned; * least of its row, x failed, - no trajectory\n"
-      << left("sequence", kSequence);
+      << left("sequence", kSequenceWidth);
   for (const SlamSystem& system : report.systems) {
     widths.push_back(std::max<std::size_t>(10, system.name.size() + 3));
     out << right(system.name, widths.back());
   }
   out << "\n";
   for (const SlamRow& row : report.rows) {
-    out << left(row.sequence, kSequence);
+    out << left(row.sequence, kSequenceWidth);
     for (std::size_t i = 0; i < row.results.size(); ++i) {
       out << right(cell(row, i), widths[i]);
     }
@@ -119,13 +118,13 @@ void print_table(const SlamReport& report, std::ostream& out) {
   }
   const SlamTotals totals = totals_of(report);
   if (!totals.mean_ate.empty()) {
-    out << left(fmt::format("mean of {} without x", totals.mastered_by_all), kSequence);
+    out << left(fmt::format("mean of {} without x", totals.mastered_by_all), kSequenceWidth);
     for (std::size_t i = 0; i < totals.mean_ate.size(); ++i) {
       out << right(fmt::format("{:.3f}", totals.mean_ate[i]), widths[i]);
     }
     out << "\n";
   }
-  out << left("failed", kSequence);
+  out << left("failed", kSequenceWidth);
   for (std::size_t i = 0; i < totals.failures.size(); ++i) {
     out << right(std::to_string(totals.failures[i]), widths[i]);
   }

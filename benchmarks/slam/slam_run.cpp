@@ -38,13 +38,6 @@ SlamEffort effort_of(const nlohmann::json& summary) {
           .sweeps_a_second = summary.at("time").at("sweeps_per_s")};
 }
 
-Trajectory truth_of(const SlamSequence& sequence) {
-  const Trajectory truth = read_trajectory(sequence.truth);
-  return truth.stamped || !sequence.truth_times
-             ? truth
-             : read_trajectory(sequence.truth, sequence.truth_times);
-}
-
 /// The errors and the drawing of a trajectory; why there are none, if so.
 SlamResult compare(const SlamSequence& sequence, const std::string& system,
                    const std::filesystem::path& trajectory) {
@@ -66,6 +59,16 @@ SlamResult compare(const SlamSequence& sequence, const std::string& system,
       })};
 }
 
+/// A file that cannot be read or matched is a failure.
+template <class Judge>
+SlamResult judged_by_truth(const Judge& judge) {
+  try {
+    return judge();
+  } catch (const InputError& error) {
+    return {.verdict = SlamVerdict::failed, .why = error.what()};
+  }
+}
+
 }  // namespace
 
 SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant,
@@ -74,6 +77,11 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   run.recording = sequence.recording;
   run.output = folder;
   run.config = variant.config;
+  std::vector<std::string>& settings = run.config.overrides;
+  if (sequence.loops) {  // first, so that others may say otherwise
+    settings.insert(settings.begin(), {"mapping.enabled=true", "mapping.loops=true"});
+  }
+  settings.insert(settings.end(), sequence.settings.begin(), sequence.settings.end());
   run.device = device;
   run.map.enabled = false;
   run.json = true;
@@ -89,8 +97,12 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   }
   SlamResult result;
   if (!summary.str().empty()) {
-    result = judge_trajectory(sequence, variant.name, RunFiles(folder).tum);
     const auto told = nlohmann::json::parse(summary.str());
+    result = judged_by_truth([&] {
+      SlamResult found = compare(sequence, variant.name, RunFiles(folder).tum);
+      found.loops = loops_of_run(sequence, folder, told);
+      return found;
+    });
     result.effort = effort_of(told);
     result.trust = told.value("/verdict/state"_json_pointer, "");
   }
@@ -101,16 +113,18 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   return result;
 }
 
-SlamResult judge_trajectory(const SlamSequence& sequence, const std::string& system,
-                            const std::filesystem::path& trajectory) {
+SlamResult judge_system(const SlamSequence& sequence, const std::filesystem::path& system) {
+  const std::filesystem::path trajectory = file_of(system, sequence);
   if (!std::filesystem::exists(trajectory)) {
     return {};
   }
-  try {
-    return compare(sequence, system, trajectory);
-  } catch (const InputError& error) {
-    return {.verdict = SlamVerdict::failed, .why = error.what()};
-  }
+  return judged_by_truth([&] {
+    SlamResult found = compare(sequence, system.filename().string(), trajectory);
+    if (sequence.loops) {
+      found.loops = loops_of_system(sequence, system);
+    }
+    return found;
+  });
 }
 
 }  // namespace adit::bench

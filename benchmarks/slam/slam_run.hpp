@@ -21,15 +21,16 @@ struct SlamVariant {
   ConfigSource config{};
 };
 
-/// Maps the sequence into `folder` and evaluates the trajectory. What goes wrong with the data or
+/// Maps the sequence into `folder` and evaluates the trajectory and, where the sequence has a table
+/// of them, the loops. What goes wrong with the data or
 /// in mapping is a failed result; throws UsageError for settings that make no sense, and
 /// std::runtime_error where a signal asked to stop.
 SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant,
                         const DeviceOptions& device, const std::filesystem::path& folder);
 
-/// Evaluates a trajectory of another system (TUM format, T_any_lidar). A file that is not there is
-/// a missing result, one that cannot be read or matched a failed one.
-SlamResult judge_trajectory(const SlamSequence& sequence, const std::string& system,
-                            const std::filesystem::path& trajectory);
+/// Evaluates what another system left in its folder: NAME.tum (T_any_lidar) and, where the sequence
+/// has a table of loops, its closures (loops_of_system). A trajectory that is not there is a
+/// missing result, a file that cannot be read or matched a failed one.
+SlamResult judge_system(const SlamSequence& sequence, const std::filesystem::path& system);
 
 }  // namespace adit::bench

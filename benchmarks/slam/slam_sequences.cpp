@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kBeginnings = 5;
+constexpr uint64_t kLoopSeed = 501;
 
 SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recording) {
   SimulationOptions options;
@@ -31,6 +32,9 @@ SimulationOptions simulation_of(const SlamEntry& entry, const fs::path& recordin
   options.seed = entry.seed;
   options.compression = Compression::zstd;
   options.faults = entry.faults;
+  if (entry.speed > 0.0) {
+    options.speed = entry.speed;
+  }
   options.output = recording;
   return options;
 }
@@ -44,6 +48,9 @@ std::string origin_of(const SlamEntry& entry) {
   for (const std::string& fault : entry.faults) {
     text << ", " << fault;
   }
+  if (entry.speed > 0.0) {
+    text << ", " << entry.speed << " m/s";
+  }
   text << "\n";
   return text.str();
 }
@@ -55,7 +62,11 @@ std::string content(const fs::path& file) {
 }
 
 std::string described(const SlamEntry& entry) {
-  return entry.sensor + ", " + entry.trajectory;
+  std::string text = entry.sensor + ", " + entry.trajectory;
+  for (const std::string& setting : entry.settings) {
+    text += ", " + setting;
+  }
+  return text;
 }
 
 /// The first of the candidates that exists.
@@ -72,12 +83,16 @@ bool may_be_recording(const fs::path& path) {
   return fs::is_directory(path) || std::ranges::count(kEndings, path.extension().string()) > 0;
 }
 
+fs::path name_of(const fs::path& recording) {
+  return fs::is_directory(recording) ? recording.filename() : recording.stem();
+}
+
 std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
   if (!may_be_recording(path)) {
     return std::nullopt;
   }
   const bool is_folder = fs::is_directory(path);
-  const fs::path name = is_folder ? path.filename() : path.stem();
+  const fs::path name = name_of(path);
   std::vector<fs::path> candidates = {path.parent_path() / (name.string() + ".truth.tum"),
                                       path.parent_path() / (name.string() + ".truth.kitti")};
   if (is_folder) {
@@ -89,12 +104,14 @@ std::optional<SlamSequence> recorded_sequence(const fs::path& path) {
   if (!truth) {
     return std::nullopt;
   }
-  return SlamSequence{.name = name.string(),
-                      .family = name.string(),
-                      .description = "recorded",
-                      .recording = path,
-                      .truth = *truth,
-                      .truth_times = is_folder ? first_of({path / "times.txt"}) : std::nullopt};
+  return SlamSequence{
+      .name = name.string(),
+      .family = name.string(),
+      .description = "recorded",
+      .recording = path,
+      .truth = *truth,
+      .truth_times = is_folder ? first_of({path / "times.txt"}) : std::nullopt,
+      .loops = first_of({path.parent_path() / (name.string() + ".truth.loops.csv")})};
 }
 
 }  // namespace
@@ -123,8 +140,45 @@ std::vector<SlamEntry> slam_catalogue() {
           {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2}};
 }
 
+std::vector<SlamEntry> loop_catalogue() {
+  const auto entry = [](const char* name, const char* scene, const char* sensor,
+                        const char* trajectory, double duration, double begin = 0.0) {
+    return SlamEntry{.name = name,
+                     .scene = scene,
+                     .sensor = sensor,
+                     .trajectory = trajectory,
+                     .duration = duration,
+                     .begin = begin,
+                     .seed = kLoopSeed};
+  };
+  const auto by_lidar = [](SlamEntry mapped, const char* name) {
+    mapped.recording = std::exchange(mapped.name, name);
+    mapped.settings = {"imu.use=false"};
+    return mapped;
+  };
+  // Faster than the scene's, as in `adit demo`, so that it is soon round the first pillar.
+  SlamEntry quick = entry("mine-vlp16-95s", "mine", "VLP-16", "drive", 95.0);
+  quick.quick = true;
+  quick.speed = 2.4;
+  const SlamEntry mine = entry("mine-vlp16-420s", "mine", "VLP-16", "drive", 420.0);
+  const SlamEntry office = entry("office-vlp16-260s", "office", "VLP-16", "walk", 260.0);
+  return {quick,
+          mine,
+          by_lidar(mine, "mine-lidar-420s"),
+          office,
+          by_lidar(office, "office-lidar-260s"),
+          entry("office-mid360-260s", "office", "Mid-360", "handheld", 260.0),
+          entry("forest-vlp16-300s", "forest", "VLP-16", "walk", 300.0),
+          entry("city-vlp16-140s", "city", "VLP-16", "drive", 140.0),
+          entry("city-vlp16-reverse", "city", "VLP-16", "drive", 240.0, 1800.0),
+          entry("city-vlp16-1010s", "city", "VLP-16", "drive", 1010.0)};
+}
+
 SlamEntry with_seed(SlamEntry entry, uint64_t seed, double apart) {
   entry.name += "@" + std::to_string(seed);
+  if (!entry.recording.empty()) {
+    entry.recording += "@" + std::to_string(seed);
+  }
   entry.seed = seed;
   entry.begin += apart * static_cast<double>(seed % kBeginnings);
   return entry;
@@ -133,14 +187,17 @@ SlamEntry with_seed(SlamEntry entry, uint64_t seed, double apart) {
 SlamSequence simulated_sequence(
     const SlamEntry& entry, const fs::path& folder,
     const std::function<void(std::size_t done, std::size_t total)>& progress) {
-  const SimulationFiles files(folder / (entry.name + ".mcap"));
-  const fs::path origin = folder / (entry.name + ".origin");
+  const std::string name = entry.recording.empty() ? entry.name : entry.recording;
+  const SimulationFiles files(folder / (name + ".mcap"));
+  const fs::path origin = folder / (name + ".origin");
   const SlamSequence sequence{.name = entry.name,
                               .family = entry.name.substr(0, entry.name.find('@')),
                               .description = described(entry),
                               .recording = files.recording,
                               .truth = files.trajectory,
-                              .truth_times = std::nullopt};
+                              .truth_times = std::nullopt,
+                              .loops = files.loops,
+                              .settings = entry.settings};
   if (fs::exists(files.recording) && content(origin) == origin_of(entry)) {
     return sequence;
   }
@@ -151,6 +208,17 @@ SlamSequence simulated_sequence(
   // Last: a recording that was cut short by a signal has no origin.
   write_text_file(origin, origin_of(entry));
   return sequence;
+}
+
+Trajectory truth_of(const SlamSequence& sequence) {
+  const Trajectory truth = read_trajectory(sequence.truth);
+  return truth.stamped || !sequence.truth_times
+             ? truth
+             : read_trajectory(sequence.truth, sequence.truth_times);
+}
+
+fs::path file_of(const fs::path& system, const SlamSequence& sequence, const char* ending) {
+  return system / (name_of(sequence.recording).string() + ending);
 }
 
 std::vector<SlamSequence> recorded_sequences(const fs::path& folder) {

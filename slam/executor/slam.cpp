@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/executor/slam.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <deque>
@@ -14,21 +15,31 @@
 namespace adit {
 namespace {
 
-/// Adds the time of its life to a sum.
+/// For the map, s.
+struct Waits {
+  double sum = 0.0;
+  double longest = 0.0;
+};
+
+/// A wait as long as its life.
 class Waiting {
  public:
-  explicit Waiting(double& sum) : sum_(sum) {}
-  ~Waiting() { sum_ = seconds(); }
+  explicit Waiting(Waits& waits) : waits_(waits) {}
+  ~Waiting() {
+    const double wait = seconds();
+    waits_.sum += wait;
+    waits_.longest = std::max(waits_.longest, wait);
+  }
   Waiting(const Waiting&) = delete;
   Waiting& operator=(const Waiting&) = delete;
 
-  /// The sum by now.
+  /// By now.
   double seconds() const {
-    return sum_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
 
  private:
-  double& sum_;
+  Waits& waits_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
@@ -99,11 +110,12 @@ class OfflineSlam final : public Slam {
     if (map_ == nullptr) {
       return std::nullopt;
     }
-    const Waiting waiting(waited_s_);
+    const Waiting waiting(other_waits_);
     begin_map();
     mapper_->finish();
     MapReport report = mapper_->report();
-    report.waited_s = waiting.seconds();
+    report.waited_s = sweep_waits_.sum + other_waits_.sum + waiting.seconds();
+    report.longest_wait_s = sweep_waits_.longest;
     return report;
   }
 
@@ -163,8 +175,11 @@ class OfflineSlam final : public Slam {
       before_map_.push_back(result);
       return std::nullopt;
     }
-    const Waiting waiting(waited_s_);
-    begin_map();
+    if (!mapper_) {
+      const Waiting waiting(other_waits_);
+      begin_map();
+    }
+    const Waiting waiting(sweep_waits_);
     return mapper_->add(sweep, result, odometry_.cloud());
   }
 
@@ -203,7 +218,8 @@ class OfflineSlam final : public Slam {
   MapStore* map_;
   SessionId session_;
   MapMemory map_memory_;
-  double waited_s_ = 0.0;  ///< for the map
+  Waits sweep_waits_;
+  Waits other_waits_;  ///< at the map's beginning and end
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::vector<GnssFix> before_map_fixes_;

@@ -39,6 +39,7 @@ struct MapReport {
   uint64_t crowded_cells = 0;       ///< of submaps: the mean of their points is lost
   std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
   double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's
+  double longest_wait_s = 0.0;      ///< of one sweep, once the map has begun
   std::optional<LoopReport> loops;  ///< none: not looked for
   GnssReport gnss;                  ///< what became of fixes
 };

@@ -75,6 +75,8 @@ TEST_F(MapperTest, EverySweepBelongsToExactlyOneKeyframe) {
   EXPECT_EQ(mapped.report->keyframes, map.store().keyframes().size());
   EXPECT_GT(mapped.report->keyframes, 8U);
   EXPECT_LT(mapped.report->keyframes, 20U);
+  EXPECT_GT(mapped.report->longest_wait_s, 0.0);
+  EXPECT_LT(mapped.report->longest_wait_s, mapped.report->waited_s) << "of one sweep among many";
 }
 
 TEST_F(MapperTest, TheOdometryIsTheSameWithAndWithoutAMap) {

@@ -1,16 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/evaluation/loop_score.hpp"
+#include "adit/tools/evaluation/run_loops.hpp"
 
 #include <cmath>
 #include <fstream>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/evaluation/loop_score.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -106,13 +108,96 @@ TEST_F(LoopScoring, AcceptedEdgesAreHeldAgainstTheTruthAndRevisitsAreFoundByRigh
   EXPECT_EQ(score.false_ones, 1U) << "the one that is 0.7 m off";
   EXPECT_EQ(score.right_refused, 1U);
   EXPECT_EQ(score.wrong_refused, 1U) << "what was not aligned counts for nothing";
-  EXPECT_NEAR(score.loops[0].metres, 0.1, 1e-9);
-  EXPECT_NEAR(score.loops[1].metres, 0.7, 1e-9);
+  EXPECT_NEAR(score.loops[0].error.metres, 0.1, 1e-9);
+  EXPECT_NEAR(score.loops[1].error.metres, 0.7, 1e-9);
   ASSERT_EQ(score.revisits.size(), 1U)
       << "from 10 s to 16 s: farther or with less in common is none";
   EXPECT_TRUE(score.revisits[0].found);
   EXPECT_NE(describe(score).find("2 accepted, 1 of them false"), std::string::npos);
   EXPECT_EQ(to_json(score).at("false"), 1);
+}
+
+TEST_F(LoopScoring, TheLedgerOfTheMapSaysWhatRemovedCandidates) {
+  const LoopScore score = score_loops(map_, truth_, {});
+  EXPECT_EQ(score.offered, 5U);
+  EXPECT_EQ(reasons_text(score.removed), "1 too_little_overlap, 1 beyond_gate, 1 few_votes")
+      << "in the order in which it is asked";
+  EXPECT_EQ(to_json(score).at("removed").at("few_votes"), 1);
+  // What the truth does not cover counts as well: the map has it.
+  EXPECT_EQ(score_loops(map_, part_of_truth(13), {}).offered, 5U);
+}
+
+TEST_F(LoopScoring, TheSpanReachesFromTheFirstKeyframeOfRightEdgesToTheLast) {
+  const LoopScore score = score_loops(map_, truth_, {});
+  ASSERT_TRUE(score.span);
+  EXPECT_EQ(score.span->begin, seconds(2)) << "3 to 13 is wrong, 4 to 14 was refused";
+  EXPECT_EQ(score.span->end, seconds(12));
+  MapDatabase(map_, MapAccess::write)
+      .revise({.candidates = {candidate(1, 19, 0.0, CandidateVerdict::accepted, "none")}});
+  const LoopScore wider = score_loops(map_, truth_, {});
+  EXPECT_EQ(wider.span->begin, seconds(1));
+  EXPECT_EQ(wider.span->end, seconds(19));
+}
+
+TEST_F(LoopScoring, TheErrorBetweenTheEndsOfLoopsLeavesTheTailsOut) {
+  Trajectory truth;
+  truth.stamped = true;
+  for (int i = 0; i < 20; ++i) {
+    truth.poses.push_back({.stamp = seconds(i), .pose = test::step(static_cast<double>(i))});
+    truth.poses.back().pose.translation().y() = 5.0 * std::sin(0.4 * i);
+  }
+  // Poses before 2 s and after 12 s are off by 3 m, those of the odometry between by 1 m in turn.
+  const auto written = [&](const char* name, double middle) {
+    std::vector<StampedPose> poses = truth.poses;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const bool is_tail = i < 2 || i > 12;
+      poses[i].pose.translation().z() += is_tail ? 3.0 : i % 2 == 0 ? middle : -middle;
+    }
+    write_trajectory(folder_ / name, TrajectoryFormat::tum, poses);
+    return folder_ / name;
+  };
+  const LoopSpan span{.begin = seconds(2), .end = seconds(12)};
+  const LoopEffect effect =
+      loop_effect(written("odometry.tum", 1.0), written("map.tum", 0.0), truth, span, 0.01);
+  ASSERT_TRUE(effect.all.map);
+  EXPECT_GT(*effect.all.map, 0.5);
+  ASSERT_TRUE(effect.in_span.map);
+  EXPECT_NEAR(*effect.in_span.map, 0.0, 1e-6);
+  ASSERT_TRUE(effect.in_span.odometry);
+  EXPECT_GT(*effect.in_span.odometry, 0.5);
+  EXPECT_NEAR(effect.span_path, path_between(truth, seconds(2), seconds(12)), 1e-9);
+  EXPECT_GT(effect.span_path, 10.0);
+
+  const LoopEffect none =
+      loop_effect(folder_ / "none.tum", folder_ / "map.tum", truth, std::nullopt, 0.01);
+  EXPECT_FALSE(none.all.odometry) << "the file is not there";
+  EXPECT_TRUE(none.all.map);
+  EXPECT_FALSE(none.in_span.map) << "there is no right loop";
+}
+
+TEST_F(LoopScoring, ClosuresOfAnotherSystemAreHeldAgainstTheSameLimits) {
+  const auto line = [&](int earlier, int later, double off) {
+    const Eigen::Isometry3d T = truth_.poses[static_cast<std::size_t>(earlier)].pose.inverse() *
+                                truth_.poses[static_cast<std::size_t>(later)].pose *
+                                test::step(off);
+    const Eigen::Quaterniond q(T.linear());
+    const Eigen::Vector3d t = T.translation();
+    return fmt::format("{},{},{},{},{},{},{},{},{}\n", earlier, later, t.x(), t.y(), t.z(), q.x(),
+                       q.y(), q.z(), q.w());
+  };
+  const std::string head = "time_a_s,time_b_s,x,y,z,qx,qy,qz,qw\n";
+  const std::vector<MeasuredLoop> loops = read_measured_loops(
+      write((head + line(1, 11, 0.4) + line(2, 12, 0.6) + "5,60,0,0,0,0,0,0,1\n").c_str()));
+  const MeasuredLoopScore score = score_loops(loops, truth_);
+  EXPECT_EQ(score.accepted, 2U);
+  EXPECT_EQ(score.false_ones, 1U) << "0.6 m off";
+  EXPECT_EQ(score.uncovered, 1U);
+  ASSERT_TRUE(score.span);
+  EXPECT_EQ(score.span->end, seconds(11));
+  for (const char* wrong : {"1,2,0,0,0,0,0,0,0\n", "2,1,0,0,0,0,0,0,1\n", "1,2,x,0,0,0,0,0,1\n"}) {
+    EXPECT_THROW(static_cast<void>(read_measured_loops(write((head + wrong).c_str()))), InputError)
+        << wrong;
+  }
 }
 
 TEST_F(LoopScoring, WhatTheTruthDoesNotCoverIsSaid) {

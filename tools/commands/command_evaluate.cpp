@@ -17,8 +17,8 @@
 #include "adit/tools/evaluation/edge_consistency.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/evaluation/evaluation_report.hpp"
-#include "adit/tools/evaluation/loop_score.hpp"
 #include "adit/tools/evaluation/run_evaluation.hpp"
+#include "adit/tools/evaluation/run_loops.hpp"
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/evaluation/world_error.hpp"
@@ -131,12 +131,10 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out, s
   if (truth && fs::exists(map, none)) {
     edges = edge_consistency(map, *truth);
   }
-  std::optional<LoopScore> loops;
+  std::optional<RunLoops> loops;
   if (options.loops && truth) {
-    const std::vector<TrueLoop> pairs = read_true_loops(*options.loops);
-    check_true_loops(*options.loops, pairs, *truth);
-    loops = score_loops(map, *truth, pairs);
-    for (const std::string& warning : warnings_of(*loops)) {
+    loops = evaluate_loops(folder, *truth, *options.loops, options.evaluation.tolerance);
+    for (const std::string& warning : warnings_of(loops->score)) {
       err << "adit evaluate: warning: " << warning << std::endl;
     }
   }

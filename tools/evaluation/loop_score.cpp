@@ -3,14 +3,10 @@
 #include "adit/tools/evaluation/loop_score.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include <fmt/core.h>
@@ -21,6 +17,7 @@
 #include "adit/tools/evaluation/true_keyframes.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/run/loop_reasons.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -34,17 +31,6 @@ constexpr double kRevisitDistance = 5.0;                 // m
 constexpr double kRevisitOverlap = 0.5;
 constexpr double kSameDistance = 0.5;  // m, that a table and the truth may differ by: lever arms
 constexpr double kSameShare = 0.9;     // of the pairs, that have to agree with the truth
-constexpr const char* kWriteAnew = "Name the truth.loops.csv that `adit simulate` writes";
-
-/// m of the truth's way between two moments.
-double way(const Trajectory& truth, Nanoseconds begin, Nanoseconds end) {
-  double length = 0.0;
-  auto at = std::ranges::lower_bound(truth.poses, begin, {}, &StampedPose::stamp);
-  for (; at != truth.poses.end() && at + 1 != truth.poses.end() && (at + 1)->stamp <= end; ++at) {
-    length += ((at + 1)->pose.translation() - at->pose.translation()).norm();
-  }
-  return length;
-}
 
 std::vector<Revisit> revisits_in(const Trajectory& truth, std::vector<TrueLoop> loops) {
   std::ranges::sort(loops, {}, &TrueLoop::later);
@@ -57,7 +43,7 @@ std::vector<Revisit> revisits_in(const Trajectory& truth, std::vector<TrueLoop> 
     revisits.back().pairs.push_back(loop);
   }
   for (Revisit& revisit : revisits) {
-    revisit.length = way(truth, revisit.begin, revisit.end);
+    revisit.length = path_between(truth, revisit.begin, revisit.end);
   }
   std::erase_if(revisits, [](const Revisit& one) { return one.length < kRevisitLength; });
   return revisits;
@@ -148,75 +134,32 @@ bool finds(const TrueKeyframe& from, const TrueKeyframe& to, const Revisit& revi
   });
 }
 
-/// The cells of a line; of Windows' line ends nothing is left.
-std::vector<std::string> table_cells(std::string line) {
-  while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) {
-    line.pop_back();
-  }
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    cells.push_back(cell);
-  }
-  return cells;
+void widen(std::optional<LoopSpan>& span, Nanoseconds from, Nanoseconds to) {
+  const LoopSpan known = span.value_or(LoopSpan{from, to});
+  span = {.begin = std::min(known.begin, from), .end = std::max(known.end, to)};
 }
 
-double number_of(const std::string& cell, const std::filesystem::path& file, uint64_t line) {
-  std::size_t used = 0;
-  double value = std::nan("");
-  try {
-    value = std::stod(cell, &used);
-  } catch (const std::exception&) {
-    used = std::string::npos;
+/// What the map keeps of its candidates.
+void add_ledger(LoopScore& score, const std::vector<LoopCandidate>& candidates) {
+  score.offered = candidates.size();
+  for (const LoopCandidate& candidate : candidates) {
+    const bool out = candidate.verdict == CandidateVerdict::rejected ||
+                     candidate.verdict == CandidateVerdict::revoked;
+    for (std::size_t i = 0; out && i < kLoopReasons; ++i) {
+      score.removed[i] += candidate.reason == to_string(static_cast<LoopReason>(i)) ? 1U : 0U;
+    }
   }
-  if (used != cell.size() || !std::isfinite(value)) {
-    throw InputError(file, Place::line(line), "'" + cell + "' is no number", kWriteAnew);
-  }
-  return value;
 }
 
 }  // namespace
 
-std::vector<TrueLoop> read_true_loops(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  if (!in || !std::getline(in, line)) {
-    throw InputError(file, {}, "it cannot be read, or is empty", kWriteAnew);
+double path_between(const Trajectory& truth, Nanoseconds begin, Nanoseconds end) {
+  double length = 0.0;
+  auto at = std::ranges::lower_bound(truth.poses, begin, {}, &StampedPose::stamp);
+  for (; at != truth.poses.end() && at + 1 != truth.poses.end() && (at + 1)->stamp <= end; ++at) {
+    length += ((at + 1)->pose.translation() - at->pose.translation()).norm();
   }
-  const std::vector<std::string> head = table_cells(line);
-  std::array<std::size_t, 4> wanted{};
-  const std::array names = {"time_a_s", "time_b_s", "distance_m", "overlap"};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto found = std::ranges::find(head, names[i]);
-    if (found == head.end()) {
-      throw InputError(file, Place::line(1), std::string("there is no column ") + names[i],
-                       kWriteAnew);
-    }
-    wanted[i] = static_cast<std::size_t>(found - head.begin());
-  }
-  std::vector<TrueLoop> loops;
-  for (uint64_t number = 2; std::getline(in, line); ++number) {
-    const std::vector<std::string> cells = table_cells(line);
-    if (cells.empty()) {
-      continue;
-    }
-    if (cells.size() < head.size()) {
-      throw InputError(file, Place::line(number), "the line ends early", kWriteAnew);
-    }
-    std::array<double, 4> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = number_of(cells[wanted[i]], file, number);
-    }
-    loops.push_back({.earlier = nanoseconds(values[0]),
-                     .later = nanoseconds(values[1]),
-                     .distance = values[2],
-                     .overlap = values[3]});
-    if (loops.back().later <= loops.back().earlier) {
-      throw InputError(file, Place::line(number), "the second moment is not later than the first",
-                       kWriteAnew);
-    }
-  }
-  return loops;
+  return length;
 }
 
 void check_true_loops(const std::filesystem::path& file, const std::vector<TrueLoop>& loops,
@@ -248,6 +191,15 @@ void check_true_loops(const std::filesystem::path& file, const std::vector<TrueL
   }
 }
 
+LoopError loop_error(const Eigen::Isometry3d& T_from_to, const Eigen::Isometry3d& T_world_from,
+                     const Eigen::Isometry3d& T_world_to) {
+  const Eigen::Isometry3d off = T_from_to.inverse() * (T_world_from.inverse() * T_world_to);
+  LoopError error{.metres = off.translation().norm(),
+                  .degrees = rotation_angle(off.linear()) * kDegreesPerRadian};
+  error.right = error.metres <= kFalseLoopMetres && error.degrees <= kFalseLoopDegrees;
+  return error;
+}
+
 LoopScore score_loops(const std::filesystem::path& map_file, const Trajectory& truth,
                       const std::vector<TrueLoop>& loops) {
   const MapDatabase map(map_file, MapAccess::read);
@@ -255,31 +207,31 @@ LoopScore score_loops(const std::filesystem::path& map_file, const Trajectory& t
   LoopScore score;
   const RunTime time = time_of(map, map_file);
   add_revisits(score, truth, time, loops);
-  for (const LoopCandidate& candidate : map.candidates()) {
+  const std::vector<LoopCandidate> candidates = map.candidates();
+  add_ledger(score, candidates);
+  for (const LoopCandidate& candidate : candidates) {
     const auto from = keyframes.find(candidate.from);
     const auto to = keyframes.find(candidate.to);
     if (from == keyframes.end() || to == keyframes.end()) {
       score.uncovered += candidate.verdict == CandidateVerdict::accepted ? 1U : 0U;
       continue;
     }
-    const Eigen::Isometry3d off =
-        candidate.T_from_to.inverse() *
-        (from->second.T_world_keyframe.inverse() * to->second.T_world_keyframe);
-    ScoredLoop scored{.candidate = candidate,
-                      .metres = off.translation().norm(),
-                      .degrees = rotation_angle(off.linear()) * kDegreesPerRadian};
-    scored.right = scored.metres <= kFalseLoopMetres && scored.degrees <= kFalseLoopDegrees;
+    const LoopError error =
+        loop_error(candidate.T_from_to, from->second.T_world_keyframe, to->second.T_world_keyframe);
     if (candidate.verdict == CandidateVerdict::accepted) {
       ++score.accepted;
-      score.false_ones += scored.right ? 0U : 1U;
+      score.false_ones += error.right ? 0U : 1U;
+      if (error.right) {
+        widen(score.span, from->second.stamp, to->second.stamp);
+      }
       for (Revisit& revisit : score.revisits) {
-        revisit.found |= scored.right && finds(from->second, to->second, revisit, truth, time);
+        revisit.found |= error.right && finds(from->second, to->second, revisit, truth, time);
       }
     } else if (candidate.reason != to_string(LoopReason::too_little_overlap) &&
                candidate.reason != to_string(LoopReason::not_aligned)) {
-      ++(scored.right ? score.right_refused : score.wrong_refused);
+      ++(error.right ? score.right_refused : score.wrong_refused);
     }
-    score.loops.push_back(std::move(scored));
+    score.loops.push_back({.candidate = candidate, .error = error});
   }
   if (score.accepted == 0 && score.uncovered > 0) {
     throw InputError(truth.file, {},
@@ -290,14 +242,33 @@ LoopScore score_loops(const std::filesystem::path& map_file, const Trajectory& t
   return score;
 }
 
+MeasuredLoopScore score_loops(std::span<const MeasuredLoop> loops, const Trajectory& truth) {
+  MeasuredLoopScore score;
+  for (const MeasuredLoop& loop : loops) {
+    const auto earlier = pose_at(truth, loop.earlier);
+    const auto later = pose_at(truth, loop.later);
+    if (!earlier || !later) {
+      ++score.uncovered;
+      continue;
+    }
+    ++score.accepted;
+    if (loop_error(loop.T_earlier_later, *earlier, *later).right) {
+      widen(score.span, loop.earlier, loop.later);
+    } else {
+      ++score.false_ones;
+    }
+  }
+  return score;
+}
+
 std::string describe(const LoopScore& score) {
   const auto found = std::ranges::count(score.revisits, true, &Revisit::found);
   double metres = 0.0;
   double degrees = 0.0;
   for (const ScoredLoop& loop : score.loops) {
     if (loop.candidate.verdict == CandidateVerdict::accepted) {
-      metres = std::max(metres, loop.metres);
-      degrees = std::max(degrees, loop.degrees);
+      metres = std::max(metres, loop.error.metres);
+      degrees = std::max(degrees, loop.error.degrees);
     }
   }
   std::string text = fmt::format(
@@ -311,6 +282,9 @@ std::string describe(const LoopScore& score) {
   }
   text += fmt::format("             {} refused although measured rightly, {} refused with reason\n",
                       score.right_refused, score.wrong_refused);
+  text += fmt::format("             {} candidates", score.offered);
+  const std::string removed = reasons_text(score.removed);
+  text += (removed.empty() ? "" : "; removed: " + removed) + "\n";
   text += score.revisits.empty()
               ? "revisits     none within the run"
               : fmt::format("revisits     {}, {} of them found", score.revisits.size(), found);
@@ -346,6 +320,8 @@ nlohmann::ordered_json to_json(const LoopScore& score) {
                                  {"not_covered", score.uncovered},
                                  {"revisits_not_of_run", score.not_of_run},
                                  {"pairs_not_covered", score.not_in_truth},
+                                 {"offered", score.offered},
+                                 {"removed", reasons_to_json(score.removed)},
                                  {"candidates", nlohmann::ordered_json::array()},
                                  {"revisits", nlohmann::ordered_json::array()}};
   for (const ScoredLoop& loop : score.loops) {
@@ -356,9 +332,9 @@ nlohmann::ordered_json to_json(const LoopScore& score) {
          {"accepted", loop.candidate.verdict == CandidateVerdict::accepted},
          {"reason", loop.candidate.reason},
          {"figure", loop.candidate.figure},
-         {"off_m", loop.metres},
-         {"off_degrees", loop.degrees},
-         {"right", loop.right}});
+         {"off_m", loop.error.metres},
+         {"off_degrees", loop.error.degrees},
+         {"right", loop.error.right}});
   }
   for (const Revisit& revisit : score.revisits) {
     json["revisits"].push_back({{"begin_s", seconds(revisit.begin)},

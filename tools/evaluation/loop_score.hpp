@@ -7,13 +7,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/tools/evaluation/loop_table.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
+#include "adit/tools/run/loop_reasons.hpp"
 
 namespace adit {
 
@@ -21,17 +25,8 @@ namespace adit {
 inline constexpr double kFalseLoopMetres = 0.5;
 inline constexpr double kFalseLoopDegrees = 3.0;
 
-/// A pair of moments that see the same, as the simulator writes them.
-struct TrueLoop {
-  Nanoseconds earlier{0};
-  Nanoseconds later{0};
-  double distance = 0.0;  ///< m
-  double overlap = 0.0;
-};
-
-/// Reads a table with the columns time_a_s, time_b_s, distance_m and overlap; empty lines are
-/// passed over. Throws InputError.
-std::vector<TrueLoop> read_true_loops(const std::filesystem::path& file);
+/// m of the truth's path between two moments.
+double path_between(const Trajectory& truth, Nanoseconds begin, Nanoseconds end);
 
 /// Throws InputError where the pairs, which are of that file, cannot be of the recording that the
 /// truth is of: their moments lie outside of its time, or its places are not as far apart as they
@@ -39,12 +34,27 @@ std::vector<TrueLoop> read_true_loops(const std::filesystem::path& file);
 void check_true_loops(const std::filesystem::path& file, const std::vector<TrueLoop>& loops,
                       const Trajectory& truth);
 
+/// How far a measured pose is from the true one.
+struct LoopError {
+  double metres = 0.0;
+  double degrees = 0.0;
+  bool right = false;  ///< within the limits above
+};
+/// Of T_from_to as measured; the others are the true poses.
+LoopError loop_error(const Eigen::Isometry3d& T_from_to, const Eigen::Isometry3d& T_world_from,
+                     const Eigen::Isometry3d& T_world_to);
+
 /// A candidate of the map beside the truth.
 struct ScoredLoop {
   LoopCandidate candidate;
-  double metres = 0.0;  ///< its measured pose from the true one
-  double degrees = 0.0;
-  bool right = false;  ///< within the limits above
+  LoopError error;
+};
+
+/// From the first keyframe that an accepted right edge ties to the last: what is held from both
+/// sides. Before and behind it is what the odometry alone knows.
+struct LoopSpan {
+  Nanoseconds begin{0};
+  Nanoseconds end{0};
 };
 
 /// A stretch of at least 5 m whose places were seen before: pairs with an overlap of at least half,
@@ -60,14 +70,18 @@ struct Revisit {
 };
 
 struct LoopScore {
-  std::vector<ScoredLoop> loops;  ///< candidates both of whose keyframes the truth covers
-  std::vector<Revisit> revisits;  ///< within the time of the run and of the truth
-  std::size_t pairs = 0;          ///< what there was to make revisits of
-  std::size_t not_of_run = 0;     ///< revisits before the run's first sweep or after its last
-  std::size_t not_in_truth = 0;   ///< pairs of revisits that the truth does not cover
-  std::size_t uncovered = 0;      ///< accepted edges that the truth does not cover: not scored
-  std::size_t accepted = 0;       ///< of those that it covers
-  std::size_t false_ones = 0;     ///< number among the accepted
+  std::vector<ScoredLoop> loops;   ///< candidates both of whose keyframes the truth covers
+  std::vector<Revisit> revisits;   ///< within the time of the run and of the truth
+  std::size_t pairs = 0;           ///< what there was to make revisits of
+  std::size_t not_of_run = 0;      ///< revisits before the run's first sweep or after its last
+  std::size_t not_in_truth = 0;    ///< pairs of revisits that the truth does not cover
+  std::size_t uncovered = 0;       ///< accepted edges that the truth does not cover: not scored
+  std::size_t accepted = 0;        ///< of those that it covers
+  std::size_t false_ones = 0;      ///< number among the accepted
+  std::optional<LoopSpan> span{};  ///< none: there is no right edge
+  std::size_t offered = 0;         ///< candidates of the map, covered by the truth or not
+  /// Of these by the reason that they were refused for, or taken back.
+  LoopReasonCounts removed{};
   // Among the refused, those whose submaps could be aligned:
   std::size_t right_refused = 0;  ///< measured rightly, and not accepted
   std::size_t wrong_refused = 0;  ///< measured wrongly, and not accepted
@@ -77,6 +91,15 @@ struct LoopScore {
 /// the truth covers none of them.
 LoopScore score_loops(const std::filesystem::path& map, const Trajectory& truth,
                       const std::vector<TrueLoop>& loops);
+
+/// Closures of another system by the same limits.
+struct MeasuredLoopScore {
+  std::size_t accepted = 0;  ///< that the truth covers
+  std::size_t false_ones = 0;
+  std::size_t uncovered = 0;
+  std::optional<LoopSpan> span{};
+};
+MeasuredLoopScore score_loops(std::span<const MeasuredLoop> loops, const Trajectory& truth);
 
 std::string describe(const LoopScore& score);
 /// What the score does not tell, as sentences; empty: it tells all.

@@ -9,6 +9,7 @@
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/gnss_text.hpp"
+#include "adit/tools/run/loop_reasons.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -105,18 +106,12 @@ ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outco
 
 ordered_json describe_loops(const LoopReport& loops) {
   const Distribution times = distribution(loops.search_ms);
-  ordered_json refused = ordered_json::object();
-  for (std::size_t i = 0; i < kLoopReasons; ++i) {
-    if (loops.refused[i] > 0) {
-      refused[std::string(to_string(static_cast<LoopReason>(i)))] = loops.refused[i];
-    }
-  }
   return {{"candidates", loops.candidates},
           {"accepted", loops.accepted},
           {"by_appearance",
            {{"candidates", loops.by_appearance}, {"accepted", loops.accepted_by_appearance}}},
           {"keyframes_without_vertical", loops.without_vertical},
-          {"refused", refused},
+          {"refused", reasons_to_json(loops.refused)},
           {"optimizations", loops.optimizations},
           {"largest_correction_m", loops.largest_correction},
           {"keyframe_ms",
@@ -137,6 +132,7 @@ ordered_json describe_map(const MapReport& map) {
       {"crowded_cells", map.crowded_cells},
       {"outgrown_keyframe", map.outgrown ? ordered_json(*map.outgrown) : ordered_json()},
       {"waited_s", map.waited_s},
+      {"longest_wait_s", map.longest_wait_s},
       {"keyframe_ms",
        {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
   if (map.loops) {

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 #include "adit/tools/run/gnss_text.hpp"
+#include "adit/tools/run/loop_reasons.hpp"
 #include "adit/tools/run/run_summary.hpp"
 #include "adit/tools/run/verdict_text.hpp"
 #include "adit/tools/support/progress.hpp"
@@ -102,8 +103,10 @@ std::string map_text(const MapReport& map, double wall_s) {
         *map.outgrown);
   }
   text += fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);
-  return text + fmt::format("; sweeps waited {:.1f} s for it, {:.0f} % of the run", map.waited_s,
-                            wall_s > 0.0 ? 100.0 * map.waited_s / wall_s : 0.0);
+  return text +
+         fmt::format("; sweeps waited {:.1f} s for it, {:.0f} % of the run, one of them {:.2f} s",
+                     map.waited_s, wall_s > 0.0 ? 100.0 * map.waited_s / wall_s : 0.0,
+                     map.longest_wait_s);
 }
 
 std::string loops_text(const LoopReport& loops) {
@@ -116,15 +119,9 @@ std::string loops_text(const LoopReport& loops) {
     text += fmt::format("; {} keyframes without a vertical, not known by appearance",
                         loops.without_vertical);
   }
-  std::string refused;
-  for (std::size_t i = 0; i < kLoopReasons; ++i) {
-    if (loops.refused[i] > 0) {
-      refused += fmt::format("{} {} {}", refused.empty() ? "; refused:" : ",", loops.refused[i],
-                             to_string(static_cast<LoopReason>(i)));
-    }
-  }
+  const std::string refused = reasons_text(loops.refused);
   const Distribution times = distribution(loops.search_ms);
-  return text + refused +
+  return text + (refused.empty() ? "" : "; refused: " + refused) +
          fmt::format("; corrected by up to {:.2f} m; {:.1f} ms a keyframe, {:.1f} at most",
                      loops.largest_correction, times.mean, times.max);
 }
