@@ -26,11 +26,11 @@ struct MapPlacement {
 
 /// What has become of a run's map.
 struct MapReport {
-  std::size_t keyframes = 0;        ///< stored
-  std::size_t sweeps = 0;           ///< placed in them
-  std::size_t edges = 0;            ///< between keyframes
-  std::size_t aligned_edges = 0;    ///< the submaps could be aligned; the others are odometry alone
-  std::size_t components = 0;       ///< parts of the map that nothing ties together
+  std::size_t keyframes = 0;      ///< stored
+  std::size_t sweeps = 0;         ///< placed in them
+  std::size_t edges = 0;          ///< between keyframes
+  std::size_t aligned_edges = 0;  ///< the submaps could be aligned; the others are odometry alone
+  std::size_t components = 0;     ///< parts of the map that nothing ties together
   /// The graph has outgrown its memory with it (MapMemory), and is optimised no more.
   std::optional<NodeId> outgrown{};
   uint64_t points = 0;              ///< total over all submaps
