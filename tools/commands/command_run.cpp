@@ -224,7 +224,8 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
                         description.topic);
     say_detail(err, "settings: " + describe(options.config));
   }
-  const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points));
+  const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points),
+                           config.mapping.enabled);
   SlamOptions wanted{.inertial = imu.has_value(), .map_memory = memory.map_memory()};
 
   std::optional<MapSession> origin;

@@ -18,11 +18,13 @@ namespace {
 // kLeastSubmapBytes. tests/memory_bound.py measures it, docs/theory/mapping.md has what came out.
 constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
 constexpr uint64_t kWorkingBytesAPoint = 320;
-constexpr uint64_t kLeastGraphBytes = uint64_t{6} << 20U;  // of kMapBytes: 512 keyframes
 constexpr uint64_t kMapBytes = uint64_t{22} << 20U;
 constexpr uint64_t kMapBytesAPoint = 384;
 constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
 constexpr uint64_t kLoopBytesAPoint = 256;
+
+// Of the limit one part in so many is for the graph of a map.
+constexpr uint64_t kGraphShare = 16;
 
 // What is free goes back to the system before the limit is reached, by this share of it: the next
 // keyframe needs room for a moment.
@@ -43,29 +45,27 @@ uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep)
   return bytes;
 }
 
-MemoryLimit::MemoryLimit(uint64_t most_bytes, uint64_t working_bytes) : most_(most_bytes) {
+MemoryLimit::MemoryLimit(uint64_t most_bytes, uint64_t working_bytes, bool makes_map)
+    : most_(most_bytes) {
   const uint64_t at_start = resident_bytes();
-  const uint64_t needed = at_start + working_bytes;
+  const uint64_t without_graph = at_start + working_bytes;
+  const uint64_t needed =
+      makes_map ? without_graph + without_graph / (kGraphShare - 1) + 1 : without_graph;
   if (most_ != 0 && most_ < needed) {
     throw UsageError("--max-ram " + mebibytes(most_) + ": at least " + mebibytes(needed) +
                      " are needed here (" + mebibytes(at_start) + " before the first sweep, and " +
-                     mebibytes(working_bytes) + " to work in).");
+                     mebibytes(needed - at_start) + " to work in).");
   }
-  spare_ = most_ != 0 ? most_ - needed : 0;
+  spare_ = most_ != 0 ? most_ - without_graph - (makes_map ? most_ / kGraphShare : 0) : 0;
 }
 
 uint64_t MemoryLimit::submap_bytes() const {
   return most_ == 0 ? kSubmapBytes : std::min(kSubmapBytes, kLeastSubmapBytes + spare_);
 }
 
-// Graph and submaps share alike: the one is optimised, the others are looked at by loops.
 MapMemory MemoryLimit::map_memory() const {
-  if (most_ == 0) {
-    return {};
-  }
-  const uint64_t submaps = std::min(kSubmapBytes, kLeastSubmapBytes + spare_ / 2);
-  return {.submap_bytes = submaps,
-          .graph_bytes = kLeastGraphBytes + spare_ - (submaps - kLeastSubmapBytes)};
+  return most_ == 0 ? MapMemory{}
+                    : MapMemory{.submap_bytes = submap_bytes(), .graph_bytes = most_ / kGraphShare};
 }
 
 bool MemoryLimit::exceeded() const {

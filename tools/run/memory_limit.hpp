@@ -23,13 +23,14 @@ uint64_t working_bytes(const MappingConfig& mapping, std::size_t points_a_sweep)
 class MemoryLimit {
  public:
   /// Made when what does not grow is there: program, device, recording. `most_bytes` 0: no limit.
-  /// Throws UsageError where less than `working_bytes` would be left; kLeastSubmapBytes are of
-  /// them.
-  MemoryLimit(uint64_t most_bytes, uint64_t working_bytes);
+  /// Throws UsageError where less than `working_bytes` would be left, of which kLeastSubmapBytes
+  /// are; `makes_map`: besides the graph's share.
+  MemoryLimit(uint64_t most_bytes, uint64_t working_bytes, bool makes_map = false);
 
-  /// What submaps in memory may take of it, where nothing else grows.
+  /// What submaps in memory may take of it.
   uint64_t submap_bytes() const;
-  /// What a map that grows may take of it.
+  /// What a map that grows may take of it. The graph's share hangs on `most_bytes` alone, since
+  /// what becomes of a graph that outgrows it must not hang on what else is resident.
   MapMemory map_memory() const;
   /// More is resident than may be, also after what is free was given back to the system.
   bool exceeded() const;
