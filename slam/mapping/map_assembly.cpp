@@ -60,9 +60,7 @@ void MapAssembly::finish() {
     close_loops(loops_->finish(graph_), graph_.nodes().size());
   }
   settle();
-  if (can_optimize()) {
-    tie_to_world(world_.finish(graph_), graph_.nodes().size());
-  }
+  tie_to_world(world_.finish(graph_, can_optimize()), graph_.nodes().size());
   store_->revise({.poses = graph_.nodes()});
 }
 
@@ -115,9 +113,7 @@ void MapAssembly::take_effect(NodeId until) {
       close_loops(loops_->take_effect(graph_, due.keyframe, std::move(due.loops)), at);
     }
     store_edges();
-    if (can_optimize()) {
-      tie_to_world(world_.take_effect(graph_, due.keyframe), at);
-    }
+    tie_to_world(world_.take_effect(graph_, due.keyframe, can_optimize()), at);
   }
   store_edges();
 }

@@ -379,8 +379,8 @@ WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, boo
   return change;
 }
 
-WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe) {
-  if (judged_ == fixes_.size() || fixes_[judged_].keyframe > keyframe) {
+WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool may_optimize) {
+  if (!may_optimize || judged_ == fixes_.size() || fixes_[judged_].keyframe > keyframe) {
     return {};
   }
   const bool had_place = frame_.has_value();
@@ -400,7 +400,7 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe) {
   return take_change(graph, wanted, had_place);
 }
 
-WorldTies::Change WorldTies::finish(PoseGraph& graph) {
+WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
   if (fixes_.empty()) {
     return {};
   }
@@ -410,7 +410,7 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph) {
     forget_place(graph);
   }
   find_place(graph);
-  for (int round = 0; frame_ && round < kMostRounds; ++round) {
+  for (int round = 0; frame_ && may_optimize && round < kMostRounds; ++round) {
     optimize(graph);
     if (!judge_again(graph, kFixGate)) {
       break;
@@ -418,7 +418,9 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph) {
   }
   if (is_contradicted()) {
     forget_place(graph);
-    optimize(graph);
+    if (may_optimize) {
+      optimize(graph);
+    }
   }
   report_.swapped = !frame_ && would_agree_exchanged(graph);
   measure(graph);

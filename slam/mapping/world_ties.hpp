@@ -55,9 +55,9 @@ class WorldTies {
     bool moved = false;          ///< the graph has other poses
   };
   /// The fixes of nodes up to `keyframe` take effect.
-  Change take_effect(PoseGraph& graph, NodeId keyframe);
+  Change take_effect(PoseGraph& graph, NodeId keyframe, bool may_optimize = true);
   /// All do, and those judged before are judged again.
-  Change finish(PoseGraph& graph);
+  Change finish(PoseGraph& graph, bool may_optimize = true);
 
   const GnssReport& report() const { return report_; }
 

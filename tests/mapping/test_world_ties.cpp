@@ -48,7 +48,8 @@ class Survey {
   /// Changes fixes before they are taken.
   void change(const std::function<void(MapFix&)>& by) { std::ranges::for_each(fixes_, by); }
 
-  WorldTies run(const GnssConfig& config = {}) {
+  /// The graph is optimised up to the node `outgrown`.
+  WorldTies run(const GnssConfig& config = {}, NodeId outgrown = 1'000'000) {
     WorldTies ties(config);
     PoseGraph growing;
     for (const PoseNode& node : graph_.nodes()) {
@@ -64,9 +65,9 @@ class Survey {
       std::ranges::copy_if(fixes_, std::back_inserter(of_node),
                            [&](const MapFix& fix) { return fix.keyframe == node.id; });
       ties.add(of_node);
-      keep(ties.take_effect(growing, node.id));
+      keep(ties.take_effect(growing, node.id, node.id < outgrown));
     }
-    keep(ties.finish(growing));
+    keep(ties.finish(growing, graph_.nodes().back().id < outgrown));
     graph_ = growing;
     return ties;
   }
@@ -124,6 +125,17 @@ class Survey {
   std::vector<MapFix> fixes_;
   std::optional<Georeference> georeference_;
 };
+
+TEST(WorldTies, AGraphThatIsOptimizedNoMoreKeepsItsPlace) {
+  Survey survey(80);
+  const WorldTies ties = survey.run({}, 50);
+  ASSERT_TRUE(ties.report().georeference);
+  EXPECT_EQ(survey.count(FixVerdict::waiting), 0U);
+  EXPECT_LT(survey.world_error(), 0.5);
+  Survey whole(80);
+  EXPECT_GT(whole.run().report().optimizations, ties.report().optimizations);
+  EXPECT_LT(whole.world_error(), survey.world_error());
+}
 
 TEST(WorldTies, PlacesTheMapAndTakesItsDriftOut) {
   for (unsigned seed = 1; seed <= 5; ++seed) {

@@ -66,6 +66,23 @@ TEST_F(RunContinue, WhatIsCompleteStaysAsItIs) {
   EXPECT_EQ(test::content(map()), before);
 }
 
+TEST_F(RunContinue, MoreMemoryThanBeforeMakesTheSameMap) {
+  constexpr uint64_t kGibibyte = uint64_t{1} << 30U;
+  RunCommandOptions bounded = first_;
+  bounded.output = folder_ / "out";
+  bounded.max_ram_bytes = 4 * kGibibyte;
+  ASSERT_EQ(ran(bounded).code, 0);
+  EXPECT_EQ(earlier_run(map()).graph_bytes, kGibibyte / 4);
+  const std::string whole = dump_of(map());
+  make_incomplete();
+  RunCommandOptions more = continuing();
+  more.max_ram_bytes = 8 * kGibibyte;
+  const Ran again = ran(more);
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(dump_of(map()), whole);
+  EXPECT_EQ(earlier_run(map()).graph_bytes, kGibibyte / 4);
+}
+
 TEST_F(RunContinue, ARunThatWasStoppedEndsAsOneThatWasNot) {
   const std::string whole = dump_of(map());
   const std::string poses = test::content(folder_ / "out/trajectory.tum");

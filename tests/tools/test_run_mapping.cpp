@@ -152,6 +152,19 @@ TEST(MemoryLimit, LessThanIsNeededIsAUsageError) {
   EXPECT_LT(limit.submap_bytes(), uint64_t{32} << 20U);
 }
 
+TEST(MemoryLimit, AGraphsShareHangsOnTheLimitAlone) {
+  constexpr uint64_t kMebibyte = uint64_t{1} << 20U;
+  const uint64_t most = resident_bytes() + 400 * kMebibyte;
+  const MemoryLimit limit(most, 100 * kMebibyte, true);
+  EXPECT_EQ(limit.map_memory().graph_bytes, most / 16);
+  EXPECT_EQ(limit.map_memory().submap_bytes, limit.submap_bytes());
+  EXPECT_EQ(MemoryLimit(0, 100 * kMebibyte, true).map_memory().graph_bytes,
+            MapMemory{}.graph_bytes);
+  const uint64_t enough_without = resident_bytes() + 104 * kMebibyte;
+  EXPECT_NO_THROW(MemoryLimit(enough_without, 100 * kMebibyte));
+  EXPECT_THROW(MemoryLimit(enough_without, 100 * kMebibyte, true), UsageError);
+}
+
 TEST_F(MapRecording, DamagedSweepEndsTheRunAndKeepsWhatCameBefore) {
   test::MemoryRecording recording(10, [](std::size_t index) {
     if (index == 6) {

@@ -102,7 +102,10 @@ client.on("advertise", (added) => {
 });
 client.on("unadvertise", (removed) => {
   const topics = removed.map((id) => channels.get(subscriptions.get(id)).topic);
-  removed.forEach((id) => channels.delete(subscriptions.get(id)));
+  for (const id of removed) {  // as Lichtblick does
+    client.unsubscribe(subscriptions.get(id));
+    channels.delete(subscriptions.get(id));
+  }
   say("unadvertise", { topics });
 });
 client.on("message", ({ subscriptionId, timestamp, data }) => {

@@ -191,6 +191,15 @@ def check_export(page, link, adit, folder):
     head = (folder / "cloud.ply").read_bytes()[:500]
     require(re.search(rb"element vertex +3201\n", head), "other points were exported", command, head)
 
+    page.open(f"{link}#box=-4,1,-5,4,7,5,20")  # a box that is turned, with a corner at x below 0, is a polygon
+    page.wait(ALL_THERE)
+    page.key("KeyX", "x")
+    command = facts(page)["command"].replace("&& adit ", f"&& {shlex.quote(str(adit))} ")
+    done = subprocess.run(command, shell=True, cwd=folder, capture_output=True, text=True, check=False)
+    head = (folder / "cloud.ply").read_bytes()[:500]
+    count = int(re.search(rb"element vertex +(\d+)", head).group(1))
+    require(done.returncode == 0 and 1000 < count < 3201, "the command of a turned box fails", command, done.stderr, count)
+
 
 def check_keyframes(page, link):
     """Four walls are of the first session, two of the second; they are equal, seen from their side."""

@@ -43,10 +43,11 @@ TEST(ViewAccess, AnOriginIsTheHostsOwn) {
 
 TEST(ViewAccess, FoxglovesPagesAreLetInByATokenAlone) {
   const auto by = [](const std::string& token, const std::string& target, bool is_foxglove) {
-    return refusal_of({.token = token}, {.host = "127.0.0.1:80",
-                                         .origin = "https://app.foxglove.dev",
-                                         .target = target,
-                                         .is_foxglove = is_foxglove});
+    return refusal_of({.token = "abcd", .foxglove_token = token},
+                      {.host = "127.0.0.1:80",
+                       .origin = "https://app.foxglove.dev",
+                       .target = target,
+                       .is_foxglove = is_foxglove});
   };
   EXPECT_EQ(by("0123", "/?token=0123", true), Refusal());
   EXPECT_EQ(by("0123", "/?token=0124", true), ViewRefusal::wrong_token);

@@ -137,6 +137,18 @@ TEST_F(ViewDataTest, APlaceIsAskedForByThreeNumbers) {
   EXPECT_EQ(scene.at("plots").at("curves").at(0).at("least").dump(), "[0.5]");
 }
 
+TEST_F(ViewDataTest, ADeviceThatFailsIsToldOf) {
+  write_map(folder_ / "map.adit");
+  ViewData data({.what = folder_ / "map.adit",
+                 .edit = true,
+                 .verify = [](const MapDatabase&, const LoopByHand&) -> LoopVerification {
+                   throw std::runtime_error("no Vulkan device");
+                 }},
+                progress_);
+  EXPECT_NE(answer_to(data, R"({"add": [0, 1]})").reply.find("no Vulkan device"),
+            std::string::npos);
+}
+
 TEST_F(ViewDataTest, WithoutLeaveNothingIsEdited) {
   write_map(folder_ / "map.adit");
   ViewData data = opened(folder_ / "map.adit");

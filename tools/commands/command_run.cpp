@@ -227,6 +227,12 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points),
                            config.mapping.enabled);
   SlamOptions wanted{.inertial = imu.has_value(), .map_memory = memory.map_memory()};
+  if (continued) {  // so that it makes the same map
+    wanted.map_memory.graph_bytes = continued->graph_bytes.value_or(MapMemory{}.graph_bytes);
+  }
+  if (wanted.map_memory.graph_bytes != MapMemory{}.graph_bytes) {
+    description.graph_bytes = wanted.map_memory.graph_bytes;
+  }
 
   std::optional<MapSession> origin;
   if (config.mapping.enabled) {

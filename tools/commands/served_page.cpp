@@ -54,7 +54,9 @@ std::string_view required_page() {
 
 ViewAccess access_of(const ServeOptions& options) {
   const bool asks = options.foxglove || !is_loopback(options.listen);
-  return {.address = options.listen, .token = asks ? make_token() : ""};
+  return {.address = options.listen,
+          .token = asks ? make_token() : "",
+          .foxglove_token = asks ? make_token() : ""};
 }
 
 void say_link(const std::string& link, const ViewAccess& access, std::string_view may,

@@ -135,8 +135,9 @@ bool finds(const TrueKeyframe& from, const TrueKeyframe& to, const Revisit& revi
 }
 
 void widen(std::optional<LoopSpan>& span, Nanoseconds from, Nanoseconds to) {
-  const LoopSpan known = span.value_or(LoopSpan{from, to});
-  span = {.begin = std::min(known.begin, from), .end = std::max(known.end, to)};
+  const auto [first, last] = std::minmax(from, to);  // of two sessions the later may be the older
+  const LoopSpan known = span.value_or(LoopSpan{first, last});
+  span = {.begin = std::min(known.begin, first), .end = std::max(known.end, last)};
 }
 
 /// What the map keeps of its candidates.

@@ -18,6 +18,7 @@ namespace {
 // Where the recording and what tells of its sensor lie is no part of what they are.
 constexpr std::string_view kRecording = "recording";
 constexpr std::string_view kTopic = "topic";
+constexpr std::string_view kGraphBytes = "graph bytes at most";
 constexpr std::string_view kFingerprint = "recording fingerprint";
 // What another commit makes of a recording is compared, keyframe by keyframe.
 constexpr std::string_view kCommit = "commit";
@@ -112,6 +113,9 @@ MapSession session_of(const RunDescription& run) {
   if (!is_named_by_its_folder(run)) {
     session.provenance.emplace_back(kTopic, run.topic);
   }
+  if (run.graph_bytes) {
+    session.provenance.emplace_back(kGraphBytes, std::to_string(*run.graph_bytes));
+  }
   if (metadata) {
     session.provenance.emplace_back("metadata fingerprint", fingerprint(*metadata).hash);
   }
@@ -132,13 +136,18 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
   }
   const MapSession& session = sessions.front();
   const std::string* topic = told(session, kTopic);
-  return {.map = map,
-          .session = session,
-          .progress = database.progress(session.id),
-          .recording = require(map, session, kRecording),
-          .topic = topic == nullptr ? std::nullopt : std::optional(*topic),
-          .first_sweep = require_number(map, session, "first sweep"),
-          .sweeps = require_number(map, session, "sweeps")};
+  return {
+      .map = map,
+      .session = session,
+      .progress = database.progress(session.id),
+      .recording = require(map, session, kRecording),
+      .topic = topic == nullptr ? std::nullopt : std::optional(*topic),
+      .first_sweep = require_number(map, session, "first sweep"),
+      .sweeps = require_number(map, session, "sweeps"),
+      .graph_bytes =
+          told(session, kGraphBytes) == nullptr
+              ? std::nullopt
+              : std::optional(static_cast<uint64_t>(require_number(map, session, kGraphBytes)))};
 }
 
 bool is_recording_of(const MapSession& session, const std::filesystem::path& recording) {

@@ -31,6 +31,8 @@ struct EarlierRun {
   std::optional<std::string> topic;  ///< the sweeps'; none: the only one there is
   int64_t first_sweep = 0;           ///< of the recording
   int64_t sweeps = 0;                ///< from there on
+  /// MapMemory::graph_bytes of the run; none: no limit.
+  std::optional<uint64_t> graph_bytes{};
 };
 
 /// Throws InputError: no map, one of several recordings, one that does not say where it comes from.

@@ -38,6 +38,8 @@ struct RunDescription {
   bool software_fallback = false;
   uint64_t memory_budget_bytes = 0;  ///< of the device; 0: no limit
   uint64_t max_ram_bytes = 0;        ///< that may be resident; 0: no limit
+  /// MapMemory::graph_bytes; none: no limit. A run that goes on has that of the one before.
+  std::optional<uint64_t> graph_bytes{};
   bool validation = false;
   bool continued = false;  ///< an earlier run's map is gone on with
 };

@@ -98,8 +98,9 @@ std::string map_text(const MapReport& map, double wall_s) {
   }
   if (map.outgrown) {
     text += fmt::format(
-        "; from keyframe {} on the graph has outgrown --max-ram: no loops were looked for, and it "
-        "was not optimised, which `adit optimize` does",
+        "; from keyframe {} on the graph has outgrown --max-ram: no loops were looked for, "
+        "fixes moved nothing, and it did not end with an optimisation, which `adit optimize` makes "
+        "up for",
         *map.outgrown);
   }
   text += fmt::format("; {:.1f} ms a keyframe, {:.1f} at most", times.mean, times.max);

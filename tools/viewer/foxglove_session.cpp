@@ -150,6 +150,9 @@ ViewTaken FoxgloveSession::subscribe(uint32_t id, uint64_t number) {
 ViewTaken FoxgloveSession::unsubscribe(uint32_t id) {
   const auto known = std::ranges::find(announced_, id, &Announced::subscription);
   if (known == announced_.end()) {
+    if (ended_.erase(id) > 0) {
+      return {};
+    }
     return complain(fmt::format("there is no subscription {}", id));
   }
   known->subscription.reset();
@@ -205,6 +208,9 @@ void FoxgloveSession::announce(const std::shared_ptr<FoxgloveFeed>& feed) {
     if (same == channels.end()) {
       if (one.channel) {
         removed.push_back(number);
+        if (one.subscription) {
+          ended_.insert(*one.subscription);
+        }
       }
       one = {.topic = one.topic};
       continue;

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,7 +60,9 @@ class FoxgloveSession final : public ViewSession {
   std::shared_ptr<FoxgloveFeed> feed_;
   std::vector<Announced> announced_;
   std::deque<std::string> texts_;  ///< that wait to be sent
-  bool failed_ = false;            ///< the source or its feed: there are no more messages
+  /// Subscriptions that ended since their channel went: a client may end them, too.
+  std::set<uint32_t> ended_;
+  bool failed_ = false;  ///< the source or its feed: there are no more messages
 };
 
 }  // namespace adit

@@ -108,10 +108,11 @@ std::optional<ViewRefusal> refusal_of(const ViewAccess& access, const ViewReques
     return ViewRefusal::foreign_host;
   }
   const bool is_foreign = !request.origin.empty() && !is_same_origin(request.origin, request.host);
-  if (is_foreign && !(request.is_foxglove && !access.token.empty())) {
+  const std::string& token = request.is_foxglove ? access.foxglove_token : access.token;
+  if (is_foreign && !(request.is_foxglove && !token.empty())) {
     return ViewRefusal::foreign_origin;
   }
-  if (!access.token.empty() && !is_equal(token_of(request.target), access.token)) {
+  if (!token.empty() && !is_equal(token_of(request.target), token)) {
     return ViewRefusal::wrong_token;
   }
   return std::nullopt;

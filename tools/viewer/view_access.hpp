@@ -29,6 +29,7 @@ std::string_view to_string(ViewRefusal refusal);
 struct ViewAccess {
   std::string address = "127.0.0.1";  ///< that is listened on
   std::string token{};                ///< that links carry; empty: none is asked for
+  std::string foxglove_token{};       ///< that links for Foxglove carry: it opens nothing else
 };
 
 /// The address is the machine's own, which no other machine reaches.

@@ -159,7 +159,7 @@ std::vector<WeakDirection> weak_directions(const std::vector<SweepRecord>& recor
                                            const std::vector<ViewSweep>& sweeps) {
   std::unordered_map<int64_t, std::size_t> told;  // by stamp
   for (std::size_t i = 0; i < sweeps.size(); i += stride_of(sweeps.size())) {
-    told.emplace(sweeps[i].stamp.count(), told.size());
+    told.emplace(sweeps[i].stamp.count(), i / stride_of(sweeps.size()));
   }
   std::vector<WeakDirection> weak;
   for (const SweepRecord& record : records) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -28,9 +29,7 @@ ViewAnswer changed(const ViewData& data, const std::function<LoopChange()>& make
                                       change.moved),
                           false),
             .to_all = data.graph()};
-  } catch (const UsageError& error) {
-    return {.reply = told(error.what(), true)};
-  } catch (const FileError& error) {
+  } catch (const std::runtime_error& error) {  // UsageError, FileError, and those of the device
     return {.reply = told(error.what(), true)};
   }
 }

@@ -357,10 +357,11 @@ tcp::endpoint endpoint_of(const std::string& address, uint16_t port) {
   return {numeric, port};
 }
 
-std::string link_of(const ViewAccess& access, const std::string& scheme, uint16_t port) {
+std::string link_of(const ViewAccess& access, const std::string& scheme, uint16_t port,
+                    const std::string& token) {
   const bool v6 = access.address.find(':') != std::string::npos;
   return scheme + "://" + (v6 ? "[" + access.address + "]" : access.address) + ":" +
-         std::to_string(port) + "/" + (access.token.empty() ? "" : "?token=" + access.token);
+         std::to_string(port) + "/" + (token.empty() ? "" : "?token=" + token);
 }
 
 }  // namespace
@@ -446,11 +447,11 @@ uint16_t ViewServer::port() const {
 }
 
 std::string ViewServer::link() const {
-  return link_of(listener_->access(), "http", port());
+  return link_of(listener_->access(), "http", port(), listener_->access().token);
 }
 
 std::string ViewServer::foxglove_link() const {
-  return link_of(listener_->access(), "ws", port());
+  return link_of(listener_->access(), "ws", port(), listener_->access().foxglove_token);
 }
 
 ViewCounts ViewServer::run(const std::function<bool()>& stop) {

@@ -5,6 +5,8 @@
 import { Vector3 } from 'three';
 import type { Box } from './cloud_material';
 import { element, input } from './elements';
+import type { Scene } from './protocol';
+import type { ShownCloud } from './shown_cloud';
 
 const NAMES = ['x from', 'y from', 'z from', 'x to', 'y to', 'z to', 'turned'];
 const TURN = 6;
@@ -41,9 +43,10 @@ export class ClipBox {
     this.value = value;
     input('boxed').checked = value !== null;
     this.ranges.forEach((range, i) => {
-      range.min = String(i === TURN ? -STEEPEST : whole[i % 3]);
-      range.max = String(i === TURN ? STEEPEST : whole[i % 3 + 3]);
-      range.value = String((value ?? [...whole, 0])[i]);
+      const now = (value ?? [...whole, 0])[i];  // of a box that is turned it may lie beyond what there is
+      range.min = String(i === TURN ? -STEEPEST : Math.min(now, whole[i % 3]));
+      range.max = String(i === TURN ? STEEPEST : Math.max(now, whole[i % 3 + 3]));
+      range.value = String(now);
     });
     this.show();
   }
@@ -63,4 +66,13 @@ export class ClipBox {
 export function boxOf([x0, y0, z0, x1, y1, z1, turn]: number[], origin: Vector3): Box {
   return { middle: new Vector3(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * (z0 + z1)).sub(origin),
     half: new Vector3(0.5 * (x1 - x0), 0.5 * (y1 - y0), 0.5 * (z1 - z0)), turn: turn * Math.PI / 180 };
+}
+
+/** As far as there is something: from and to. The cube of a run that goes on is not known before its end: as far as there are
+    points. */
+export function boundsOf(scene: Scene, { extent, origin }: ShownCloud): number[] {
+  const { low, edge } = scene.cube;
+  if (!scene.live || !extent) return [...low, ...low.map((v) => v + edge)];
+  const middle = extent.middle.clone().add(origin).toArray();
+  return [...middle.map((v) => v - extent.size), ...middle.map((v) => v + extent.size)];
 }

@@ -79,8 +79,9 @@ void main() {
     shade = series[moving ? 1 : 0];
   } else {
     float share = colourBy == 0 ? (p.z - heights.x) / (heights.y - heights.x)
-        : colourBy == 1 ? intensity / 255.0 : colourBy == 2 ? facts.x / 65535.0 : ofKeyframe(values, facts.y);
+        : colourBy == 1 ? intensity / 255.0 : colourBy == 2 ? facts.x / 65535.0 : ofKeyframe(values, facts.y) * (255.0 / 254.0);
     shade = texture(ramp, vec2((0.5 + ${(7).toFixed(1)} * clamp(share, 0.0, 1.0)) / 8.0, 0.5)).rgb;
+    if (colourBy > 5 && share > 1.0) shade = vec3(0.6);  // not known
   }
 }`;
 
@@ -141,10 +142,10 @@ export class CloudMaterial {
     this.set('sessions', indices(Uint8Array.from(numbers, (number) => number % SERIES.length)));
   }
 
-  /** Something of each keyframe, from 0 to 1. */
-  setValues(shares: number[]): void {
+  /** Something of each keyframe, from 0 to 1; null: not known. */
+  setValues(shares: (number | null)[]): void {
     this.get<DataTexture>('values').dispose();
-    this.set('values', indices(Uint8Array.from(shares, (share) => Math.round(255 * share))));
+    this.set('values', indices(Uint8Array.from(shares, (share) => (share === null ? 255 : Math.round(254 * share)))));
   }
 
   /** Three rows of a 3x4 matrix for each keyframe: from where its points were tiled to where it is now. */

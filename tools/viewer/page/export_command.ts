@@ -33,7 +33,7 @@ export function exportCommand(scene: Scene, state: ViewState, time: number | nul
     const [x0, y0, , x1, y1] = state.box;
     parts.push(`--box=${[x0, y0, x1, y1].map((v) => v.toFixed(2)).join(',')}`);
   } else if (state.box) {
-    before = `printf '${corners(state.box).map(([x, y]) => `${x.toFixed(2)} ${y.toFixed(2)}\\n`).join('')}' > box.txt && `;
+    before = `printf '%b' '${corners(state.box).map(([x, y]) => `${x.toFixed(2)} ${y.toFixed(2)}\\n`).join('')}' > box.txt && `;
     parts.push('--polygon', 'box.txt');
   }
   if (!state.moving) parts.push('--without-moving');

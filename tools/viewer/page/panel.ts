@@ -142,7 +142,6 @@ export class Panel {
 
   pressed(name: 'fly' | 'measure' | 'section', on: boolean): void {
     element(name).setAttribute('aria-pressed', String(on));
-    if (name !== 'fly') document.body.classList.toggle('measuring', on);
   }
 
   private markOf(layer: Layer): string {

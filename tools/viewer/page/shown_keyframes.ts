@@ -4,24 +4,37 @@
 // Which keyframes' points are shown, and where: all as the map has them, or a loop's later one laid over its earlier one.
 import { Quaternion, Vector3, type Matrix4 } from 'three';
 import { poseMatrix } from './cloud';
-import { POSE, type Graph, type Loop, type Poses } from './protocol';
+import { POSE, type Graph, type Loop, type Poses, type Scene } from './protocol';
 import type { ShownCloud } from './shown_cloud';
 import type { Overlay, ViewState } from './view_state';
 
-export function showKeyframes(cloud: ShownCloud, graph: Graph, state: ViewState): void {
+/** The loop whose keyframes are laid over each other, if it is there. */
+export function overlaidLoop(graph: Graph, state: ViewState): Loop | null {
   const loop = state.overlaid && graph.loops.find((one) => one.id === state.overlaid!.loop);
+  return loop && loop.from >= 0 && loop.to >= 0 ? loop : null;
+}
+
+/** What points can be coloured by: the state's wish, or by height where that is not known. */
+export function colourOf(state: ViewState, scene: Scene, graph: Graph | null): ViewState['colour'] {
+  const has = state.colour === 'intensity' ? scene.intensity : state.colour === 'error' ? !!graph?.truth
+    : state.colour === 'sigma' ? !!graph?.keyframes.covariance.some((v) => v > 0) : true;
+  return has ? state.colour : 'height';
+}
+
+export function showKeyframes(cloud: ShownCloud, graph: Graph, state: ViewState): void {
+  const loop = overlaidLoop(graph, state);
   cloud.correct(loop ? overlaidPoses(graph, loop, state.overlaid!.by) : graph.keyframes.pose);
   const only = state.only === null ? -1 : graph.keyframes.id.indexOf(state.only);
   cloud.showOnly(loop ? [loop.from, loop.to] : only >= 0 ? [only] : []);
   const { values, most } = valuesOf(graph, state.colour);
-  cloud.look.setValues(values.map((value) => (value ?? 0) / most));
+  cloud.look.setValues(values.map((value) => (value === null ? null : value / most)));
 }
 
 /** What colours by error, else by sigma, are of: m, of each keyframe. */
 export function valuesOf(graph: Graph, colour: ViewState['colour']): { values: (number | null)[]; most: number } {
   const c = graph.keyframes.covariance;
   const values = colour === 'error' ? graph.truth?.error ?? []
-    : graph.keyframes.id.map((_, i) => Math.sqrt(Math.max(0, c[6 * i] + c[6 * i + 3] + c[6 * i + 5])));
+    : graph.keyframes.id.map((_, i) => (c[6 * i] === null ? null : Math.sqrt(Math.max(0, c[6 * i] + c[6 * i + 3] + c[6 * i + 5]))));
   return { values, most: values.reduce<number>((most, value) => Math.max(most, value ?? 0), 1e-3) };
 }
 

@@ -4,7 +4,7 @@
 // The view: what the server says comes in, what hands want goes through the state onto the screen.
 import { AxesHelper, Vector3, type Matrix4 } from 'three';
 import { Cloud, poseMatrix } from './cloud';
-import { boxOf, ClipBox } from './clip_box';
+import { boundsOf, boxOf, ClipBox } from './clip_box';
 import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
 import { Controls, eyeOnAll } from './controls';
@@ -26,7 +26,7 @@ import { Plots } from './plots';
 import { POSE, type Graph, type Live, type Loop, type Place, type Scene, type TilePoints, type Told } from './protocol';
 import { sectionAlong } from './section';
 import type { FoundPoint, ShownCloud } from './shown_cloud';
-import { showKeyframes } from './shown_keyframes';
+import { colourOf, overlaidLoop, showKeyframes } from './shown_keyframes';
 import { statusText } from './status_text';
 import { TimeLine } from './time_line';
 import { fromHash, OVERLAYS, toHash, type ViewState } from './view_state';
@@ -65,6 +65,7 @@ export class View implements Listener, Actions {
   private readonly proposal = new Proposal((from, to) => this.connection.send({ add: [from, to] }), () => this.choose(this.chosen));
   private picking: 'measure' | 'section' | null = null;
   private keyframesShown: string | null = null;  // how
+  private byLink = true;    // a link was entered, and the graph has not come since
   private timer = 0;
   private written = location.hash;  // the link as it was last seen or written
 
@@ -105,8 +106,7 @@ export class View implements Listener, Actions {
     this.painter.over.add(this.layer.group);
     this.timeLine.set(scene.seconds, this.state.time);
     this.plots.set(scene.plots ?? null, scene.seconds);
-    const { low, edge } = scene.cube;
-    this.box.set([...low, ...low.map((v) => v + edge)], this.state.box);
+    this.fitBox();
     if (another) this.restoreEye();
     this.painter.draw();
   }
@@ -124,13 +124,8 @@ export class View implements Listener, Actions {
       const id = this.chosen.loop.id;
       const loop = graph.loops.find((one) => one.id === id);
       this.choose(loop ? { kind: 'loop', loop } : null);
-    } else if (!this.chosen && this.state.overlaid) {  // by the link
-      const loop = graph.loops.find((one) => one.id === this.state.overlaid!.loop);
-      if (loop) this.choose({ kind: 'loop', loop });
-    } else if (!this.chosen && this.state.only !== null) {  // by the link
-      const at = graph.keyframes.id.indexOf(this.state.only);
-      if (at >= 0) this.choose({ kind: 'keyframe', at });
-    } else this.layer?.mark(this.chosen);
+    } else if (this.byLink) this.chooseByLink(graph);
+    else this.layer?.mark(this.chosen);
     this.apply();
     this.painter.draw();
   }
@@ -139,7 +134,7 @@ export class View implements Listener, Actions {
     if (this.cloud?.take(tile)) {
       this.legend();
       this.fitToCloud();
-      this.fitBox();
+      if (this.sceneShown?.live && !this.state.box) this.fitBox();
     }
     this.painter.draw();
   }
@@ -210,6 +205,7 @@ export class View implements Listener, Actions {
   private pick(what: 'measure' | 'section'): void {
     this.picking = this.picking === what ? null : what;
     for (const one of ['measure', 'section'] as const) this.panel.pressed(one, this.picking === one);
+    document.body.classList.toggle('measuring', this.picking !== null);
     this.measured.clear();
     this.tell(this.picking ? { title: what, rows: [['from', 'click a point']] } : null);
     this.painter.draw();
@@ -222,12 +218,12 @@ export class View implements Listener, Actions {
       this.tell({ ...facts, title: this.picking === 'measure' ? facts.title : 'section' });
       return;
     }
-    const { low, edge } = scene!.cube, [a, b] = measured.ends;
-    const section = sectionAlong(a, b, low[2], low[2] + edge);
+    const whole = boundsOf(scene!, cloud!), [a, b] = measured.ends;
+    const section = sectionAlong(a, b, whole[2], whole[5]);
     this.pick('section');
     if (!section) return;
-    this.box.set([...low, ...low.map((v) => v + edge)], section.box);
     this.state.box = section.box;
+    this.fitBox();
     this.controls.eye = { ...section.eye, target: section.eye.target.sub(cloud!.origin) };
     this.moved();
     this.changed();
@@ -277,6 +273,14 @@ export class View implements Listener, Actions {
       ? this.factsOf(found, this.graphShown, this.sceneShown) : null,
       found && this.graphShown && placeOf(found, this.graphShown));
     this.painter.draw();
+  }
+
+  /** What the link shows alone is told of. */
+  private chooseByLink(graph: Graph): void {
+    this.byLink = false;
+    const loop = overlaidLoop(graph, this.state);
+    const at = this.state.only === null ? -1 : graph.keyframes.id.indexOf(this.state.only);
+    this.choose(loop ? { kind: 'loop', loop } : at >= 0 ? { kind: 'keyframe', at } : null);
   }
 
   /** Where the place of what is told of is on the Earth, follows. */
@@ -372,6 +376,8 @@ export class View implements Listener, Actions {
     this.restoreEye();
     this.panel.show();
     this.plots.show(this.state.plots);
+    this.fitBox();
+    if (this.graphShown) this.chooseByLink(this.graphShown);
     this.apply();
     this.painter.draw();
   }
@@ -396,8 +402,7 @@ export class View implements Listener, Actions {
   private apply(): void {
     const { cloud, layer, state } = this;
     if (!cloud || !layer || !this.sceneShown) return;
-    const usable = state.colour === 'intensity' && !this.sceneShown.intensity ? 'height' : state.colour;
-    cloud.look.set('colourBy', COLOURS.indexOf(usable));
+    cloud.look.set('colourBy', COLOURS.indexOf(colourOf(state, this.sceneShown, this.graphShown)));
     cloud.look.set('hideMoving', !state.moving);
     const shown = [state.colour, state.only, state.overlaid?.loop, state.overlaid?.by].join();
     if (this.graphShown && shown !== this.keyframesShown) showKeyframes(cloud, this.graphShown, state);
@@ -450,12 +455,8 @@ export class View implements Listener, Actions {
     else if (this.cloud?.extent) this.controls.size = Math.max(2, this.cloud.extent.size);
   }
 
-  /** The cube of a run that goes on is not known before its end: sides of the box go as far as there are points. */
   private fitBox(): void {
-    const extent = this.cloud?.extent;
-    if (!this.sceneShown?.live || this.state.box || !extent) return;
-    const middle = extent.middle.clone().add(this.cloud!.origin).toArray();
-    this.box.set([...middle.map((v) => v - extent.size), ...middle.map((v) => v + extent.size)], null);
+    if (this.sceneShown && this.cloud) this.box.set(boundsOf(this.sceneShown, this.cloud), this.state.box);
   }
 
   private repaint(): void {
