@@ -19,7 +19,7 @@ import tempfile
 import threading
 
 from chromium import Chromium
-from viewing import require
+from viewing import foxglove_link, require
 from websocket import WebSocket
 
 SETTINGS = ["--set", "mapping.enabled=true", "--set", "keyframe.delta_trans=0.3"]
@@ -42,6 +42,8 @@ class Running:
             found = re.search(r"open +(http://\S+?:(\d+)/\S*)", line)
             if found:
                 self.link, self.port = found.group(1), int(found.group(2))
+            self.foxglove = foxglove_link(line)
+            if self.foxglove if "--foxglove" in options else found:
                 break
         else:
             sys.exit("adit run --view did not start:\n" + "".join(self.said))

@@ -15,6 +15,12 @@ def require(condition, what, *shown):
         sys.exit("\n".join([f"FAILED: {what}", *map(str, shown)]))
 
 
+def foxglove_link(line):
+    """That for Foxglove, where the line has it."""
+    found = re.search(r"Foxglove WebSocket: +(ws://\S+)", line)
+    return found and found.group(1)
+
+
 class Viewing:
     """A running `adit view`; port and link are those it has printed."""
 
@@ -22,12 +28,13 @@ class Viewing:
         self.process = subprocess.Popen([str(adit), "view", str(what), "--port", str(port), *map(str, options)],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # where a test ends before it
-        self.said = []
+        self.said, self.foxglove = [], None
         for line in self.process.stdout:
             self.said.append(line)
             found = re.search(r"open +(http://\S+?:(\d+)/\S*)", line)
             if found:
                 self.link, self.port = found.group(1), int(found.group(2))
+            self.foxglove = foxglove_link(line) or self.foxglove
             if line.startswith("Ctrl-C"):
                 return
         sys.exit(f"adit view {what} did not start:\n{''.join(self.said)}{self.process.stderr.read()}")
