@@ -15,8 +15,8 @@ constexpr std::size_t kMaxViews = 64;
 
 }  // namespace
 
-Buffer::State::State(Device& owner, uint64_t size, Memory kind, std::string_view label)
-    : device(&owner), bytes(size), name(label) {
+Buffer::State::State(Device& owner, uint64_t size, Memory where, std::string_view label)
+    : device(&owner), bytes(size), kind(where), name(label) {
   if (bytes == 0) {
     throw std::invalid_argument("buffer '" + name + "': 0 bytes asked for");
   }

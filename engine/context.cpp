@@ -60,7 +60,9 @@ Submission Context::submit(Recorder&& recorder) {
   state.slot->commands().pipelineBarrier2(vk::DependencyInfo({}, to_host));
   translated("ending a recording", [&] { state.slot->end(); });
   const uint64_t value = device_->submit(*state.slot);
-  return Submission(std::make_unique<Submission::State>(*device_, std::move(state.slot), value));
+  state.work.submissions = 1;
+  return Submission(
+      std::make_unique<Submission::State>(*device_, std::move(state.slot), value, state.work));
 }
 
 std::vector<std::byte> Context::pipeline_cache() const {

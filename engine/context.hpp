@@ -31,6 +31,8 @@ struct ContextOptions {
   bool synchronization_validation = false;  ///< also look for missing barriers (implies validation)
   bool profile = false;                     ///< measure Recorder::scope()
   uint64_t memory_budget_bytes = 0;         ///< 0: no limit but the device's
+  /// Kernels are launched on a software device as on a GPU: so tests see those shapes without one.
+  bool gpu_shapes = false;
   /// Nothing can run: for statistics of what a compiler makes of kernels, without its device.
   bool compile_only = false;
 };

@@ -20,13 +20,16 @@ struct Requirement {
 
 /// A Vulkan device and its limits.
 struct DeviceInfo {
-  uint32_t index = 0;                      ///< in the order of list_devices()
-  std::string name;                        ///< as its driver calls it
-  std::string driver;                      ///< name of the driver
-  std::string driver_version;              ///< as the driver writes it
-  std::string api_version;                 ///< "major.minor.patch"
-  std::string uuid;                        ///< 8-4-4-4-12 hexadecimal digits
-  bool software = false;                   ///< runs on the CPU (lavapipe, SwiftShader)
+  uint32_t index = 0;          ///< in the order of list_devices()
+  std::string name;            ///< as its driver calls it
+  std::string driver;          ///< name of the driver
+  std::string driver_version;  ///< as the driver writes it
+  std::string api_version;     ///< "major.minor.patch"
+  std::string uuid;            ///< 8-4-4-4-12 hexadecimal digits
+  bool software = false;       ///< runs on the CPU (lavapipe, SwiftShader)
+  /// Kernels are launched as on a GPU, in many groups; on software devices where a test asks for
+  /// it.
+  bool gpu_shapes = true;
   uint32_t subgroup_size = 0;              ///< lanes
   uint64_t max_storage_buffer_bytes = 0;   ///< the largest slice bound as storage
   uint32_t max_texel_buffer_elements = 0;  ///< texels of the largest slice bound as texels

@@ -184,6 +184,7 @@ void Recorder::dispatch_bytes(const Kernel& kernel, uint32_t groups,
   if (groups > 0) {
     bind(*state_, kernel, push, slices);
     slot.commands().dispatch(groups, 1, 1);
+    ++state_->work.dispatches;
   }
 }
 
@@ -200,12 +201,14 @@ void Recorder::dispatch_indirect_bytes(const Kernel& kernel, Slice args,
   }
   bind(*state_, kernel, push, slices);
   slot.commands().dispatchIndirect(handle(args), args.offset);
+  ++state_->work.dispatches;
 }
 
 void Recorder::fill(Slice slice, uint32_t value) {
   const CommandSlot& slot = slot_of(state_);
   check_words("fill", slice);
   slot.commands().fillBuffer(handle(slice), slice.offset, slice.bytes, value);
+  ++state_->work.copies;
 }
 
 void Recorder::copy(Slice from, Slice to) {
@@ -224,6 +227,9 @@ void Recorder::copy(Slice from, Slice to) {
   }
   slot.commands().copyBuffer(handle(from), handle(to),
                              vk::BufferCopy(from.offset, to.offset, from.bytes));
+  ++state_->work.copies;
+  state_->work.upload_bytes += from.buffer->kind == Memory::upload ? from.bytes : 0;
+  state_->work.readback_bytes += to.buffer->kind == Memory::readback ? to.bytes : 0;
 }
 
 void Recorder::barrier() {
@@ -236,6 +242,7 @@ void Recorder::barrier() {
       Access::eShaderStorageRead | Access::eShaderStorageWrite | Access::eShaderSampledRead |
           Access::eTransferRead | Access::eTransferWrite | Access::eIndirectCommandRead);
   slot_of(state_).commands().pipelineBarrier2(vk::DependencyInfo({}, everything));
+  ++state_->work.barriers;
 }
 
 Recorder::Scope Recorder::scope(std::string_view name) {

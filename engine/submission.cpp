@@ -8,8 +8,19 @@
 
 namespace adit::engine {
 
-Submission::State::State(Device& owner, std::unique_ptr<CommandSlot> commands, uint64_t at)
-    : device(&owner), slot(std::move(commands)), value(at) {}
+RecordedWork& RecordedWork::operator+=(const RecordedWork& other) {
+  submissions += other.submissions;
+  dispatches += other.dispatches;
+  barriers += other.barriers;
+  copies += other.copies;
+  upload_bytes += other.upload_bytes;
+  readback_bytes += other.readback_bytes;
+  return *this;
+}
+
+Submission::State::State(Device& owner, std::unique_ptr<CommandSlot> commands, uint64_t at,
+                         const RecordedWork& recorded)
+    : device(&owner), slot(std::move(commands)), value(at), work(recorded) {}
 
 Submission::State::~State() {
   try {
@@ -40,6 +51,10 @@ void Submission::wait() {
 
 bool Submission::done() const {
   return state_->slot == nullptr || state_->device->reached(state_->value);
+}
+
+const RecordedWork& Submission::recorded() const {
+  return state_->work;
 }
 
 const std::vector<ScopeTime>& Submission::scope_times() const {

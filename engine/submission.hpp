@@ -16,6 +16,18 @@ struct ScopeTime {
   uint32_t depth = 0;      ///< 0 for a scope that is in no other
 };
 
+/// What was recorded for the device, in one submission or several.
+struct RecordedWork {
+  uint32_t submissions = 0;  ///< each costs the host a wait
+  uint32_t dispatches = 0;  ///< of kernels, also of such as the device then finds nothing to do for
+  uint32_t barriers = 0;    ///< each waits for all that was recorded before it
+  uint32_t copies = 0;      ///< of slices, and fills
+  uint64_t upload_bytes = 0;    ///< copied from the host's memory
+  uint64_t readback_bytes = 0;  ///< copied to the host's memory
+
+  RecordedWork& operator+=(const RecordedWork& other);
+};
+
 /// Work on its way to, on, or done by the device. Destroying it waits for the work, so that buffers
 /// made before it are never freed under the device's hands.
 class [[nodiscard]] Submission {
@@ -31,6 +43,8 @@ class [[nodiscard]] Submission {
   /// In order of recording; empty unless the context profiles. Only after wait(): std::logic_error
   /// before.
   const std::vector<ScopeTime>& scope_times() const;
+  /// What it consists of.
+  const RecordedWork& recorded() const;
 
   struct State;
 

@@ -30,35 +30,37 @@ layout(push_constant, scalar) uniform Push { EmitPush push; };
 
 #include "adit/shaders/include/surface_sums.glsl"
 
-shared uint thread_offsets[kLocalSize];
+shared uint counts[kLocalSize];  // of this group's threads
+shared uint group_offset;
 
 // Points before this thread's: those of earlier groups, and of earlier threads of this group.
-uint output_offset(Part part) {
+uint output_offset(Part part, uint count) {
   const uint local = gl_LocalInvocationIndex;
-  thread_offsets[local] = thread_counts[part.index];
-  barrier();
+  counts[local] = count;
   if (local == 0) {
-    uint offset = 0;
-    for (uint g = 0; g < part.group; ++g) {
-      offset += group_counts[g];
-    }
-    for (uint t = 0; t < kLocalSize; ++t) {
-      const uint count = thread_offsets[t];
-      thread_offsets[t] = offset;
-      offset += count;
-    }
-    if (part.group == gl_NumWorkGroups.x - 1) {
-      counters.cloud_points = offset;
-    }
+    group_offset = 0;
   }
   barrier();
-  return thread_offsets[local];
+  uint before = 0;
+  for (uint g = local; g < part.group; g += kLocalSize) {
+    before += group_counts[g];
+  }
+  atomicAdd(group_offset, before);
+  barrier();
+  uint offset = group_offset;
+  for (uint t = 0; t < local; ++t) {
+    offset += counts[t];
+  }
+  if (part.group == gl_NumWorkGroups.x - 1 && local == kLocalSize - 1) {
+    counters.cloud_points = offset + count;
+  }
+  return offset;
 }
 
 void main() {
   const Part part = part_of_thread((push.point_count + kRun - 1) / kRun, kLocalSize);
   const uint count = thread_counts[part.index];
-  const uint offset = output_offset(part);
+  const uint offset = output_offset(part, count);
   for (uint k = 0; k < count; ++k) {
     const uvec2 first = firsts[part.begin * kRun + k];
     const vec4 raw = uintBitsToFloat(FETCH(points, first.y));

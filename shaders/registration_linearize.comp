@@ -17,6 +17,9 @@
 #include "adit/shaders/include/registration_directions.glsl"
 #include "adit/shaders/include/registration_sums.glsl"
 
+const uint kRowSize = kSums;
+#include "adit/shaders/include/registration_rows.glsl"
+
 const uint kMaxSubgroups = kLocalSize / 4;  // no baseline device has subgroups of fewer than 4
 shared float subgroup_sums[kMaxSubgroups * kSums];
 shared bool is_last;
@@ -52,7 +55,8 @@ void main() {
   const uint local = gl_LocalInvocationIndex;
   const uint at = gl_WorkGroupID.y;
   const RegistrationJob job = jobs[at];
-  if (progress[at].phase != push.serves || gl_WorkGroupID.x >= job.groups) {
+  const uint groups = groups_of(job);
+  if (progress[at].phase != push.serves || gl_WorkGroupID.x >= groups) {
     return;
   }
   const mat3x4 pose = states[at].pose;
@@ -63,7 +67,7 @@ void main() {
   for (uint k = 0; k < kSums; ++k) {
     sums[k] = 0.0;
   }
-  const uint threads = job.groups * kLocalSize;
+  const uint threads = groups * kLocalSize;
   for (uint i = gl_WorkGroupID.x * kLocalSize + local; i < job.source_count; i += threads) {
     const SourcePoint s = source_point(job.source_begin + (kMethod == kNdtToNdt ? 3 * i : i), pose);
     accumulate(sums, s.ra, pull_of(s, pose, job, max_squared));
@@ -87,18 +91,17 @@ void main() {
   memoryBarrierBuffer();
   barrier();
   if (local == 0) {
-    is_last = atomicAdd(progress[at].ticket, 1) == job.groups - 1;
+    is_last = atomicAdd(progress[at].ticket, 1) == groups - 1;
   }
   barrier();
   if (!is_last) {
     return;
   }
   memoryBarrierBuffer();
+  add_row_parts(at, groups);
+  barrier();
   for (uint k = local; k < kSums; k += kLocalSize) {
-    float sum = 0.0;
-    for (uint g = 0; g < job.groups; ++g) {
-      sum += partials[(at * push.group_stride + g) * kSystemStride + k];
-    }
+    const float sum = row_sum(k);
     system[k] = sum;
     states[at].system[k] = sum;
   }

@@ -13,6 +13,8 @@
 #include "adit/shaders/include/registration_match.glsl"
 
 const uint kSupports = 7;  // for the six directions, and the matches
+const uint kRowSize = kSupports;
+#include "adit/shaders/include/registration_rows.glsl"
 const uint kMaxSubgroups = kLocalSize / 4;
 shared float subgroup_sums[kMaxSubgroups * kSupports];
 shared bool is_last;
@@ -75,7 +77,8 @@ void main() {
   const uint local = gl_LocalInvocationIndex;
   const uint at = gl_WorkGroupID.y;
   const RegistrationJob job = jobs[at];
-  if (progress[at].phase != push.serves || gl_WorkGroupID.x >= job.groups) {
+  const uint groups = groups_of(job);
+  if (progress[at].phase != push.serves || gl_WorkGroupID.x >= groups) {
     return;
   }
   const mat3x4 pose = states[at].pose;
@@ -85,7 +88,7 @@ void main() {
   for (uint k = 0; k < kSupports; ++k) {
     sums[k] = 0.0;
   }
-  const uint threads = job.groups * kLocalSize;
+  const uint threads = groups * kLocalSize;
   for (uint i = gl_WorkGroupID.x * kLocalSize + local; i < job.source_count; i += threads) {
     const SourcePoint s = source_point(job.source_begin + i, pose);
     const vec3 q = s.ra + t;
@@ -126,19 +129,20 @@ void main() {
   }
   barrier();
   if (local == 0) {
-    is_last = atomicAdd(progress[at].ticket, 1) == job.groups - 1;
+    is_last = atomicAdd(progress[at].ticket, 1) == groups - 1;
   }
   barrier();
-  if (!is_last || local != 0) {
+  if (!is_last) {
     return;
   }
   memoryBarrierBuffer();
+  add_row_parts(at, groups);
+  barrier();
+  if (local != 0) {
+    return;
+  }
   for (uint k = 0; k < kSupports; ++k) {
-    float sum = 0.0;
-    for (uint g = 0; g < job.groups; ++g) {
-      sum += partials[(at * push.group_stride + g) * kSystemStride + k];
-    }
-    sums[k] = sum;
+    sums[k] = row_sum(k);
   }
   progress[at].ticket = 0;
   decide(at, sums);

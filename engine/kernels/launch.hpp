@@ -16,6 +16,7 @@ struct LaunchShape {
   uint32_t groups = 0;      ///< a power of two
   uint32_t run =
       0;  ///< consecutive raw points one invocation looks at when down-sampling; 8 at most
+  uint32_t least_items = 1;  ///< of reductions: what a group takes before another one takes part
 
   uint32_t threads() const { return local_size * groups; }
 };
@@ -23,14 +24,20 @@ struct LaunchShape {
 /// Software devices: few groups, since a group has a price and there are few cores. Others: enough
 /// to fill a large GPU.
 inline LaunchShape launch_shape(const DeviceInfo& device) {
-  return device.software ? LaunchShape{64, 16, 8} : LaunchShape{128, 512, 4};
+  return device.gpu_shapes ? LaunchShape{.local_size = 128, .groups = 512, .run = 4}
+                           : LaunchShape{.local_size = 64, .groups = 16, .run = 8};
 }
 
-/// The same for kernels whose last group goes on alone. Software devices run that part in every
-/// subgroup of every group, lanes off: one subgroup a group is the fewest.
+/// The same for kernels whose last group goes on alone, at most `groups` of them. Software devices
+/// run that part in every subgroup of every group, lanes off: one subgroup a group is the fewest.
+/// On GPUs the last group adds up one row of every other: few large groups make few rows.
 inline LaunchShape reduction_shape(const DeviceInfo& device) {
   LaunchShape shape = launch_shape(device);
-  if (device.software) {
+  if (device.gpu_shapes) {
+    shape.local_size = 256;
+    shape.groups = 256;
+    shape.least_items = shape.local_size;
+  } else {
     shape.local_size = std::clamp(device.subgroup_size, 8U, 64U);
   }
   return shape;

@@ -17,12 +17,13 @@ namespace {
 // Eigenvalues of the regularised covariances are (epsilon, 1, 1): Koide et al. and all its
 // descendants.
 constexpr float kPlaneEpsilon = 1e-3F;
-// Points a group takes at least before another one is worth its price.
+// Points a group takes at least before another one is worth its price, where the shape says none.
 constexpr uint32_t kPointsOfAGroup = 512;
 
 std::vector<Specialization> constants(const RegistrationOptions& options, const LaunchShape& shape,
                                       bool texels) {
-  return {{0, shape.local_size}, {2, texels ? 1U : 0U}, {3, options.method}};
+  return {
+      {0, shape.local_size}, {2, texels ? 1U : 0U}, {3, options.method}, {8, shape.least_items}};
 }
 
 std::vector<Specialization> constants(const RegistrationOptions& options, const LaunchShape& shape,
@@ -54,7 +55,8 @@ RegistrationKernels::RegistrationKernels(Context& context, const RegistrationOpt
       localize_(context, "registration_localize", constants(options, shape_, texels_)) {}
 
 uint32_t RegistrationKernels::groups(uint32_t points) const {
-  const uint32_t wanted = points / kPointsOfAGroup;
+  const uint32_t each = shape_.least_items > 1 ? shape_.least_items : kPointsOfAGroup;
+  const uint32_t wanted = points / each;
   const uint32_t usual = std::clamp(std::bit_ceil(std::max(wanted, 1U)), 2U, shape_.groups);
   // A point, and each voxel it looks at: the look-up's loops, the sums' and the directions'.
   const uint32_t rounds = 10 + 4 * options_.neighbours;

@@ -14,7 +14,7 @@ namespace adit::engine {
 /// shaders/include/texels.glsl): on software devices, where that is several times faster, if all of
 /// a table that fits a storage buffer can be bound so.
 inline bool reads_texels(const DeviceInfo& device) {
-  return device.software &&
+  return !device.gpu_shapes &&
          device.max_texel_buffer_elements >= device.max_storage_buffer_bytes / kTexelBytes;
 }
 

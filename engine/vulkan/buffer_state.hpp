@@ -14,13 +14,14 @@
 namespace adit::engine {
 
 struct Buffer::State {
-  State(Device& owner, uint64_t size, Memory kind, std::string_view label);
+  State(Device& owner, uint64_t size, Memory where, std::string_view label);
   ~State();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
   Device* device;
   uint64_t bytes;
+  Memory kind;
   std::string name;
   vk::raii::Buffer handle{nullptr};
   Allocator::Allocation memory;

@@ -45,7 +45,9 @@ Device::Device(const ContextOptions& options)
   software_fallback = choice.software_fallback;
   physical = std::move(devices[choice.position]);
   info = std::move(infos[choice.position]);
+  info.gpu_shapes = !info.software || options.gpu_shapes;
   translated("opening device '" + info.name + "'", [&] { create_device(); });
+  keep_drivers_loaded();  // and what they have loaded for it
   memory.emplace(physical, device, info.unified_memory, options.memory_budget_bytes);
 }
 

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/engine/vulkan/instance.hpp"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace adit::engine {
 namespace {
@@ -37,7 +42,26 @@ std::unique_ptr<vk::raii::Context> open_loader() {
   }
 }
 
+int add_name(dl_phdr_info* library, std::size_t /*bytes*/, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(library->dlpi_name);
+  return 0;
+}
+
 }  // namespace
+
+// The loader unloads drivers with the last instance. NVIDIA's takes thread-local storage each time
+// that it is loaded and does not give it back: after some ten times it is not found any more.
+void keep_drivers_loaded() {
+  std::vector<std::string> names;
+  dl_iterate_phdr(&add_name, &names);
+  for (const std::string& name : names) {
+    void* library =
+        name.empty() ? nullptr : dlopen(name.c_str(), RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+    if (library != nullptr) {
+      dlclose(library);
+    }
+  }
+}
 
 void MessageLog::add(std::string message) {
   const std::scoped_lock lock(mutex_);
@@ -92,6 +116,7 @@ Instance make_instance(bool validation, bool synchronization_validation) {
     });
     result.debug_names = true;
   }
+  keep_drivers_loaded();
   return result;
 }
 

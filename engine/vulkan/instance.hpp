@@ -37,6 +37,9 @@ struct Instance {
 /// Throws Error: no loader, no driver, no validation layer where it is asked for.
 Instance make_instance(bool validation, bool synchronization_validation);
 
+/// Whatever is loaded now stays so for as long as the process lives.
+void keep_drivers_loaded();
+
 /// All physical devices, in the loader's order; at least one, or Error.
 std::vector<vk::raii::PhysicalDevice> enumerate_devices(const Instance& instance);
 

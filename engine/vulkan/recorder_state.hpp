@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "adit/engine/recorder.hpp"
+#include "adit/engine/submission.hpp"
 #include "adit/engine/vulkan/device.hpp"
 
 namespace adit::engine {
@@ -18,6 +19,7 @@ struct Recorder::State {
   Device* device;
   std::unique_ptr<CommandSlot> slot;  // null once submitted
   const Kernel::State* bound = nullptr;
+  RecordedWork work;
 };
 
 }  // namespace adit::engine

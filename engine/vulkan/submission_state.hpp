@@ -11,7 +11,8 @@
 namespace adit::engine {
 
 struct Submission::State {
-  State(Device& owner, std::unique_ptr<CommandSlot> commands, uint64_t at);
+  State(Device& owner, std::unique_ptr<CommandSlot> commands, uint64_t at,
+        const RecordedWork& recorded);
   ~State();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -21,6 +22,7 @@ struct Submission::State {
   Device* device;
   std::unique_ptr<CommandSlot> slot;  // null once the work is done and its times are read
   uint64_t value;                     // the timeline's value when the work is done
+  RecordedWork work;
   std::vector<ScopeTime> times;
 };
 

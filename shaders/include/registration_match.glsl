@@ -21,6 +21,9 @@ layout(constant_id = 6) const bool kDropBackFaces = false;
 // kSystemSize, or kGeometrySize: also the sums that tell what the matches hold.
 layout(constant_id = 7) const uint kSums = kSystemSize;
 const bool kGeometry = kSums == kGeometrySize;
+// What a group takes before another one takes part: an alignment is launched for the most points
+// that its source may have.
+layout(constant_id = 8) const uint kLeastPoints = 1;
 
 layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 source[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Voxels { uvec4 voxels[]; };
@@ -99,6 +102,10 @@ SourcePoint source_point(uint at, mat3x4 pose) {
     s.faces = (point.w >> 30) == kPlane;
   }
   return s;
+}
+
+uint groups_of(RegistrationJob job) {
+  return clamp((job.source_count + kLeastPoints - 1) / kLeastPoints, 1u, job.groups);
 }
 
 ivec3 neighbour(uint n) {

@@ -27,6 +27,9 @@ constexpr engine::RegistrationSettings kCoarseSettings = {
 
 constexpr uint32_t kMostStarts = kMostPlaces;
 
+// Steps that most alignments end within.
+constexpr uint32_t kFewSteps = 8;
+
 // Levels, and their places in the buffers: 0 is the fine one. Each has a job for every start.
 constexpr size_t kLevels = 1 + kCoarseFactors.size();
 constexpr uint64_t kJobStride = engine::align_slice(kMostStarts * sizeof(gpu::RegistrationJob));
@@ -113,19 +116,85 @@ Aligner::Aligner(engine::Context& context, const RegistrationConfig& config)
           context.make_buffer(kernels_.scratch_bytes(kMostStarts, kernels_.groups(kLargestSweep)),
                               engine::Memory::device, "alignment scratch")),
       readback_(context.make_buffer(kMapCountersAt + sizeof(gpu::VoxelMapCounters),
-                                    engine::Memory::readback, "alignment back")) {}
+                                    engine::Memory::readback, "alignment back")) {
+  steps_.fill(kFewSteps);
+}
 
 void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
                      std::span<const Eigen::Isometry3d> places, engine::Slice surface_cloud,
                      engine::Slice counters, uint32_t most_points, Submap& submap) {
   groups_ = kernels_.groups(most_points);
+  trusted_ = prediction.trusted;
+  const engine::RegistrationSettings fine = settings(trusted_);
   record_starts(recorder, prediction, places, submap);
   record_jobs(recorder, 0, submap.voxel_map(), config_.d_max, counters);
-  record_fine(recorder, arguments(false, 0, surface_cloud, submap.voxel_map()), prediction.trusted);
+  const engine::RegistrationArguments from_prediction =
+      arguments(false, 0, surface_cloud, submap.voxel_map());
+  engine::RegistrationKernels::record_start(recorder, from_prediction);
+  // A search is rare, and has its price anyway.
+  recorded_ = starts_ > 0 ? most_passes(fine) : expected_passes(fine);
+  record_fine(recorder, from_prediction, fine, recorded_);
   if (starts_ > 0) {
     record_search(recorder, surface_cloud, counters, submap);
-    record_fine(recorder, arguments(true, 0, surface_cloud, submap.voxel_map()), false);
+    const engine::RegistrationSettings untrusted = settings(false);
+    const engine::RegistrationArguments search =
+        arguments(true, 0, surface_cloud, submap.voxel_map());
+    engine::RegistrationKernels::record_start(recorder, search);
+    record_fine(recorder, search, untrusted, most_passes(untrusted));
   }
+  record_readback(recorder, submap);
+}
+
+void Aligner::record_rest(engine::Recorder& recorder, engine::Slice surface_cloud,
+                          const Submap& submap) {
+  // As many again as there were.
+  const Passes more{
+      .steps = header().iterate.remaining > 0 ? std::max(recorded_.steps, 1U) : 0,
+      .constrained_steps = trusted_ ? std::max(recorded_.constrained_steps, kFewSteps) : 0};
+  recorded_.steps += more.steps;
+  recorded_.constrained_steps += more.constrained_steps;
+  record_fine(recorder, arguments(false, 0, surface_cloud, submap.voxel_map()), settings(trusted_),
+              more);
+  record_readback(recorder, submap);
+}
+
+// Every alignment that there is has ended by as many steps as it may take.
+bool Aligner::unfinished() const {
+  const Passes most = most_passes(settings(trusted_));
+  return (header().iterate.remaining > 0 && recorded_.steps < most.steps) ||
+         (header().constrained.remaining > 0 &&
+          recorded_.constrained_steps < most.constrained_steps);
+}
+
+const gpu::RegistrationHeader& Aligner::header() const {
+  return *reinterpret_cast<const gpu::RegistrationHeader*>(readback_.mapped() + kProgressBackAt);
+}
+
+Aligner::Passes Aligner::most_passes(const engine::RegistrationSettings& settings) const {
+  using Stage = engine::RegistrationKernels::Stage;
+  return {.steps = kernels_.passes(Stage::iterate, settings),
+          .constrained_steps = kernels_.passes(Stage::constrain, settings)};
+}
+
+Aligner::Passes Aligner::expected_passes(const engine::RegistrationSettings& settings) const {
+  const Passes most = most_passes(settings);
+  const uint32_t steps = *std::ranges::max_element(steps_) + 1;
+  const uint32_t constrained = constrained_steps_ > 0 ? constrained_steps_ + 1 : 0;
+  return {.steps = std::min(steps, most.steps),
+          .constrained_steps = std::min(constrained, most.constrained_steps)};
+}
+
+// Steps before constrained ones are not counted on the device.
+void Aligner::note_passes(const RegistrationResult& result) {
+  const auto steps = static_cast<uint32_t>(result.iterations);
+  constrained_steps_ = result.used_prior ? steps : 0;
+  if (!result.used_prior) {
+    steps_[next_] = steps;
+    next_ = (next_ + 1) % steps_.size();
+  }
+}
+
+void Aligner::record_readback(engine::Recorder& recorder, const Submap& submap) {
   recorder.copy(states_, readback_.slice(0, kStateBytes));
   recorder.copy(progress_, readback_.slice(kProgressBackAt, kProgressBytes));
   recorder.copy(submap.voxel_map().counters,
@@ -217,24 +286,38 @@ void Aligner::record_search(engine::Recorder& recorder, engine::Slice surface_cl
   }
 }
 
-void Aligner::record_fine(engine::Recorder& recorder,
-                          const engine::RegistrationArguments& arguments, bool trusted) {
-  const engine::RegistrationSettings settings{
-      .translation_epsilon = config_.translation_epsilon,
-      .rotation_epsilon = config_.rotation_epsilon,
-      .max_iterations = static_cast<uint32_t>(config_.max_iterations),
-      .max_constrained = trusted ? static_cast<uint32_t>(config_.max_iterations) : 0,
-      .weak_share = 0.0,  // a constant velocity knows less than a few matches
-      .robust_width = kRobustWidth};
-  {
-    const engine::Scope scope = recorder.scope("alignment");
-    kernels_.record_steps(recorder, settings, arguments, scratch_);
-  }
-  const engine::Scope scope = recorder.scope("assessment");
-  kernels_.record_assessment(recorder, settings, arguments, scratch_);
+engine::RegistrationSettings Aligner::settings(bool trusted) const {
+  return {.translation_epsilon = config_.translation_epsilon,
+          .rotation_epsilon = config_.rotation_epsilon,
+          .max_iterations = static_cast<uint32_t>(config_.max_iterations),
+          .max_constrained = trusted ? static_cast<uint32_t>(config_.max_iterations) : 0,
+          .weak_share = 0.0,  // a constant velocity knows less than a few matches
+          .robust_width = kRobustWidth};
 }
 
-RegistrationResult Aligner::read_result(int source_points, const Submap& submap) const {
+void Aligner::record_fine(engine::Recorder& recorder,
+                          const engine::RegistrationArguments& arguments,
+                          const engine::RegistrationSettings& settings, const Passes& passes) {
+  using Stage = engine::RegistrationKernels::Stage;
+  const auto record = [&](Stage stage, uint32_t count) {
+    kernels_.record(recorder, stage, 0, count, settings, arguments, scratch_);
+  };
+  if (passes.steps > 0) {
+    {
+      const engine::Scope scope = recorder.scope("alignment");
+      record(Stage::iterate, passes.steps);
+    }
+    const engine::Scope scope = recorder.scope("assessment");
+    record(Stage::geometry, kernels_.passes(Stage::geometry, settings));
+  }
+  if (passes.constrained_steps > 0) {
+    const engine::Scope scope = recorder.scope("constrained alignment");
+    record(Stage::constrain, passes.constrained_steps);
+    record(Stage::geometry_again, kernels_.passes(Stage::geometry_again, settings));
+  }
+}
+
+RegistrationResult Aligner::read_result(int source_points, const Submap& submap) {
   const auto read = [&](bool search, uint32_t k) {
     const std::byte* states = readback_.mapped() + (search ? kStateStride : 0);
     const std::byte* progress = readback_.mapped() + kProgressBackAt +
@@ -245,6 +328,7 @@ RegistrationResult Aligner::read_result(int source_points, const Submap& submap)
                              method_ == RegistrationMethod::vgicp ? kFictitious : 0.0, config_);
   };
   RegistrationResult result = read(false, 0);
+  note_passes(result);
   if (starts_ > 0) {
     std::vector<RegistrationResult> found;
     for (uint32_t k = 0; k < starts_; ++k) {

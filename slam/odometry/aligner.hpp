@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "adit/engine/buffer.hpp"
@@ -21,14 +24,20 @@ class Aligner {
  public:
   Aligner(engine::Context& context, const RegistrationConfig& config);
 
-  /// Records the whole alignment and the copies back; the submap is up to date and not empty.
+  /// Records the alignment and the copies back; the submap is up to date and not empty.
   /// `places` (T_map_lidar, kMostPlaces at most; none: no search) are searched from. The device
   /// knows how many points the cloud has; at most `most_points`.
   void record(engine::Recorder& recorder, const Prediction& prediction,
               std::span<const Eigen::Isometry3d> places, engine::Slice surface_cloud,
               engine::Slice counters, uint32_t most_points, Submap& submap);
-  /// After the submission: the result in the map frame, and what the submap's voxel map counted.
-  RegistrationResult read_result(int source_points, const Submap& submap) const;
+  /// After the submission: the alignment needs more steps than were recorded. Usually it does not:
+  /// as many are recorded as the last ones needed and one more, since each step beyond the last has
+  /// its price on a GPU, although it does nothing.
+  bool unfinished() const;
+  /// Records the steps that follow, and the copies back; what record() was given is still there.
+  void record_rest(engine::Recorder& recorder, engine::Slice surface_cloud, const Submap& submap);
+  /// After that: the result in the map frame, and what the submap's voxel map counted.
+  RegistrationResult read_result(int source_points, const Submap& submap);
   gpu::VoxelMapCounters read_map_counters() const;
 
  private:
@@ -39,9 +48,21 @@ class Aligner {
                      std::span<const Eigen::Isometry3d> places, const Submap& submap);
   void record_search(engine::Recorder& recorder, engine::Slice surface_cloud,
                      engine::Slice counters, Submap& submap);
-  /// A trusted prediction decides in directions that no match holds.
+  /// Passes of the fine alignment that are recorded at once.
+  struct Passes {
+    uint32_t steps = 0;
+    uint32_t constrained_steps = 0;
+  };
+  engine::RegistrationSettings settings(bool trusted) const;
+  Passes most_passes(const engine::RegistrationSettings& settings) const;
+  /// What the last alignments needed. A trusted prediction decides in directions that no match
+  /// holds.
+  Passes expected_passes(const engine::RegistrationSettings& settings) const;
   void record_fine(engine::Recorder& recorder, const engine::RegistrationArguments& arguments,
-                   bool trusted);
+                   const engine::RegistrationSettings& settings, const Passes& passes);
+  void record_readback(engine::Recorder& recorder, const Submap& submap);
+  const gpu::RegistrationHeader& header() const;
+  void note_passes(const RegistrationResult& result);
   void record_jobs(engine::Recorder& recorder, size_t level, const engine::VoxelMapView& target,
                    double d_max, engine::Slice counters);
 
@@ -53,9 +74,14 @@ class Aligner {
   engine::Buffer progress_;  ///< alignment from the prediction, then the search
   engine::Buffer states_;    ///< the same
   engine::Buffer scratch_;
-  engine::Buffer readback_;  ///< states, progress, then the voxel map's counters
-  uint32_t groups_ = 0;      ///< number in the last alignment recorded
-  uint32_t starts_ = 0;      ///< that its search had; 0: there was none
+  engine::Buffer readback_;         ///< states, progress, then the voxel map's counters
+  uint32_t groups_ = 0;             ///< number in the last alignment recorded
+  uint32_t starts_ = 0;             ///< that its search had; 0: there was none
+  bool trusted_ = false;            ///< its prediction
+  Passes recorded_;                 ///< of the last alignment, so far
+  std::array<uint32_t, 8> steps_;   ///< of the last alignments, in turns
+  size_t next_ = 0;                 ///< in steps_
+  uint32_t constrained_steps_ = 0;  ///< of the last alignment
 };
 
 }  // namespace adit

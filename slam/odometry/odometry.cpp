@@ -90,6 +90,9 @@ SweepResult Odometry::finish() {
   impl_->wait(begun.submission, result);
   const auto start = std::chrono::steady_clock::now();
   const double waited = result.wait_ms;
+  if (begun.aligns) {
+    impl_->align_on(result);
+  }
   impl_->read_back(begun);
   if (begun.aligns) {
     impl_->search_again(begun.expected, result);

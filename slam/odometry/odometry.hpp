@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/engine/submission.hpp"
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
@@ -61,10 +62,11 @@ struct SweepResult {
   std::vector<Point> cloud;  ///< keyframes only: the down-sampled sweep, lidar frame
   /// Coasted for so long that the submap starts anew, at a pose that inertia knows.
   bool renewed = false;
-  std::vector<StageTime> stages;  ///< device time by stage (empty unless the context profiles)
-  double host_ms = 0.0;           ///< host work: copy into staging, record, read back
-  double inertial_ms = 0.0;       ///< part of host_ms: preintegration and the sliding graph
-  double wait_ms = 0.0;           ///< host time spent waiting for the device
+  std::vector<StageTime> stages;     ///< device time by stage (empty unless the context profiles)
+  engine::RecordedWork device_work;  ///< what the device was given to do
+  double host_ms = 0.0;              ///< host work: copy into staging, record, read back
+  double inertial_ms = 0.0;          ///< part of host_ms: preintegration and the sliding graph
+  double wait_ms = 0.0;              ///< host time spent waiting for the device
 };
 
 /// Odometry from a range sensor and, where there is one, an inertial sensor: prediction of the
@@ -72,8 +74,9 @@ struct SweepResult {
 /// graph. Without inertial readings, or while they fail a check, motion is predicted at constant
 /// velocity.
 ///
-/// One device submission and one host wait a sweep; a second where the alignment falls short of
-/// what is usual and is searched for again, two more at the second sweep of all. The map frame has
+/// One device submission and one host wait a sweep; more where the alignment takes more steps than
+/// the last ones did, or falls short of what is usual and is searched for again, and at the second
+/// sweep of all. The map frame has
 /// its origin at the lidar of the first sweep; with an inertial sensor its z is up as that saw it
 /// then, without one its axes are the lidar's. On one device the same input gives the same bytes.
 class Odometry {

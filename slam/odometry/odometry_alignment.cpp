@@ -83,10 +83,20 @@ void Odometry::Impl::wait(engine::Submission& submission, SweepResult& result) {
     const auto start = std::chrono::steady_clock::now();
     submission.wait();
     result.wait_ms += milliseconds_since(start);
+    result.device_work += submission.recorded();
     add_stages(submission, result.stages);
   } catch (...) {
     invalidate();
     throw;
+  }
+}
+
+// An alignment that goes on for longer than the last ones did.
+void Odometry::Impl::align_on(SweepResult& result) {
+  while (aligner.unfinished()) {
+    engine::Submission submission = submitted(
+        [&](engine::Recorder& recorder) { aligner.record_rest(recorder, surface_cloud, submap); });
+    wait(submission, result);
   }
 }
 
@@ -142,6 +152,7 @@ void Odometry::Impl::search_again(const Expectation& expected, SweepResult& resu
                    front_end.points(), submap);
   });
   wait(submission, result);
+  align_on(result);
   const RegistrationResult found = aligner.read_result(result.cloud_points, submap);
   const bool against = expected.inertial && !is_within(found, expected.prediction, kInertialSigmas);
   const double needed = against ? kAgainstInertia : kAgainstPrediction;
@@ -234,6 +245,7 @@ void Odometry::Impl::begin_again(Begun& second) {
     second.expected.motion = motion_at(sweep, twist);
     engine::Submission aligned = submit(second.expected);
     wait(aligned, result);
+    align_on(result);
     read_back(second);
   }
 }

@@ -61,6 +61,7 @@ struct Odometry::Impl {
   // odometry_alignment.cpp: the device's part, and whether its result is accepted.
   engine::Submission submit(const Expectation& expected);
   void wait(engine::Submission& submission, SweepResult& result);
+  void align_on(SweepResult& result);
   void read_back(Begun& sweep);
   void search_again(const Expectation& expected, SweepResult& result);
   void judge(const Expectation& expected, SweepResult& result);

@@ -26,7 +26,7 @@ FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
                 .beam_spacing = config.beam_spacing,
                 .surface_size = config.surface_size},
       measures_beams_(config.beam_spacing == 0.0),
-      direct_(context.device().software),
+      direct_(!context.device().gpu_shapes),
       knots_(context.make_buffer(kMotionKnots * sizeof(gpu::DeskewKnot), engine::Memory::upload,
                                  "motion within the sweep")),
       counters_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::device,
@@ -134,11 +134,14 @@ void FrontEnd::record(engine::Recorder& recorder, engine::Slice surface_cloud,
                       .counters = counters_},
                      *scratch_);
   recorder.barrier();
-  recorder.copy(counters_, counters_readback_);
   if (!direct_ && point_count_ > 0) {
-    const uint64_t bytes = uint64_t{point_count_} * sizeof(Point);
+    // Sweeps have about as many points left as the one before.
+    const uint32_t last = copied_points_ > 0 ? read_counters().cloud_points : point_count_;
+    copied_points_ = std::min(point_count_, last + last / 4 + 1024);
+    const uint64_t bytes = uint64_t{copied_points_} * sizeof(Point);
     recorder.copy(cloud_->slice(0, bytes), cloud_readback_->slice(0, bytes));
   }
+  recorder.copy(counters_, counters_readback_);
 }
 
 gpu::SweepCounters FrontEnd::read_counters() const {
@@ -146,8 +149,16 @@ gpu::SweepCounters FrontEnd::read_counters() const {
 }
 
 std::vector<Point> FrontEnd::read_cloud() const {
+  const uint32_t count = read_counters().cloud_points;
+  if (!direct_ && count > copied_points_) {
+    const uint64_t at = uint64_t{copied_points_} * sizeof(Point);
+    const uint64_t bytes = uint64_t{count - copied_points_} * sizeof(Point);
+    engine::Recorder recorder = context_->make_recorder();
+    recorder.copy(cloud_->slice(at, bytes), cloud_readback_->slice(at, bytes));
+    context_->submit(std::move(recorder)).wait();
+  }
   const auto points = (direct_ ? *cloud_ : *cloud_readback_).as<Point>();
-  return {points.begin(), points.begin() + read_counters().cloud_points};
+  return {points.begin(), points.begin() + count};
 }
 
 }  // namespace adit

@@ -53,7 +53,8 @@ class FrontEnd {
   /// gpu::SweepCounters of the sweep on the device, for kernels that follow.
   engine::Slice counters() const { return counters_; }
 
-  /// After the submission: the counters, and the down-sampled cloud in the lidar frame.
+  /// After the submission: the counters, and the down-sampled cloud in the lidar frame. Where that
+  /// has more points than were to be expected, the others are fetched then.
   gpu::SweepCounters read_counters() const;
   std::vector<Point> read_cloud() const;
   /// After a submission that failed: the scratch may hold anything.
@@ -72,6 +73,7 @@ class FrontEnd {
   bool direct_;          ///< kernels read uploads, and the host reads results, where they are
   uint32_t capacity_ = 0;
   uint32_t point_count_ = 0;
+  uint32_t copied_points_ = 0;  ///< of the cloud, with the last sweep's submission
   bool reset_scratch_ = true;
   bool has_times_ = false;
   engine::Buffer knots_;  ///< uploaded

@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <link.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,6 +55,26 @@ TEST(Context, DeviceIsOpenedByIndexNameAndUuid) {
     EXPECT_EQ(context.device().uuid, first.uuid);
     EXPECT_FALSE(context.software_fallback());
   }
+}
+
+// NVIDIA's driver can be loaded some ten times in a process, and then no more.
+TEST(Context, DriversStayLoaded) {
+  const auto loaded = [] {
+    std::set<std::string> names;
+    dl_iterate_phdr(
+        [](dl_phdr_info* library, std::size_t /*bytes*/, void* found) {
+          static_cast<std::set<std::string>*>(found)->emplace(library->dlpi_name);
+          return 0;
+        },
+        &names);
+    return names;
+  };
+  std::set<std::string> during;
+  {
+    const Context context(named(""));
+    during = loaded();
+  }
+  EXPECT_EQ(loaded(), during);
 }
 
 TEST(Context, OnlySoftwareAndNothingAskedForIsAFallback) {

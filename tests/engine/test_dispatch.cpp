@@ -61,6 +61,32 @@ TEST_F(Dispatch, ProbeComputesWhatItsTwinComputesForAllSizes) {
   }
 }
 
+TEST_F(Dispatch, ASubmissionTellsWhatWasRecorded) {
+  const Kernel kernel(context(), "engine_probe");
+  const Buffer up = context().make_buffer(4096, Memory::upload, "up");
+  const Buffer in = context().make_buffer(4096, Memory::device, "in");
+  const Buffer out = output(1000);
+  const Buffer down = context().make_buffer(1024, Memory::readback, "down");
+  Recorder recorder = context().make_recorder();
+  recorder.copy(up.slice(0, 4000), in.slice(0, 4000));
+  recorder.fill(out, 0);
+  recorder.barrier();
+  recorder.dispatch(kernel, 4, ProbePush{1000, 0}, {in, out});
+  recorder.dispatch(kernel, 0, ProbePush{1000, 0}, {in, out});
+  recorder.barrier();
+  recorder.copy(out.slice(0, 1024), down);
+  Submission submission = context().submit(std::move(recorder));
+  submission.wait();
+  RecordedWork work = submission.recorded();
+  work += work;
+  EXPECT_EQ(work.submissions, 2U);
+  EXPECT_EQ(work.dispatches, 2U);  // no groups, no dispatch
+  EXPECT_EQ(work.barriers, 6U);    // a submission begins with one
+  EXPECT_EQ(work.copies, 6U);
+  EXPECT_EQ(work.upload_bytes, 8000U);
+  EXPECT_EQ(work.readback_bytes, 2048U);
+}
+
 TEST_F(Dispatch, ConstantsHaveTheirDefaultsUnlessSpecialised) {
   const Kernel kernel(context(), "engine_probe");
   EXPECT_EQ(kernel.local_size(), kDefaultLocalSize);

@@ -4,7 +4,7 @@
 // A context for tests that need a device. Which driver it finds is CTest's business
 // (VK_DRIVER_FILES): every device test runs once on each software driver. The validation layer and
 // synchronization validation are on, and a test that makes either of them say something fails;
-// ADIT_TEST_VALIDATION=0 turns them off.
+// ADIT_TEST_VALIDATION=0 turns them off. ADIT_TEST_GPU_SHAPES=1 launches kernels as on a GPU.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +32,7 @@ inline engine::ContextOptions test_options() {
   options.validation = validation_wanted();
   options.synchronization_validation = validation_wanted();
   options.profile = true;
+  options.gpu_shapes = std::getenv("ADIT_TEST_GPU_SHAPES") != nullptr;
   return options;
 }
 

@@ -57,6 +57,26 @@ Distribution distribution(std::vector<float> values) {
           .max = static_cast<double>(values.back())};
 }
 
+std::vector<WorkCounts> counts_by_kind(const std::vector<engine::RecordedWork>& sweeps) {
+  std::vector<WorkCounts> kinds;
+  const auto add = [&](const char* name, const auto& value) {
+    WorkCounts kind{.name = name, .counts = {}};
+    for (const engine::RecordedWork& sweep : sweeps) {
+      kind.counts.push_back(static_cast<float>(value(sweep)));
+    }
+    kinds.push_back(std::move(kind));
+  };
+  using Work = engine::RecordedWork;
+  add("submissions", [](const Work& work) { return work.submissions; });
+  add("dispatches", [](const Work& work) { return work.dispatches; });
+  add("barriers", [](const Work& work) { return work.barriers; });
+  add("copies", [](const Work& work) { return work.copies; });
+  add("KiB up", [](const Work& work) { return static_cast<double>(work.upload_bytes) / 1024.0; });
+  add("KiB down",
+      [](const Work& work) { return static_cast<double>(work.readback_bytes) / 1024.0; });
+  return kinds;
+}
+
 std::optional<std::string> failure_reason(const SweepResult& sweep, const Config& config) {
   const bool placed =
       sweep.state == OdometryState::tracking || sweep.state == OdometryState::initializing;
@@ -107,6 +127,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
     inertial_times_.ms.push_back(static_cast<float>(times.inertial));
   }
   add_device_times(result.stages);
+  work_.push_back(result.device_work);
 
   const auto reason = failure_reason(result, config_);
   if (!reason) {

@@ -57,6 +57,15 @@ struct StageTimes {
   std::vector<float> ms;
 };
 
+/// A kind of work that the device is given, one value a sweep.
+struct WorkCounts {
+  std::string name;
+  std::vector<float> counts;
+};
+
+/// "submissions", "dispatches", "barriers", "copies", "KiB up" and "KiB down".
+std::vector<WorkCounts> counts_by_kind(const std::vector<engine::RecordedWork>& sweeps);
+
 /// Adds up sweeps.
 class RunStatistics {
  public:
@@ -105,6 +114,8 @@ class RunStatistics {
   const StageTimes& inertial_stage() const { return inertial_times_; }
   /// In the order in which the device ran them, then "total", their sum; empty unless profiled.
   const std::vector<StageTimes>& device_stages() const { return device_; }
+  /// What the device was given to do for each sweep.
+  const std::vector<engine::RecordedWork>& device_work() const { return work_; }
 
  private:
   void add_device_times(const std::vector<StageTime>& stages);
@@ -129,6 +140,7 @@ class RunStatistics {
                                   StageTimes{"total", {}}};
   StageTimes inertial_times_{"imu and graph", {}};
   std::vector<StageTimes> device_;
+  std::vector<engine::RecordedWork> work_;
 };
 
 /// Every value of the two enumerations, in their order.

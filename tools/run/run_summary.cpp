@@ -60,8 +60,8 @@ ordered_json describe_sweeps(const RunStatistics& statistics) {
   return json;
 }
 
-ordered_json describe_stage(const StageTimes& stage) {
-  const Distribution times = distribution(stage.ms);
+ordered_json describe_values(const std::vector<float>& values) {
+  const Distribution times = distribution(values);
   return {{"sweeps", times.count},
           {"mean", times.mean},
           {"p50", times.p50},
@@ -69,11 +69,23 @@ ordered_json describe_stage(const StageTimes& stage) {
           {"max", times.max}};
 }
 
+ordered_json describe_stage(const StageTimes& stage) {
+  return describe_values(stage.ms);
+}
+
 template <class Stages>
 ordered_json describe_stages(const Stages& stages) {
   ordered_json json = ordered_json::object();
   for (const StageTimes& stage : stages) {
     json[stage.stage] = describe_stage(stage);
+  }
+  return json;
+}
+
+ordered_json describe_work(const std::vector<engine::RecordedWork>& sweeps) {
+  ordered_json json = ordered_json::object();
+  for (const WorkCounts& kind : counts_by_kind(sweeps)) {
+    json[kind.name] = describe_values(kind.counts);
   }
   return json;
 }
@@ -180,7 +192,8 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                   {"recorded_s", statistics.recorded_seconds()},
                   {"sweeps_per_s", rate(outcome, statistics)},
                   {"host_ms", describe_stages(statistics.host_stages())},
-                  {"device_ms", describe_stages(statistics.device_stages())}};
+                  {"device_ms", describe_stages(statistics.device_stages())},
+                  {"device_work", describe_work(statistics.device_work())}};
   json["output"] = describe_outputs(run, outcome);
   json["validation"] = {{"enabled", run.validation}, {"messages", outcome.validation_messages}};
   return json;

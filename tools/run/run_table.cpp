@@ -143,6 +143,12 @@ std::string stage_table(const RunStatistics& statistics) {
   for (const StageTimes& stage : statistics.device_stages()) {
     row("device", stage);
   }
+  text += "\n  given to the device a sweep sweeps     mean      p50      p95      max\n";
+  for (const WorkCounts& kind : counts_by_kind(statistics.device_work())) {
+    const Distribution d = distribution(kind.counts);
+    text += fmt::format("  {:<25} {:7}  {:>7.1f}  {:>7.0f}  {:>7.0f}  {:>7.0f}\n", kind.name,
+                        d.count, d.mean, d.p50, d.p95, d.max);
+  }
   return text;
 }
 
