@@ -17,6 +17,8 @@ std::vector<Case> kernel_cases();
 std::vector<Case> place_cases();
 /// Whole registrations, and batches of them.
 std::vector<Case> registration_cases();
+/// A sweep as the odometry takes it.
+std::vector<Case> sweep_cases();
 /// What the host does with the same clouds: de-skewing and one linearisation, in plain float32 C++
 /// with threads.
 std::vector<Case> host_cases();

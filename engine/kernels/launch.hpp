@@ -30,13 +30,15 @@ inline LaunchShape launch_shape(const DeviceInfo& device) {
 
 /// The same for kernels whose last group goes on alone, at most `groups` of them. Software devices
 /// run that part in every subgroup of every group, lanes off: one subgroup a group is the fewest.
-/// On GPUs the last group adds up one row of every other: few large groups make few rows.
-inline LaunchShape reduction_shape(const DeviceInfo& device) {
+/// On GPUs the last group adds up one row of every other. A reduction by itself is over soonest
+/// where each thread has one item; where there are `many` at once the GPU is full anyway, and the
+/// threads of fewer groups take several.
+inline LaunchShape reduction_shape(const DeviceInfo& device, bool many) {
   LaunchShape shape = launch_shape(device);
   if (device.gpu_shapes) {
-    shape.local_size = 256;
+    shape.local_size = many ? 128 : 256;
     shape.groups = 256;
-    shape.least_items = shape.local_size;
+    shape.least_items = many ? 4 * shape.local_size : shape.local_size;
   } else {
     shape.local_size = std::clamp(device.subgroup_size, 8U, 64U);
   }

@@ -46,7 +46,7 @@ float fictitious_information(uint32_t method) {
 
 RegistrationKernels::RegistrationKernels(Context& context, const RegistrationOptions& options)
     : options_(options),
-      shape_(reduction_shape(context.device())),
+      shape_(reduction_shape(context.device(), options.many)),
       texels_(reads_texels(context.device())),
       linearize_(context, "registration_linearize",
                  constants(options, shape_, texels_, gpu::kSystemSize)),

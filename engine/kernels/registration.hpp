@@ -18,8 +18,9 @@ struct RegistrationOptions {
   uint32_t method = gpu::kVgicp;     ///< gpu::kVgicp, kNdt, kPointToPlane or kNdtToNdt
   uint32_t neighbours = 1;           ///< voxels looked at for a point: 1, 7 or 27
   uint32_t robust = gpu::kNoRobust;  ///< gpu::kNoRobust, kHuber, kCauchy or kGemanMcClure
-  bool drop_back_faces = false;      ///< leave out surfaces that the target's sensor could only
-                                     ///< have seen from behind
+  bool many = false;  ///< of them are aligned at once (launch.hpp); the same sums in another order
+  bool drop_back_faces = false;  ///< leave out surfaces that the target's sensor could only
+                                 ///< have seen from behind
 };
 
 /// Settings of one level of a batch; length in m, angle in rad.

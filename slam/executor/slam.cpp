@@ -6,11 +6,15 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <future>
+#include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "adit/slam/core/frame_tree.hpp"
+#include "adit/slam/executor/worker.hpp"
 
 namespace adit {
 namespace {
@@ -43,8 +47,9 @@ class Waiting {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// One thread: what a keyframe asks of the map is done when it comes, so that it is ready when it
-/// is to take effect, and the next sweep waits meanwhile.
+/// The map takes up a sweep once the odometry is done with it, in a thread of its own, while the
+/// odometry goes on with the next sweep. A sweep is told when it is in the map, and the map has one
+/// at a time: so nothing hangs on which of the two is faster.
 class OfflineSlam final : public Slam {
  public:
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
@@ -75,31 +80,35 @@ class OfflineSlam final : public Slam {
       }
       fix->stamp += nanoseconds(gnss_.time_offset);
     }
+    flushing_ = false;
     feed_.add(std::move(measurement));
   }
 
   void add(const StaticTransform& transform) override { transforms_.add(transform); }
 
-  void flush() override { feed_.flush(); }
+  void flush() override {
+    feed_.flush();
+    flushing_ = true;
+  }
 
   std::optional<SlamResult> next() override {
-    while (taken_.empty()) {
-      std::optional<Measurement> due = feed_.next();
-      if (!due) {
+    while (true) {
+      if (!results_.empty() && is_known(results_.front())) {
+        return take_front();
+      }
+      if (std::optional<Measurement> due = feed_.next()) {
+        take(std::move(*due));
+      } else if (results_.empty() || !flushing_) {
         return std::nullopt;
-      }
-      if (auto* sweep = std::get_if<Sweep>(&*due)) {
-        return place(std::move(*sweep));
-      }
-      if (const auto* reading = std::get_if<ImuSample>(&*due)) {
-        take(*reading);
       } else {
-        take(std::get<GnssFix>(*due));
+        settle();
       }
     }
-    ReadingTaken taken = std::move(taken_.front());
-    taken_.pop_front();
-    return taken;
+  }
+
+  void settle() override {
+    const Waiting waiting(other_waits_);
+    wait_for_map();
   }
 
   std::optional<Mounting> mounting() const override { return mounting_; }
@@ -110,6 +119,7 @@ class OfflineSlam final : public Slam {
     if (map_ == nullptr) {
       return std::nullopt;
     }
+    settle();
     const Waiting waiting(other_waits_);
     begin_map();
     mapper_->finish();
@@ -120,11 +130,56 @@ class OfflineSlam final : public Slam {
   }
 
  private:
+  /// A sweep that the odometry has placed, on its way into the map.
+  struct InMap {
+    SweepPlaced placed;
+    std::vector<Point> cloud;  ///< down-sampled, lidar axes
+    std::shared_future<MapPlacement> mapped;
+  };
+  using Result = std::variant<SlamResult, std::unique_ptr<InMap>>;
+
+  bool is_known(const Result& result) const {
+    const auto* in_map = std::get_if<std::unique_ptr<InMap>>(&result);
+    return in_map == nullptr || in_map->get() != in_map_ ||
+           (*in_map)->mapped.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+
+  SlamResult take_front() {
+    Result front = std::move(results_.front());
+    results_.pop_front();
+    if (auto* known = std::get_if<SlamResult>(&front)) {
+      return std::move(*known);
+    }
+    InMap& in_map = *std::get<std::unique_ptr<InMap>>(front);
+    if (&in_map == in_map_) {
+      in_map_ = nullptr;
+    }
+    in_map.placed.mapped = in_map.mapped.get();
+    return std::move(in_map.placed);
+  }
+
+  /// Until the map has taken the sweep that it was given last. Throws what that threw.
+  void wait_for_map() {
+    if (in_map_ != nullptr) {
+      std::exchange(in_map_, nullptr)->mapped.get();
+    }
+  }
+
+  void take(Measurement due) {
+    if (auto* sweep = std::get_if<Sweep>(&due)) {
+      place(std::move(*sweep));
+    } else if (const auto* reading = std::get_if<ImuSample>(&due)) {
+      take(*reading);
+    } else {
+      take(std::get<GnssFix>(due));
+    }
+  }
+
   void take(const ImuSample& reading) {
     for (const TakenReading& known : odometry_.add(reading)) {
-      taken_.push_back(
-          {.arrival = known.arrival,
-           .motion = high_rate_ ? high_rate_->add(known.sample, known.arrival) : std::nullopt});
+      results_.emplace_back(SlamResult(ReadingTaken{
+          .arrival = known.arrival,
+          .motion = high_rate_ ? high_rate_->add(known.sample, known.arrival) : std::nullopt}));
     }
   }
 
@@ -133,6 +188,7 @@ class OfflineSlam final : public Slam {
       before_map_fixes_.push_back(fix);
       return;
     }
+    wait_for_map();
     mapper_->add(fix, antenna());
   }
 
@@ -147,9 +203,11 @@ class OfflineSlam final : public Slam {
     return *p_lidar_antenna_;
   }
 
-  SlamResult place(Sweep sweep) {
+  void place(Sweep sweep) {
     if (last_sweep_ && sweep.stamp <= *last_sweep_) {
-      return SweepLeftOut{.sweep = std::move(sweep), .last = *last_sweep_};
+      results_.emplace_back(
+          SlamResult(SweepLeftOut{.sweep = std::move(sweep), .last = *last_sweep_}));
+      return;
     }
     last_sweep_ = sweep.stamp;
     if (inertial_ && !mounting_) {
@@ -160,27 +218,38 @@ class OfflineSlam final : public Slam {
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
+    SweepPlaced placed{.sweep = std::move(sweep), .result = std::move(result)};
     // After the odometry is done with the sweep: a map changes nothing of it.
-    std::optional<MapPlacement> mapped = add_to_map(sweep, result);
-    return SweepPlaced{
-        .sweep = std::move(sweep), .result = std::move(result), .mapped = std::move(mapped)};
+    if (goes_into_map(placed.result)) {
+      add_to_map(std::move(placed));
+    } else {
+      results_.emplace_back(SlamResult(std::move(placed)));
+    }
   }
 
   /// Lengths of the map are known once the odometry has begun; what came before it has no points.
-  std::optional<MapPlacement> add_to_map(const Sweep& sweep, const SweepResult& result) {
-    if (map_ == nullptr) {
-      return std::nullopt;
-    }
-    if (!mapper_ && result.state == OdometryState::coasting) {
+  bool goes_into_map(const SweepResult& result) {
+    if (map_ != nullptr && !mapper_ && result.state == OdometryState::coasting) {
       before_map_.push_back(result);
-      return std::nullopt;
+      return false;
     }
+    return map_ != nullptr;
+  }
+
+  void add_to_map(SweepPlaced placed) {
     if (!mapper_) {
       const Waiting waiting(other_waits_);
       begin_map();
     }
     const Waiting waiting(sweep_waits_);
-    return mapper_->add(sweep, result, odometry_.cloud());
+    wait_for_map();
+    auto in_map = std::make_unique<InMap>(
+        InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
+    in_map_ = in_map.get();
+    in_map_->mapped = worker_.run([this, given = in_map_] {
+      return mapper_->add(given->placed.sweep, given->placed.result, given->cloud);
+    });
+    results_.emplace_back(std::move(in_map));
   }
 
   void begin_map() {
@@ -224,7 +293,9 @@ class OfflineSlam final : public Slam {
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::vector<GnssFix> before_map_fixes_;
   std::optional<HighRateStream> high_rate_;
-  std::deque<ReadingTaken> taken_;  ///< not asked for yet
+  std::deque<Result> results_;  ///< not asked for yet, in their order
+  InMap* in_map_ = nullptr;     ///< of them, the sweep that the map works on
+  bool flushing_ = false;
   FrameTree transforms_;
   std::string lidar_frame_;
   std::string imu_frame_;
@@ -232,6 +303,7 @@ class OfflineSlam final : public Slam {
   std::optional<Eigen::Vector3d> p_lidar_antenna_;  ///< once it is asked for
   std::optional<Mounting> mounting_;
   std::optional<Nanoseconds> last_sweep_;  ///< its stamp
+  Worker worker_;                          ///< last: it uses the others
 };
 
 }  // namespace

@@ -89,9 +89,13 @@ class Slam {
   /// Nothing more comes for now: sweeps wait no longer. add() may go on after that.
   virtual void flush() = 0;
 
-  /// The next result; nothing where that needs more measurements, or a flush(). Throws
-  /// engine::Error where the device fails, and what the map's store throws.
+  /// The next result; nothing where that needs more measurements, or a flush(), or where a sweep is
+  /// not in the map yet, so that asking again later gives it. Throws engine::Error where the device
+  /// fails, and what the map's store throws.
   virtual std::optional<SlamResult> next() = 0;
+
+  /// Waits until the map has what the odometry has placed: next() gives it then.
+  virtual void settle() = 0;
 
   /// How the sensors are mounted; nothing before the first sweep, or without an inertial sensor.
   virtual std::optional<Mounting> mounting() const = 0;
@@ -104,8 +108,9 @@ class Slam {
   virtual std::optional<MapReport> finish_map() = 0;
 };
 
-/// A Slam that is driven by its measurements' own time: one thread, the same measurements give the
-/// same bytes on one device. `config` must have passed validate(); `context` outlives it.
+/// A Slam that is driven by its measurements' own time: the same measurements give the same bytes
+/// on one device. Where a map is made, a thread of its own adds a sweep to it while the odometry is
+/// at the next. `config` must have passed validate(); `context` outlives it.
 std::unique_ptr<Slam> make_slam(engine::Context& context, const Config& config,
                                 const SlamOptions& options = {});
 

@@ -111,17 +111,32 @@ void SweepSights::clear() {
   stride_ = 1;
 }
 
-bool SweepSights::see_through(const Eigen::Vector3d& point,
-                              std::span<const SubmapSweep> sweeps) const {
-  int through = 0;
-  int seen = 0;
+std::vector<bool> SweepSights::see_through(std::span<const Eigen::Vector3d> points,
+                                           std::span<const SubmapSweep> sweeps) const {
+  std::vector<Eigen::Isometry3d> T_lidar_keyframe;
   for (const Seen& one : seen_) {
-    const Eigen::Isometry3d& T_keyframe_lidar = sweeps[one.sweep].T_keyframe_lidar;
-    const RangeImage::Sight sight = one.image.at(T_keyframe_lidar.inverse() * point);
-    through += sight == RangeImage::Sight::seen_through ? 1 : 0;
-    seen += sight == RangeImage::Sight::as_seen ? 1 : 0;
+    T_lidar_keyframe.push_back(sweeps[one.sweep].T_keyframe_lidar.inverse());
   }
-  return through >= kLeastThrough && through > seen;
+  const auto sees_through = [&](const Eigen::Vector3d& point) {
+    int through = 0;
+    int seen = 0;
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const RangeImage::Sight sight = seen_[i].image.at(T_lidar_keyframe[i] * point);
+      through += sight == RangeImage::Sight::seen_through ? 1 : 0;
+      seen += sight == RangeImage::Sight::as_seen ? 1 : 0;
+      const auto left = static_cast<int>(seen_.size() - i) - 1;
+      if (through + left < kLeastThrough || through + left <= seen) {
+        return false;  // whatever the others see
+      }
+    }
+    return through >= kLeastThrough && through > seen;
+  };
+  std::vector<bool> result;
+  result.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) {
+    result.push_back(sees_through(point));
+  }
+  return result;
 }
 
 double seen_through(const RangeImage& seen_by, const KeyframeSubmap& submap,

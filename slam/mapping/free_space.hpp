@@ -45,9 +45,11 @@ class SweepSights {
   void add(uint32_t sweep, std::span<const Point> cloud);
   void clear();
 
-  /// At least two sweeps see through a point of the submap, and more than see it: it was not there
-  /// all the time. `sweeps` are the submap's, in whose frame the point is.
-  bool see_through(const Eigen::Vector3d& point, std::span<const SubmapSweep> sweeps) const;
+  /// For each of the points of the submap: at least two sweeps see through it, and more than see
+  /// it, so that it was not there all the time. `sweeps` are the submap's, in whose frame the
+  /// points are.
+  std::vector<bool> see_through(std::span<const Eigen::Vector3d> points,
+                                std::span<const SubmapSweep> sweeps) const;
 
  private:
   struct Seen {

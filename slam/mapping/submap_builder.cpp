@@ -288,12 +288,19 @@ FrozenSubmap SubmapBuilder::freeze(double beam_spacing) {
   for (SubmapSweep& sweep : frozen.submap.sweeps) {
     sweep.T_keyframe_lidar = R_keyframe_lidar * sweep.T_keyframe_lidar;
   }
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(points.size());
+  for (const Merged& point : points) {
+    positions.emplace_back(R_keyframe_lidar * point.p.cast<double>());
+  }
+  const std::vector<bool> seen_through = sights_.see_through(positions, frozen.submap.sweeps);
+  frozen.submap.points.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d p = R_keyframe_lidar * points[i].p.cast<double>();
+    const Eigen::Vector3d& p = positions[i];
     frozen.submap.points.push_back({.place = {steps(p.x()), steps(p.y()), steps(p.z())},
                                     .surface = turned_surface(R_keyframe_lidar, packed[i]),
                                     .sweep = points[i].sweep,
-                                    .seen_through = sights_.see_through(p, frozen.submap.sweeps)});
+                                    .seen_through = seen_through[i]});
   }
   sights_.clear();
   frozen.lost_points = counted_.failures + counted_.out_of_range;

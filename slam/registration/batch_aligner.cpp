@@ -61,6 +61,7 @@ engine::RegistrationOptions options_of(const AlignmentSettings& settings) {
   return {.method = to_gpu(settings.method),
           .neighbours = static_cast<uint32_t>(settings.neighbours),
           .robust = to_gpu(settings.robust),
+          .many = true,
           .drop_back_faces = settings.drop_back_faces};
 }
 

@@ -43,12 +43,17 @@ class LoopClosing : public test::DeviceTest {
     const auto slam = make_slam(context(), config,
                                 {.inertial = false, .map = &map.store(), .session = map.session()});
     Run run;
-    for (const Sweep& sweep : there_and_back().sweeps) {
-      slam->add(sweep);
+    const auto drain = [&] {
       while (auto result = slam->next()) {
         run.sweeps.push_back(std::get<SweepPlaced>(std::move(*result)));
       }
+    };
+    for (const Sweep& sweep : there_and_back().sweeps) {
+      slam->add(sweep);
+      drain();
     }
+    slam->flush();
+    drain();
     run.report = slam->finish_map();
     return run;
   }

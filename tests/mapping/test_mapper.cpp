@@ -37,12 +37,17 @@ class MapperTest : public test::DeviceTest {
                                  .map = map == nullptr ? nullptr : &map->store(),
                                  .session = map == nullptr ? 0 : map->session()});
     Run run;
-    for (const Sweep& sweep : sweeps) {
-      slam->add(sweep);
+    const auto drain = [&] {
       while (auto result = slam->next()) {
         run.sweeps.push_back(std::get<SweepPlaced>(std::move(*result)));
       }
+    };
+    for (const Sweep& sweep : sweeps) {
+      slam->add(sweep);
+      drain();
     }
+    slam->flush();
+    drain();
     run.report = slam->finish_map();
     return run;
   }
@@ -91,6 +96,27 @@ TEST_F(MapperTest, TheOdometryIsTheSameWithAndWithoutAMap) {
               alone.sweeps[i].result.T_map_lidar.matrix());
     EXPECT_EQ(mapped.sweeps[i].result.uncertainty.in_map(),
               alone.sweeps[i].result.uncertainty.in_map());
+  }
+}
+
+TEST_F(MapperTest, ASweepIsToldOnceItIsInTheMap) {
+  test::TemporaryMap map;
+  const auto slam = make_slam(context(), test::submap_config(),
+                              {.inertial = false, .map = &map.store(), .session = map.session()});
+  for (std::size_t i = 0; i < 3; ++i) {
+    slam->add(drive().sweeps[i]);
+    std::size_t told = 0;
+    const auto drain = [&] {
+      while (auto result = slam->next()) {
+        ++told;
+        EXPECT_TRUE(std::get<SweepPlaced>(*result).mapped);
+      }
+    };
+    drain();
+    EXPECT_LE(told, 1U);
+    slam->settle();
+    drain();
+    EXPECT_EQ(told, 1U) << "sweep " << i;
   }
 }
 

@@ -238,9 +238,11 @@ TEST(SweepSights, OfManySweepsThoseThatAreEvenlySpreadAreKept) {
   for (uint32_t i = 0; i < sweeps.size(); ++i) {
     sights.add(i, i < 300 ? near : far);
   }
-  EXPECT_TRUE(sights.see_through({5.0, 0.0, 0.0}, sweeps)) << "for most of the time it is gone";
-  EXPECT_FALSE(sights.see_through({10.0, 0.0, 0.0}, sweeps));
-  EXPECT_FALSE(sights.see_through({0.0, 7.0, 0.0}, sweeps)) << "nothing is known there";
+  const std::vector<Eigen::Vector3d> points = {{5.0, 0.0, 0.0}, {10.0, 0.0, 0.0}, {0.0, 7.0, 0.0}};
+  const std::vector<bool> through = sights.see_through(points, sweeps);
+  EXPECT_TRUE(through[0]) << "for most of the time it is gone";
+  EXPECT_FALSE(through[1]);
+  EXPECT_FALSE(through[2]) << "nothing is known there";
 }
 
 TEST_F(SubmapBuilderTest, TheVerticalIsGravityElseTheGroundElseUnknown) {

@@ -37,6 +37,7 @@ class PlacedAsTold : public Slam {
     waiting_.push_back(std::get<Sweep>(std::move(measurement)));
   }
   void add(const StaticTransform&) override {}
+  void settle() override {}
   void flush() override {
     if (sorted_) {
       std::ranges::stable_sort(waiting_, {}, &Sweep::stamp);

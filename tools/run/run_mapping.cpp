@@ -42,6 +42,7 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
 /// What the loop has done by now.
 struct Mapped {
   std::size_t sweeps = 0;
+  std::size_t added = 0;                 ///< sweeps, of which some may not be placed yet
   std::size_t passed_over = 0;           ///< sweeps before the range
   double read_ms = 0.0;                  ///< since the last sweep
   std::optional<Nanoseconds> newest{};   ///< latest stamp of the sweeps that were read
@@ -130,6 +131,10 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
       ++done.passed_over;
       return;
     }
+    if (done.added == mapping.range.count) {
+      return;
+    }
+    ++done.added;
     sweep->number = event.number;
     if (done.newest && sweep->stamp < *done.newest) {
       done.stepped_back.insert(sweep->stamp);
@@ -188,6 +193,10 @@ MappingResult map_events(const Mapping& mapping) {
     const bool is_sweep = std::holds_alternative<Sweep>(event->value);
     add(mapping, std::move(*event), done);
     write_results(mapping, done);
+    if (done.added == mapping.range.count) {
+      mapping.slam.settle();  // no other sweep is taken up meanwhile
+      write_results(mapping, done);
+    }
     if (is_sweep && mapping.memory != nullptr && mapping.memory->exceeded()) {
       return {RunEnd::memory_limit,
               mapping.memory->text() + " after " + std::to_string(done.sweeps) +
