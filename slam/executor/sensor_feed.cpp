@@ -16,10 +16,7 @@ constexpr std::size_t kMostHeldBytes = std::size_t{256} << 20U;
 
 std::size_t size_of(const Measurement& measurement) {
   const auto* sweep = std::get_if<Sweep>(&measurement);
-  return sizeof(Measurement) + (sweep == nullptr ? 0
-                                                 : sweep->points.size() * sizeof(Point) +
-                                                       sweep->times.size() * sizeof(float) +
-                                                       sweep->rings.size() * sizeof(uint16_t));
+  return sizeof(Measurement) + (sweep == nullptr ? 0 : bytes_of(*sweep));
 }
 
 Nanoseconds end_of(const Sweep& sweep) {
@@ -57,7 +54,7 @@ bool SensorFeed::front_is_covered() const {
   if (waiting_.empty()) {
     return false;
   }
-  const Nanoseconds end = end_of(waiting_.front());
+  const Nanoseconds end = waiting_.front().end;
   return !waits_ || (flushing_ && held_.empty()) || newest_reading_ >= end ||
          newest_ > end + kLongestWait;
 }
@@ -65,7 +62,8 @@ bool SensorFeed::front_is_covered() const {
 void SensorFeed::release(Measurement measurement) {
   newest_ = std::max(newest_, stamp_of(measurement));
   if (auto* sweep = std::get_if<Sweep>(&measurement)) {
-    waiting_.push_back(std::move(*sweep));
+    const Nanoseconds end = waits_ ? end_of(*sweep) : sweep->stamp;
+    waiting_.push_back({.sweep = std::move(*sweep), .end = end});
     return;
   }
   if (const auto* reading = std::get_if<ImuSample>(&measurement)) {
@@ -77,7 +75,7 @@ void SensorFeed::release(Measurement measurement) {
 std::optional<Measurement> SensorFeed::next() {
   while (ready_.empty()) {
     if (front_is_covered()) {
-      Sweep sweep = std::move(waiting_.front());
+      Sweep sweep = std::move(waiting_.front().sweep);
       waiting_.pop_front();
       return sweep;
     }
