@@ -161,9 +161,12 @@ class OfflineSlam final : public Slam {
       high_rate_->update(result.inertial);
     }
     // After the odometry is done with the sweep: a map changes nothing of it.
+    const double waited = sweep_waits_.sum + other_waits_.sum;
     std::optional<MapPlacement> mapped = add_to_map(sweep, result);
-    return SweepPlaced{
-        .sweep = std::move(sweep), .result = std::move(result), .mapped = std::move(mapped)};
+    return SweepPlaced{.sweep = std::move(sweep),
+                       .result = std::move(result),
+                       .mapped = std::move(mapped),
+                       .map_ms = 1e3 * (sweep_waits_.sum + other_waits_.sum - waited)};
   }
 
   /// Lengths of the map are known once the odometry has begun; what came before it has no points.
