@@ -8,8 +8,8 @@
 namespace adit {
 namespace {
 
-constexpr unsigned kKeyBits = 21;                             // of each coordinate
-constexpr int64_t kFarthest = int64_t{1} << (kKeyBits - 1U);  // voxels from the origin
+constexpr unsigned kKeyBits = 21;                               // of each coordinate
+constexpr uint64_t kFarthest = uint64_t{1} << (kKeyBits - 1U);  // voxels from the first one
 
 /// The bits of a number in others, high ones in low ones too (the finaliser of MurmurHash3).
 uint64_t mixed(uint64_t key) {
@@ -22,16 +22,21 @@ uint64_t mixed(uint64_t key) {
 
 bool MapThinning::take(const Eigen::Vector3d& point) {
   Voxel voxel;
-  uint64_t key = 1;  // no key is 0
-  bool near = true;
   for (std::size_t axis = 0; axis < voxel.size(); ++axis) {
     voxel[axis] =
         static_cast<int64_t>(std::floor(point[static_cast<Eigen::Index>(axis)] / resolution_));
-    near = near && voxel[axis] >= -kFarthest && voxel[axis] < kFarthest;
-    const uint64_t positive = static_cast<uint64_t>(voxel[axis]) + uint64_t{kFarthest};
-    key = (key << kKeyBits) | (positive & (2 * uint64_t{kFarthest} - 1));
   }
-  return near ? take_key(key) : far_.insert(voxel).second;
+  const Voxel& origin = origin_ ? *origin_ : origin_.emplace(voxel);
+  uint64_t key = 1;  // no key is 0
+  for (std::size_t axis = 0; axis < voxel.size(); ++axis) {
+    const uint64_t place =
+        static_cast<uint64_t>(voxel[axis]) - static_cast<uint64_t>(origin[axis]) + kFarthest;
+    if (place >= 2 * kFarthest) {
+      return far_.insert(voxel).second;
+    }
+    key = (key << kKeyBits) | place;
+  }
+  return take_key(key);
 }
 
 bool MapThinning::take_key(uint64_t key) {

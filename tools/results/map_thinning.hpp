@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -38,7 +39,8 @@ class MapThinning {
   double resolution_;
   std::vector<uint64_t> table_;  ///< open addressing; of the keys of voxels, or 0
   std::size_t taken_ = 0;        ///< in the table
-  std::set<Voxel> far_;          ///< taken, too far from the origin for a key
+  std::optional<Voxel> origin_;  ///< of keys: the first voxel, wherever the frame has its origin
+  std::set<Voxel> far_;          ///< taken, too far from that for a key
 };
 
 }  // namespace adit
