@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -59,6 +60,12 @@ inline double duration_of(const Sweep& sweep) {
     last = std::isfinite(time) ? std::max(last, time) : last;
   }
   return static_cast<double>(last);
+}
+
+/// Memory of a sweep's points with their times and rings, bytes.
+inline std::size_t bytes_of(const Sweep& sweep) {
+  return sweep.points.size() * sizeof(Point) + sweep.times.size() * sizeof(float) +
+         sweep.rings.size() * sizeof(uint16_t);
 }
 
 /// One reading of an inertial sensor, in the sensor's own axes. A sensor at rest with z up reads

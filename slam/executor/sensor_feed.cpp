@@ -16,10 +16,7 @@ constexpr std::size_t kMostHeldBytes = std::size_t{256} << 20U;
 
 std::size_t size_of(const Measurement& measurement) {
   const auto* sweep = std::get_if<Sweep>(&measurement);
-  return sizeof(Measurement) + (sweep == nullptr ? 0
-                                                 : sweep->points.size() * sizeof(Point) +
-                                                       sweep->times.size() * sizeof(float) +
-                                                       sweep->rings.size() * sizeof(uint16_t));
+  return sizeof(Measurement) + (sweep == nullptr ? 0 : bytes_of(*sweep));
 }
 
 Nanoseconds end_of(const Sweep& sweep) {
@@ -65,7 +62,7 @@ bool SensorFeed::front_is_covered() const {
 void SensorFeed::release(Measurement measurement) {
   newest_ = std::max(newest_, stamp_of(measurement));
   if (auto* sweep = std::get_if<Sweep>(&measurement)) {
-    const Nanoseconds end = end_of(*sweep);
+    const Nanoseconds end = waits_ ? end_of(*sweep) : sweep->stamp;
     waiting_.push_back({.sweep = std::move(*sweep), .end = end});
     return;
   }

@@ -43,10 +43,12 @@ class SensorFeed {
   std::optional<Measurement> next();
 
  private:
-  struct Waiting {
+  /// For readings that cover it.
+  struct WaitingSweep {
     Sweep sweep;
-    Nanoseconds end{0};  ///< of its last point: readings up to here are wanted
+    Nanoseconds end{0};  ///< of its last point; readings are asked about it one by one
   };
+
   bool is_due() const;
   bool front_is_covered() const;
   void release(Measurement measurement);
@@ -56,7 +58,7 @@ class SensorFeed {
   std::multimap<Nanoseconds, Measurement> held_;  ///< by stamp
   std::size_t held_bytes_ = 0;
   Nanoseconds latest_arrival_ = Nanoseconds::min() / 2;  ///< differences from it do not overflow
-  std::deque<Waiting> waiting_;                          ///< in order, for readings that cover them
+  std::deque<WaitingSweep> waiting_;                     ///< in order
   std::deque<Measurement> ready_;                        ///< readings and fixes
   Nanoseconds newest_reading_ = Nanoseconds::min();
   Nanoseconds newest_ = Nanoseconds::min();

@@ -237,12 +237,16 @@ class OfflineSlam final : public Slam {
   }
 
   void add_to_map(SweepPlaced placed) {
+    const double waited = sweep_waits_.sum + other_waits_.sum;
     if (!mapper_) {
       const Waiting waiting(other_waits_);
       begin_map();
     }
-    const Waiting waiting(sweep_waits_);
-    wait_for_map();
+    {
+      const Waiting waiting(sweep_waits_);
+      wait_for_map();
+    }
+    placed.map_ms = 1e3 * (sweep_waits_.sum + other_waits_.sum - waited);
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
     in_map_ = in_map.get();

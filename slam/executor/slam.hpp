@@ -34,6 +34,7 @@ struct SweepPlaced {
   Sweep sweep;                           ///< as it was added
   SweepResult result;                    ///< its pose, and how it came about
   std::optional<MapPlacement> mapped{};  ///< where there is a map
+  double map_ms = 0.0;                   ///< that the sweep waited for the map
 };
 
 /// A sweep that has no place in a trajectory: its time is not after that of the sweep before it.

@@ -73,6 +73,7 @@ void Odometry::begin(const Sweep& sweep) {
   const bool aligns = !impl_->submap.empty();
   engine::Submission submission = impl_->submit(expected);
   result.host_ms = milliseconds_since(start);
+  result.clock = {.begun = start, .submitted = std::chrono::steady_clock::now()};
   impl_->begun.emplace(Begun{.result = std::move(result),
                              .expected = std::move(expected),
                              .submission = std::move(submission),
@@ -89,6 +90,7 @@ SweepResult Odometry::finish() {
   SweepResult& result = begun.result;
   impl_->wait(begun.submission, result);
   const auto start = std::chrono::steady_clock::now();
+  result.clock.done = start;
   const double waited = result.wait_ms;
   if (begun.aligns) {
     impl_->align_on(result);
@@ -110,6 +112,7 @@ SweepResult Odometry::finish() {
     result.cloud = impl_->front_end.read_cloud();
   }
   result.host_ms += milliseconds_since(start) - (result.wait_ms - waited);
+  result.clock.ended = std::chrono::steady_clock::now();
   return std::move(result);
 }
 

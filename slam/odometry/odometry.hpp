@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,14 @@ struct StageTime {
   double device_ms = 0.0;  ///< between device timestamps; 0 where the stage has no device work
 };
 
+/// When the host worked on a sweep and the device did, on the host's steady clock.
+struct SweepClock {
+  std::chrono::steady_clock::time_point begun{};      ///< the host took it up
+  std::chrono::steady_clock::time_point submitted{};  ///< the device had its work
+  std::chrono::steady_clock::time_point done{};       ///< that was done, or seen to be so
+  std::chrono::steady_clock::time_point ended{};      ///< the host had the result
+};
+
 /// What Odometry::step() tells of a sweep.
 struct SweepResult {
   Nanoseconds stamp{0};                                           ///< of the sweep's start
@@ -67,6 +76,7 @@ struct SweepResult {
   double host_ms = 0.0;              ///< host work: copy into staging, record, read back
   double inertial_ms = 0.0;          ///< part of host_ms: preintegration and the sliding graph
   double wait_ms = 0.0;              ///< host time spent waiting for the device
+  SweepClock clock{};                ///< of the first submission; later ones end before `ended`
 };
 
 /// Odometry from a range sensor and, where there is one, an inertial sensor: prediction of the

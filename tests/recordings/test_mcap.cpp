@@ -57,6 +57,34 @@ TEST(Crc32, KnownSums) {
   EXPECT_EQ(crc32(bytes.subspan(11), crc32(bytes.first(11))), 0x414fa339U);
 }
 
+/// Bit by bit, by the definition.
+uint32_t plain_crc32(std::span<const std::byte> bytes) {
+  uint32_t sum = ~0U;
+  for (const std::byte byte : bytes) {
+    sum ^= std::to_integer<uint32_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) {
+      sum = (sum >> 1U) ^ ((sum & 1U) != 0 ? 0xEDB88320U : 0U);
+    }
+  }
+  return ~sum;
+}
+
+TEST(Crc32, IsByDefinitionWhateverTheLengthThePlaceAndThePieces) {
+  std::vector<std::byte> noise(1000);
+  uint32_t state = 7;
+  for (std::byte& byte : noise) {
+    state = state * 1664525U + 1013904223U;
+    byte = static_cast<std::byte>(state >> 24U);
+  }
+  for (std::size_t size = 0; size <= 520; ++size) {
+    const auto bytes = std::span<const std::byte>(noise).subspan(size % 17, size);
+    const uint32_t expected = plain_crc32(bytes);
+    EXPECT_EQ(crc32(bytes), expected) << size;
+    const std::size_t piece = size / 3;
+    EXPECT_EQ(crc32(bytes.subspan(piece), crc32(bytes.first(piece))), expected) << size;
+  }
+}
+
 TEST(Mcap, EveryVariantIsReadAsItWasWritten) {
   for (const Encoding encoding : {Encoding::ros1, Encoding::cdr}) {
     const std::vector<test::SampleMessage> written = test::sample_messages(encoding, 3);

@@ -7,8 +7,11 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,6 +19,7 @@
 #include "adit/tests/recordings/event_support.hpp"
 #include "adit/tests/recordings/message_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/containers/mcap_reader.hpp"
 #include "adit/tools/containers/mcap_writer.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 
@@ -64,6 +68,44 @@ TEST(MessageRecording, TheUnitOfPointTimesIsThatOfTheTopicNotOfASweepThatIsCutSh
   EXPECT_FLOAT_EQ(test::read_sweep(*recording, 2).times.at(1), 98e-3F);
   const auto told = recording->events({.point_time_unit = 1e-6})->next();
   EXPECT_FLOAT_EQ(std::get<Sweep>(told.value().value).times.at(1), 0.9F);
+}
+
+/// Counts how often its messages are asked for.
+class CountedFile final : public MessageFile {
+ public:
+  CountedFile(std::unique_ptr<MessageFile> file, int& asked)
+      : file_(std::move(file)), asked_(&asked) {}
+  const std::filesystem::path& path() const override { return file_->path(); }
+  const std::vector<Channel>& channels() const override { return file_->channels(); }
+  std::optional<TimeSpan> span() const override { return file_->span(); }
+  std::string format() const override { return file_->format(); }
+  const std::optional<InputError>& damage() const override { return file_->damage(); }
+  std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const override {
+    ++*asked_;
+    return file_->messages(selection);
+  }
+
+ private:
+  std::unique_ptr<MessageFile> file_;
+  int* asked_;
+};
+
+TEST(MessageRecording, CloudsWithoutTimesAreAskedForTheirUnitOnce) {
+  const test::TemporaryFolder folder;
+  test::CloudExample cloud = test::cloud_message(0);
+  cloud.message.fields.erase(cloud.message.fields.begin() + 4);  // time
+  record(folder, std::vector<ros::PointCloud2>(9, cloud.message));
+  int asked = 0;
+  std::vector<std::unique_ptr<MessageFile>> files;
+  files.push_back(std::make_unique<CountedFile>(open_mcap(folder / "one.mcap"), asked));
+  const auto recording = make_message_recording(folder / "one.mcap", std::move(files), {});
+  const auto events = recording->events({});
+  int sweeps = 0;
+  while (events->next()) {
+    ++sweeps;
+  }
+  EXPECT_EQ(sweeps, 9);
+  EXPECT_EQ(asked, 2) << "for the unit, and for the events";
 }
 
 TEST(MessageRecording, PacketsOfAVelodyneAreASweep) {

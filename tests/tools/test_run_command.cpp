@@ -281,6 +281,25 @@ TEST_F(RunCommand, TwoRunsGiveTheSameBytes) {
   }
 }
 
+TEST_F(RunCommand, TimelineIsWrittenAsItsNameSaysAndNothingElseChanges) {
+  ASSERT_EQ(run(options()), 0) << said_.str();
+  const std::string expected = test::content(out_ / "out/trajectory.tum");
+  for (const char* name : {"timeline.html", "timeline.json"}) {
+    RunCommandOptions drawn = options();
+    drawn.timeline = out_ / name;
+    ASSERT_EQ(run(drawn), 0) << said_.str();
+    EXPECT_EQ(test::content(out_ / "out/trajectory.tum"), expected);
+  }
+  const std::string page = test::content(out_ / "timeline.html");
+  for (const char* part : {"reader", "device", "The middle", "The slowest", "<svg"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(test::json_of(out_ / "timeline.json")["traceEvents"][0]["ph"], "M");
+  RunCommandOptions wrong = options();
+  wrong.timeline = out_ / "timeline.png";
+  EXPECT_EQ(run(wrong), 2);
+}
+
 TEST_F(RunCommand, JsonOptionPrintsTheSummary) {
   RunCommandOptions json = options();
   json.json = true;

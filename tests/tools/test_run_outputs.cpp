@@ -135,6 +135,19 @@ TEST(RunOutputs, ThinningTellsNegativeVoxelsFromPositiveOnesAndKnowsNoEdgeOfTheW
   EXPECT_EQ(thinning.voxels(), 4U);
 }
 
+TEST(RunOutputs, ThinningKnowsEachOfManyVoxelsAtBothSidesOfWhereKeysEnd) {
+  for (const double from : {-120.0, double{1 << 20} - 60.0, -double{1 << 20} - 60.0}) {
+    MapThinning thinning(1.0);
+    EXPECT_TRUE(thinning.take({0.0, -7.0, 0.0}));
+    for (const bool first : {true, false}) {
+      for (int i = 0; i < 120 * 120; ++i) {
+        EXPECT_EQ(thinning.take({from + i / 120, 0.5, from + i % 120}), first) << from << " " << i;
+      }
+    }
+    EXPECT_EQ(thinning.voxels(), 120U * 120U + 1U);
+  }
+}
+
 TEST(RunOutputs, FullDiskIsReportedAndTheOtherFilesAreWhole) {
   const test::TemporaryFolder folder;
   fs::create_symlink("/dev/full", folder / "trajectory.kitti");

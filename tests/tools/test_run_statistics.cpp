@@ -80,8 +80,7 @@ TEST(RunStatistics, CountsDistanceStatesAndTimes) {
   RunStatistics statistics{Config{}};
   for (std::size_t i = 0; i < 3; ++i) {
     const Sweep sweep = recording.read(i);
-    const HostTimes times{
-        .read = 1.0, .host = 2.0, .wait = 3.0, .write = 4.0 + static_cast<double>(i)};
+    const HostTimes times{.read = 9.0, .total = 10.0 + static_cast<double>(i)};
     EXPECT_FALSE(statistics.add(i, sweep, test::placed(sweep), times));
   }
   SweepResult bad = failed(RegistrationStatus::too_little_overlap);
@@ -104,6 +103,8 @@ TEST(RunStatistics, CountsDistanceStatesAndTimes) {
   EXPECT_EQ(statistics.count(RegistrationStatus::converged), 2U)
       << "the first sweep is not aligned";
   EXPECT_EQ(statistics.count(RegistrationStatus::too_little_overlap), 1U);
+  EXPECT_EQ(statistics.host_stages().front().stage, "read");
+  EXPECT_EQ(statistics.host_stages().front().ms, (std::vector<float>{9.0F, 9.0F, 9.0F, 0.0F}));
   EXPECT_EQ(statistics.host_stages().back().stage, "total");
   EXPECT_EQ(statistics.host_stages().back().ms, (std::vector<float>{10.0F, 11.0F, 12.0F, 0.0F}));
 }

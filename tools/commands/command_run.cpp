@@ -20,7 +20,6 @@
 #include "adit/tools/commands/run_judgement.hpp"
 #include "adit/tools/commands/run_view.hpp"
 #include "adit/tools/commands/wanted_run.hpp"
-#include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
@@ -174,6 +173,21 @@ RunOutcome with_complete_files(RunOutcome outcome, RunOutputs& outputs, HighRate
   return outcome;
 }
 
+/// Writes the timeline, also of a run that ended early. A failure to is the end of a run that was
+/// complete.
+RunOutcome with_timeline(RunOutcome outcome, const RunTimeline& timeline,
+                         const std::filesystem::path& file, const RunDescription& run) {
+  try {
+    write_timeline(timeline, file, "Timeline of " + run.recording.filename().string());
+  } catch (const OutputError& error) {
+    if (outcome.result.end == RunEnd::completed) {
+      outcome.result.end = RunEnd::output_error;
+      outcome.result.reason = error.what();
+    }
+  }
+  return outcome;
+}
+
 /// `view`: null where none is wanted. It changes nothing of the results.
 int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::ostream& err) {
   const RunCommandOptions& options = chosen.options;
@@ -195,6 +209,9 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   std::vector<std::filesystem::path> others;
   if (options.high_rate.enabled) {
     others = {high_rate_files.tum, high_rate_files.csv};
+  }
+  if (options.timeline) {
+    others.push_back(*options.timeline);
   }
   const RunFiles files(options.output);
   if (config.mapping.enabled) {
@@ -280,28 +297,34 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   RunStatistics statistics(config);
   Progress progress(err, options.quiet ? ProgressStyle::none : progress_style_of_stderr(),
                     "mapping", sweeps.range.count);
-  const auto whole = pass_over_damage(*recording, [&](const InputError& error) {
-    const auto note = statistics.left_out().add_damage(error);
-    if (note && !options.quiet) {
-      progress.note(*note);
-    }
-  });
+  std::function<void(const InputError&)> damaged;
+  if (!options.strict_input) {
+    damaged = [&](const InputError& error) {
+      const auto note = statistics.left_out().add_damage(error);
+      if (note && !options.quiet) {
+        progress.note(*note);
+      }
+    };
+  }
+  RunTimeline timeline;
   std::function<void(const SweepPlaced&)> placed;
   if (view != nullptr) {
     view->set_doing("mapping");
     placed = [&](const SweepPlaced& sweep) { view->add(sweep, statistics, sweeps.range.count); };
   }
-  RunOutcome outcome = map_sweeps({.recording = options.strict_input ? *recording : *whole,
+  RunOutcome outcome = map_sweeps({.recording = *recording,
                                    .topic = sweeps.topic,
                                    .range = sweeps.range,
                                    .imu_topic = imu,
                                    .gnss_topic = gnss,
                                    .slam = *slam,
                                    .stop = [] { return StopSignal::received() != 0; },
+                                   .damaged = damaged,
                                    .memory = &memory,
                                    .outputs = outputs,
                                    .high_rate = high_rate ? &*high_rate : nullptr,
                                    .statistics = statistics,
+                                   .timeline = options.timeline ? &timeline : nullptr,
                                    .placed = placed,
                                    .progress = progress,
                                    .quiet = options.quiet});
@@ -314,6 +337,9 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   release_free_memory();
   outcome = with_complete_files(std::move(outcome), outputs, high_rate ? &*high_rate : nullptr,
                                 map ? &*map : nullptr, description, statistics.sweeps());
+  if (options.timeline) {
+    outcome = with_timeline(std::move(outcome), timeline, *options.timeline, description);
+  }
   progress.finish();
   if (mounting && mounting->source == MountingSource::assumed && !options.quiet) {
     err << kMountingIsAssumed;
@@ -425,6 +451,11 @@ void add_run_command(Command app, std::function<void(int)> done) {
   add_device_options(command, options->device);
   add_max_ram_option(command, options->max_ram_bytes);
   command.flag("--profile", options->stage_table, "Print a table of the time of every stage");
+  command
+      .option("--timeline", options->timeline,
+              "Draw what worked when: reader, host, device, map, writing (.html; .json for "
+              "Perfetto)")
+      .value_name("FILE");
   command
       .option("--map-resolution", options->map.resolution,
               "Keep one map point per voxel of this size (m)")

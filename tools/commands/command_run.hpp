@@ -32,15 +32,16 @@ struct RunCommandOptions {
   std::optional<int64_t> start{};      ///< the first sweep, counted from 0; none: the first of all
   std::optional<int64_t> count{};      ///< none: to the end
   bool continues = false;              ///< the output's map is gone on with
-  std::optional<std::filesystem::path> from{};  ///< a map whose recording and settings to take
-  uint64_t max_ram_bytes = 0;                   ///< that may be resident; 0: no limit
-  bool strict = false;                          ///< anything but a reliable run is a failure
-  bool strict_input = false;                    ///< the first damage ends the run
-  bool json = false;                            ///< summary.json on `out` instead of the table
-  bool quiet = false;                           ///< errors alone
-  bool stage_table = false;                     ///< the table with every stage
-  bool view = false;                            ///< the run is shown in a browser
-  ServeOptions serve{};                         ///< where, if so
+  std::optional<std::filesystem::path> from{};      ///< a map whose recording and settings to take
+  uint64_t max_ram_bytes = 0;                       ///< that may be resident; 0: no limit
+  bool strict = false;                              ///< anything but a reliable run is a failure
+  bool strict_input = false;                        ///< the first damage ends the run
+  bool json = false;                                ///< summary.json on `out` instead of the table
+  bool quiet = false;                               ///< errors alone
+  bool stage_table = false;                         ///< the table with every stage
+  std::optional<std::filesystem::path> timeline{};  ///< .html or .json: what worked when
+  bool view = false;                                ///< the run is shown in a browser
+  ServeOptions serve{};                             ///< where, if so
 };
 
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,

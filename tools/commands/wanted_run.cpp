@@ -6,6 +6,7 @@
 
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/run_timeline.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -25,6 +26,9 @@ void check_options(const RunCommandOptions& options) {
   }
   if (high_rate.smoothing > 0.0 && !high_rate.enabled) {
     throw UsageError("--high-rate-smoothing needs --high-rate.");
+  }
+  if (options.timeline) {
+    require_timeline_name(*options.timeline);
   }
   if (!options.view && options.serve != ServeOptions{}) {
     throw UsageError("--port, --listen and --foxglove need --view.");

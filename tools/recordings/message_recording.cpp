@@ -221,19 +221,20 @@ class MessageEventStream final : public EventStream {
     if (selection_.point_time_unit || channel.type != ros::PointCloud2::kType) {
       return selection_.point_time_unit;
     }
-    if (!time_units_[topic]) {
-      time_units_[topic] = told_time_unit(*parts_, topic, selection_.coordinate_scale);
+    std::optional<std::optional<double>>& unit = time_units_[topic];
+    if (!unit) {  // asked once, also where the answer is that nothing tells it
+      unit.emplace(told_time_unit(*parts_, topic, selection_.coordinate_scale));
     }
-    return *time_units_[topic];
+    return *unit;
   }
 
   const std::vector<Part>* parts_;
   EventSelection selection_;
-  const PacketTopics* packets_;                    // null where there are none
-  std::optional<PacketDecoder> decoder_;           // their decoder
-  std::vector<bool> wanted_;                       // by topic
-  std::vector<uint64_t> taken_;                    // messages so far, by topic
-  std::vector<std::optional<double>> time_units_;  // s, by topic, as far as asked for
+  const PacketTopics* packets_;                                   // null where there are none
+  std::optional<PacketDecoder> decoder_;                          // their decoder
+  std::vector<bool> wanted_;                                      // by topic
+  std::vector<uint64_t> taken_;                                   // messages so far, by topic
+  std::vector<std::optional<std::optional<double>>> time_units_;  // s, by topic, if asked for
   uint64_t skipped_ = 0;
   std::size_t part_ = 0;
   const Part* current_ = nullptr;

@@ -22,7 +22,7 @@ void PageCloud::add(std::span<const Point> points, const Eigen::Isometry3d& T_ma
 
 void PageCloud::widen() {
   voxel_ *= kWider;
-  thinning_ = MapThinning(voxel_);
+  thinning_ = MapThinning(voxel_, points_.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (thinning_.take(places_[i].cast<double>())) {

@@ -13,6 +13,7 @@
 
 #include "adit/engine/error.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tools/recordings/events_ahead.hpp"
 #include "adit/tools/run/inertial_text.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -21,8 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+ClockSpan since(Clock::time_point start) {
+  return {.begin = start, .end = Clock::now()};
 }
 
 constexpr std::size_t kNotedFailures = 5;  // the others are in the summary
@@ -42,10 +43,12 @@ void note_failure(Progress& progress, const SweepFailure& failure, std::size_t f
 /// What the loop has done by now.
 struct Mapped {
   std::size_t sweeps = 0;
-  std::size_t added = 0;                 ///< sweeps, of which some may not be placed yet
-  std::size_t passed_over = 0;           ///< sweeps before the range
-  double read_ms = 0.0;                  ///< since the last sweep
-  std::optional<Nanoseconds> newest{};   ///< latest stamp of the sweeps that were read
+  std::size_t added = 0;                      ///< sweeps, of which some may not be placed yet
+  std::size_t passed_over = 0;                ///< sweeps before the range
+  HostTimes times{};                          ///< of reading, since the last sweep
+  Clock::time_point last_end = Clock::now();  ///< of the last sweep
+  std::size_t read = 0;                       ///< sweeps
+  std::optional<Nanoseconds> newest{};        ///< latest stamp of the sweeps that were read
   std::set<Nanoseconds> stepped_back{};  ///< stamps that came after a later one, not placed yet
 };
 
@@ -56,19 +59,42 @@ void write(const Mapping& mapping, const ReadingTaken& reading) {
   }
 }
 
-void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index, double read_ms) {
+void add_to_timeline(const Mapping& mapping, const SweepPlaced& placed, std::size_t index,
+                     const ClockSpan& written) {
+  if (mapping.timeline == nullptr) {
+    return;
+  }
+  const auto add = [&](TimelineLane lane, const ClockSpan& span, bool waits = false) {
+    mapping.timeline->add({.lane = lane, .sweep = index, .span = span, .waits = waits});
+  };
+  const SweepClock& clock = placed.result.clock;
+  const auto map_ms = std::chrono::duration<double, std::milli>(placed.map_ms);
+  add(TimelineLane::host, {clock.begun, clock.submitted});
+  add(TimelineLane::host, {clock.submitted, clock.done}, true);
+  add(TimelineLane::host, {clock.done, clock.ended});
+  add(TimelineLane::device, {clock.submitted, clock.done});
+  add(TimelineLane::map,
+      {clock.ended, clock.ended + std::chrono::duration_cast<Clock::duration>(map_ms)});
+  add(TimelineLane::write, written);
+}
+
+void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index, Mapped& done) {
   const SweepResult& result = placed.result;
-  HostTimes times{.read = read_ms,
-                  .host = result.host_ms,
-                  .wait = result.wait_ms,
-                  .inertial = result.inertial_ms};
+  HostTimes times = std::exchange(done.times, {});
+  times.host = result.host_ms;
+  times.wait = result.wait_ms;
+  times.inertial = result.inertial_ms;
+  times.map = placed.map_ms;
   const auto start = Clock::now();
   mapping.outputs.write(result, index,
                         placed.mapped ? std::optional(placed.mapped->T_map_lidar) : std::nullopt);
   if (mapping.high_rate != nullptr) {
     mapping.high_rate->flush();
   }
-  times.write = ms_since(start);
+  const ClockSpan written = since(start);
+  times.write = written.ms();
+  times.total = ClockSpan{std::exchange(done.last_end, written.end), written.end}.ms();
+  add_to_timeline(mapping, placed, index, written);
   const auto failure = mapping.statistics.add(index, placed.sweep, result, times);
   if (result.inertial.event && !mapping.quiet) {
     mapping.progress.note("sweep " + std::to_string(index) + ": IMU " +
@@ -111,8 +137,7 @@ void write_results(const Mapping& mapping, Mapped& done) {
         note(mapping,
              mapping.statistics.left_out().add_put_in_order(placed.sweep.number.value_or(counted)));
       }
-      write(mapping, placed, placed.sweep.number.value_or(counted), done.read_ms);
-      done.read_ms = 0.0;
+      write(mapping, placed, placed.sweep.number.value_or(counted), done);
     }
     ++done.sweeps;
     mapping.progress.update(done.sweeps, mapping.statistics.failures().size());
@@ -167,24 +192,60 @@ bool reaches_the_end(const Mapping& mapping) {
          mapping.recording.topics()[mapping.topic].messages;
 }
 
+void add_reading(const Mapping& mapping, const ClockSpan& read, const ClockSpan& waited,
+                 Mapped& done) {
+  done.times.read += read.ms();
+  done.times.read_wait += waited.ms();
+  if (mapping.timeline != nullptr) {
+    const std::size_t sweep = mapping.range.first + done.read;
+    mapping.timeline->add({.lane = TimelineLane::reader, .sweep = sweep, .span = read});
+    mapping.timeline->add(
+        {.lane = TimelineLane::host, .sweep = sweep, .span = waited, .waits = true});
+  }
+}
+
+/// The next event that is whole; nothing at the end.
+std::optional<Event> take(const Mapping& mapping, EventsAhead& events, Mapped& done) {
+  while (true) {
+    const auto start = Clock::now();
+    try {
+      std::optional<Event> event = events.next();
+      add_reading(mapping, events.last_read(), since(start), done);
+      done.read += event && std::holds_alternative<Sweep>(event->value) ? 1U : 0U;
+      return event;
+    } catch (const InputError& error) {
+      add_reading(mapping, events.last_read(), since(start), done);
+      if (!mapping.damaged) {
+        throw;
+      }
+      mapping.damaged(error);
+    }
+  }
+}
+
+/// What the map has taken is written as well.
+void settle(const Mapping& mapping, Mapped& done) {
+  mapping.slam.settle();
+  write_results(mapping, done);
+}
+
 MappingResult map_events(const Mapping& mapping) {
-  const std::unique_ptr<EventStream> events = open_events(mapping);
+  EventsAhead events(open_events(mapping));
   Mapped done;
   while (done.sweeps < mapping.range.count) {
     if (mapping.stop()) {
+      settle(mapping, done);
       return {RunEnd::interrupted,
               "stopped by a signal after " + std::to_string(done.sweeps) + " sweeps"};
     }
     std::optional<Event> event;
-    const auto start = Clock::now();
     try {
-      event = events->next();
+      event = take(mapping, events, done);
     } catch (...) {
       mapping.slam.flush();  // what came before the damage is good
       write_results(mapping, done);
       throw;
     }
-    done.read_ms += ms_since(start);
     if (!event) {
       mapping.slam.flush();
       write_results(mapping, done);
@@ -194,10 +255,10 @@ MappingResult map_events(const Mapping& mapping) {
     add(mapping, std::move(*event), done);
     write_results(mapping, done);
     if (done.added == mapping.range.count) {
-      mapping.slam.settle();  // no other sweep is taken up meanwhile
-      write_results(mapping, done);
+      settle(mapping, done);  // no other sweep is taken up meanwhile
     }
     if (is_sweep && mapping.memory != nullptr && mapping.memory->exceeded()) {
+      settle(mapping, done);
       return {RunEnd::memory_limit,
               mapping.memory->text() + " after " + std::to_string(done.sweeps) +
                   " sweeps. Allow more" +
@@ -205,7 +266,7 @@ MappingResult map_events(const Mapping& mapping) {
     }
   }
   // Behind the last sweep that could be counted, a recording that was cut off says so.
-  while (reaches_the_end(mapping) && !mapping.stop() && events->next()) {
+  while (reaches_the_end(mapping) && !mapping.stop() && take(mapping, events, done)) {
   }
   return {};
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The loop of `adit run`: read a sweep, place it, write it, until the recording ends or something
-// ends it early.
+// The loop of `adit run`: take a sweep, place it, write it, until the recording ends or something
+// ends it early. The recording is read ahead in a thread of its own.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +18,8 @@
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/run/memory_limit.hpp"
 #include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/run/run_timeline.hpp"
+#include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/progress.hpp"
 
 namespace adit {
@@ -53,11 +55,14 @@ struct Mapping {
   std::optional<std::size_t> imu_topic{};   ///< none: there is none, or it is not used
   std::optional<std::size_t> gnss_topic{};  ///< likewise
   Slam& slam;
-  std::function<bool()> stop;           ///< asked before each event is read
+  std::function<bool()> stop;  ///< asked before each event is taken
+  /// Gets what is damaged, and the run goes on behind it; empty: damage ends the run.
+  std::function<void(const InputError&)> damaged{};
   const MemoryLimit* memory = nullptr;  ///< none: no limit
   RunOutputs& outputs;
   HighRateOutput* high_rate = nullptr;  ///< none: not asked for
   RunStatistics& statistics;
+  RunTimeline* timeline = nullptr;  ///< none: not asked for
   /// Gets each sweep that was placed, when it is written and counted; empty: nobody wants them.
   std::function<void(const SweepPlaced&)> placed{};
   Progress& progress;

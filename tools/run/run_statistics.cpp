@@ -117,12 +117,12 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   crowded_voxels_ += static_cast<std::size_t>(result.crowded_voxels);
   ++states_[static_cast<std::size_t>(result.state)];
 
-  const std::array by_stage{times.read, times.host, times.wait, times.write};
+  const std::array by_stage{times.read, times.read_wait, times.host, times.wait,
+                            times.map,  times.write,     times.total};
+  static_assert(by_stage.size() == std::tuple_size_v<decltype(host_)>);
   for (std::size_t i = 0; i < by_stage.size(); ++i) {
     host_[i].ms.push_back(static_cast<float>(by_stage[i]));
   }
-  host_.back().ms.push_back(
-      static_cast<float>(std::accumulate(by_stage.begin(), by_stage.end(), 0.0)));
   if (result.inertial.nav) {
     inertial_times_.ms.push_back(static_cast<float>(times.inertial));
   }

@@ -30,13 +30,16 @@ struct Distribution {
 /// Percentiles are the smallest value that at least that share of the values does not exceed.
 Distribution distribution(std::vector<float> values);
 
-/// Host time of one sweep by what it was spent on, ms.
+/// Time of one sweep by what it was spent on, ms.
 struct HostTimes {
-  double read = 0.0;      ///< reading and decoding the file
-  double host = 0.0;      ///< host work of the odometry
-  double wait = 0.0;      ///< waiting for the device
-  double write = 0.0;     ///< writing the results
-  double inertial = 0.0;  ///< part of `host`: preintegration and the sliding graph
+  double read = 0.0;       ///< reading and decoding the file, in a thread beside all else
+  double read_wait = 0.0;  ///< waiting until that was done
+  double host = 0.0;       ///< host work of the odometry
+  double wait = 0.0;       ///< waiting for the device
+  double map = 0.0;        ///< waiting for the map
+  double write = 0.0;      ///< writing the results
+  double total = 0.0;      ///< on the clock, from the end of the sweep before to that of this one
+  double inertial = 0.0;   ///< part of `host`: preintegration and the sliding graph
 };
 
 /// A sweep that could not be placed.
@@ -108,8 +111,9 @@ class RunStatistics {
   const std::vector<SweepFailure>& failures() const { return failures_; }
   double distance() const { return distance_; }  ///< m, along the estimated path
   double recorded_seconds() const;               ///< s between the first and the last stamp
-  /// "read", "host", "wait", "write", and "total", their sum.
-  const std::array<StageTimes, 5>& host_stages() const { return host_; }
+  /// HostTimes by their names: "read", which lies beside the others, "read_wait", "host", "wait",
+  /// "map", "write", and "total", which is what a sweep took.
+  const std::array<StageTimes, 7>& host_stages() const { return host_; }
   /// Preintegration and the sliding graph, a part of "host"; the sweeps that the IMU was fused in.
   const StageTimes& inertial_stage() const { return inertial_times_; }
   /// In the order in which the device ran them, then "total", their sum; empty unless profiled.
@@ -135,8 +139,9 @@ class RunStatistics {
   double distance_ = 0.0;
   std::optional<StampedPose> first_;
   StampedPose last_;
-  std::array<StageTimes, 5> host_{StageTimes{"read", {}}, StageTimes{"host", {}},
-                                  StageTimes{"wait", {}}, StageTimes{"write", {}},
+  std::array<StageTimes, 7> host_{StageTimes{"read", {}}, StageTimes{"read_wait", {}},
+                                  StageTimes{"host", {}}, StageTimes{"wait", {}},
+                                  StageTimes{"map", {}},  StageTimes{"write", {}},
                                   StageTimes{"total", {}}};
   StageTimes inertial_times_{"imu and graph", {}};
   std::vector<StageTimes> device_;

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/run/run_summary.hpp"
+
+#include <algorithm>
+#include <string_view>
 
 #include <fmt/core.h>
+
+#include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/gnss_text.hpp"
 #include "adit/tools/run/loop_reasons.hpp"
-#include "adit/tools/run/run_summary.hpp"
 #include "adit/tools/run/verdict_text.hpp"
 #include "adit/tools/support/progress.hpp"
 
@@ -39,13 +43,18 @@ std::string counts(const RunStatistics& statistics) {
   return text;
 }
 
-std::string host_times(const RunStatistics& statistics) {
-  const auto mean = [&](std::size_t stage) {
-    return distribution(statistics.host_stages().at(stage).ms).mean;
+std::string host_times(const RunStatistics& statistics, bool makes_map) {
+  const auto mean = [&](std::string_view stage) {
+    return distribution(std::ranges::find(statistics.host_stages(), stage, &StageTimes::stage)->ms)
+        .mean;
   };
   std::string text = fmt::format(
-      "{:.1f} ms a sweep: read {:.1f}, host {:.1f}, device {:.1f} (waiting for it), write {:.1f}",
-      mean(4), mean(0), mean(1), mean(2), mean(3));
+      "{:.1f} ms a sweep: waiting for the reader {:.1f}, host {:.1f}, waiting for the device "
+      "{:.1f}",
+      mean("total"), mean("read_wait"), mean("host"), mean("wait"));
+  text += makes_map ? fmt::format(", map {:.1f}", mean("map")) : "";
+  text += fmt::format(", write {:.1f}; the reader itself {:.1f}, beside these", mean("write"),
+                      mean("read"));
   if (!statistics.device_stages().empty()) {
     text += fmt::format("; {:.1f} by the device's own clock",
                         distribution(statistics.device_stages().back().ms).mean);
@@ -135,7 +144,7 @@ std::string stage_table(const RunStatistics& statistics) {
                         stage.stage, d.count, d.mean, d.p50, d.p95, d.max);
   };
   for (const StageTimes& stage : statistics.host_stages()) {
-    row("host", stage);
+    row(stage.stage == "read" ? "reader" : "host", stage);
   }
   if (!statistics.inertial_stage().ms.empty()) {
     row("host", statistics.inertial_stage());
@@ -194,7 +203,7 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
       text += "gnss     " + as_rows(describe(outcome.result.map->gnss)) + "\n";
     }
   }
-  text += "time     " + host_times(statistics) + "\n";
+  text += "time     " + as_rows(host_times(statistics, outcome.result.map.has_value())) + "\n";
   text += "device   " + describe(run.device) +
           fmt::format("; ready in {:.1f} s, {:.1f} MiB at most", outcome.start_s,
                       in_mebibytes(outcome.device_peak_bytes)) +
