@@ -23,10 +23,15 @@ ROWS = [
     ("linearize/vgicp", 1000000, "the same of {items} points"),
     ("align/vgicp", 120000, "VGICP alignment, with its assessment"),
     ("align/ndt", 120000, "NDT alignment, 7 neighbours"),
+    ("sweep/odometry", 120000, "a whole sweep of {size} raw points, odometry"),
     ("pipeline/vgicp", 120000, "two raw sweeps to their relative pose"),
     ("batch/vgicp", 64, "64 pairs of submaps of {points} points, VGICP"),
     ("batch/d2d", 64, "the same, NDT to NDT"),
 ]
+
+
+def device(setting):
+    return setting["device"] + (f", {setting['threads']} threads" if setting["software"] else "")
 
 
 def median(row):
@@ -55,10 +60,11 @@ def label(report, name, size, text):
 
 
 def main():
-    reports = [json.loads(path.read_text()) for path in sorted(HERE.glob("*.json"))]
+    files = [json.loads(path.read_text()) for path in sorted(HERE.glob("*.json"))]
+    reports = [file for file in files if "setting" in file]  # and not what compilers say
     if not reports:
         sys.exit("table.py: there is no result beside it")
-    lines = ["| | " + " | ".join(f"{r['setting']['device']}, {r['setting']['threads']} threads" for r in reports) + " |",
+    lines = ["| | " + " | ".join(device(r["setting"]) for r in reports) + " |",
              "|---" * (len(reports) + 1) + "|"]
     for name, size, text in ROWS:
         cells = [cell(report, name, size) for report in reports]
