@@ -169,13 +169,41 @@ uint64_t Device::submit(const CommandSlot& slot) {
   return value;
 }
 
+// One thread waits in the driver, for whatever ends next, and tells the others. Where two of them
+// wait, NVIDIA's wakes one, and the other after 10 ms.
 void Device::wait(uint64_t value) const {
-  const vk::SemaphoreWaitInfo info_wait({}, *timeline, value);
-  translated("waiting for the device", [&] {
-    while (device.waitSemaphores(info_wait, std::numeric_limits<uint64_t>::max()) ==
-           vk::Result::eTimeout) {
+  std::unique_lock lock(wait_mutex_);
+  while (true) {
+    const uint64_t ended =
+        translated("waiting for the device", [&] { return timeline.getCounterValue(); });
+    if (ended >= value) {
+      return;
     }
-  });
+    if (waiting_) {
+      woken_.wait(lock);
+      continue;
+    }
+    waiting_ = true;
+    lock.unlock();
+    const auto done = [&] {
+      lock.lock();
+      waiting_ = false;
+      woken_.notify_all();
+    };
+    try {
+      const uint64_t next = ended + 1;
+      const vk::SemaphoreWaitInfo info_wait({}, *timeline, next);
+      translated("waiting for the device", [&] {
+        while (device.waitSemaphores(info_wait, std::numeric_limits<uint64_t>::max()) ==
+               vk::Result::eTimeout) {
+        }
+      });
+    } catch (...) {
+      done();
+      throw;
+    }
+    done();
+  }
 }
 
 bool Device::reached(uint64_t value) const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <condition_variable>
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -76,6 +77,9 @@ struct Device {
  private:
   void create_device();
 
+  mutable std::mutex wait_mutex_;
+  mutable std::condition_variable woken_;
+  mutable bool waiting_ = false;  // a thread waits in the driver
   std::mutex queue_mutex_;
   uint64_t last_value_ = 0;
   std::mutex slots_mutex_;

@@ -251,7 +251,11 @@ class OfflineSlam final : public Slam {
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
     in_map_ = in_map.get();
     in_map_->mapped = worker_.run([this, given = in_map_] {
-      return mapper_->add(given->placed.sweep, given->placed.result, given->cloud);
+      SweepPlaced& sweep = given->placed;
+      sweep.map_begun = std::chrono::steady_clock::now();
+      MapPlacement placement = mapper_->add(sweep.sweep, sweep.result, given->cloud);
+      sweep.map_ended = std::chrono::steady_clock::now();
+      return placement;
     });
     results_.emplace_back(std::move(in_map));
   }

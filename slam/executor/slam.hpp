@@ -9,6 +9,7 @@
 //   while (auto result = slam->next()) {...}  // whatever has become known by now
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -34,7 +35,10 @@ struct SweepPlaced {
   Sweep sweep;                           ///< as it was added
   SweepResult result;                    ///< its pose, and how it came about
   std::optional<MapPlacement> mapped{};  ///< where there is a map
-  double map_ms = 0.0;                   ///< that the sweep waited for the map
+  double map_ms = 0.0;                   ///< that the odometry waited for the map
+  /// When the map began and ended with it, on the host's steady clock.
+  std::chrono::steady_clock::time_point map_begun{};
+  std::chrono::steady_clock::time_point map_ended{};  ///< see map_begun
 };
 
 /// A sweep that has no place in a trajectory: its time is not after that of the sweep before it.

@@ -73,8 +73,9 @@ void add_to_timeline(const Mapping& mapping, const SweepPlaced& placed, std::siz
   add(TimelineLane::host, {clock.submitted, clock.done}, true);
   add(TimelineLane::host, {clock.done, clock.ended});
   add(TimelineLane::device, {clock.submitted, clock.done});
-  add(TimelineLane::map,
-      {clock.ended, clock.ended + std::chrono::duration_cast<Clock::duration>(map_ms)});
+  add(TimelineLane::host,
+      {clock.ended, clock.ended + std::chrono::duration_cast<Clock::duration>(map_ms)}, true);
+  add(TimelineLane::map, {placed.map_begun, placed.map_ended});
   add(TimelineLane::write, written);
 }
 

@@ -16,7 +16,7 @@
 
 namespace adit {
 
-/// What works, from the top of the picture to its bottom. Host, map and write are one thread.
+/// What works, from the top of the picture to its bottom. Host and write are one thread.
 enum class TimelineLane { reader, host, device, map, write };
 inline constexpr std::array kTimelineLanes{TimelineLane::reader, TimelineLane::host,
                                            TimelineLane::device, TimelineLane::map,
