@@ -73,7 +73,7 @@ TEST_F(ViewDataTest, AMapIsPointsAndAGraph) {
   EXPECT_EQ(points[0].facts.moment, 0);
   EXPECT_EQ(points[2].facts.moment, 65535);
   EXPECT_EQ(points[2].facts.keyframe, 2);
-  EXPECT_EQ(points[2].facts.moving, 1);
+  EXPECT_EQ(points[2].facts.flags, kMoves | kNoIntensity);
   EXPECT_EQ(data.tile(1), "");
 }
 
