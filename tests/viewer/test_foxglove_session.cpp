@@ -192,8 +192,8 @@ LiveSweep live_sweep(int i) {
 
 std::size_t channel_of(const FoxgloveFeed& feed, const std::string& topic) {
   const auto& channels = feed.channels();
-  return static_cast<std::size_t>(
-      std::ranges::find(channels, topic, &FoxgloveChannel::topic) - channels.begin());
+  return static_cast<std::size_t>(std::ranges::find(channels, topic, &FoxgloveChannel::topic) -
+                                  channels.begin());
 }
 
 std::vector<uint64_t> positions_of(FoxgloveFeed& feed, const std::string& topic) {

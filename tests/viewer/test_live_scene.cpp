@@ -60,6 +60,15 @@ TEST(SensorCloudTest, HasWhatCameBackAboutTheSensor) {
   EXPECT_TRUE(sensor_cloud({}, 100).points.empty());
 }
 
+TEST(SensorCloudTest, HasIntensitiesWhereTheBrightestIsKnown) {
+  const std::vector<Point> points = {{.x = 1.0F, .intensity = 20.0F},
+                                     {.x = 1.0F, .intensity = 90.0F}};
+  const SensorCloud cloud = sensor_cloud(points, 10, 40.0F);
+  EXPECT_EQ(cloud.points[0].facts.intensity, 127);
+  EXPECT_EQ(cloud.points[1].facts.intensity, 255);
+  EXPECT_EQ(sensor_cloud(points, 10).points[1].facts.intensity, 0);
+}
+
 TEST(LiveSceneTest, TellsAllAndThenWhatIsNew) {
   LiveScene scene("drive.mcap");
   const ViewNews begin = scene.news(0);
@@ -159,8 +168,10 @@ TEST(LivePlotsTest, LongRunsKeepTheirExtremes) {
 
 TEST(LivePlotsTest, AHoleOfDaysIsNoMemory) {
   LivePlots plots;
+  SweepRecord sweep;
+  sweep.overlap = 0.5;
   for (const double seconds : {0.0, 0.1, 1e7, 1e7 + 0.1}) {
-    plots.add({.overlap = 0.5}, seconds, 1);
+    plots.add(sweep, seconds, 1);
   }
   const auto all = plots.since(0);
   EXPECT_LE(all.at("least").at(0).size(), kMostPlotBins);

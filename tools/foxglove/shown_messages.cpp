@@ -164,9 +164,9 @@ std::vector<ShownMessage> ShownMessages::graph() const {
 
 ShownMessage ShownMessages::overview(std::ostream& progress, const std::stop_token& stop) const {
   const Nanoseconds stamp = moments_.front().stamp;
-  return {
-      kMapPointsTopic, stamp,
-      point_cloud(stamp, kMapFrame, map_ ? "moving" : "intensity", overview_of(run_, progress, stop))};
+  return {kMapPointsTopic, stamp,
+          point_cloud(stamp, kMapFrame, map_ ? "moving" : "intensity",
+                      overview_of(run_, progress, stop))};
 }
 
 std::vector<ShownTopic> ShownMessages::topics_of(Shown what) const {

@@ -9,7 +9,7 @@
 namespace adit {
 namespace {
 
-constexpr std::size_t kUsualShare = 98;       // of 100 points
+constexpr std::size_t kUsualShare = 98;  // of 100 points
 constexpr std::size_t kMostSampled = 1'000'000;
 
 }  // namespace

@@ -34,8 +34,8 @@ struct CloudCube {
 CloudCube cube_about(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
 /// Bits of TilePointFacts::flags.
-inline constexpr uint8_t kMoves = 1;         ///< other sweeps saw through it
-inline constexpr uint8_t kNoIntensity = 2;   ///< its intensity is not known
+inline constexpr uint8_t kMoves = 1;        ///< other sweeps saw through it
+inline constexpr uint8_t kNoIntensity = 2;  ///< its intensity is not known
 
 /// What the page gets of a point, besides its place.
 struct TilePointFacts {

@@ -30,8 +30,8 @@ class LivePlots {
 
  private:
   struct Bin {
-    std::array<double, kPlotCurves> least;
-    std::array<double, kPlotCurves> most;
+    std::array<double, kPlotCurves> least{};
+    std::array<double, kPlotCurves> most{};
     uint64_t version = 0;  ///< that it was last another one with
   };
 

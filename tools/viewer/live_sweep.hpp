@@ -58,7 +58,7 @@ struct LiveSweep {
   Eigen::Isometry3d T_first_lidar = Eigen::Isometry3d::Identity();
   SensorCloud points{};                         ///< of the sweep as it came
   std::optional<SensorCloud> keyframe_cloud{};  ///< de-skewed and down-sampled: it stays
-  bool has_intensity = false;  ///< of these points
+  bool has_intensity = false;                   ///< of these points
   LiveProgress progress{};
   SweepRecord record{};  ///< as sweeps.csv has it
 };

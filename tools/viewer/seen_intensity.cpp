@@ -18,11 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFinestCell = 0.1;              // m
-constexpr std::size_t kMostCells = 2'000'000;    // some 100 MB, while the map is read
+constexpr double kFinestCell = 0.1;               // m
+constexpr std::size_t kMostCells = 2'000'000;     // some 100 MB, while the map is read
 constexpr uint64_t kMostCloudPoints = 8'000'000;  // that are looked at, evenly chosen
 constexpr std::size_t kMostBrightnessPoints = 200'000;
-constexpr int64_t kHalf = int64_t{1} << 20;      // cells, on either side of the origin
+constexpr int64_t kHalf = int64_t{1} << 20;  // cells, on either side of the origin
 constexpr uint64_t kAxisBits = 21;
 
 using CellAt = std::array<int64_t, 3>;
@@ -72,8 +72,7 @@ std::vector<std::optional<Eigen::Isometry3d>> back_to(const Trajectory& trajecto
     auto& T_cloud_map = back[static_cast<std::size_t>(sweep.keyframe)];
     if (!T_cloud_map && then != T_cloud_lidar.end()) {
       const auto& keyframe = keyframes[static_cast<std::size_t>(sweep.keyframe)];
-      T_cloud_map =
-          *then->second * (keyframe.T_map_keyframe * sweep.T_keyframe_lidar).inverse();
+      T_cloud_map = *then->second * (keyframe.T_map_keyframe * sweep.T_keyframe_lidar).inverse();
     }
   }
   return back;

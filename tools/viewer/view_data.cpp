@@ -168,9 +168,8 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
   Progress bar(progress, progress_style_of_stderr(), "read", keyframes_, Progress::Clock::now(),
                "keyframes");
   std::size_t read = 0;
-  const SeenIntensity seen = folder_.empty()
-                                 ? SeenIntensity()
-                                 : SeenIntensity::of(folder_, keyframes, sweeps_, progress);
+  const SeenIntensity seen =
+      folder_.empty() ? SeenIntensity() : SeenIntensity::of(folder_, keyframes, sweeps_, progress);
   bool has_intensity = false;
   visit_cloud(map, {}, {}, [&](std::span<const CloudPoint> points) {
     // The same number for all of them: keyframes beyond 65536 share theirs with the next.
@@ -179,12 +178,11 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
     for (const CloudPoint& point : points) {
       const std::optional<uint8_t> intensity = seen.at(read, point.position);
       has_intensity = has_intensity || intensity;
-      maker.add(point.position,
-                {.moment = span_.moment_of(point.time),
-                 .keyframe = keyframe,
-                 .intensity = intensity.value_or(0),
-                 .flags = static_cast<uint8_t>((point.moving ? kMoves : 0) |
-                                               (intensity ? 0 : kNoIntensity))});
+      maker.add(point.position, {.moment = span_.moment_of(point.time),
+                                 .keyframe = keyframe,
+                                 .intensity = intensity.value_or(0),
+                                 .flags = static_cast<uint8_t>((point.moving ? kMoves : 0) |
+                                                               (intensity ? 0 : kNoIntensity))});
     }
     bar.update(++read, 0);
     stop_if_wanted();

@@ -44,9 +44,10 @@ constexpr std::array<PlotCurve, kPlotCurves> kCurves = {{
      .title = "innovation, squared and normalised, per degree of freedom",
      .unit = "",
      .logarithmic = true,
-     .value = [](const SweepRecord& sweep) {
-       return sweep.innovation_squared / sweep.innovation_degrees;
-     }},
+     .value =
+         [](const SweepRecord& sweep) {
+           return sweep.innovation_squared / sweep.innovation_degrees;
+         }},
 }};
 
 ordered_json bins_json(const std::vector<double>& bins) {

@@ -3,7 +3,7 @@
 //
 // What a run says of itself over time: small plots above the time line, which go with it.
 import { element, labelled, plain } from './elements';
-import { SERIES, theme } from './palette';
+import { theme } from './palette';
 import type { Live, PlotCurve, Plots as PlotsTold } from './protocol';
 
 export const PLOTS = ['overlap', 'sigma', 'rms', 'NIS'] as const;
@@ -132,7 +132,7 @@ export class Plots {
 
   private drawCurve(context: CanvasRenderingContext2D, curve: PlotCurve, top: number, width: number): void {
     const colours = theme();
-    const hex = SERIES[PLOTS.indexOf(curve.name as Plot) % SERIES.length];
+    const hex = colours.plots[PLOTS.indexOf(curve.name as Plot)];
     const range = rangeOf(curve);
     const scaled = (v: number): number => (curve.logarithmic ? Math.log10(Math.max(v, range.low)) : v);
     const low = scaled(range.low), high = scaled(range.high);
@@ -168,7 +168,7 @@ export class Plots {
     context.strokeStyle = colours.background;
     context.lineWidth = 3;
     context.strokeText(told, x, y);
-    context.fillStyle = align === 'left' && colours.dark ? colours.chosen : hex;
+    context.fillStyle = hex;
     context.fillText(told, x, y);
   }
 

@@ -2,17 +2,27 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The sensor's axes, where it is or was at the time that is shown.
-import { AxesHelper, Vector3, type Matrix4 } from 'three';
+import { Vector3, type Matrix4 } from 'three';
+import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
 import { poseMatrix } from './cloud';
 import type { GraphLayer } from './graph_layer';
+import { AXES, colour } from './palette';
 import type { Live } from './protocol';
 
 const LEAST = 0.5;          // m, of an axis
 const SHARE = 0.04;         // of the eye's distance
+const ABOVE = 100;          // all that is drawn over the cloud
+const WIDTH = 3;            // px
 
-export class Sensor extends AxesHelper {
+export class Sensor extends LineSegments2 {
   constructor() {
-    super(1);
+    const geometry = new LineSegmentsGeometry();
+    geometry.setPositions([0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1]);
+    geometry.setColors(AXES.flatMap((hex) => [...colour(hex).toArray(), ...colour(hex).toArray()]));
+    super(geometry, new LineMaterial({ linewidth: WIDTH, vertexColors: true, depthTest: false }));
+    this.renderOrder = ABOVE;
     this.matrixAutoUpdate = false;
     this.frustumCulled = false;
   }

@@ -419,6 +419,7 @@ export class View implements Listener, Actions {
     if (cloud instanceof LiveCloud) cloud.showAt(now, state.grow);
     const share = now === null || !state.grow || this.sceneShown.live ? 2 : now / Math.max(this.sceneShown.seconds, 1e-9);
     cloud.look.set('until', 65535 * share + 0.5);
+    layer.showUntil(state.grow ? now : null);
     cloud.look.setBox(state.box && boxOf(state.box, cloud.origin));
     for (const one of LAYERS) layer.show(one, state.layers.includes(one));
     this.plots.at(now);
