@@ -41,7 +41,7 @@ GENERATED = {"version.hpp"}
 PAGE = "tools/viewer/page/"
 # Where threads may be started: tests and benchmarks aside.
 THREADS = {"engine/self_test/", "slam/executor/", "tools/recordings/events_ahead", "tools/simulator/parallel.hpp",
-           "tools/viewer/live_view"}
+           "tools/viewer/live_view", "tools/viewer/foxglove_run_feed"}
 # What these layers are not to include; they do not print or end the process either (PRINTS).
 FORBIDDEN_HEADERS = {
     "engine": {"iostream", "cstdio", "stdio.h"},

@@ -84,6 +84,7 @@ def watch(page, running, pictures):
     page.wait("document.getElementById('status').textContent.includes('sweeps')")
     page.wait("window.adit.graphShown.keyframes.id.length > 1", 60)
     page.screenshot(pictures / "live_later.png")
+    check_time(page)
     seen = page.evaluate(f"[{LIVE}.progress.sweeps, window.adit.layer.path.length, window.adit.cloud.drawn]")
     grown = page.evaluate("document.getElementById('status').textContent")
 
@@ -92,9 +93,59 @@ def watch(page, running, pictures):
     require("The run has ended" in page.evaluate("document.getElementById('notice').textContent"), "no end is announced")
     page.wait("/ of .* points$/.test(document.getElementById('status').textContent)")
     require(page.evaluate("window.adit.sceneShown.sweeps.time.length") == SWEEPS, "the result has other sweeps")
-    require(not page.evaluate("document.body.classList.contains('live')"), "there is no time line")
+    require(page.box("live")[2] == 0, "a result has no newest time")
+    require(page.evaluate(f"{BINS} === {SWEEPS}"), "the result has no plots")
     page.screenshot(pictures / "live_end.png")
     print(f"watched from {first} to {seen} (sweeps, poses, points); {grown}")
+
+
+BINS = "window.adit.plots.curve('overlap').least.length"
+SHOWN = "window.adit.timeLine.now"
+
+
+def check_time(page):
+    """The time line of the run grows; what is scrubbed back to stays, also when the line was lost, until one goes live."""
+    page.wait(f"{SHOWN} === null && {BINS} > 10")
+    require(page.evaluate("document.getElementById('live').getAttribute('aria-pressed')") == "true", "it is not live")
+    page.wait("document.getElementById('plots').offsetHeight > 0")
+    bins = page.evaluate(BINS)
+    page.wait(f"{BINS} > {bins} + 2", 60)
+    x, y, width, height = page.box("plots")
+    page.click(x + 0.3 * width, y + height / 2)
+    held, end = page.evaluate(f"[{SHOWN}, {LIVE}.seconds]")
+    require(held is not None and 0 < held < end, "the time that was clicked is not shown", held, end)
+    sensor = "window.adit.sensor.matrix.elements.slice(12, 14).join()"
+    there = "Math.hypot(...window.adit.layer.poseAt(%s).elements.slice(12, 14).map((v, i) => v - window.adit.sensor.matrix.elements[12 + i])) < 1e-6"
+    require(page.evaluate(there % held), "the sensor is not where it was then", page.evaluate(sensor))
+    require(not page.evaluate("window.adit.cloud.sweep.visible"), "the newest sweep is shown in the past")
+    page.click_on("grow")
+    hidden = "[...window.adit.cloud.held.values()].filter((one) => !one.points.visible).length"
+    page.wait(f"{hidden} > 0", 60)
+    require(page.evaluate(f"[...window.adit.cloud.held.values()].every((one) => one.points.visible === one.time <= {SHOWN})"),
+            "other keyframes are shown than there were")
+
+    # The run goes on, and the line is lost and comes back: the time stays, and nothing is missing of what has come since.
+    bins, sweeps = page.evaluate(f"[{BINS}, {LIVE}.progress.sweeps]")
+    page.evaluate("window.adit.connection.socket.close()")
+    page.wait(f"window.adit.connection.isOpen && {LIVE}.progress.sweeps > {sweeps} + 5 && {BINS} > {bins} + 3", 60)
+    require(page.evaluate(SHOWN) == held, "the time did not stay", page.evaluate(SHOWN), held)
+    require(page.evaluate("document.getElementById('live').getAttribute('aria-pressed')") == "false", "it passes for live")
+    known = page.evaluate("window.adit.plots.curve('overlap').least.filter((value) => value !== null).length")
+    require(known >= page.evaluate(BINS) - 1, "the plot has holes", known, page.evaluate(BINS))  # one may be on its way
+
+    page.click_on("live")
+    page.wait(f"{SHOWN} === null && {hidden} === 0")
+    page.wait("window.adit.cloud.sweep.visible")
+    page.click_on("grow")
+    # Played from the begin, it comes to the newest and goes on with it.
+    page.evaluate("document.getElementById('speed').value = '64'")
+    page.click_on("play")
+    page.wait(f"!window.adit.timeLine.playing && {SHOWN} === null", 60)
+    page.evaluate("document.getElementById('speed').value = '1'; document.activeElement.blur()")
+    page.key("Space", " ")
+    page.wait(f"window.adit.timeLine.playing && {SHOWN} !== null")
+    page.key("KeyL", "l")
+    page.wait(f"{SHOWN} === null && !window.adit.timeLine.playing")
 
 
 def never_reading(port):

@@ -33,7 +33,7 @@ std::vector<Placed> points(std::size_t count) {
                    .facts = {.moment = static_cast<uint16_t>(i & 0xffffU),
                              .keyframe = static_cast<uint16_t>(i >> 16U),
                              .intensity = static_cast<uint8_t>(i % 256),
-                             .moving = static_cast<uint8_t>(i % 2)}});
+                             .flags = static_cast<uint8_t>(i % 2)}});
   }
   return all;
 }
@@ -83,7 +83,7 @@ TEST(CloudTiles, HaveEveryPointOnceWhereItWas) {
       const Eigen::Vector3d p = cubes[number].low + step * (place.array() + 0.5).matrix();
       ASSERT_LT((p - all[i].p).cwiseAbs().maxCoeff(), 0.51 * step) << i;
       ASSERT_EQ(point.facts.intensity, i % 256);
-      ASSERT_EQ(point.facts.moving, i % 2);
+      ASSERT_EQ(point.facts.flags, i % 2);
     }
   }
   EXPECT_TRUE(std::ranges::all_of(seen, [](int count) { return count == 1; }));

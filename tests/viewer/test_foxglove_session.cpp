@@ -4,16 +4,20 @@
 
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <set>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/protobuf_fields.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/viewer/foxglove_cloud_feed.hpp"
 #include "adit/tools/viewer/foxglove_live_feed.hpp"
+#include "adit/tools/viewer/foxglove_run_feed.hpp"
 
 namespace adit {
 namespace {
@@ -186,10 +190,14 @@ LiveSweep live_sweep(int i) {
   return sweep;
 }
 
-std::vector<uint64_t> positions_of(FoxgloveFeed& feed, const std::string& topic) {
+std::size_t channel_of(const FoxgloveFeed& feed, const std::string& topic) {
   const auto& channels = feed.channels();
-  const auto channel = static_cast<std::size_t>(
-      std::ranges::find(channels, topic, &FoxgloveChannel::topic) - channels.begin());
+  return static_cast<std::size_t>(std::ranges::find(channels, topic, &FoxgloveChannel::topic) -
+                                  channels.begin());
+}
+
+std::vector<uint64_t> positions_of(FoxgloveFeed& feed, const std::string& topic) {
+  const std::size_t channel = channel_of(feed, topic);
   std::vector<uint64_t> positions;
   while (const auto next = feed.next(channel, positions.empty() ? 0 : positions.back())) {
     positions.push_back(*next);
@@ -198,10 +206,8 @@ std::vector<uint64_t> positions_of(FoxgloveFeed& feed, const std::string& topic)
 }
 
 test::ProtobufFields last_of(FoxgloveFeed& feed, const std::string& topic) {
-  const auto& channels = feed.channels();
-  const auto channel = static_cast<std::size_t>(
-      std::ranges::find(channels, topic, &FoxgloveChannel::topic) - channels.begin());
-  return test::ProtobufFields(*feed.message(channel, positions_of(feed, topic).back()).content);
+  return test::ProtobufFields(
+      *feed.message(channel_of(feed, topic), positions_of(feed, topic).back()).content);
 }
 
 /// x of the points of a cloud.
@@ -251,12 +257,37 @@ TEST(FoxgloveLiveFeedTest, WhatMovesIsDrawnAnew) {
   graph.T_map_first.emplace(0, Eigen::Isometry3d(Eigen::Translation3d(100.0, 0.0, 0.0)));
   scene.set(graph);
   EXPECT_GT(positions_of(feed, "/map/points").back(), before.back());
+  const std::size_t map = channel_of(feed, "/map/points");
+  const uint64_t now = positions_of(feed, "/map/points").back();
+  EXPECT_EQ(feed.message(map, now).content, feed.message(map, now).content) << "made once for all";
   EXPECT_GT(positions_of(feed, "/graph/trajectory").back(), drawn.back());
   EXPECT_EQ(positions_of(feed, "/graph/loops").size(), 1U);
   const std::vector<float> x = x_of(last_of(feed, "/map/points"));
   ASSERT_EQ(x.size(), 4U);
   EXPECT_NEAR(x[0], 102.0F, 1e-3F);
   EXPECT_NEAR(x[2], 106.0F, 1e-3F);
+}
+
+TEST(FoxgloveRunFeedTest, TheOverviewComesOnceItIsMade) {
+  const test::TemporaryFolder folder;
+  {
+    MapDatabase map(folder / "map.adit", MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 3; ++id) {
+      map.store(test::record_of_a_point(id, session));
+    }
+  }
+  FoxgloveRunFeed feed(folder / "map.adit");
+  EXPECT_EQ(positions_of(feed, "/keyframe/points").size(), 3U);
+  const std::size_t channel = channel_of(feed, "/map/points");
+  std::optional<uint64_t> position = feed.next(channel, 0);
+  while (!position) {  // it is made on a thread of its own
+    std::this_thread::yield();
+    position = feed.next(channel, 0);
+  }
+  EXPECT_EQ(x_of(last_of(feed, "/map/points")).size(), 3U);
+  EXPECT_EQ(feed.message(channel, *position).content, feed.message(channel, *position).content);
+  EXPECT_FALSE(feed.next(channel, *position)) << "it comes once";
 }
 
 TEST(FoxgloveCloudFeedTest, HasAsManyLevelsAsFit) {

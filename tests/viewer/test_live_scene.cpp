@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/viewer/live_scene.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -59,6 +60,15 @@ TEST(SensorCloudTest, HasWhatCameBackAboutTheSensor) {
   EXPECT_TRUE(sensor_cloud({}, 100).points.empty());
 }
 
+TEST(SensorCloudTest, HasIntensitiesWhereTheBrightestIsKnown) {
+  const std::vector<Point> points = {{.x = 1.0F, .intensity = 20.0F},
+                                     {.x = 1.0F, .intensity = 90.0F}};
+  const SensorCloud cloud = sensor_cloud(points, 10, 40.0F);
+  EXPECT_EQ(cloud.points[0].facts.intensity, 127);
+  EXPECT_EQ(cloud.points[1].facts.intensity, 255);
+  EXPECT_EQ(sensor_cloud(points, 10).points[1].facts.intensity, 0);
+}
+
 TEST(LiveSceneTest, TellsAllAndThenWhatIsNew) {
   LiveScene scene("drive.mcap");
   const ViewNews begin = scene.news(0);
@@ -80,6 +90,7 @@ TEST(LiveSceneTest, TellsAllAndThenWhatIsNew) {
   EXPECT_EQ(live.at("sweeps").at("time").dump(), "[0.0,0.1]");
   EXPECT_EQ(live.at("newest").at("pose").at(0), 1.0);
   EXPECT_EQ(live.at("clouds").at("number").dump(), "[0]");
+  EXPECT_EQ(live.at("clouds").at("time").dump(), "[0.0]");
   EXPECT_EQ(points_in(scene.tile(0)), 1U);
   EXPECT_EQ(points_in(scene.tile(live.at("newest").at("number").at(0))), 1U);
   EXPECT_EQ(points_in(scene.tile(77)), 0U);
@@ -90,6 +101,81 @@ TEST(LiveSceneTest, TellsAllAndThenWhatIsNew) {
   EXPECT_EQ(third.at("sweeps").at("time").size(), 1U);
   EXPECT_FALSE(third.contains("clouds"));
   EXPECT_EQ(last_of(scene.news(0)).at("sweeps").at("time").size(), 3U);
+}
+
+TEST(LiveSceneTest, PlotsGrowWithTheSweeps) {
+  LiveScene scene("drive.mcap");
+  const ViewNews begin = scene.news(0);
+  const json plots = json::parse(*begin.texts[0]).at("plots");
+  ASSERT_EQ(plots.at("curves").size(), kPlotCurves);
+  EXPECT_EQ(plots.at("curves").at(0).at("name"), "overlap");
+  EXPECT_FALSE(last_of(begin).contains("plots")) << "no sweep has come";
+  EXPECT_FALSE(last_of(begin).contains("stretches"));
+
+  const std::array<double, 3> overlaps = {0.9, 0.8, 0.7};
+  for (int i = 0; i < 2; ++i) {
+    LiveSweep sweep = sweep_at(i);
+    sweep.record.overlap = overlaps[static_cast<std::size_t>(i)];
+    scene.add(std::move(sweep));
+  }
+  const ViewNews two = scene.news(begin.told);
+  const json both = last_of(two).at("plots");
+  EXPECT_EQ(both.at("from"), 0);
+  EXPECT_DOUBLE_EQ(both.at("step").get<double>(), 0.1);
+  EXPECT_EQ(both.at("least").at(0).dump(), "[0.9,0.8]");
+  EXPECT_EQ(both.at("most").at(1).dump(), "[null,null]") << "nothing is known of it";
+
+  LiveSweep third = sweep_at(2);
+  third.record.overlap = overlaps[2];
+  third.progress.stretches = {{.state = "doubtful",
+                               .begin = Nanoseconds(1'100'000'000),
+                               .end = third.stamp,
+                               .text = "why"}};
+  scene.add(third);
+  const ViewNews three = scene.news(two.told);
+  EXPECT_EQ(last_of(three).at("plots").at("from"), 2);
+  EXPECT_EQ(last_of(three).at("plots").at("least").at(0).dump(), "[0.7]");
+  EXPECT_EQ(last_of(three).at("stretches").dump(),
+            R"([{"begin":0.1,"end":0.2,"state":"doubtful","text":"why"}])");
+  LiveSweep fourth = sweep_at(3);
+  fourth.progress.stretches = third.progress.stretches;
+  scene.add(std::move(fourth));
+  EXPECT_FALSE(last_of(scene.news(three.told)).contains("stretches")) << "they are as they were";
+  EXPECT_EQ(last_of(scene.news(0)).at("plots").at("least").at(0).size(), 4U)
+      << "who comes back gets all of it";
+}
+
+TEST(LivePlotsTest, LongRunsKeepTheirExtremes) {
+  LivePlots plots;
+  constexpr int kSweeps = 5000;
+  for (int i = 0; i < kSweeps; ++i) {
+    SweepRecord sweep;
+    sweep.overlap = i == 2500 ? 0.1 : 0.9;
+    plots.add(sweep, 0.1 * i, static_cast<uint64_t>(i) + 1);
+  }
+  const json all = json::parse(plots.since(0).dump());
+  const auto least = all.at("least").at(0).get<std::vector<double>>();
+  EXPECT_LE(least.size(), kMostPlotBins);
+  EXPECT_GT(least.size(), kMostPlotBins / 2);
+  EXPECT_DOUBLE_EQ(all.at("step").get<double>(), 0.8);
+  const auto at = static_cast<std::size_t>((250.0 - all.at("begin").get<double>()) / 0.8);
+  EXPECT_EQ(least[at], 0.1);
+  EXPECT_EQ(std::ranges::count(least, 0.1), 1);
+  EXPECT_EQ(all.at("most").at(0).at(at), 0.9);
+  EXPECT_EQ(plots.since(kSweeps - 1).at("least").at(0).size(), 1U);
+  EXPECT_TRUE(plots.since(kSweeps).is_null());
+}
+
+TEST(LivePlotsTest, AHoleOfDaysIsNoMemory) {
+  LivePlots plots;
+  SweepRecord sweep;
+  sweep.overlap = 0.5;
+  for (const double seconds : {0.0, 0.1, 1e7, 1e7 + 0.1}) {
+    plots.add(sweep, seconds, 1);
+  }
+  const auto all = plots.since(0);
+  EXPECT_LE(all.at("least").at(0).size(), kMostPlotBins);
+  EXPECT_EQ(all.at("least").at(0).back(), 0.5);
 }
 
 TEST(LiveSceneTest, ALongRunIsThinned) {

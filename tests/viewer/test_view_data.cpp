@@ -11,6 +11,8 @@
 
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/ply_writer.hpp"
+#include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/viewer/view_protocol.hpp"
 
@@ -73,8 +75,34 @@ TEST_F(ViewDataTest, AMapIsPointsAndAGraph) {
   EXPECT_EQ(points[0].facts.moment, 0);
   EXPECT_EQ(points[2].facts.moment, 65535);
   EXPECT_EQ(points[2].facts.keyframe, 2);
-  EXPECT_EQ(points[2].facts.moving, 1);
+  EXPECT_EQ(points[2].facts.flags, kMoves | kNoIntensity);
   EXPECT_EQ(data.tile(1), "");
+}
+
+TEST_F(ViewDataTest, PointsHaveTheIntensityThatTheRunsCloudHasWhereTheyWereThen) {
+  write_map(folder_ / "map.adit");
+  PlyWriter cloud(folder_ / "map.ply");
+  // The run had all of it 5 m farther on, and the third keyframe is of another one.
+  cloud.write(std::vector<Point>{{5.0F, 1.0F, 2.0F, 50.0F}, {15.08F, 1.0F, 2.0F, 25.0F}});
+  cloud.close();
+  TrajectoryWriter trajectory(folder_ / "trajectory.tum", TrajectoryFormat::tum);
+  for (NodeId id = 0; id < 2; ++id) {
+    trajectory.write({.stamp = test::record(id, 0).keyframe.stamp,
+                      .pose = test::step(5.0 + 10.0 * static_cast<double>(id), 0.0)});
+  }
+  trajectory.close();
+  const ViewData data = opened(folder_.path());
+  EXPECT_TRUE(nlohmann::json::parse(data.scene()).at("intensity").get<bool>());
+  std::array<TilePoint, 3> points;
+  std::memcpy(points.data(), data.tile(0).data() + 8, sizeof(points));
+  EXPECT_EQ(points[0].facts.intensity, 255);
+  EXPECT_EQ(points[0].facts.flags, 0);
+  EXPECT_EQ(points[1].facts.intensity, 127) << "of the cube beside it";
+  EXPECT_EQ(points[2].facts.flags, kMoves | kNoIntensity);
+
+  std::ofstream(folder_ / "map.ply") << "ply\nformat ascii 1.0\n";
+  EXPECT_FALSE(nlohmann::json::parse(opened(folder_.path()).scene()).at("intensity").get<bool>());
+  EXPECT_NE(progress_.str().find("points have no intensity"), std::string::npos);
 }
 
 TEST_F(ViewDataTest, TheTruthIsLaidOverTheMapAnewAfterAnEdit) {

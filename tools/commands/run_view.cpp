@@ -2,19 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/run_view.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <ostream>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
+#include "adit/tools/run/verdict_text.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 
 namespace adit {
 namespace {
+
+constexpr std::size_t kMostStretches = 32;  // that pages are told of while a run goes on
 
 bool is_stopped() {
   return StopSignal::received() != 0;
@@ -32,6 +38,18 @@ std::unique_ptr<ViewData> result_in(const std::filesystem::path& folder, std::os
     err << "note: the page stays as it was at the end of the run: " << error.what() << "\n";
     return nullptr;
   }
+}
+
+std::vector<LiveStretch> last_stretches(const Verdict& verdict, Nanoseconds first) {
+  const std::size_t told = std::min(kMostStretches, verdict.stretches.size());
+  std::vector<LiveStretch> last;
+  for (const DoubtfulStretch& one : std::span(verdict.stretches).last(told)) {
+    last.push_back({.state = std::string(to_string(one.trust)),
+                    .begin = one.begin,
+                    .end = one.end,
+                    .text = describe(one, first)});
+  }
+  return last;
 }
 
 }  // namespace
@@ -52,10 +70,15 @@ void RunView::say_link() const {
 }
 
 void RunView::add(const SweepPlaced& placed, const RunStatistics& statistics, std::size_t sweeps) {
+  if (!first_) {
+    first_ = placed.result.stamp;
+  }
+  const Verdict verdict = statistics.verdict();
   live_.add(placed, {.sweeps = statistics.sweeps(),
                      .of = sweeps,
                      .failed = statistics.failures().size(),
-                     .verdict = std::string(to_string(statistics.verdict().trust))});
+                     .verdict = std::string(to_string(verdict.trust)),
+                     .stretches = last_stretches(verdict, *first_)});
 }
 
 void RunView::end_mapping(const RunOutcome& outcome, const RunStatistics& statistics) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 #include "adit/tools/commands/served_page.hpp"
@@ -40,7 +41,8 @@ class RunView {
   ViewAccess access_;
   bool foxglove_;  ///< its link is printed
   LiveView live_;
-  std::string end_;  ///< how the run has ended, in words
+  std::optional<Nanoseconds> first_{};  ///< stamp of the first sweep
+  std::string end_;                     ///< how the run has ended, in words
 };
 
 }  // namespace adit

@@ -58,10 +58,16 @@ std::vector<Point> shown_points(std::span<const CloudPoint> cloud) {
 }
 
 /// The whole cloud of bounded size.
-std::vector<Point> overview_of(const ShownRun& run, std::ostream& progress) {
-  PageCloud cloud(kMostOverviewPoints);
+/// Ends the reading of a cloud.
+struct OverviewStopped {};
+
+void read_overview(const ShownRun& run, std::ostream& progress, const std::stop_token& stop,
+                   PageCloud& cloud) {
   const auto add = [&](const std::vector<Point>& points) {
     cloud.add(points, Eigen::Isometry3d::Identity(), 0);
+    if (stop.stop_requested()) {
+      throw OverviewStopped();
+    }
   };
   if (!run.map.empty()) {
     const MapDatabase map(run.map, MapAccess::read);
@@ -85,6 +91,15 @@ std::vector<Point> overview_of(const ShownRun& run, std::ostream& progress) {
       bar.update(done += points.size(), 0);
     });
     bar.finish();
+  }
+}
+
+std::vector<Point> overview_of(const ShownRun& run, std::ostream& progress,
+                               const std::stop_token& stop) {
+  PageCloud cloud(kMostOverviewPoints);
+  try {
+    read_overview(run, progress, stop, cloud);
+  } catch (const OverviewStopped&) {
   }
   std::vector<Point> points;
   for (const SeenFrom& point : cloud.points()) {
@@ -147,11 +162,11 @@ std::vector<ShownMessage> ShownMessages::graph() const {
   return messages;
 }
 
-ShownMessage ShownMessages::overview(std::ostream& progress) const {
+ShownMessage ShownMessages::overview(std::ostream& progress, const std::stop_token& stop) const {
   const Nanoseconds stamp = moments_.front().stamp;
-  return {
-      kMapPointsTopic, stamp,
-      point_cloud(stamp, kMapFrame, map_ ? "moving" : "intensity", overview_of(run_, progress))};
+  return {kMapPointsTopic, stamp,
+          point_cloud(stamp, kMapFrame, map_ ? "moving" : "intensity",
+                      overview_of(run_, progress, stop))};
 }
 
 std::vector<ShownTopic> ShownMessages::topics_of(Shown what) const {

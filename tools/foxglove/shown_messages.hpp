@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <iosfwd>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -74,8 +75,9 @@ class ShownMessages {
   std::vector<ShownMessage> graph() const;
   /// The run has points, which overview() shows.
   bool has_points() const { return map_ || !run_.cloud.empty(); }
-  /// The whole cloud thinned to at most 500 000 points, at the same stamp. Throws InputError.
-  ShownMessage overview(std::ostream& progress) const;
+  /// The whole cloud thinned to at most 500 000 points, at the same stamp; of the part that was
+  /// read by then once `stop` asks for it. May run beside all other functions. Throws InputError.
+  ShownMessage overview(std::ostream& progress, const std::stop_token& stop = {}) const;
 
   /// In the order of their stamps; at least one.
   const std::vector<ShownMoment>& moments() const { return moments_; }

@@ -33,12 +33,16 @@ struct CloudCube {
 /// The smallest cube about a box, with some room.
 CloudCube cube_about(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
+/// Bits of TilePointFacts::flags.
+inline constexpr uint8_t kMoves = 1;        ///< other sweeps saw through it
+inline constexpr uint8_t kNoIntensity = 2;  ///< its intensity is not known
+
 /// What the page gets of a point, besides its place.
 struct TilePointFacts {
   uint16_t moment = 0;    ///< when: from 0, the first of the cloud, to 65535, the last
   uint16_t keyframe = 0;  ///< its position among the scene's
   uint8_t intensity = 0;  ///< from 0 to 255, what 98 of 100 points stay below
-  uint8_t moving = 0;     ///< 1: other sweeps saw through it
+  uint8_t flags = 0;
 };
 
 /// A point in a cube: places count 2^-32 of the edge.

@@ -135,6 +135,14 @@ std::optional<uint64_t> FoxgloveLiveFeed::next(std::size_t channel, uint64_t aft
   }
 }
 
+FoxgloveMessage FoxgloveLiveFeed::map_points(uint64_t position) {
+  if (map_position_ != position) {
+    map_points_ = foxglove_message(map_points_of(*scene_));
+    map_position_ = position;
+  }
+  return map_points_;
+}
+
 FoxgloveMessage FoxgloveLiveFeed::message(std::size_t channel, uint64_t position) {
   const Live what = kind_of(channel);
   const Nanoseconds last = scene_->span().last;
@@ -146,7 +154,7 @@ FoxgloveMessage FoxgloveLiveFeed::message(std::size_t channel, uint64_t position
       return foxglove_message(keyframe_points_of(
           *std::ranges::find(scene_->clouds(), position, &LiveScene::Numbered::version)));
     case Live::map:
-      return foxglove_message(map_points_of(*scene_));
+      return map_points(position);
     case Live::trajectory:
       return foxglove_message(trajectory_of(*scene_));
     case Live::graph:

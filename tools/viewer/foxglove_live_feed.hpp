@@ -24,8 +24,12 @@ class FoxgloveLiveFeed final : public FoxgloveFeed {
   FoxgloveMessage message(std::size_t channel, uint64_t position) override;
 
  private:
+  FoxgloveMessage map_points(uint64_t position);
+
   const LiveScene* scene_;
   std::vector<FoxgloveChannel> channels_;
+  FoxgloveMessage map_points_;  ///< the newest, made once for all clients
+  uint64_t map_position_ = 0;   ///< its position; 0: there is none
 };
 
 }  // namespace adit

@@ -3,6 +3,7 @@
 #include "adit/tools/viewer/foxglove_run_feed.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <ostream>
 #include <utility>
 
@@ -34,6 +35,10 @@ FoxgloveRunFeed::FoxgloveRunFeed(const std::filesystem::path& what)
   }
 }
 
+FoxgloveRunFeed::~FoxgloveRunFeed() {
+  stop_.request_stop();
+}
+
 void FoxgloveRunFeed::add(const ShownTopic& topic, std::vector<uint64_t> positions) {
   channels_.push_back(foxglove_channel(topic));
   positions_.push_back(std::move(positions));
@@ -42,13 +47,26 @@ void FoxgloveRunFeed::add(const ShownTopic& topic, std::vector<uint64_t> positio
 std::optional<uint64_t> FoxgloveRunFeed::next(std::size_t channel, uint64_t after) {
   const std::vector<uint64_t>& positions = positions_[channel];
   const auto found = std::ranges::upper_bound(positions, after);
-  return found == positions.end() ? std::nullopt : std::optional(*found);
+  if (found == positions.end() || (*found == overview_ && !has_overview())) {
+    return std::nullopt;
+  }
+  return *found;
+}
+
+/// It is made, or cannot be made; else it is begun.
+bool FoxgloveRunFeed::has_overview() {
+  if (!made_.valid()) {
+    made_ = std::async(std::launch::async, [this, stop = stop_.get_token()] {
+      std::ostream nowhere(nullptr);
+      return foxglove_message(messages_.overview(nowhere, stop));
+    });
+  }
+  return made_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
 FoxgloveMessage FoxgloveRunFeed::message(std::size_t channel, uint64_t position) {
-  if (position == overview_ && !kept_.contains(position)) {
-    std::ostream nowhere(nullptr);
-    kept_.emplace(position, foxglove_message(messages_.overview(nowhere)));
+  if (position == overview_) {
+    return made_.get();
   }
   if (const auto kept = kept_.find(position); kept != kept_.end()) {
     return kept->second;

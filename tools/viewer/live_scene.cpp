@@ -50,12 +50,24 @@ ordered_json empty_scene(const std::string& title) {
           {"tiles", {{"parent", none}, {"octant", none}, {"points", none}}},
           {"tiled_poses", none},
           {"sweeps", {{"time", none}, {"keyframe", none}, {"pose", none}}},
+          {"plots", LivePlots::nothing()},
           {"weak", {{"sweep", none}, {"axis", none}, {"none", none}}}};
 }
 
 bool is_elsewhere(const Eigen::Isometry3d& now, const Eigen::Isometry3d& before) {
   return (now.translation() - before.translation()).norm() > kMovedBy ||
          (now.linear() - before.linear()).norm() > kMovedBy;
+}
+
+ordered_json stretches_of(const std::vector<LiveStretch>& stretches, const ViewSpan& span) {
+  ordered_json list = ordered_json::array();
+  for (const LiveStretch& stretch : stretches) {
+    list.push_back({{"state", stretch.state},
+                    {"begin", span.seconds_of(stretch.begin)},
+                    {"end", span.seconds_of(stretch.end)},
+                    {"text", stretch.text}});
+  }
+  return list;
 }
 
 /// Leaves every second element, from the first.
@@ -107,7 +119,12 @@ void LiveScene::add(LiveSweep sweep) {
     span_.first = sweep.stamp;
   }
   span_.last = std::max(sweep.stamp, span_.first);
+  if (sweep.progress.stretches != progress_.stretches) {
+    versions_.stretches = version_;
+  }
+  has_intensity_ = sweep.has_intensity;
   progress_ = std::move(sweep.progress);
+  plots_.add(sweep.record, span_.seconds_of(sweep.stamp), version_);
   Placed placed{.keyframe = sweep.keyframe,
                 .T_first_lidar = sweep.T_first_lidar,
                 .T_map_lidar = sweep.T_map_lidar};
@@ -208,6 +225,7 @@ std::string LiveScene::text_since(uint64_t told) const {
   }
   ordered_json json = {{"type", "live"},
                        {"doing", doing_},
+                       {"intensity", has_intensity_},
                        {"seconds", span_.seconds_of(span_.last)},
                        {"progress",
                         {{"sweeps", progress_.sweeps},
@@ -216,22 +234,31 @@ std::string LiveScene::text_since(uint64_t told) const {
                          {"verdict", progress_.verdict}}},
                        {"from", first - poses_.begin()},
                        {"sweeps", json_of(added, span_)}};
-  const auto clouds_json = [](const auto& list) {
+  const auto clouds_json = [this](const auto& list) {
     ordered_json numbers = ordered_json::array();
     ordered_json edges = ordered_json::array();
+    ordered_json times = ordered_json::array();
     std::vector<Eigen::Isometry3d> poses;
     for (const Numbered& one : list) {
       numbers.push_back(one.number);
       edges.push_back(one.cloud.edge);
+      times.push_back(span_.seconds_of(one.stamp));
       poses.push_back(one.placed.T_map_lidar);
     }
-    return ordered_json({{"number", numbers}, {"edge", edges}, {"pose", poses_of(poses)}});
+    return ordered_json(
+        {{"number", numbers}, {"edge", edges}, {"time", times}, {"pose", poses_of(poses)}});
   };
   if (!newest_.empty()) {
     json["newest"] = clouds_json(std::array{std::cref(newest_.back().shown)});
   }
   if (told < versions_.clouds) {
     json["clouds"] = clouds_json(clouds_);
+  }
+  if (ordered_json plots = plots_.since(told); !plots.is_null()) {
+    json["plots"] = std::move(plots);
+  }
+  if (told < versions_.stretches) {
+    json["stretches"] = stretches_of(progress_.stretches, span_);
   }
   return text_of(json);
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "adit/tools/foxglove/foxglove_graph.hpp"
+#include "adit/tools/viewer/live_plots.hpp"
 #include "adit/tools/viewer/live_sweep.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
 #include "adit/tools/viewer/view_server.hpp"
@@ -69,6 +70,7 @@ class LiveScene {
     uint64_t graph = 1;
     uint64_t poses = 1;   ///< all of the trajectory, but for poses that were added
     uint64_t clouds = 1;  ///< likewise
+    uint64_t stretches = 1;
   };
 
   /// `title`: what is mapped.
@@ -118,7 +120,9 @@ class LiveScene {
   std::size_t cloud_stride_ = 1;  ///< of keyframes, one has points
   std::vector<Numbered> clouds_;
   std::deque<Newest> newest_;
+  bool has_intensity_ = false;
   LiveProgress progress_{};
+  LivePlots plots_;
   std::string doing_ = "starting";
   uint64_t version_ = 1;
   Versions versions_;

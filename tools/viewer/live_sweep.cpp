@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "adit/tools/viewer/brightness.hpp"
+
 namespace adit {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr std::size_t kKeyframePoints = 3000;
 constexpr float kNearest = 1e-3F;  // m; nothing is seen nearer, and sensors write 0 for no return
 constexpr float kReach = 1e4F;     // m; beyond it a place would make all others one point
 constexpr double kPlaces = 65536.0;
+constexpr std::size_t kBrightnessSweeps = 10;  // sweeps, for how bright points are
 
 bool is_return(const Point& point) {
   const float distance = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)});
@@ -23,7 +26,7 @@ bool is_return(const Point& point) {
 
 }  // namespace
 
-SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most) {
+SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most, float brightest) {
   const std::size_t taken = std::min(points.size(), most);
   std::vector<Point> chosen;
   chosen.reserve(taken);
@@ -44,6 +47,7 @@ SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most) {
       const double share = static_cast<double>(p[k]) / cloud.edge + 0.5;
       one.place[k] = static_cast<uint16_t>(std::clamp(share * kPlaces, 0.0, kPlaces - 1.0));
     }
+    one.facts.intensity = brightness_of(point.intensity, brightest);
   }
   return cloud;
 }
@@ -62,9 +66,13 @@ std::vector<Point> points_of(const SensorCloud& cloud, const Eigen::Isometry3d& 
 
 LiveSweep LiveSweepMaker::make(const SweepPlaced& placed, const LiveProgress& progress) {
   const SweepResult& result = placed.result;
+  if (made_++ < kBrightnessSweeps && brightest_ == 0.0F) {
+    brightest_ = usual_brightest(placed.sweep.points);
+  }
   LiveSweep sweep{.stamp = result.stamp,
                   .T_map_lidar = result.T_map_lidar,
-                  .points = sensor_cloud(placed.sweep.points, kSweepPoints),
+                  .points = sensor_cloud(placed.sweep.points, kSweepPoints, brightest_),
+                  .has_intensity = brightest_ > 0.0F,
                   .progress = progress,
                   .record = sweep_record(placed.sweep.number.value_or(progress.sweeps), result)};
   if (placed.mapped) {
@@ -77,7 +85,7 @@ LiveSweep LiveSweepMaker::make(const SweepPlaced& placed, const LiveProgress& pr
     sweep.T_first_lidar = T_odom_first_.inverse() * result.T_map_lidar;
   }
   if (!result.cloud.empty()) {
-    sweep.keyframe_cloud = sensor_cloud(result.cloud, kKeyframePoints);
+    sweep.keyframe_cloud = sensor_cloud(result.cloud, kKeyframePoints, brightest_);
   }
   return sweep;
 }

@@ -24,16 +24,28 @@ struct SensorCloud {
 };
 
 /// Evenly thinned to `most` points. NaN and (0, 0, 0), which mean no return, are left out.
-SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most);
+/// `brightest` is the intensity that 255 stands for; 0: points have none.
+SensorCloud sensor_cloud(std::span<const Point> points, std::size_t most, float brightest = 0.0F);
 /// The points again, m, where `T_frame_sensor` has them.
 std::vector<Point> points_of(const SensorCloud& cloud, const Eigen::Isometry3d& T_frame_sensor);
 
+/// A stretch that a run does not vouch for.
+struct LiveStretch {
+  std::string state{};  ///< "doubtful" or "lost"
+  Nanoseconds begin{0};
+  Nanoseconds end{0};
+  std::string text{};  ///< why, for people
+
+  bool operator==(const LiveStretch&) const = default;
+};
+
 /// How far a run has come.
 struct LiveProgress {
-  std::size_t sweeps = 0;  ///< done
-  std::size_t of = 0;      ///< that are to be mapped
-  std::size_t failed = 0;  ///< could not be aligned
-  std::string verdict{};   ///< on the sweeps so far
+  std::size_t sweeps = 0;                ///< done
+  std::size_t of = 0;                    ///< that are to be mapped
+  std::size_t failed = 0;                ///< could not be aligned
+  std::string verdict{};                 ///< on the sweeps so far
+  std::vector<LiveStretch> stretches{};  ///< likewise; the last ones, where there are many
 };
 
 /// A sweep on its way to the page.
@@ -46,6 +58,7 @@ struct LiveSweep {
   Eigen::Isometry3d T_first_lidar = Eigen::Isometry3d::Identity();
   SensorCloud points{};                         ///< of the sweep as it came
   std::optional<SensorCloud> keyframe_cloud{};  ///< de-skewed and down-sampled: it stays
+  bool has_intensity = false;                   ///< of these points
   LiveProgress progress{};
   SweepRecord record{};  ///< as sweeps.csv has it
 };
@@ -57,6 +70,8 @@ class LiveSweepMaker {
 
  private:
   std::optional<NodeId> keyframe_;
+  std::size_t made_ = 0;
+  float brightest_ = 0.0F;  ///< of the first sweeps; 0: they have no intensity
   Eigen::Isometry3d T_odom_first_ = Eigen::Isometry3d::Identity();  ///< of the keyframe
 };
 

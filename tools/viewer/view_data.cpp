@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 
 #include <nlohmann/json.hpp>
@@ -18,8 +17,10 @@
 #include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 #include "adit/tools/support/version.hpp"
+#include "adit/tools/viewer/brightness.hpp"
 #include "adit/tools/viewer/foxglove_cloud_feed.hpp"
 #include "adit/tools/viewer/foxglove_run_feed.hpp"
+#include "adit/tools/viewer/seen_intensity.hpp"
 #include "adit/tools/viewer/view_plots.hpp"
 #include "adit/tools/viewer/view_world.hpp"
 
@@ -29,7 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-constexpr std::size_t kUsualShare = 98;  // of 100 points are no brighter than the brightest shown
 constexpr uint64_t kKeyframesTold = 65'536;
 // A place beyond is no place that a sensor was at, and would make all others one point.
 constexpr double kFarthest = 1e8;  // m
@@ -96,23 +96,6 @@ CloudFile read_any_cloud(const fs::path& file) {
 bool is_place(const Point& point) {
   const Eigen::Vector3f p(point.x, point.y, point.z);
   return p.allFinite() && p.cwiseAbs().maxCoeff() < static_cast<float>(kFarthest);
-}
-
-/// What most points are no brighter than; 0 where none has an intensity.
-float usual_brightest(std::span<const Point> points) {
-  std::vector<float> some;
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / 1'000'000);
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    if (std::isfinite(points[i].intensity)) {
-      some.push_back(points[i].intensity);
-    }
-  }
-  if (some.empty()) {
-    return 0.0F;
-  }
-  const auto at = some.begin() + static_cast<std::ptrdiff_t>(some.size() * kUsualShare / 100);
-  std::ranges::nth_element(some, at);
-  return std::max(0.0F, *at);
 }
 
 ViewSpan span_of(const std::vector<ViewSweep>& sweeps) {
@@ -185,21 +168,28 @@ void ViewData::read_map(const fs::path& file, std::ostream& progress) {
   Progress bar(progress, progress_style_of_stderr(), "read", keyframes_, Progress::Clock::now(),
                "keyframes");
   std::size_t read = 0;
+  const SeenIntensity seen =
+      folder_.empty() ? SeenIntensity() : SeenIntensity::of(folder_, keyframes, sweeps_, progress);
+  bool has_intensity = false;
   visit_cloud(map, {}, {}, [&](std::span<const CloudPoint> points) {
     // The same number for all of them: keyframes beyond 65536 share theirs with the next.
     const auto keyframe = static_cast<uint16_t>(
         keyframes_ <= kKeyframesTold ? read : read * kKeyframesTold / keyframes_);
     for (const CloudPoint& point : points) {
+      const std::optional<uint8_t> intensity = seen.at(read, point.position);
+      has_intensity = has_intensity || intensity;
       maker.add(point.position, {.moment = span_.moment_of(point.time),
                                  .keyframe = keyframe,
-                                 .moving = static_cast<uint8_t>(point.moving)});
+                                 .intensity = intensity.value_or(0),
+                                 .flags = static_cast<uint8_t>((point.moving ? kMoves : 0) |
+                                                               (intensity ? 0 : kNoIntensity))});
     }
     bar.update(++read, 0);
     stop_if_wanted();
   });
   bar.finish();
   make_tiles(maker, progress);
-  make_scene(false, keyframes, progress);
+  make_scene(has_intensity, keyframes, progress);
   earth_ = map.georeference();
   graph_ = graph_text(map);
 }
@@ -233,12 +223,10 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
     if (!is_place(point)) {
       continue;
     }
-    const float share = brightest > 0.0F ? point.intensity / brightest : 0.0F;
     const double time = timed && std::isfinite(cloud.sweep.times[i]) ? cloud.sweep.times[i] : 0.0;
     maker.add(Eigen::Vector3d(point.x, point.y, point.z),
               {.moment = timed ? span_.moment_of(nanoseconds(time)) : uint16_t{0},
-               .intensity = static_cast<uint8_t>(
-                   std::isfinite(share) ? std::clamp(255.0F * share, 0.0F, 255.0F) : 0.0F)});
+               .intensity = brightness_of(point.intensity, brightest)});
   }
   make_tiles(maker, progress);
   make_scene(brightest > 0.0F, {}, progress);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <ostream>
 #include <string>
 #include <unordered_map>
@@ -15,7 +14,6 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/registration/registration.hpp"
-#include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
 
@@ -24,49 +22,33 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// A curve, and what it is of a sweep.
-struct PlotCurve {
-  std::string_view name;
-  std::string_view title;
-  std::string_view unit;
-  bool logarithmic = false;
-  std::function<double(const SweepRecord&)> value;
-};
-
-std::array<PlotCurve, 4> plot_curves() {
-  return {{
-      {.name = "overlap",
-       .title = "share of points with a match",
-       .unit = "",
-       .value = [](const SweepRecord& sweep) { return sweep.overlap; }},
-      {.name = "sigma",
-       .title = "1 sigma of the position in the map",
-       .unit = "m",
-       .value =
-           [](const SweepRecord& sweep) {
-             const double trace = sweep.uncertainty.in_map().diagonal().head<3>().sum();
-             return trace > 0.0 ? std::sqrt(trace) : kUnknown;
-           }},
-      {.name = "rms",
-       .title = "distance of matches, rms",
-       .unit = "m",
-       .value = [](const SweepRecord& sweep) { return sweep.residual_rms; }},
-      {.name = "NIS",
-       .title = "innovation, squared and normalised, per degree of freedom",
-       .unit = "",
-       .logarithmic = true,
-       .value =
-           [](const SweepRecord& sweep) {
-             return sweep.innovation_squared / sweep.innovation_degrees;
-           }},
-  }};
+double sigma_of(const SweepRecord& sweep) {
+  const double trace = sweep.uncertainty.in_map().diagonal().head<3>().sum();
+  return trace > 0.0 ? std::sqrt(trace) : kUnknown;
 }
 
-/// Four digits: a plot is some dozens of pixels high.
-ordered_json plotted(double value) {
-  return std::isfinite(value) ? ordered_json(std::stod(fmt::format("{:.3e}", value)))
-                              : ordered_json();
-}
+constexpr std::array<PlotCurve, kPlotCurves> kCurves = {{
+    {.name = "overlap",
+     .title = "share of points with a match",
+     .unit = "",
+     .value = [](const SweepRecord& sweep) { return sweep.overlap; }},
+    {.name = "sigma",
+     .title = "1 sigma of the position in the map",
+     .unit = "m",
+     .value = sigma_of},
+    {.name = "rms",
+     .title = "distance of matches, rms",
+     .unit = "m",
+     .value = [](const SweepRecord& sweep) { return sweep.residual_rms; }},
+    {.name = "NIS",
+     .title = "innovation, squared and normalised, per degree of freedom",
+     .unit = "",
+     .logarithmic = true,
+     .value =
+         [](const SweepRecord& sweep) {
+           return sweep.innovation_squared / sweep.innovation_degrees;
+         }},
+}};
 
 ordered_json bins_json(const std::vector<double>& bins) {
   ordered_json list = ordered_json::array();
@@ -76,8 +58,9 @@ ordered_json bins_json(const std::vector<double>& bins) {
   return list;
 }
 
-ordered_json curve_json(const PlotCurve& curve, const std::vector<SweepRecord>& sweeps,
-                        const ViewSpan& span, std::size_t bins) {
+/// Null where nothing is known.
+ordered_json curve_of(const PlotCurve& curve, const std::vector<SweepRecord>& sweeps,
+                      const ViewSpan& span, std::size_t bins) {
   std::vector<double> least(bins, kUnknown);
   std::vector<double> most(bins, kUnknown);
   const double all = span.seconds_of(span.last);
@@ -94,13 +77,13 @@ ordered_json curve_json(const PlotCurve& curve, const std::vector<SweepRecord>& 
     most[at] = std::fmax(most[at], value);
     any = true;
   }
-  return any ? ordered_json({{"name", curve.name},
-                             {"title", curve.title},
-                             {"unit", curve.unit},
-                             {"logarithmic", curve.logarithmic},
-                             {"least", bins_json(least)},
-                             {"most", bins_json(most)}})
-             : ordered_json();
+  if (!any) {
+    return nullptr;
+  }
+  ordered_json json = curve_json(curve);
+  json["least"] = bins_json(least);
+  json["most"] = bins_json(most);
+  return json;
 }
 
 /// Of a run that has ended; times of a summary count from its first sweep.
@@ -140,7 +123,7 @@ ordered_json plots_json(const std::vector<SweepRecord>& sweeps, const ViewSpan& 
   const std::size_t bins = std::min(kMostPlotBins, sweeps.size());
   ordered_json curves = ordered_json::array();
   for (const PlotCurve& curve : plot_curves()) {
-    ordered_json json = curve_json(curve, sweeps, span, bins);
+    ordered_json json = curve_of(curve, sweeps, span, bins);
     if (!json.is_null()) {
       curves.push_back(std::move(json));
     }
@@ -194,6 +177,24 @@ ordered_json weak_json(const std::vector<WeakDirection>& weak) {
 }
 
 }  // namespace
+
+const std::array<PlotCurve, kPlotCurves>& plot_curves() {
+  return kCurves;
+}
+
+ordered_json curve_json(const PlotCurve& curve) {
+  return {{"name", curve.name},
+          {"title", curve.title},
+          {"unit", curve.unit},
+          {"logarithmic", curve.logarithmic},
+          {"least", ordered_json::array()},
+          {"most", ordered_json::array()}};
+}
+
+ordered_json plotted(double value) {
+  return std::isfinite(value) ? ordered_json(std::stod(fmt::format("{:.3e}", value)))
+                              : ordered_json();
+}
 
 ViewRun no_run() {
   return {.plots = nullptr, .weak = weak_json({})};

@@ -5,12 +5,15 @@
 // sweeps were not held in.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <iosfwd>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/results/sweep_table.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
 
 namespace adit {
@@ -20,6 +23,22 @@ inline constexpr std::size_t kMostPlotBins = 1024;
 
 /// No more weak directions are told of; evenly thinned.
 inline constexpr std::size_t kMostWeak = 4000;
+
+/// A curve over the time of a run.
+struct PlotCurve {
+  std::string_view name;
+  std::string_view title;
+  std::string_view unit;
+  bool logarithmic = false;
+  double (*value)(const SweepRecord&) = nullptr;  ///< what it is of a sweep; NaN: not known
+};
+inline constexpr std::size_t kPlotCurves = 4;
+const std::array<PlotCurve, kPlotCurves>& plot_curves();
+
+/// A curve by its name, without values.
+nlohmann::ordered_json curve_json(const PlotCurve& curve);
+/// Values of a curve: four digits, for a plot is some dozens of pixels high; null for NaN.
+nlohmann::ordered_json plotted(double value);
 
 /// Of a scene, as JSON.
 struct ViewRun {

@@ -64,7 +64,8 @@ void main() {
   gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
   gl_PointSize = clamp(closeSize / gl_Position.w, size, mostSize);
   float intensity = mod(facts.z, 256.0);
-  bool moving = facts.z >= 256.0;
+  float flags = floor(facts.z / 256.0);
+  bool moving = mod(flags, 2.0) > 0.5;
   bool hidden = only >= 0.0 && facts.y != only && facts.y != other;
   if (outside(p) || facts.x > until || (hideMoving && moving) || hidden) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -81,7 +82,7 @@ void main() {
     float share = colourBy == 0 ? (p.z - heights.x) / (heights.y - heights.x)
         : colourBy == 1 ? intensity / 255.0 : colourBy == 2 ? facts.x / 65535.0 : ofKeyframe(values, facts.y) * (255.0 / 254.0);
     shade = texture(ramp, vec2((0.5 + ${(7).toFixed(1)} * clamp(share, 0.0, 1.0)) / 8.0, 0.5)).rgb;
-    if (colourBy > 5 && share > 1.0) shade = vec3(0.6);  // not known
+    if ((colourBy > 5 && share > 1.0) || (colourBy == 1 && flags > 1.5)) shade = vec3(0.6);  // not known
   }
 }`;
 

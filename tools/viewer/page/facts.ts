@@ -100,7 +100,7 @@ export function pointFacts(point: FoundPoint, graph: Graph | null, scene: Scene)
     rows.push(['keyframe', String(graph.keyframes.id[point.keyframe] ?? '–')]);
   }
   if (scene.seconds > 0) rows.push(['time', clock(point.moment / 65535 * scene.seconds)]);
-  if (scene.intensity) rows.push(['intensity', `${point.intensity} of 255`]);
+  if (scene.intensity) rows.push(['intensity', point.intensity === null ? '–' : `${point.intensity} of 255`]);
   if (point.moving) rows.push(['seen through', 'other sweeps see through it: it has moved']);
   return { title: 'point', rows };
 }

@@ -32,6 +32,8 @@ export class GraphLayer {
   private readonly layers = new Map<Layer, Group>(LAYERS.map((layer) => [layer, new Group()]));
   private readonly chosen = new Group();
   private sweepPoses: Matrix4[] = [];
+  private stepTimes: number[] = [];       // s, of the ends of the trajectory's lines
+  private until: number | null = null;    // s
 
   constructor(private readonly scene: Scene, private readonly origin: Vector3) {
     for (const layer of this.layers.values()) this.group.add(layer);
@@ -64,7 +66,28 @@ export class GraphLayer {
       this.sweepPoses.push(pose);
       this.path.push(this.placeIn(pose));
     }
+    this.drawTrajectory();
+  }
+
+  /** The trajectory of later times (s) is not shown; null: all of it is. */
+  showUntil(time: number | null): void {
+    if (time === this.until) return;
+    this.until = time;
+    this.cut();
+  }
+
+  private cut(): void {
+    const [line] = this.layers.get('trajectory')!.children as LineSegments2[];
+    if (!line) return;
+    const { until, stepTimes } = this;
+    const first = until === null ? -1 : stepTimes.findIndex((time) => time > until);
+    line.geometry.instanceCount = first < 0 ? stepTimes.length : first;
+  }
+
+  private drawTrajectory(): void {
+    this.stepTimes = stepsOf(this.path).map((i) => this.scene.sweeps.time[i]);
     this.fill('trajectory', wide(steps(this.path), theme().trajectory, 2.5));
+    this.cut();
   }
 
   /** Draws all of it anew: the graph, or the colours, are others. */
@@ -73,7 +96,7 @@ export class GraphLayer {
     const { keyframes, edges, loops, fixes } = this.graph;
     const colours = theme();
     const odometry = this.sweepsBy(keyframes.odometry).map((pose) => this.placeIn(pose));
-    this.fill('trajectory', wide(steps(this.path), colours.trajectory, 2.5));
+    this.drawTrajectory();
     this.fill('odometry', wide(steps(keyframes.id.length > 0 ? odometry : []), colours.odometry, 1.5));
     this.fill('keyframes', dots(this.keyframes, this.keyframes.map(() => colours.keyframe), 5));
     this.fill('edges', thin(edges.filter(([from, to, kind]) => kind === 'odometry' && from >= 0 && to >= 0)
@@ -207,12 +230,13 @@ export class GraphLayer {
   }
 }
 
+/** Positions that a line leads to from the one before. */
+function stepsOf(path: Vector3[]): number[] {
+  return path.map((_, i) => i).filter((i) => i > 0 && path[i].distanceTo(path[i - 1]) < LONGEST_STEP);
+}
+
 function steps(path: Vector3[]): Vector3[] {
-  const ends: Vector3[] = [];
-  for (let i = 1; i < path.length; ++i) {
-    if (path[i].distanceTo(path[i - 1]) < LONGEST_STEP) ends.push(path[i - 1], path[i]);
-  }
-  return ends;
+  return stepsOf(path).flatMap((i) => [path[i - 1], path[i]]);
 }
 
 function wide(ends: Vector3[], hex: string, width: number): LineSegments2 | null {

@@ -14,7 +14,9 @@ const SAMPLED = 40;         // of so many points one tells the extent
 const MEASURED = 500;       // ms between two times
 const SHUFFLE = 7919;       // a prime beyond the points of a keyframe
 
-interface Held { points: Points; values: Uint16Array; count: number; }
+interface Held { points: Points; values: Uint16Array; count: number; time: number; }
+
+interface Placed { matrix: Matrix4; time: number; }
 
 export class LiveCloud implements ShownCloud {
   readonly group = new Group();
@@ -24,12 +26,14 @@ export class LiveCloud implements ShownCloud {
   missing = 0;
   extent: Extent | null = null;
   private readonly sweepLook = new CloudMaterial();
-  private placed = new Map<number, Matrix4>();
+  private placed = new Map<number, Placed>();
   private readonly held = new Map<number, Held>();
   private readonly asked = new Set<number>();
   private sweep: Points | null = null;
   private awaited: { number: number; matrix: Matrix4 } | null = null;
   private heldPoints = 0;
+  private isNewest = true;    // what is shown
+  private until = Infinity;   // s
   private measured = -Infinity;
 
   constructor(scene: Scene, private readonly ask: (tiles: number[]) => void) {
@@ -46,28 +50,37 @@ export class LiveCloud implements ShownCloud {
     if (live.clouds) {
       this.placed = this.matrices(live.clouds);
       for (const [number, one] of [...this.held]) {
-        const matrix = this.placed.get(number);
-        if (matrix) {
-          one.points.matrix.copy(matrix);
+        const placed = this.placed.get(number);
+        if (placed) {
+          one.points.matrix.copy(placed.matrix);
           one.points.matrixWorldNeedsUpdate = true;
         } else this.drop(number, one);
       }
     }
     if (live.newest && !this.awaited) {
-      const [[number, matrix]] = this.matrices(live.newest);
+      const [[number, { matrix }]] = this.matrices(live.newest);
       this.awaited = { number, matrix };
       this.ask([number]);
     }
     this.askForMore();
   }
 
+  /** What there was at a time (s), of which only keyframes are known; null: all, with the newest sweep. `grow`: keyframes
+      that came later are not shown. */
+  showAt(now: number | null, grow: boolean): void {
+    this.isNewest = now === null;
+    this.until = now === null || !grow ? Infinity : now;
+    if (this.sweep) this.sweep.visible = this.isNewest;
+    for (const one of this.held.values()) one.points.visible = one.time <= this.until;
+  }
+
   update(_camera: PerspectiveCamera, _height: number, _apart: number, budget: number): boolean {
     const share = Math.min(1, budget / Math.max(1, this.heldPoints));
-    this.drawn = this.sweep?.geometry.drawRange.count ?? 0;
+    this.drawn = this.sweep?.visible ? this.sweep.geometry.drawRange.count : 0;
     for (const one of this.held.values()) {
       const count = Math.ceil(share * one.count);
       one.points.geometry.setDrawRange(0, count);
-      this.drawn += count;
+      if (one.points.visible) this.drawn += count;
     }
     this.missing = [...this.placed.keys()].filter((number) => !this.held.has(number)).length;
     for (const name of ['size', 'closeSize', 'mostSize', 'boxMiddle', 'boxHalf', 'boxTurn']) this.sweepLook.set(name, this.look.get(name));
@@ -81,16 +94,18 @@ export class LiveCloud implements ShownCloud {
       if (tile.count === 0) return false;
       this.clearSweep();
       this.sweep = pointsOf(tile, this.sweepLook, matrix);
+      this.sweep.visible = this.isNewest;
       this.group.add(this.sweep);
       return false;
     }
     this.asked.delete(tile.number);
-    const matrix = this.placed.get(tile.number);
-    if (matrix && !this.held.has(tile.number)) {
+    const placed = this.placed.get(tile.number);
+    if (placed && !this.held.has(tile.number)) {
       const shuffled = { ...tile, values: shuffle(tile) };
-      const points = pointsOf(shuffled, this.look, matrix);
+      const points = pointsOf(shuffled, this.look, placed.matrix);
+      points.visible = placed.time <= this.until;
       this.group.add(points);
-      this.held.set(tile.number, { points, values: shuffled.values, count: tile.count });
+      this.held.set(tile.number, { points, values: shuffled.values, count: tile.count, time: placed.time });
       this.heldPoints += tile.count;
     }
     this.askForMore();
@@ -112,7 +127,7 @@ export class LiveCloud implements ShownCloud {
   }
 
   find(camera: PerspectiveCamera, width: number, height: number, x: number, y: number, within: number): FoundPoint | null {
-    const parts = [...this.held.values()].map(({ points, values, count }) => ({ values, count, matrix: points.matrix }));
+    const parts = [...this.held.values()].filter(({ points }) => points.visible).map(({ points, values, count }) => ({ values, count, matrix: points.matrix }));
     const found = nearestPoint(parts, this.look, { camera, width, height, x, y, within }, () => {});
     found?.p.add(this.origin);
     return found;
@@ -138,12 +153,12 @@ export class LiveCloud implements ShownCloud {
   }
 
   /** From places in the cubes about their sensors to the origin's axes. */
-  private matrices({ number, edge, pose }: PlacedClouds): Map<number, Matrix4> {
+  private matrices({ number, edge, time, pose }: PlacedClouds): Map<number, Placed> {
     return new Map(number.map((one, i) => {
       const half = -edge[i] / 2, step = edge[i] / STEPS;
       const fromCube = new Matrix4().makeScale(step, step, step).setPosition(half, half, half);
       const toOrigin = new Matrix4().makeTranslation(this.origin.clone().negate());
-      return [one, toOrigin.multiply(poseMatrix(pose, i)).multiply(fromCube)] as const;
+      return [one, { matrix: toOrigin.multiply(poseMatrix(pose, i)).multiply(fromCube), time: time[i] }] as const;
     }));
   }
 

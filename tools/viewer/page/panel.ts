@@ -18,6 +18,7 @@ export interface Actions {
   measure(): void;
   section(): void;
   play(): void;
+  newest(): void;
   close(): void;
   picture(): void;
   export(): void;
@@ -84,7 +85,9 @@ export class Panel {
     };
     element('export').hidden = !scene.map;
     const options = [...select('colour').options];
-    options.find((one) => one.value === 'intensity')!.disabled = !scene.intensity;
+    const intensity = options.find((one) => one.value === 'intensity')!;
+    intensity.disabled = !scene.intensity;
+    intensity.text = scene.intensity ? 'intensity' : 'intensity (has none)';
     options.find((one) => one.value === 'time')!.disabled = !(scene.seconds > 0);
     const hasKeyframes = !!graph?.keyframes.id.length && !scene.live;
     for (const by of ['keyframe', 'moving']) options.find((one) => one.value === by)!.disabled = !hasKeyframes;
@@ -156,7 +159,8 @@ export class Panel {
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const run: Record<string, () => void> = { KeyR: () => this.actions.reset(), KeyT: () => this.actions.above(),
       KeyF: () => this.actions.fly(), KeyM: () => this.actions.measure(), KeyC: () => this.actions.section(),
-      KeyP: () => this.actions.picture(), KeyX: () => this.actions.export(), Escape: () => this.actions.close() };
+      KeyP: () => this.actions.picture(), KeyX: () => this.actions.export(), KeyL: () => this.actions.newest(),
+      Escape: () => this.actions.close() };
     if (event.code === 'Space' && !(at instanceof HTMLButtonElement)) {
       event.preventDefault();
       this.actions.play();

@@ -3,8 +3,8 @@
 //
 // What a run says of itself over time: small plots above the time line, which go with it.
 import { element, labelled, plain } from './elements';
-import { SERIES, theme } from './palette';
-import type { PlotCurve, Plots as PlotsTold } from './protocol';
+import { theme } from './palette';
+import type { Live, PlotCurve, Plots as PlotsTold } from './protocol';
 
 export const PLOTS = ['overlap', 'sigma', 'rms', 'NIS'] as const;
 export type Plot = (typeof PLOTS)[number];
@@ -20,6 +20,8 @@ interface Range { low: number; high: number; }
 export class Plots {
   private told: PlotsTold | null = null;
   private seconds = 0;
+  private begin = 0;          // s, of the curves' first time
+  private step = 0;           // s, of each of their times
   private now: number | null = null;
   private readonly canvas = element<HTMLCanvasElement>('plots');
   private readonly boxes = new Map<Plot, HTMLInputElement>();
@@ -44,7 +46,31 @@ export class Plots {
   set(told: PlotsTold | null, seconds: number): void {
     this.told = told;
     this.seconds = seconds;
-    const has = PLOTS.filter((name) => told?.curves.some((curve) => curve.name === name));
+    this.begin = 0;
+    this.step = seconds / Math.max(1, told?.curves[0]?.least.length ?? 0);
+    this.offer();
+  }
+
+  /** Of a run that goes on, what has come since. */
+  grow({ seconds, plots, stretches }: Live): void {
+    if (!this.told) return;
+    this.seconds = seconds;
+    if (stretches) this.told.stretches = stretches;
+    if (plots) {
+      this.begin = plots.begin;
+      this.step = plots.step;
+      this.told.curves.forEach((curve, i) => {
+        curve.least.splice(plots.from, Infinity, ...plots.least[i]);
+        curve.most.splice(plots.from, Infinity, ...plots.most[i]);
+      });
+    }
+    const has = PLOTS.filter((name) => this.curve(name));
+    if (has.length !== this.boxes.size) this.offer();
+    else this.draw();
+  }
+
+  private offer(): void {
+    const has = PLOTS.filter((name) => this.curve(name));
     this.boxes.clear();
     element('plotted').hidden = has.length === 0;
     element('plotted').replaceChildren('plots ', ...has.map((name) => {
@@ -79,8 +105,8 @@ export class Plots {
     const curves = this.shown.map((name) => this.curve(name)).filter((curve) => curve !== null);
     const stretches = this.told?.stretches ?? [];
     const height = HEIGHT * curves.length + (stretches.length > 0 ? STRIP : 0);
-    this.canvas.hidden = height === 0;
-    if (height === 0) return;
+    this.canvas.hidden = height === 0 || !(this.seconds > 0);
+    if (this.canvas.hidden) return;
     this.canvas.style.height = `${height}px`;
     const width = this.canvas.clientWidth, ratio = Math.min(devicePixelRatio, 2);
     this.canvas.width = width * ratio;
@@ -106,12 +132,12 @@ export class Plots {
 
   private drawCurve(context: CanvasRenderingContext2D, curve: PlotCurve, top: number, width: number): void {
     const colours = theme();
-    const hex = SERIES[PLOTS.indexOf(curve.name as Plot) % SERIES.length];
+    const hex = colours.plots[PLOTS.indexOf(curve.name as Plot)];
     const range = rangeOf(curve);
     const scaled = (v: number): number => (curve.logarithmic ? Math.log10(Math.max(v, range.low)) : v);
     const low = scaled(range.low), high = scaled(range.high);
     const y = (v: number): number => top + WORDS + 2 + (HEIGHT - WORDS - 6) * (1 - (scaled(v) - low) / (high - low));
-    const bins = curve.least.length;
+    const x = (bin: number): number => Math.min(width, Math.max(0, (this.begin + (bin + 0.5) * this.step) / this.seconds * width));
     context.fillStyle = colours.odometry;
     context.globalAlpha = 0.25;
     context.fillRect(0, top + HEIGHT - 1, width, 1);
@@ -123,10 +149,9 @@ export class Plots {
     curve.least.forEach((least, i) => {
       const most = curve.most[i];
       if (least === null || most === null) return;
-      const x = (i + 0.5) / bins * width;
-      if (i - before > GAP) context.moveTo(x, y(least));
-      else context.lineTo(x, y(least));
-      context.lineTo(x, y(most) - (most === least && i - before > GAP ? 1 : 0));
+      if (i - before > GAP) context.moveTo(x(i), y(least));
+      else context.lineTo(x(i), y(least));
+      context.lineTo(x(i), y(most) - (most === least && i - before > GAP ? 1 : 0));
       before = i;
     });
     context.stroke();
@@ -143,22 +168,22 @@ export class Plots {
     context.strokeStyle = colours.background;
     context.lineWidth = 3;
     context.strokeText(told, x, y);
-    context.fillStyle = align === 'left' && colours.dark ? colours.chosen : hex;
+    context.fillStyle = hex;
     context.fillText(told, x, y);
   }
 
   /** What is told of a time: one number, or the least and the most of it. */
   valueAt(curve: PlotCurve, seconds: number): string {
-    const bins = curve.least.length;
-    const at = Math.min(bins - 1, Math.floor(seconds / this.seconds * bins));
-    const least = curve.least[at], most = curve.most[at];
+    const at = Math.min(curve.least.length - 1, Math.max(0, Math.floor((seconds - this.begin) / this.step)));
+    const least = curve.least[at] ?? null, most = curve.most[at] ?? null;
     if (least === null || most === null) return plain(null, 0);
     const unit = curve.unit ? ` ${curve.unit}` : '';
     return text(least) === text(most) ? `${text(least)}${unit}` : `${text(least)} to ${text(most)}${unit}`;
   }
 
+  /** Where something is known of it. */
   curve(name: string): PlotCurve | null {
-    return this.told?.curves.find((curve) => curve.name === name) ?? null;
+    return this.told?.curves.find((curve) => curve.name === name && curve.least.some((value) => value !== null)) ?? null;
   }
 
   private stretchesAt(seconds: number): string {

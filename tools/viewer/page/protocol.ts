@@ -40,7 +40,7 @@ export interface Scene {
   tiled_poses: Poses;        // of keyframes, when their points came into tiles
   sweeps: { time: number[]; keyframe: number[]; pose: Poses };  // in keyframe axes; keyframe -1: in the map's
   map: string;               // its path as the program was given it; empty: a cloud
-  plots: Plots | null;       // of a run's folder
+  plots: Plots | null;       // of a run's folder, or of a run that goes on: then values come with Live
   /** Directions that sweeps are not held in, in the map's frame: numbers of sweeps, and x, y, z of each. */
   weak: { sweep: number[]; axis: number[]; none: boolean[] };
 }
@@ -83,19 +83,26 @@ export interface Graph {
   world: { north: number[]; coordinates: string } | null;
 }
 
-/** Points that are asked for by number: a cube about a sensor each, and the sensor's pose in the map. */
-export interface PlacedClouds { number: number[]; edge: number[]; pose: Poses; }
+/** Points that are asked for by number: a cube about a sensor each, when it was there (s), and its pose in the map. */
+export interface PlacedClouds { number: number[]; edge: number[]; time: number[]; pose: Poses; }
+
+/** Values of the scene's curves, in their order, in times of `step` seconds from `begin` on: what comes from the time
+    numbered `from` on is another. */
+export interface PlotBins { begin: number; step: number; from: number; least: (number | null)[][]; most: (number | null)[][]; }
 
 /** What has changed in a run that goes on. */
 export interface Live {
   type: 'live';
   doing: string;
+  intensity: boolean;        // points have one
   seconds: number;           // in the recording
   progress: { sweeps: number; of: number; failed: number; verdict: string };
   from: number;              // the trajectory's sweeps from this one on are those of `sweeps`
   sweeps: Scene['sweeps'];
   newest?: PlacedClouds;     // the newest sweep, none before the first
   clouds?: PlacedClouds;     // of keyframes, all that there are; none: as before
+  plots?: PlotBins;          // none: as before
+  stretches?: Plots['stretches'];
 }
 
 export interface PlaceOnEarth {
@@ -111,7 +118,7 @@ export interface Place { type: 'place'; p: number[]; world: PlaceOnEarth | null;
 export interface Told { type: 'told'; problem: boolean; text: string; }
 
 /** Places and facts of a tile's points, six numbers of 16 bits each: x, y, z, moment, keyframe, and
-    intensity with 256 added for what has moved. */
+    intensity with 256 added for what has moved, and 512 where no intensity is known. */
 export interface TilePoints { number: number; count: number; values: Uint16Array; }
 export const POINT = 6;
 

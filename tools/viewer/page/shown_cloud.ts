@@ -11,8 +11,11 @@ import { POINT, type Poses, type TilePoints } from './protocol';
 export const STEPS = 65536;        // of a place, in the edge of its cube
 const FLATTEST = 0.5;              // m, of the heights that colours are spread over
 
+/** In a point's last number. */
+const MOVES = 256, NO_INTENSITY = 512;
+
 /** A point that was found, in the map's frame. */
-export interface FoundPoint { p: Vector3; moment: number; keyframe: number; intensity: number; moving: boolean; }
+export interface FoundPoint { p: Vector3; moment: number; keyframe: number; intensity: number | null; moving: boolean; }
 
 /** Of most points, about the origin: m, and the heading (rad) in which they reach farthest, with how far along it, across
     it and up. */
@@ -72,7 +75,7 @@ export function nearestPoint(parts: Iterable<Part>, look: CloudMaterial, aim: Ai
   let best: FoundPoint | null = null, least = Infinity;
   for (const { values, count, matrix } of parts) {
     for (let i = 0; i < POINT * count; i += POINT) {
-      if (values[i + 3] > until || (hideMoving && values[i + 5] > 255) || (only >= 0 && values[i + 4] !== only && values[i + 4] !== other)) continue;
+      if (values[i + 3] > until || (hideMoving && (values[i + 5] & MOVES) !== 0) || (only >= 0 && values[i + 4] !== only && values[i + 4] !== other)) continue;
       p.set(values[i] + 0.5, values[i + 1] + 0.5, values[i + 2] + 0.5).applyMatrix4(matrix);
       moved(p, values[i + 4]);
       const w = e[3] * p.x + e[7] * p.y + e[11] * p.z + e[15];
@@ -86,7 +89,7 @@ export function nearestPoint(parts: Iterable<Part>, look: CloudMaterial, aim: Ai
       if (rank < least) {
         least = rank;
         best = { p: p.clone(), moment: values[i + 3], keyframe: values[i + 4],
-          intensity: values[i + 5] & 255, moving: values[i + 5] > 255 };
+          intensity: (values[i + 5] & NO_INTENSITY) !== 0 ? null : values[i + 5] & 255, moving: (values[i + 5] & MOVES) !== 0 };
       }
     }
   }

@@ -16,6 +16,7 @@ export function overlaidLoop(graph: Graph, state: ViewState): Loop | null {
 
 /** What points can be coloured by: the state's wish, or by height where that is not known. */
 export function colourOf(state: ViewState, scene: Scene, graph: Graph | null): ViewState['colour'] {
+  if (scene.live && state.colour !== 'intensity') return 'height';  // what else there is, the result knows
   const has = state.colour === 'intensity' ? scene.intensity : state.colour === 'error' ? !!graph?.truth
     : state.colour === 'sigma' ? !!graph?.keyframes.covariance.some((v) => v > 0) : true;
   return has ? state.colour : 'height';

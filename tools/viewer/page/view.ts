@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The view: what the server says comes in, what hands want goes through the state onto the screen.
-import { AxesHelper, Vector3, type Matrix4 } from 'three';
-import { Cloud, poseMatrix } from './cloud';
+import { Vector3 } from 'three';
+import { Cloud } from './cloud';
 import { boundsOf, boxOf, ClipBox } from './clip_box';
 import { COLOURS } from './cloud_material';
 import { Connection, type Listener } from './connection';
@@ -25,6 +25,7 @@ import { Places, UnderMouse, worldRows } from './places';
 import { Plots } from './plots';
 import { POSE, type Graph, type Live, type Loop, type Place, type Scene, type TilePoints, type Told } from './protocol';
 import { sectionAlong } from './section';
+import { Sensor, sensorPose } from './sensor';
 import type { FoundPoint, ShownCloud } from './shown_cloud';
 import { colourOf, overlaidLoop, showKeyframes } from './shown_keyframes';
 import { statusText } from './status_text';
@@ -58,7 +59,7 @@ export class View implements Listener, Actions {
   readonly marks = new Marks();
   readonly places = new Places((message) => this.connection.send(message));
   private readonly measured = new Measure();
-  private readonly sensor = new AxesHelper(1);
+  private readonly sensor = new Sensor();
   private readonly connection: Connection;
   private chosen: Found | null = null;
   private facts: Facts | null = null;
@@ -70,8 +71,6 @@ export class View implements Listener, Actions {
   private written = location.hash;  // the link as it was last seen or written
 
   constructor() {
-    this.sensor.matrixAutoUpdate = false;
-    this.sensor.frustumCulled = false;
     this.painter.over.add(this.measured.group, this.sensor);
     new UnderMouse(this.canvas, (x, y) => this.pointAt(x, y, NEAR)?.p ?? null, (p, then) => {
       if (this.graphShown?.world) this.places.ask(p, then);
@@ -104,7 +103,8 @@ export class View implements Listener, Actions {
     this.painter.points.add(this.cloud.group);
     this.layer = new GraphLayer(scene, this.cloud.origin);
     this.painter.over.add(this.layer.group);
-    this.timeLine.set(scene.seconds, this.state.time);
+    if (scene.live) this.timeLine.setLive(this.state.time);
+    else this.timeLine.set(scene.seconds, this.state.time);
     this.plots.set(scene.plots ?? null, scene.seconds);
     this.fitBox();
     if (another) this.restoreEye();
@@ -146,14 +146,17 @@ export class View implements Listener, Actions {
     time.splice(live.from, Infinity, ...live.sweeps.time);
     keyframe.splice(live.from, Infinity, ...live.sweeps.keyframe);
     pose.splice(POSE * live.from, Infinity, ...live.sweeps.pose);
-    const begins = !this.liveShown?.newest && live.newest;
+    const begins = (!this.liveShown?.newest && live.newest) || scene.intensity !== live.intensity;
+    scene.intensity = live.intensity;
     this.liveShown = live;
     layer.follow(live.from);
     cloud.follow(live);
     if (begins) this.panel.offer(scene, this.graphShown);
-    this.timeLine.tell(live.seconds);
+    this.plots.grow(live);
+    this.timeLine.grow(live.seconds);
     this.apply();
-    this.painter.motion();
+    if (this.timeLine.now === null) this.painter.motion();
+    else this.painter.draw();
   }
 
   place(place: Place): void {
@@ -231,6 +234,10 @@ export class View implements Listener, Actions {
 
   play(): void {
     this.timeLine.toggle();
+  }
+
+  newest(): void {
+    this.timeLine.goLive();
   }
 
   picture(): void {
@@ -372,7 +379,8 @@ export class View implements Listener, Actions {
     this.written = location.hash;
     if (location.hash.slice(1) === toHash(this.state)) return;
     Object.assign(this.state, fromHash(location.hash));
-    if (this.sceneShown) this.timeLine.set(this.sceneShown.seconds, this.state.time);
+    if (this.liveShown) this.timeLine.go(this.state.time ?? Infinity);
+    else if (this.sceneShown) this.timeLine.set(this.sceneShown.seconds, this.state.time);
     this.restoreEye();
     this.panel.show();
     this.plots.show(this.state.plots);
@@ -407,32 +415,18 @@ export class View implements Listener, Actions {
     const shown = [state.colour, state.only, state.overlaid?.loop, state.overlaid?.by].join();
     if (this.graphShown && shown !== this.keyframesShown) showKeyframes(cloud, this.graphShown, state);
     this.keyframesShown = this.graphShown ? shown : null;
-    const share = this.timeLine.now === null || !state.grow ? 2 : this.timeLine.now / Math.max(this.sceneShown.seconds, 1e-9);
+    const { now } = this.timeLine;
+    if (cloud instanceof LiveCloud) cloud.showAt(now, state.grow);
+    const share = now === null || !state.grow || this.sceneShown.live ? 2 : now / Math.max(this.sceneShown.seconds, 1e-9);
     cloud.look.set('until', 65535 * share + 0.5);
+    layer.showUntil(state.grow ? now : null);
     cloud.look.setBox(state.box && boxOf(state.box, cloud.origin));
     for (const one of LAYERS) layer.show(one, state.layers.includes(one));
-    this.plots.at(this.timeLine.now);
-    this.placeSensor();
+    this.plots.at(now);
+    const pose = sensorPose(now, this.liveShown, layer, cloud.origin);
+    this.sensor.place(pose, this.controls.eye.distance);
+    if (pose && element<HTMLInputElement>('follow').checked) this.controls.eye.target.setFromMatrixPosition(pose);
     this.legend();
-  }
-
-  private sensorPose(): Matrix4 | null {
-    const newest = this.liveShown?.newest;
-    if (newest) {
-      const pose = poseMatrix(newest.pose, 0), { origin } = this.cloud!;
-      return pose.setPosition(pose.elements[12] - origin.x, pose.elements[13] - origin.y, pose.elements[14] - origin.z);
-    }
-    return this.timeLine.now === null ? null : this.layer?.poseAt(this.timeLine.now) ?? null;
-  }
-
-  private placeSensor(): void {
-    const pose = this.sensorPose();
-    this.sensor.visible = pose !== null;
-    if (!pose) return;
-    const size = Math.max(0.5, 0.04 * this.controls.eye.distance);
-    this.sensor.matrix.copy(pose).scale(new Vector3(size, size, size));
-    this.sensor.matrixWorldNeedsUpdate = true;
-    if (element<HTMLInputElement>('follow').checked) this.controls.eye.target.setFromMatrixPosition(pose);
   }
 
   private legend(): void {
