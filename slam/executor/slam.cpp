@@ -19,6 +19,8 @@
 namespace adit {
 namespace {
 
+constexpr std::size_t kMostBehind = 4;
+
 /// For the map, s.
 struct Waits {
   double sum = 0.0;
@@ -48,8 +50,8 @@ class Waiting {
 };
 
 /// The map takes up a sweep once the odometry is done with it, in a thread of its own, while the
-/// odometry goes on with the next sweep. A sweep is told when it is in the map, and the map has one
-/// at a time: so nothing hangs on which of the two is faster.
+/// odometry goes on with the next ones, at most kMostBehind of them. A sweep is told when it is in
+/// the map, and the odometry learns nothing of it: so nothing hangs on which of the two is faster.
 class OfflineSlam final : public Slam {
  public:
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
@@ -138,9 +140,9 @@ class OfflineSlam final : public Slam {
   };
   using Result = std::variant<SlamResult, std::unique_ptr<InMap>>;
 
-  bool is_known(const Result& result) const {
+  static bool is_known(const Result& result) {
     const auto* in_map = std::get_if<std::unique_ptr<InMap>>(&result);
-    return in_map == nullptr || in_map->get() != in_map_ ||
+    return in_map == nullptr ||
            (*in_map)->mapped.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   }
 
@@ -151,17 +153,14 @@ class OfflineSlam final : public Slam {
       return std::move(*known);
     }
     InMap& in_map = *std::get<std::unique_ptr<InMap>>(front);
-    if (&in_map == in_map_) {
-      in_map_ = nullptr;
-    }
     in_map.placed.mapped = in_map.mapped.get();
     return std::move(in_map.placed);
   }
 
-  /// Until the map has taken the sweep that it was given last. Throws what that threw.
-  void wait_for_map() {
-    if (in_map_ != nullptr) {
-      std::exchange(in_map_, nullptr)->mapped.get();
+  /// Until the map is at most so many sweeps behind.
+  void wait_for_map(std::size_t behind = 0) {
+    for (; behind_.size() > behind; behind_.pop_front()) {
+      behind_.front().wait();
     }
   }
 
@@ -244,19 +243,24 @@ class OfflineSlam final : public Slam {
     }
     {
       const Waiting waiting(sweep_waits_);
-      wait_for_map();
+      wait_for_map(kMostBehind - 1);
     }
     placed.map_ms = 1e3 * (sweep_waits_.sum + other_waits_.sum - waited);
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
-    in_map_ = in_map.get();
-    in_map_->mapped = worker_.run([this, given = in_map_] {
+    in_map->mapped = worker_.run([this, given = in_map.get()] {
+      if (map_failed_) {
+        return MapPlacement{};  // the sweep before, which is told first, says so
+      }
       SweepPlaced& sweep = given->placed;
       sweep.map_begun = std::chrono::steady_clock::now();
+      map_failed_ = true;
       MapPlacement placement = mapper_->add(sweep.sweep, sweep.result, given->cloud);
+      map_failed_ = false;
       sweep.map_ended = std::chrono::steady_clock::now();
       return placement;
     });
+    behind_.push_back(in_map->mapped);
     results_.emplace_back(std::move(in_map));
   }
 
@@ -301,9 +305,10 @@ class OfflineSlam final : public Slam {
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::vector<GnssFix> before_map_fixes_;
   std::optional<HighRateStream> high_rate_;
-  std::deque<Result> results_;  ///< not asked for yet, in their order
-  InMap* in_map_ = nullptr;     ///< of them, the sweep that the map works on
+  std::deque<Result> results_;                           ///< not asked for yet, in their order
+  std::deque<std::shared_future<MapPlacement>> behind_;  ///< sweeps that the map may work on
   bool flushing_ = false;
+  bool map_failed_ = false;  ///< the worker's
   FrameTree transforms_;
   std::string lidar_frame_;
   std::string imu_frame_;

@@ -20,7 +20,7 @@ namespace {
 constexpr uint64_t kWorkingBytes = uint64_t{96} << 20U;
 constexpr uint64_t kWorkingBytesAPoint = 368;
 constexpr uint64_t kMapBytes = uint64_t{22} << 20U;
-constexpr uint64_t kMapBytesAPoint = 416;
+constexpr uint64_t kMapBytesAPoint = 512;
 constexpr uint64_t kLoopBytes = uint64_t{24} << 20U;
 constexpr uint64_t kLoopBytesAPoint = 256;
 
