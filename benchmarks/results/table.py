@@ -51,8 +51,8 @@ def cell(report, name, size):
     return text
 
 
-def label(report, name, size, text):
-    for row in report["rows"]:
+def label(reports, name, size, text):
+    for row in (row for report in reports for row in report["rows"]):
         if (row["name"], row["size"]) == (name, size):
             points = int(row["figures"].get("points a pair", 0))
             return text.format(size=f"{size:,}".replace(",", " "), items=row["items"], points=points)
@@ -68,7 +68,7 @@ def main():
              "|---" * (len(reports) + 1) + "|"]
     for name, size, text in ROWS:
         cells = [cell(report, name, size) for report in reports]
-        lines.append(f"| {label(reports[0], name, size, text)} | " + " | ".join(cells) + " |")
+        lines.append(f"| {label(reports, name, size, text)} | " + " | ".join(cells) + " |")
     table = "\n".join(lines) + "\n"
     print(table, end="")
     if "--write" in sys.argv[1:]:
