@@ -138,11 +138,15 @@ void main() {
   memoryBarrierBuffer();
   add_row_parts(at, groups);
   barrier();
+  if (local < kSupports) {
+    row_parts[local] = row_sum(local);  // which no other thread reads
+  }
+  barrier();
   if (local != 0) {
     return;
   }
   for (uint k = 0; k < kSupports; ++k) {
-    sums[k] = row_sum(k);
+    sums[k] = row_parts[k];
   }
   progress[at].ticket = 0;
   decide(at, sums);

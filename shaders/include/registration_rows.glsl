@@ -6,6 +6,7 @@
 // threads than a row has numbers adds the rows in their order.
 #ifndef ADIT_REGISTRATION_ROWS_GLSL
 #define ADIT_REGISTRATION_ROWS_GLSL
+#extension GL_EXT_control_flow_attributes : require
 #include "adit/shaders/include/registration_match.glsl"
 
 // Threads side by side take the numbers of a row (kRowSize of them, padded to a power of two), the
@@ -31,7 +32,7 @@ void add_row_parts(uint at, uint groups) {
 // Number k of the sum of all rows, once the parts are there.
 float row_sum(uint k) {
   float sum = row_parts[k];
-  for (uint part = 1; part < kRowParts; ++part) {
+  [[dont_unroll]] for (uint part = 1; part < kRowParts; ++part) {
     sum += row_parts[part * kColumns + k];
   }
   return sum;
