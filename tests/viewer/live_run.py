@@ -23,7 +23,7 @@ from viewing import foxglove_link, require
 from websocket import WebSocket
 
 SETTINGS = ["--set", "mapping.enabled=true", "--set", "keyframe.delta_trans=0.3"]
-SWEEPS = 120
+SWEEPS = 400
 MOST_MEMORY = 60e6  # bytes more than without a page
 LIVE = "window.adit.liveShown"
 ALL_THERE = "window.adit.cloud.drawn > 0 && window.adit.cloud.missing === 0 && window.adit.painter.isIdle"
