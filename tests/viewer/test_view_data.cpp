@@ -91,8 +91,14 @@ TEST_F(ViewDataTest, PointsHaveTheIntensityThatTheRunsCloudHasWhereTheyWereThen)
                       .pose = test::step(5.0 + 10.0 * static_cast<double>(id), 0.0)});
   }
   trajectory.close();
+  const auto has_intensity = [&] {
+    return nlohmann::json::parse(opened(folder_.path()).scene()).at("intensity").get<bool>();
+  };
+  std::ofstream(folder_ / "summary.json") << R"({"output": {"map_points": 1}})";
+  EXPECT_FALSE(has_intensity()) << "the cloud is of another run";
+  std::ofstream(folder_ / "summary.json") << R"({"output": {"map_points": 2}})";
+  EXPECT_TRUE(has_intensity());
   const ViewData data = opened(folder_.path());
-  EXPECT_TRUE(nlohmann::json::parse(data.scene()).at("intensity").get<bool>());
   std::array<TilePoint, 3> points;
   std::memcpy(points.data(), data.tile(0).data() + 8, sizeof(points));
   EXPECT_EQ(points[0].facts.intensity, 255);
@@ -101,7 +107,7 @@ TEST_F(ViewDataTest, PointsHaveTheIntensityThatTheRunsCloudHasWhereTheyWereThen)
   EXPECT_EQ(points[2].facts.flags, kMoves | kNoIntensity);
 
   std::ofstream(folder_ / "map.ply") << "ply\nformat ascii 1.0\n";
-  EXPECT_FALSE(nlohmann::json::parse(opened(folder_.path()).scene()).at("intensity").get<bool>());
+  EXPECT_FALSE(has_intensity());
   EXPECT_NE(progress_.str().find("points have no intensity"), std::string::npos);
 }
 

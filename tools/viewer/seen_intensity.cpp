@@ -8,9 +8,12 @@
 #include <ostream>
 #include <span>
 
+#include <nlohmann/json.hpp>
+
 #include "adit/tools/clouds/ply_visit.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/input_file.hpp"
 #include "adit/tools/viewer/brightness.hpp"
 
 namespace adit {
@@ -18,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFinestCell = 0.1;               // m
+constexpr double kFinestCell = 0.2;               // m
 constexpr std::size_t kMostCells = 2'000'000;     // some 100 MB, while the map is read
 constexpr uint64_t kMostCloudPoints = 8'000'000;  // that are looked at, evenly chosen
 constexpr std::size_t kMostBrightnessPoints = 200'000;
@@ -78,6 +81,15 @@ std::vector<std::optional<Eigen::Isometry3d>> back_to(const Trajectory& trajecto
   return back;
 }
 
+/// How many points a run's cloud has, by its summary; nothing where it left none.
+std::optional<uint64_t> points_by(const fs::path& summary) {
+  const auto json = nlohmann::json::parse(read_text_file(summary), nullptr, false);
+  const nlohmann::json::json_pointer at("/output/map_points");
+  return json.is_object() && json.contains(at) && json[at].is_number_unsigned()
+             ? std::optional(json[at].get<uint64_t>())
+             : std::nullopt;
+}
+
 }  // namespace
 
 SeenIntensity::SeenIntensity() : edge_(kFinestCell) {}
@@ -87,10 +99,14 @@ SeenIntensity SeenIntensity::of(const fs::path& folder, const std::vector<MapKey
   SeenIntensity seen;
   const fs::path cloud = folder / "map.ply";
   const fs::path trajectory = folder / "trajectory.tum";
-  if (!fs::exists(cloud) || !fs::exists(trajectory)) {
+  const fs::path summary = folder / "summary.json";
+  if (!fs::exists(cloud) || !fs::exists(trajectory) || !fs::exists(summary)) {
     return seen;
   }
   try {
+    if (points_by(summary) != WrittenPly(cloud).points()) {
+      return seen;  // it is of an earlier run
+    }
     seen.T_cloud_map_ = back_to(read_trajectory(trajectory), keyframes, sweeps);
     seen.read(cloud);
   } catch (const FileError& error) {

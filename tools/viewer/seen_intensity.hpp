@@ -22,8 +22,9 @@ class SeenIntensity {
  public:
   /// Knows nothing.
   SeenIntensity();
-  /// By `map.ply` and `trajectory.tum` in the folder of a run; knows nothing where they are not
-  /// there. A file that is damaged is told to `progress`. `sweeps` are those of `keyframes`.
+  /// By `map.ply` and `trajectory.tum` in the folder of a run, if its `summary.json` has that many
+  /// points; else it knows nothing. A file that is damaged is told to `progress`. `sweeps` are
+  /// those of `keyframes`.
   static SeenIntensity of(const std::filesystem::path& folder,
                           const std::vector<MapKeyframe>& keyframes,
                           const std::vector<ViewSweep>& sweeps, std::ostream& progress);

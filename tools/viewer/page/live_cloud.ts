@@ -32,6 +32,7 @@ export class LiveCloud implements ShownCloud {
   private sweep: Points | null = null;
   private awaited: { number: number; matrix: Matrix4 } | null = null;
   private heldPoints = 0;
+  private newest: PlacedClouds | null = null;
   private isNewest = true;    // what is shown
   private until = Infinity;   // s
   private measured = -Infinity;
@@ -57,26 +58,25 @@ export class LiveCloud implements ShownCloud {
         } else this.drop(number, one);
       }
     }
-    if (live.newest && !this.awaited) {
-      const [[number, { matrix }]] = this.matrices(live.newest);
-      this.awaited = { number, matrix };
-      this.ask([number]);
-    }
+    this.newest = live.newest ?? this.newest;
+    this.askForNewest();
     this.askForMore();
   }
 
   /** What there was at a time (s), of which only keyframes are known; null: all, with the newest sweep. `grow`: keyframes
       that came later are not shown. */
   showAt(now: number | null, grow: boolean): void {
+    const comesBack = now === null && !this.isNewest;
     this.isNewest = now === null;
     this.until = now === null || !grow ? Infinity : now;
-    if (this.sweep) this.sweep.visible = this.isNewest;
+    if (!this.isNewest) this.clearSweep();
+    if (comesBack) this.askForNewest();
     for (const one of this.held.values()) one.points.visible = one.time <= this.until;
   }
 
   update(_camera: PerspectiveCamera, _height: number, _apart: number, budget: number): boolean {
     const share = Math.min(1, budget / Math.max(1, this.heldPoints));
-    this.drawn = this.sweep?.visible ? this.sweep.geometry.drawRange.count : 0;
+    this.drawn = this.sweep?.geometry.drawRange.count ?? 0;
     for (const one of this.held.values()) {
       const count = Math.ceil(share * one.count);
       one.points.geometry.setDrawRange(0, count);
@@ -91,10 +91,9 @@ export class LiveCloud implements ShownCloud {
     if (tile.number === this.awaited?.number) {
       const { matrix } = this.awaited;
       this.awaited = null;
-      if (tile.count === 0) return false;
+      if (tile.count === 0 || !this.isNewest) return false;
       this.clearSweep();
       this.sweep = pointsOf(tile, this.sweepLook, matrix);
-      this.sweep.visible = this.isNewest;
       this.group.add(this.sweep);
       return false;
     }
@@ -139,6 +138,13 @@ export class LiveCloud implements ShownCloud {
     this.look.material.dispose();
     this.sweepLook.material.dispose();
     this.group.clear();
+  }
+
+  private askForNewest(): void {
+    if (!this.newest || this.awaited || !this.isNewest) return;
+    const [[number, { matrix }]] = this.matrices(this.newest);
+    this.awaited = { number, matrix };
+    this.ask([number]);
   }
 
   private askForMore(): void {

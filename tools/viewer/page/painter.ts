@@ -12,6 +12,7 @@ const SLOW = 70, FAST = 28; // ms a frame while something moves: fewer points, o
 const LEAST = 60_000;       // points that are drawn however slow it is
 const MOST = 20_000_000;
 const STILL = 250;          // ms without motion, then all points that are wanted
+const LATER = 1000;         // ms
 const KEPT_FRAMES = 200;
 
 export interface Frame { seconds: number; moving: boolean; }
@@ -30,6 +31,7 @@ export class Painter {
   private requested = 0;
   private waiting = false;
   private painted = 0;        // points
+  private later = 0;          // timer
 
   /** `before` is called with each frame and says whether something moves on; then another frame follows. */
   constructor(private readonly canvas: HTMLCanvasElement, private readonly before: (frame: Frame) => boolean) {
@@ -75,6 +77,14 @@ export class Painter {
         setTimeout(() => this.draw(), STILL + 10);
       }
     });
+  }
+
+  /** What has changed can wait. */
+  drawLater(): void {
+    this.later ||= setTimeout(() => {
+      this.later = 0;
+      this.draw();
+    }, LATER);
   }
 
   budget(most: number): number {

@@ -136,7 +136,13 @@ export class View implements Listener, Actions {
       this.fitToCloud();
       if (this.sceneShown?.live && !this.state.box) this.fitBox();
     }
-    this.painter.draw();
+    if (this.stays) this.painter.drawLater();
+    else this.painter.draw();
+  }
+
+  /** A time of a run that goes on was scrubbed back to. */
+  private get stays(): boolean {
+    return this.sceneShown?.live === true && this.timeLine.now !== null;
   }
 
   live(live: Live): void {
@@ -156,7 +162,10 @@ export class View implements Listener, Actions {
     this.timeLine.grow(live.seconds);
     this.apply();
     if (this.timeLine.now === null) this.painter.motion();
-    else this.painter.draw();
+    else {  // hardly anything that is seen is another: a whole picture for each sweep would take all the time there is
+      this.status();
+      this.painter.drawLater();
+    }
   }
 
   place(place: Place): void {
@@ -445,7 +454,7 @@ export class View implements Listener, Actions {
 
   /** With the first points it is known how large what there is to see is. */
   private fitToCloud(): void {
-    if (!this.state.eye) this.lookAtAll();
+    if (!this.state.eye && !this.stays) this.lookAtAll();
     else if (this.cloud?.extent) this.controls.size = Math.max(2, this.cloud.extent.size);
   }
 
