@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <future>
 #include <memory>
 #include <string>
@@ -98,8 +99,10 @@ class OfflineSlam final : public Slam {
       if (!results_.empty() && is_known(results_.front())) {
         return take_front();
       }
-      if (std::optional<Measurement> due = feed_.next()) {
-        take(std::move(*due));
+      if (failed_) {
+        settle();  // what came before the failure is told first
+      } else if (std::optional<Measurement> due = feed_.next()) {
+        take_or_fail(std::move(*due));
       } else if (results_.empty() || !flushing_) {
         return std::nullopt;
       } else {
@@ -123,6 +126,9 @@ class OfflineSlam final : public Slam {
     }
     settle();
     const Waiting waiting(other_waits_);
+    if (map_error_ && !std::exchange(map_error_told_, true)) {
+      std::rethrow_exception(map_error_);
+    }
     begin_map();
     mapper_->finish();
     MapReport report = mapper_->report();
@@ -138,7 +144,7 @@ class OfflineSlam final : public Slam {
     std::vector<Point> cloud;  ///< down-sampled, lidar axes
     std::shared_future<MapPlacement> mapped;
   };
-  using Result = std::variant<SlamResult, std::unique_ptr<InMap>>;
+  using Result = std::variant<SlamResult, std::unique_ptr<InMap>, std::exception_ptr>;
 
   static bool is_known(const Result& result) {
     const auto* in_map = std::get_if<std::unique_ptr<InMap>>(&result);
@@ -152,8 +158,17 @@ class OfflineSlam final : public Slam {
     if (auto* known = std::get_if<SlamResult>(&front)) {
       return std::move(*known);
     }
+    if (const auto* failure = std::get_if<std::exception_ptr>(&front)) {
+      failed_ = false;
+      std::rethrow_exception(*failure);
+    }
     InMap& in_map = *std::get<std::unique_ptr<InMap>>(front);
-    in_map.placed.mapped = in_map.mapped.get();
+    try {
+      in_map.placed.mapped = in_map.mapped.get();
+    } catch (...) {
+      map_error_told_ = true;
+      throw;
+    }
     return std::move(in_map.placed);
   }
 
@@ -161,6 +176,16 @@ class OfflineSlam final : public Slam {
   void wait_for_map(std::size_t behind = 0) {
     for (; behind_.size() > behind; behind_.pop_front()) {
       behind_.front().wait();
+    }
+  }
+
+  /// What fails is told behind what was known before it.
+  void take_or_fail(Measurement due) {
+    try {
+      take(std::move(due));
+    } catch (...) {
+      failed_ = true;
+      results_.emplace_back(std::current_exception());
     }
   }
 
@@ -187,8 +212,10 @@ class OfflineSlam final : public Slam {
       before_map_fixes_.push_back(fix);
       return;
     }
-    wait_for_map();
-    mapper_->add(fix, antenna());
+    settle();
+    if (!map_error_) {
+      mapper_->add(fix, antenna());
+    }
   }
 
   Eigen::Vector3d antenna() {
@@ -248,20 +275,26 @@ class OfflineSlam final : public Slam {
     placed.map_ms = 1e3 * (sweep_waits_.sum + other_waits_.sum - waited);
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
-    in_map->mapped = worker_.run([this, given = in_map.get()] {
-      if (map_failed_) {
-        return MapPlacement{};  // the sweep before, which is told first, says so
-      }
-      SweepPlaced& sweep = given->placed;
-      sweep.map_begun = std::chrono::steady_clock::now();
-      map_failed_ = true;
-      MapPlacement placement = mapper_->add(sweep.sweep, sweep.result, given->cloud);
-      map_failed_ = false;
-      sweep.map_ended = std::chrono::steady_clock::now();
-      return placement;
-    });
+    in_map->mapped = worker_.run([this, given = in_map.get()] { return map_sweep(*given); });
     behind_.push_back(in_map->mapped);
     results_.emplace_back(std::move(in_map));
+  }
+
+  /// The worker's. Behind a sweep that the map could not take it takes none.
+  MapPlacement map_sweep(InMap& given) {
+    if (map_error_) {
+      std::rethrow_exception(map_error_);
+    }
+    SweepPlaced& sweep = given.placed;
+    sweep.map_begun = std::chrono::steady_clock::now();
+    try {
+      const MapPlacement placement = mapper_->add(sweep.sweep, sweep.result, given.cloud);
+      sweep.map_ended = std::chrono::steady_clock::now();
+      return placement;
+    } catch (...) {
+      map_error_ = std::current_exception();
+      throw;
+    }
   }
 
   void begin_map() {
@@ -308,7 +341,9 @@ class OfflineSlam final : public Slam {
   std::deque<Result> results_;                           ///< not asked for yet, in their order
   std::deque<std::shared_future<MapPlacement>> behind_;  ///< sweeps that the map may work on
   bool flushing_ = false;
-  bool map_failed_ = false;  ///< the worker's
+  bool failed_ = false;           ///< the last of results_ is a failure
+  std::exception_ptr map_error_;  ///< the worker's: to be read once that was waited for
+  bool map_error_told_ = false;
   FrameTree transforms_;
   std::string lidar_frame_;
   std::string imu_frame_;

@@ -147,12 +147,14 @@ void Aligner::record(engine::Recorder& recorder, const Prediction& prediction,
 
 void Aligner::record_rest(engine::Recorder& recorder, engine::Slice surface_cloud,
                           const Submap& submap) {
-  // As many again as there were.
+  // As many again as there were. Constrained steps had nothing to do while the others went on.
+  const bool iterates = header().iterate.remaining > 0;
   const Passes more{
-      .steps = header().iterate.remaining > 0 ? std::max(recorded_.steps, 1U) : 0,
+      .steps = iterates ? std::max(recorded_.steps, 1U) : 0,
       .constrained_steps = trusted_ ? std::max(recorded_.constrained_steps, kFewSteps) : 0};
-  recorded_.steps += more.steps;
-  recorded_.constrained_steps += more.constrained_steps;
+  recorded_ = {
+      .steps = recorded_.steps + more.steps,
+      .constrained_steps = (iterates ? 0 : recorded_.constrained_steps) + more.constrained_steps};
   record_fine(recorder, arguments(false, 0, surface_cloud, submap.voxel_map()), settings(trusted_),
               more);
   record_readback(recorder, submap);

@@ -156,6 +156,7 @@ std::vector<Point> FrontEnd::read_cloud() const {
     engine::Recorder recorder = context_->make_recorder();
     recorder.copy(cloud_->slice(at, bytes), cloud_readback_->slice(at, bytes));
     context_->submit(std::move(recorder)).wait();
+    copied_points_ = count;
   }
   const auto points = (direct_ ? *cloud_ : *cloud_readback_).as<Point>();
   return {points.begin(), points.begin() + count};

@@ -73,7 +73,7 @@ class FrontEnd {
   bool direct_;          ///< kernels read uploads, and the host reads results, where they are
   uint32_t capacity_ = 0;
   uint32_t point_count_ = 0;
-  uint32_t copied_points_ = 0;  ///< of the cloud, with the last sweep's submission
+  mutable uint32_t copied_points_ = 0;  ///< of the cloud, with the last sweep's submission
   bool reset_scratch_ = true;
   bool has_times_ = false;
   engine::Buffer knots_;  ///< uploaded

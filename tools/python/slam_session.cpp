@@ -85,6 +85,13 @@ std::optional<SlamResult> SlamSession::next() {
   return result;
 }
 
+void SlamSession::settle() {
+  const std::lock_guard lock(mutex_);
+  if (!finished_) {
+    slam_->settle();
+  }
+}
+
 std::optional<Mounting> SlamSession::mounting() {
   const std::lock_guard lock(mutex_);
   return finished_ ? mounting_ : slam_->mounting();

@@ -24,6 +24,7 @@ std::optional<Event> EventsAhead::next() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return ended_ || !items_.empty(); });
   if (items_.empty()) {
+    last_read_ = {};
     return std::nullopt;
   }
   const bool was_full = !has_room();

@@ -26,6 +26,7 @@ ClockSpan since(Clock::time_point start) {
   return {.begin = start, .end = Clock::now()};
 }
 
+constexpr Nanoseconds kBehind = std::chrono::seconds(1);
 constexpr std::size_t kNotedFailures = 5;  // the others are in the summary
 
 void note_failure(Progress& progress, const SweepFailure& failure, std::size_t failures) {
@@ -158,6 +159,10 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
       return;
     }
     if (done.added == mapping.range.count) {
+      // Of what comes behind the range the last sweeps wait for readings no longer than usual.
+      if (done.newest && sweep->stamp > *done.newest + kBehind) {
+        mapping.slam.flush();
+      }
       return;
     }
     ++done.added;
@@ -197,8 +202,8 @@ void add_reading(const Mapping& mapping, const ClockSpan& read, const ClockSpan&
                  Mapped& done) {
   done.times.read += read.ms();
   done.times.read_wait += waited.ms();
-  if (mapping.timeline != nullptr) {
-    const std::size_t sweep = mapping.range.first + done.read;
+  if (mapping.timeline != nullptr && read.end > read.begin) {
+    const std::size_t sweep = (has_others(mapping) ? 0 : mapping.range.first) + done.read;
     mapping.timeline->add({.lane = TimelineLane::reader, .sweep = sweep, .span = read});
     mapping.timeline->add(
         {.lane = TimelineLane::host, .sweep = sweep, .span = waited, .waits = true});

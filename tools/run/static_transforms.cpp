@@ -44,7 +44,7 @@ std::vector<StaticTransform> static_transforms(const Recording& recording) {
   const auto whole = pass_over_damage(recording, [](const InputError&) {});
   // Usually they come at the beginning: the rest of the recording is not read for them.
   if (const std::optional<Event> first = whole->events({})->next()) {
-    selection.end = first->received + kLookAhead;
+    selection.end = first->received + 2 * kLookAhead;
     if (auto transforms = transforms_within(*whole, selection); !transforms.empty()) {
       return transforms;
     }

@@ -8,7 +8,7 @@
 
 namespace adit {
 
-/// The static transforms of the first ten seconds of a recording, in their order; empty where it
+/// The static transforms of the first seconds of a recording, in their order; empty where it
 /// has none. Damage is passed over: whoever reads on reports it.
 std::vector<StaticTransform> static_transforms(const Recording& recording);
 
