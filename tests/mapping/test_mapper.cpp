@@ -263,8 +263,9 @@ TEST_F(MapperTest, ADeviceThatIsLostLeavesTheKeyframesThatWereStored) {
   const auto all_of_it = [&] {
     for (const Sweep& sweep : sweeps) {
       slam->add(sweep);
-      while (slam->next()) {
-      }
+    }
+    slam->flush();
+    while (slam->next()) {
     }
   };
   EXPECT_THROW(all_of_it(), engine::DeviceLost);
