@@ -25,6 +25,7 @@ struct RecordedWork {
   uint64_t upload_bytes = 0;    ///< copied from the host's memory
   uint64_t readback_bytes = 0;  ///< copied to the host's memory
 
+  /// Both together.
   RecordedWork& operator+=(const RecordedWork& other);
 };
 
