@@ -13,6 +13,7 @@
 #include "adit/benchmarks/command_bench_slam.hpp"
 #include "adit/benchmarks/kernels/cases.hpp"
 #include "adit/benchmarks/kernels/compile_table.hpp"
+#include "adit/benchmarks/kernels/device_report.hpp"
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/report.hpp"
 #include "adit/tools/commands/command_guard.hpp"
@@ -73,11 +74,7 @@ Row measured(const Case& one, int size, Bench& bench, double seconds) {
 }
 
 Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& cases,
-                 std::ostream& out, std::ostream& err) {
-  engine::Context context = open_device(options.device);
-  if (context.software_fallback()) {
-    err << software_note(context.device()) << std::endl;
-  }
+                 engine::Context& context, std::ostream& out) {
   Bench bench(context, options.input, options.r_input);
   Report report{.setting = setting_of(context.device()),
                 .limits = measure_limits(context, kLimitSeconds)};
@@ -113,10 +110,19 @@ int bench_device(const BenchCommandOptions& options, std::ostream& out, std::ost
     }
     return 0;
   }
-  const Report report = run_cases(options, cases, out, err);
+  engine::Context context = open_device(options.device);
+  if (context.software_fallback()) {
+    err << software_note(context.device()) << std::endl;
+  }
+  const Report report = run_cases(options, cases, context, out);
   if (!options.json.empty()) {
     write_text_file(options.json, to_json(report).dump(1) + "\n");
     out << "\nwrote    " << options.json.string() << "\n";
+  }
+  if (!options.report.empty()) {
+    write_text_file(options.report, device_report(report, context.device(), err).dump(1) + "\n");
+    out << "wrote    " << options.report.string()
+        << ", which tells of this machine its device, driver and processor\n";
   }
   if (!options.html.empty()) {
     write_text_file(options.html, to_html(report));
@@ -134,7 +140,7 @@ int compile_for(const BenchCommandOptions& options, std::ostream& out) {
     out << std::endl;
   }
   if (!options.json.empty()) {
-    write_text_file(options.json, to_json(tables).dump(1) + "\n");
+    write_text_file(options.json, tables_to_json(tables).dump(1) + "\n");
     out << "wrote    " << options.json.string() << "\n";
   }
   return 0;
@@ -167,7 +173,8 @@ void add_bench_command(Command app, std::function<void(int)> done) {
       "Examples:\n"
       "  adit bench                                   all, some minutes\n"
       "  adit bench linearize align --sizes 30000     two families, one size\n"
-      "  adit bench --html report.html --json a.json  with roofline and scaling plots\n"
+      "  adit bench --html page.html --json a.json  with roofline and scaling plots\n"
+      "  adit bench --report my_gpu.json              one file to send to somebody\n"
       "  adit bench --input sweep.pcd downsample      on your own cloud\n"
       "  adit bench --compare a.json b.json\n"
       "  adit bench --compile NAVI21 VEGA10           what AMD's GPUs would get, without one\n"
@@ -204,6 +211,12 @@ void add_bench_command(Command app, std::function<void(int)> done) {
       "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
   command.option("--json", options->json, "Write all figures").value_name("FILE").written();
   command.option("--html", options->html, "Write a page with plots").value_name("FILE").written();
+  command
+      .option("--report", options->report,
+              "Write one file for those who lack this device: the figures, its limits, its "
+              "self-test, and what its driver tells of the kernels")
+      .value_name("FILE")
+      .written();
   command.option("--compare", options->compare, "Compare two files of --json, measure nothing")
       .values(2, 2)
       .value_name("BEFORE AFTER");

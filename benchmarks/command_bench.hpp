@@ -28,6 +28,7 @@ struct BenchCommandOptions {
   bool peers = true;
   bool list = false;
   std::filesystem::path json{};                  ///< empty: not written
+  std::filesystem::path report{};                ///< empty: not written
   std::filesystem::path html{};                  ///< empty: not written
   std::vector<std::string> compile{};            ///< families of GPUs: nothing is run
   std::vector<std::filesystem::path> compare{};  ///< two reports: nothing is measured

@@ -57,6 +57,7 @@ std::vector<Candidate> candidates(const BenchSlamOptions& options) {
     }
     return all;
   }
+  const bool seeds = options.seeds > 0 || options.first_seed || options.apart;
   for (const SlamEntry& entry : options.loops ? loop_catalogue() : slam_catalogue()) {
     if (options.quick && !entry.quick) {
       continue;
@@ -65,11 +66,13 @@ std::vector<Candidate> candidates(const BenchSlamOptions& options) {
       all.push_back(
           {.name = one.name, .description = described(one), .entry = one, .sequence = {}});
     };
-    if (options.seeds == 0) {
+    if (!seeds) {
       add(entry);
+      continue;
     }
-    for (uint64_t k = 0; k < options.seeds; ++k) {
-      add(with_seed(entry, options.first_seed + k, options.apart));
+    for (uint64_t k = 0; k < std::max<uint64_t>(options.seeds, 1); ++k) {
+      add(with_seed(entry, options.first_seed.value_or(1) + k,
+                    options.apart.value_or(kBetweenBeginnings)));
     }
   }
   return all;
@@ -284,14 +287,13 @@ void add_bench_slam_command(Command bench, std::function<void(int)> done) {
       .option("--seeds", options->seeds,
               "Each sequence of the catalogue so many times, with other seeds and beginnings")
       .value_name("N");
-  command.option("--first-seed", options->first_seed, "The first of these")
-      .value_name("SEED")
-      .show_default();
+  command.option("--first-seed", options->first_seed, "The first of these [1]; alone: that one")
+      .value_name("SEED");
   command
       .option("--apart", options->apart,
-              "How far apart along the scene's route five seeds begin (m)")
-      .value_name("M")
-      .show_default();
+              fmt::format("How far apart along the scene's route five seeds begin (m) [{:.0f}]",
+                          kBetweenBeginnings))
+      .value_name("M");
   command
       .option("--recordings", options->recordings,
               "Your recordings, their truth beside them, instead of the catalogue")

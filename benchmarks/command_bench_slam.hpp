@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,11 @@ struct BenchSlamOptions {
   std::vector<std::string> only{};  ///< names of sequences or their beginnings; empty: all
   bool quick = false;               ///< the catalogue's quick ones alone
   bool list = false;
-  bool loops = false;       ///< loop closing: with maps, another catalogue and its own table
-  uint64_t seeds = 0;       ///< each sequence of the catalogue so many times; 0: as it stands there
-  uint64_t first_seed = 1;  ///< the first of these
-  double apart = kBetweenBeginnings;     ///< m along the route, of where five of these begin
+  bool loops = false;  ///< loop closing: with maps, another catalogue and its own table
+  uint64_t seeds = 0;  ///< each sequence of the catalogue so many times; 0: as it stands there,
+                       ///< or once where the others ask for seeds
+  std::optional<uint64_t> first_seed{};  ///< the first of these; none: 1
+  std::optional<double> apart{};         ///< m along the route, of where five of these begin
   std::filesystem::path recordings{};    ///< these instead of the catalogue
   std::filesystem::path trajectories{};  ///< other systems': SYSTEM/SEQUENCE.tum
   std::vector<std::string> variants{};   ///< "NAME:section.key=value", on top of `config`

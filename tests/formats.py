@@ -41,6 +41,9 @@ MORE = [
     ["devices", "--json", "--no-self-test"],
     ["align", "drive.mcap@0", "drive.mcap@9", "--min-overlap", "1", "--json"],
 ]
+# Written into a file.
+FILES = [(["bench", "deskew", "--sizes", "5000", "--seconds", "0", option, "bench.json"], "bench.json")
+         for option in ("--json", "--report")]
 SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
 
 
@@ -127,6 +130,13 @@ def check(adit, folder, page):
             yield f"adit {' '.join(words)}: no JSON: {answer.stdout}{answer.stderr}"
             continue
         yield from against_schema(f"adit {' '.join(words)}", json.loads(answer.stdout), used)
+    for words, file in FILES:
+        answer = run(words)
+        if answer.returncode != 0:
+            yield f"adit {' '.join(words)}: {answer.stdout}{answer.stderr}"
+            continue
+        value = json.loads((pathlib.Path(folder) / file).read_text())
+        yield from against_schema(f"adit {' '.join(words)}", value, used)
     for file in sorted(SCHEMAS.glob("*.json")):
         if file.name not in used:
             yield f"{file.name}: no command writes what it describes"

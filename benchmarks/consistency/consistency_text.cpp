@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 2;
+constexpr const char* kSchema = "bench-consistency/2";
 constexpr int kPoseDegrees = 6;
 // What a covariance may be wrong by: the squared error is half to twice what it says.
 constexpr double kFactor = 2.0;
@@ -66,7 +66,7 @@ nlohmann::ordered_json to_json(const ConsistencyReport& report) {
     one.update(to_json(row.found));
     cases.push_back(std::move(one));
   }
-  return {{"format", kFormat},
+  return {{"schema", kSchema},
           {"setting", to_json(report.setting)},
           {"cases", cases},
           {"all", to_json(report.all)}};

@@ -26,9 +26,10 @@ namespace {
 constexpr std::array<std::string_view, 9> kFamilies = {
     "POLARIS10", "VEGA10", "VEGA20", "RAVEN", "NAVI10", "NAVI14", "NAVI21", "NAVI23", "GFX1100"};
 
-// The odometry's alignments, those of batches, and each method.
-constexpr std::array<engine::RegistrationOptions, 7> kAlignments = {{
+// The odometry's alignments, the map's, those of batches, and each method.
+constexpr std::array<engine::RegistrationOptions, 8> kAlignments = {{
     {.robust = gpu::kCauchy},
+    {.robust = gpu::kCauchy, .many = true},
     {},
     {.robust = gpu::kCauchy, .drop_back_faces = true},
     {.neighbours = 7},
@@ -64,6 +65,24 @@ CompiledKernel row_of(const engine::KernelStatistics& kernel) {
   return row;
 }
 
+/// Of a device that the options name.
+CompileTable table_of(const std::string& device) {
+  engine::Context context({.device = device, .compile_only = true});
+  make_kernels(context);
+  CompileTable table{.family = context.device().name,
+                     .driver = context.device().driver + " " + context.device().driver_version,
+                     .kernels = {}};
+  for (const engine::KernelStatistics& kernel : context.kernel_statistics()) {
+    CompiledKernel row = row_of(kernel);
+    if (std::ranges::none_of(table.kernels, [&](const CompiledKernel& one) {
+          return one.kernel == row.kernel && one.constants == row.constants;
+        })) {
+      table.kernels.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 double CompiledKernel::value(std::string_view name) const {
@@ -82,25 +101,18 @@ CompileTable compile_table(const std::string& family) {
   }
   setenv("RADV_FORCE_FAMILY", family.c_str(), 1);
   try {
-    engine::Context context({.device = "radv", .compile_only = true});
-    make_kernels(context);
-    CompileTable table{.family = family,
-                       .driver = context.device().driver + " " + context.device().driver_version,
-                       .kernels = {}};
-    for (const engine::KernelStatistics& kernel : context.kernel_statistics()) {
-      CompiledKernel row = row_of(kernel);
-      if (std::ranges::none_of(table.kernels, [&](const CompiledKernel& one) {
-            return one.kernel == row.kernel && one.constants == row.constants;
-          })) {
-        table.kernels.push_back(std::move(row));
-      }
-    }
+    CompileTable table = table_of("radv");
+    table.family = family;
     return table;
   } catch (const engine::NoSuchDevice&) {
     throw engine::Error(
         "there is no RADV, Mesa's driver of AMD's GPUs, to compile with (Debian: apt install "
         "mesa-vulkan-drivers; VK_DRIVER_FILES may leave out radeon_icd)");
   }
+}
+
+CompileTable compile_table(const engine::DeviceInfo& device) {
+  return table_of(std::to_string(device.index));
 }
 
 void print(const CompileTable& table, std::ostream& out) {
@@ -117,20 +129,24 @@ void print(const CompileTable& table, std::ostream& out) {
   }
 }
 
-nlohmann::ordered_json to_json(const std::vector<CompileTable>& tables) {
+nlohmann::ordered_json to_json(const CompileTable& table) {
+  nlohmann::ordered_json kernels = nlohmann::ordered_json::array();
+  for (const CompiledKernel& row : table.kernels) {
+    nlohmann::ordered_json one = {{"kernel", row.kernel}, {"constants", row.constants}};
+    for (const auto& [name, value] : row.values) {
+      if (name.find("hash") == std::string::npos && name.find("Hash") == std::string::npos) {
+        one["values"][name] = value;
+      }
+    }
+    kernels.push_back(std::move(one));
+  }
+  return {{"family", table.family}, {"driver", table.driver}, {"kernels", kernels}};
+}
+
+nlohmann::ordered_json tables_to_json(const std::vector<CompileTable>& tables) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const CompileTable& table : tables) {
-    nlohmann::ordered_json kernels = nlohmann::ordered_json::array();
-    for (const CompiledKernel& row : table.kernels) {
-      nlohmann::ordered_json one = {{"kernel", row.kernel}, {"constants", row.constants}};
-      for (const auto& [name, value] : row.values) {
-        if (name.find("hash") == std::string::npos && name.find("Hash") == std::string::npos) {
-          one["values"][name] = value;
-        }
-      }
-      kernels.push_back(std::move(one));
-    }
-    json.push_back({{"family", table.family}, {"driver", table.driver}, {"kernels", kernels}});
+    json.push_back(to_json(table));
   }
   return {{"compiled", json}};
 }

@@ -14,6 +14,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "adit/engine/device_info.hpp"
+
 namespace adit::bench {
 
 struct CompiledKernel {
@@ -44,8 +46,13 @@ std::span<const std::string_view> known_families();
 /// engine::Error where RADV is not installed.
 CompileTable compile_table(const std::string& family);
 
+/// The same as this device's own driver has it; the family is its name. Throws engine::Error where
+/// the driver tells nothing of what it compiles.
+CompileTable compile_table(const engine::DeviceInfo& device);
+
 void print(const CompileTable& table, std::ostream& out);
-nlohmann::ordered_json to_json(const std::vector<CompileTable>& tables);
+nlohmann::ordered_json to_json(const CompileTable& table);
+nlohmann::ordered_json tables_to_json(const std::vector<CompileTable>& tables);
 std::vector<CompileTable> tables_of(const nlohmann::ordered_json& json);
 
 }  // namespace adit::bench

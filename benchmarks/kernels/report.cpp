@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 1;
+constexpr const char* kSchema = "bench/1";
 constexpr const char* kRemedy = "Give a file that `adit bench --json FILE` wrote";
 constexpr std::array kKinds = {CaseKind::kernel, CaseKind::registration, CaseKind::batch,
                                CaseKind::peer};
@@ -113,7 +113,7 @@ CaseKind kind_of(const std::string& name, const std::filesystem::path& path) {
 }  // namespace
 
 Json to_json(const Report& report) {
-  Json json = {{"format", kFormat},
+  Json json = {{"schema", kSchema},
                {"setting", write(report.setting)},
                {"limits", write(report.limits)},
                {"limits_moved",
@@ -139,11 +139,10 @@ Report read_report(const std::filesystem::path& path) {
   }
   try {
     const Json json = Json::parse(in);
-    if (json.at("format") != kFormat) {
-      throw InputError(
-          path, Place::named("format"),
-          "found " + json.at("format").dump() + ", expected " + std::to_string(kFormat),
-          "Measure again with this version");
+    if (json.at("schema") != kSchema) {
+      throw InputError(path, Place::named("schema"),
+                       "found " + json.at("schema").dump() + ", expected " + kSchema,
+                       "Measure again with this version");
     }
     Report report{.setting = read<Setting>(json.at("setting")),
                   .limits = read<DeviceLimits>(json.at("limits"))};

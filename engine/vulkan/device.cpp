@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "adit/engine/context.hpp"
 #include "adit/engine/vulkan/device_choice.hpp"
@@ -76,6 +77,14 @@ void Device::create_device() {
   vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info), vulkan12, vulkan13, executables);
   const std::array extensions = {VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME};
   if (compile_only) {
+    const auto offered = physical.enumerateDeviceExtensionProperties();
+    if (std::ranges::none_of(offered, [&](const vk::ExtensionProperties& one) {
+          return std::string_view(one.extensionName.data()) == extensions.front();
+        })) {
+      throw Error("the driver of '" + info.name +
+                  "' tells nothing of the kernels that it compiles: " + extensions.front() +
+                  " is missing");
+    }
     chain.get<vk::DeviceCreateInfo>().setPEnabledExtensionNames(extensions);
   } else {
     chain.unlink<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>();

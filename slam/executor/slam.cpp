@@ -64,7 +64,8 @@ class OfflineSlam final : public Slam {
         context_(&context),
         map_(options.map),
         session_(options.session),
-        map_memory_(options.map_memory) {
+        map_memory_(options.map_memory),
+        map_beside_(options.map_beside) {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
@@ -103,6 +104,9 @@ class OfflineSlam final : public Slam {
         settle();  // what came before the failure is told first
       } else if (std::optional<Measurement> due = feed_.next()) {
         take_or_fail(std::move(*due));
+        if (!map_beside_) {
+          settle();
+        }
       } else if (results_.empty() || !flushing_) {
         return std::nullopt;
       } else {
@@ -332,6 +336,7 @@ class OfflineSlam final : public Slam {
   MapStore* map_;
   SessionId session_;
   MapMemory map_memory_;
+  bool map_beside_;
   Waits sweep_waits_;
   Waits other_waits_;  ///< at the map's beginning and end
   std::optional<Mapper> mapper_;

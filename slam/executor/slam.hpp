@@ -72,6 +72,9 @@ struct SlamOptions {
   MapStore* map = nullptr;
   SessionId session = 0;   ///< as MapStore::add_session() gave it
   MapMemory map_memory{};  ///< that the map may take
+  /// The map may be some sweeps behind the odometry; otherwise the map holds each sweep before the
+  /// next is placed, so that it has no more than next() has given.
+  bool map_beside = true;
 };
 
 /// The whole system: measurements in, placed sweeps out. make_slam() makes one.

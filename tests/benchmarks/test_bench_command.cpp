@@ -59,6 +59,23 @@ TEST(BenchCommand, EveryCaseIsRightOnASmallSweep) {
   EXPECT_GT(report.limits.submission_s, 0.0);
 }
 
+TEST(BenchCommand, AReportIsThatOfJsonWithTheDevice) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "report.json";
+  const test::Ran outcome = test::ran(
+      bench_command, {.cases = {"deskew"}, .sizes = {5000}, .seconds = 0.0, .report = file});
+  ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find(file.string()), std::string::npos);
+  EXPECT_EQ(read_report(file).rows.size(), 1U) << "for --compare";
+  std::ifstream in(file);
+  const auto json = nlohmann::json::parse(in);
+  EXPECT_EQ(json.at("device").at("verdict"), "usable");
+  EXPECT_GT(json.at("device").at("self_test").size(), 10U);
+  EXPECT_GT(json.at("self_test_s"), 0.0);
+  const auto& compiled = json.at("compiled");
+  EXPECT_TRUE(compiled.contains("problem") || compiled.at("kernels").size() > 10U) << compiled;
+}
+
 TEST(BenchCommand, TakesACloudOfTheUser) {
   const test::TemporaryFolder folder;
   std::string bytes;

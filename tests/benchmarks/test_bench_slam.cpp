@@ -259,6 +259,8 @@ TEST(BenchSlam, IsACommandOfItsOwn) {
   EXPECT_NE(list.out.find("mine-vlp16-drive"), std::string::npos) << list.out;
   EXPECT_EQ(list.out.find("room"), std::string::npos) << list.out;
   EXPECT_EQ(list.out.find("downsample"), std::string::npos) << "cases of `adit bench`";
+  const test::Ran seed = call({"--list", "--only", "mine", "--first-seed", "801"});
+  EXPECT_NE(seed.out.find("mine-vlp16-drive@801"), std::string::npos) << seed.out;
   const test::Ran unknown = call({"--quik"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("adit bench slam: there is no option '--quik'. The nearest valid name "

@@ -75,7 +75,7 @@ TEST(CompileTable, IsTheSameAfterJson) {
       .family = "NAVI21",
       .driver = "some driver 1",
       .kernels = {{.kernel = "deskew", .constants = "0=64", .values = {{"VGPRs", 24.0}}}}};
-  const std::vector<CompileTable> again = tables_of(to_json({table}));
+  const std::vector<CompileTable> again = tables_of(tables_to_json({table}));
   ASSERT_EQ(again.size(), 1U);
   EXPECT_EQ(again[0].family, table.family);
   EXPECT_EQ(again[0].driver, table.driver);

@@ -88,7 +88,7 @@ TEST(Report, SaysWhatIsWrongWithAFile) {
   };
   EXPECT_NE(complaint("{}").find("adit bench --json"), std::string::npos);
   EXPECT_NE(complaint("not JSON").find("a.json"), std::string::npos);
-  EXPECT_NE(complaint(R"({"format": 99})").find("expected 1"), std::string::npos);
+  EXPECT_NE(complaint(R"({"schema": "bench/99"})").find("expected bench/1"), std::string::npos);
   std::string written = to_json(test::small_report()).dump(1);
   EXPECT_NE(complaint(written.substr(0, written.size() / 2)), "");
   written.replace(written.find("\"peer\","), 7, "\"pear\",");

@@ -120,6 +120,21 @@ TEST_F(MapperTest, ASweepIsToldOnceItIsInTheMap) {
   }
 }
 
+TEST_F(MapperTest, AMapThatIsNotBesideTheOdometryHasNoMoreThanWasGiven) {
+  test::TemporaryMap map;
+  const auto slam = make_slam(
+      context(), test::submap_config(),
+      {.inertial = false, .map = &map.store(), .session = map.session(), .map_beside = false});
+  for (const Sweep& sweep : drive().sweeps) {
+    slam->add(sweep);
+  }
+  slam->flush();  // all are due
+  for (std::size_t i = 0; i < 3; ++i) {
+    ASSERT_TRUE(slam->next());
+  }
+  EXPECT_EQ(slam->finish_map()->sweeps, 3U);
+}
+
 TEST_F(MapperTest, ConsecutiveKeyframesAreTiedWhereTheyReallyAre) {
   test::TemporaryMap map;
   const Run mapped = run(drive().sweeps, test::submap_config(), &map);

@@ -23,14 +23,9 @@ using SharedSlam = std::shared_ptr<SlamSession>;
 
 std::vector<SlamResult> due(SlamSession& slam) {
   std::vector<SlamResult> results;
-  const auto drain = [&] {
-    while (std::optional<SlamResult> result = slam.next()) {
-      results.push_back(std::move(*result));
-    }
-  };
-  drain();
-  slam.settle();  // so that what this call gives does not hang on how fast the map is
-  drain();
+  while (std::optional<SlamResult> result = slam.next()) {
+    results.push_back(std::move(*result));
+  }
   return results;
 }
 

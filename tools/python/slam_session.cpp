@@ -30,7 +30,8 @@ MapSession session_of(const SessionOptions& options, const Config& config,
 SlamSession::SlamSession(SharedDevice device, const Config& config, const SessionOptions& options)
     : device_(std::move(device)) {
   SlamOptions wanted{.inertial = options.inertial,
-                     .high_rate_smoothing = options.high_rate_smoothing};
+                     .high_rate_smoothing = options.high_rate_smoothing,
+                     .map_beside = false};  // who stops after a sweep has a map of what was seen
   if (options.map) {
     std::error_code unknown;
     if (fs::exists(fs::symlink_status(*options.map, unknown))) {
@@ -83,13 +84,6 @@ std::optional<SlamResult> SlamSession::next() {
     }
   }
   return result;
-}
-
-void SlamSession::settle() {
-  const std::lock_guard lock(mutex_);
-  if (!finished_) {
-    slam_->settle();
-  }
 }
 
 std::optional<Mounting> SlamSession::mounting() {

@@ -37,7 +37,6 @@ class SlamSession {
   void add(const StaticTransform& transform);
   void flush();
   std::optional<SlamResult> next();
-  void settle();
   std::optional<Mounting> mounting();
   Config config();
   Verdict verdict();
