@@ -203,7 +203,7 @@ def check_export(page, link, adit, folder):
 
 def check_keyframes(page, link):
     """Four walls are of the first session, two of the second; they are equal, seen from their side."""
-    page.open(f"{link}#eye=25,4,0.5,45,{-math.pi / 2:.5f},0&layers=keyframes&colour=session&shading=0")
+    page.open(f"{link}#eye=25,4,0.5,45,{-math.pi / 2:.5f},0&layers=keyframes&colour=session&shading=0&size=1")
     page.wait(ALL_THERE)
     blue, orange = (only_canvas(page, lambda c=colour: page.count(c))["count"] for colour in ([0, 0x72, 0xb2], ORANGE))
     require(blue > 2000 and near(blue, 2 * orange, 0.05), "sessions have other colours", blue, orange)

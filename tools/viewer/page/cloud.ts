@@ -7,11 +7,12 @@ import { CloudMaterial } from './cloud_material';
 import { Octree } from './octree';
 import { POINT, POSE, type Poses, type Scene, type TilePoints } from './protocol';
 import { extentOf, nearestPoint, pointsOf, STEPS, type Extent, type FoundPoint, type ShownCloud } from './shown_cloud';
+import { Spacing } from './spacing';
 
 const MOST_ASKED = 24;      // tiles on their way at a time
 const KEPT = 2;             // times the budget stays in memory
 
-interface Held { points: Points; values: Uint16Array; count: number; seen: number; }
+interface Held { points: Points; values: Uint16Array; count: number; spacing: Spacing; seen: number; }
 
 export class Cloud implements ShownCloud {
   readonly group = new Group();
@@ -67,11 +68,12 @@ export class Cloud implements ShownCloud {
     const place = this.octree.tiles[tile.number];
     if (!place || this.held.has(tile.number)) return false;
     const { edge, low } = place;
+    const spacing = this.spacingOf(tile);
     const points = pointsOf(tile, this.look,
-        new Matrix4().makeScale(edge / STEPS, edge / STEPS, edge / STEPS).setPosition(low));
+        new Matrix4().makeScale(edge / STEPS, edge / STEPS, edge / STEPS).setPosition(low), spacing.codes);
     points.visible = false;
     this.group.add(points);
-    this.held.set(tile.number, { points, values: tile.values, count: tile.count, seen: this.clock });
+    this.held.set(tile.number, { points, values: tile.values, count: tile.count, spacing, seen: this.clock });
     this.heldPoints += tile.count;
     if (tile.number === 0) this.findExtent(tile);
     return tile.number === 0;
@@ -130,6 +132,28 @@ export class Cloud implements ShownCloud {
     const side = (k: number): Float64Array => Float64Array.from({ length: root.count },
         (_, i) => low.getComponent(k) + edge / STEPS * (root.values[POINT * i + k] + 0.5));
     this.extent = extentOf([side(0), side(1), side(2)], this.look);
+  }
+
+  /** Of a tile that comes, which those above it are told of. */
+  private spacingOf(tile: TilePoints): Spacing {
+    const { tiles } = this.octree;
+    const above: Held[] = [];
+    for (let number = tiles[tile.number].above; number >= 0; number = tiles[number].above) {
+      const one = this.held.get(number);
+      if (one) above.push(one);
+    }
+    const { low, edge } = tiles[tile.number];
+    const spacing = new Spacing(tile, low, edge, above.map((one) => one.spacing));
+    for (const one of above) {
+      if (one.spacing.refine(spacing)) one.points.geometry.getAttribute('spacing').needsUpdate = true;
+    }
+    const refineBy = (number: number): void => tiles[number].children.forEach((child) => {
+      const one = this.held.get(child);
+      if (one) spacing.refine(one.spacing);
+      refineBy(child);
+    });
+    refineBy(tile.number);
+    return spacing;
   }
 
   private forget(most: number): void {

@@ -4,9 +4,15 @@
 // How points are drawn: where their keyframe is now, by which of their facts they are coloured, and which are hidden.
 import { DataTexture, FloatType, GLSL3, RawShaderMaterial, RedFormat, RGBAFormat, Vector2, Vector3 } from 'three';
 import { colour, rampTexture, SERIES } from './palette';
+import { METRES } from './spacing';
 
 export const COLOURS = ['height', 'intensity', 'time', 'keyframe', 'session', 'moving', 'sigma', 'error'] as const;
 export type ColourBy = (typeof COLOURS)[number];
+
+const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
+const GAP = 0.85;           // of how far points are apart, for each pixel of their size: at 2 they cover nine tenths
+const MOST_SIZE = 10;       // pixels, for each pixel of their size
+const DISC = '5.0';         // pixels: larger points are round
 
 const VERTEX = `
 precision highp float;
@@ -14,6 +20,7 @@ precision highp int;
 precision highp sampler2D;
 in vec3 place;
 in vec3 facts;
+in float spacing;
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
 uniform sampler2D corrections;
 uniform bool corrected;
@@ -23,7 +30,7 @@ uniform sampler2D ramp;
 uniform int colourBy;
 uniform vec2 heights;
 uniform vec3 series[${SERIES.length}];
-uniform float size, closeSize, mostSize;
+uniform float size, closeSize, gapSize, mostSize;
 uniform vec3 boxMiddle, boxHalf;
 uniform vec2 boxTurn;
 uniform float until;
@@ -31,6 +38,7 @@ uniform bool hideMoving;
 uniform float only, other;
 uniform sampler2D values;
 out vec3 shade;
+flat out float pixels;
 
 int position(float keyframe) {
   return int(keyframe * keyframeScale + 0.5);
@@ -62,7 +70,8 @@ void main() {
   vec3 p = (modelMatrix * vec4(place + 0.5, 1.0)).xyz;
   if (corrected) p = moved(p, facts.y);
   gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
-  gl_PointSize = clamp(closeSize / gl_Position.w, size, mostSize);
+  gl_PointSize = clamp(max(closeSize, gapSize * ${METRES}) / gl_Position.w, size, mostSize);
+  pixels = gl_PointSize;
   float intensity = mod(facts.z, 256.0);
   float flags = floor(facts.z / 256.0);
   bool moving = mod(flags, 2.0) > 0.5;
@@ -89,14 +98,18 @@ void main() {
 const FRAGMENT = `
 precision highp float;
 in vec3 shade;
-uniform bool round;
+flat in float pixels;
+uniform bool toDome;
 out vec4 drawn;
 void main() {
-  if (round && length(gl_PointCoord - 0.5) > 0.5) discard;
-  drawn = vec4(shade, 1.0);
+  if (pixels > ${DISC} && length(gl_PointCoord - 0.5) > 0.5) discard;
+  drawn = vec4(shade, toDome ? pixels / 255.0 : 1.0);
 }`;
 
 const FAR = 1e9;
+
+/** Of all clouds: eye-dome lighting comes after, and is told how large points are, in pixels, by 255 as alpha. */
+export const toDome = { value: false };
 
 /** Turned by `turn` about its vertical axis, rad; m. */
 export interface Box { middle: Vector3; half: Vector3; turn: number; }
@@ -108,7 +121,7 @@ export class CloudMaterial {
       corrections: { value: noCorrections() }, corrected: { value: false }, keyframeScale: { value: 1 },
       sessions: { value: indices(new Uint8Array(1)) }, ramp: { value: rampTexture() }, colourBy: { value: 0 }, heights: { value: new Vector2(0, 1) },
       series: { value: SERIES.map((hex) => { const c = colour(hex); return new Vector3(c.r, c.g, c.b); }) },
-      size: { value: 2 }, closeSize: { value: 0 }, mostSize: { value: 24 }, round: { value: false },
+      size: { value: 2 }, closeSize: { value: 0 }, gapSize: { value: 0 }, toDome, mostSize: { value: 24 },
       boxMiddle: { value: new Vector3() }, boxHalf: { value: new Vector3().setScalar(FAR) }, boxTurn: { value: new Vector2(1, 0) },
       until: { value: 65536 }, hideMoving: { value: false }, only: { value: -1 }, other: { value: -1 },
       values: { value: indices(new Uint8Array(1)) },
@@ -117,6 +130,14 @@ export class CloudMaterial {
 
   set(name: string, value: unknown): void {
     this.material.uniforms[name].value = value;
+  }
+
+  /** `size` in pixels, `ratio` of the screen's to them, `scale` pixels of a metre at a distance of a metre. */
+  setSize(size: number, ratio: number, scale: number): void {
+    this.set('size', size * ratio);
+    this.set('closeSize', CLOSE * size * scale);
+    this.set('gapSize', GAP * size * scale);
+    this.set('mostSize', Math.max(1, MOST_SIZE * size) * ratio);
   }
 
   get<T>(name: string): T {

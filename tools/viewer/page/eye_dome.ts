@@ -5,6 +5,7 @@
 // and surfaces without normals.
 import { DepthTexture, FloatType, GLSL3, Mesh, NearestFilter, OrthographicCamera, PlaneGeometry, RawShaderMaterial, Scene,
   Vector2, WebGLRenderTarget, type PerspectiveCamera, type WebGLRenderer } from 'three';
+import { toDome } from './cloud_material';
 import { colour } from './palette';
 
 const VERTEX = `
@@ -17,33 +18,34 @@ precision highp float;
 precision highp sampler2D;
 uniform sampler2D shade, depth;
 uniform vec2 nearFar;
-uniform float strength;
+uniform float strength, perPixel;
 uniform vec3 background;
 uniform int reach;
+const float ROUGH = 1.0, DARKEST = 0.2;
 out vec4 drawn;
 
-float logDistance(ivec2 at) {
-  float d = texelFetch(depth, clamp(at, ivec2(0), textureSize(depth, 0) - 1), 0).x;
-  return d >= 1.0 ? -1.0 : log2(nearFar.x * nearFar.y / (nearFar.y - d * (nearFar.y - nearFar.x)));
+float logDistance(float d) {
+  return log2(nearFar.x * nearFar.y / (nearFar.y - d * (nearFar.y - nearFar.x)));
 }
 
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy);
-  float mine = logDistance(here);
-  if (mine < -0.5 && texelFetch(depth, here, 0).x >= 1.0) {
+  float d = texelFetch(depth, here, 0).x;
+  if (d >= 1.0) {
     drawn = vec4(background, 1.0);
     return;
   }
+  vec4 point = texelFetch(shade, here, 0);
+  // Points of one surface that are drawn over one another are no edge.
+  float mine = logDistance(d) - 1.4427 * ROUGH * perPixel * max(0.0, 255.0 * point.a - float(2 * reach));
   float sum = 0.0;
   for (int k = 0; k < 4; ++k) {
     ivec2 step = reach * (k == 0 ? ivec2(1, 0) : k == 1 ? ivec2(-1, 0) : k == 2 ? ivec2(0, 1) : ivec2(0, -1));
-    ivec2 there = here + step;
-    if (texelFetch(depth, clamp(there, ivec2(0), textureSize(depth, 0) - 1), 0).x < 1.0) {
-      sum += max(0.0, mine - logDistance(there));
-    }
+    float there = texelFetch(depth, clamp(here + step, ivec2(0), textureSize(depth, 0) - 1), 0).x;
+    if (there < 1.0) sum += max(0.0, mine - logDistance(there));
   }
-  float light = exp(-strength * 0.25 * sum);
-  drawn = vec4(texelFetch(shade, here, 0).rgb * light, 1.0);
+  float light = mix(DARKEST, 1.0, exp(-strength * 0.25 * sum));
+  drawn = vec4(point.rgb * light, 1.0);
 }`;
 
 export class EyeDome {
@@ -58,7 +60,7 @@ export class EyeDome {
     this.material = new RawShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, depthTest: false, depthWrite: false,
       uniforms: { shade: { value: this.target.texture }, depth: { value: this.target.depthTexture },
-        nearFar: { value: new Vector2() }, strength: { value: 60 }, reach: { value: 1 },
+        nearFar: { value: new Vector2() }, strength: { value: 60 }, perPixel: { value: 0 }, reach: { value: 1 },
         background: { value: colour('#ffffff') } },
     });
     const quad = new Mesh(new PlaneGeometry(2, 2), this.material);
@@ -72,8 +74,11 @@ export class EyeDome {
     if (this.target.width !== size.x || this.target.height !== size.y) this.target.setSize(size.x, size.y);
     renderer.setRenderTarget(this.target);
     renderer.clear();
+    toDome.value = true;
     renderer.render(scene, camera);
+    toDome.value = false;
     renderer.setRenderTarget(null);
+    this.material.uniforms.perPixel.value = 2 * Math.tan(0.5 * camera.fov * Math.PI / 180) / size.y;
     this.material.uniforms.nearFar.value.set(camera.near, camera.far);
     this.material.uniforms.reach.value = Math.max(1, Math.round(renderer.getPixelRatio()));
     this.material.uniforms.background.value = colour(background);

@@ -77,16 +77,17 @@ export class GraphLayer {
   }
 
   private cut(): void {
-    const [line] = this.layers.get('trajectory')!.children as LineSegments2[];
-    if (!line) return;
     const { until, stepTimes } = this;
     const first = until === null ? -1 : stepTimes.findIndex((time) => time > until);
-    line.geometry.instanceCount = first < 0 ? stepTimes.length : first;
+    for (const line of this.layers.get('trajectory')!.children as LineSegments2[]) {
+      line.geometry.instanceCount = first < 0 ? stepTimes.length : first;
+    }
   }
 
   private drawTrajectory(): void {
     this.stepTimes = stepsOf(this.path).map((i) => this.scene.sweeps.time[i]);
-    this.fill('trajectory', wide(steps(this.path), theme().trajectory, 2.5));
+    const { background, trajectory } = theme();  // with an edge about it: points may have any colour
+    this.fill('trajectory', wide(steps(this.path), background, 5), wide(steps(this.path), trajectory, 2.5));
     this.cut();
   }
 

@@ -6,7 +6,7 @@ import { Box3, Frustum, Matrix4, Vector3, type PerspectiveCamera } from 'three';
 import type { Scene } from './protocol';
 
 /** Where a tile is, m from the cloud's origin (the middle of its cube). */
-export interface TilePlace { low: Vector3; edge: number; points: number; children: number[]; }
+export interface TilePlace { low: Vector3; edge: number; points: number; above: number; children: number[]; }  // above: -1, of the root
 
 export interface Wanted {
   tiles: number[];    // parents before their children, the most important first
@@ -24,7 +24,7 @@ export class Octree {
       const edge = root ? scene.cube.edge : this.tiles[above].edge / 2;
       const low = root ? new Vector3().setScalar(-edge / 2) : this.tiles[above].low.clone().add(
           new Vector3(octant[number] & 1, (octant[number] >> 1) & 1, octant[number] >> 2).multiplyScalar(edge));
-      this.tiles.push({ low, edge, points: points[number], children: [] });
+      this.tiles.push({ low, edge, points: points[number], above: root ? -1 : above, children: [] });
       if (!root) this.tiles[above].children.push(number);
     });
     this.cells = scene.cube.cells;

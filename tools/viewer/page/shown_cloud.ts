@@ -3,7 +3,7 @@
 //
 // What the view asks of a cloud, be it whole (cloud.ts) or of a run that goes on (live_cloud.ts), and what both are made
 // of.
-import { BufferGeometry, Group, InterleavedBuffer, InterleavedBufferAttribute, Matrix4, Points, Sphere, Vector2, Vector3,
+import { BufferAttribute, BufferGeometry, Group, InterleavedBuffer, InterleavedBufferAttribute, Matrix4, Points, Sphere, Vector2, Vector3,
   type PerspectiveCamera } from 'three';
 import type { CloudMaterial } from './cloud_material';
 import { POINT, type Poses, type TilePoints } from './protocol';
@@ -46,12 +46,14 @@ export interface ShownCloud {
   dispose(): void;
 }
 
-/** Points of a message, drawn with that look; `matrix` takes their places to the origin's axes. */
-export function pointsOf(tile: TilePoints, look: CloudMaterial, matrix: Matrix4): Points {
+/** Points of a message, drawn with that look; `matrix` takes their places to the origin's axes. `spacing` tells of each
+    how far apart it is from its neighbours (spacing.ts). */
+export function pointsOf(tile: TilePoints, look: CloudMaterial, matrix: Matrix4, spacing = new Uint8Array(tile.count)): Points {
   const buffer = new InterleavedBuffer(tile.values, POINT);
   const geometry = new BufferGeometry();
   geometry.setAttribute('place', new InterleavedBufferAttribute(buffer, 3, 0));
   geometry.setAttribute('facts', new InterleavedBufferAttribute(buffer, 3, 3));
+  geometry.setAttribute('spacing', new BufferAttribute(spacing, 1));
   geometry.setDrawRange(0, tile.count);
   geometry.boundingSphere = new Sphere(new Vector3(), Infinity);
   const points = new Points(geometry, look.material);

@@ -32,7 +32,6 @@ import { statusText } from './status_text';
 import { TimeLine } from './time_line';
 import { fromHash, OVERLAYS, toHash, type ViewState } from './view_state';
 
-const CLOSE = 0.012;        // m: points near to the eye are drawn as large as this for each pixel of their size
 const WITHIN = 12;          // pixels, of a click from what it means
 const NEAR = 5;             // pixels, of the mouse from the point that it is told of
 const APART = 1.3;          // pixels between points, of tiles that are fine enough
@@ -479,11 +478,8 @@ export class View implements Listener, Actions {
     const { camera, width, height } = this.painter;
     this.controls.apply(camera, width, height);
     if (this.cloud) {
-      const scale = height * Math.min(devicePixelRatio, 2) / (2 * Math.tan(0.5 * camera.fov * Math.PI / 180));
-      const size = this.state.size * Math.min(devicePixelRatio, 2);
-      this.cloud.look.set('size', size);
-      this.cloud.look.set('closeSize', CLOSE * this.state.size * scale);
-      this.cloud.look.set('mostSize', Math.max(size, 12 * this.state.size));
+      const ratio = Math.min(devicePixelRatio, 2);
+      this.cloud.look.setSize(this.state.size, ratio, height * ratio / (2 * Math.tan(0.5 * camera.fov * Math.PI / 180)));
       this.cloud.update(camera, height, APART, this.painter.budget(this.panel.budget));
       this.status();
     }
