@@ -73,6 +73,16 @@ Row measured(const Case& one, int size, Bench& bench, double seconds) {
   return row;
 }
 
+/// Why there is no row.
+std::string nothing_measured(const std::vector<Case>& cases) {
+  if (cases.empty()) {
+    return "no case is left to measure: --no-peers leaves out those that were asked for.";
+  }
+  const Case& one = cases.front();
+  return "no case takes one of these sizes: " + one.name + " takes " + std::to_string(one.least) +
+         " to " + std::to_string(one.most) + " points. Choose other --sizes, or another --input.";
+}
+
 Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& cases,
                  engine::Context& context, std::ostream& out) {
   Bench bench(context, options.input, options.r_input);
@@ -93,6 +103,9 @@ Report run_cases(const BenchCommandOptions& options, const std::vector<Case>& ca
       print_row(report.rows.back(), report, out);
       out << std::flush;
     }
+  }
+  if (report.rows.empty()) {
+    throw UsageError(nothing_measured(cases));
   }
   const DeviceLimits again = measure_limits(context, kLimitSeconds);
   report.limits_moved = moved(report.limits, again);
@@ -146,6 +159,16 @@ int compile_for(const BenchCommandOptions& options, std::ostream& out) {
   return 0;
 }
 
+/// What does something else takes few of the options.
+void refuse_besides(const Command& command, bool chosen, const std::vector<std::string>& known,
+                    const std::string& does) {
+  const std::string other = chosen ? command.given_besides(known) : "";
+  if (!other.empty()) {
+    refuse_option(other,
+                  "is of no use with " + known.front() + ", which " + does + "; leave it out");
+  }
+}
+
 }  // namespace
 
 int bench_command(const BenchCommandOptions& options, std::ostream& out, std::ostream& err) {
@@ -184,11 +207,12 @@ void add_bench_command(Command app, std::function<void(int)> done) {
       "Exit codes: 0 done, 1 a case is wrong or the device failed, 2 usage.");
   command.option("cases", options->cases, "Names of cases, or how they begin").value_name("CASE");
   command.flag("--list", options->list, "Name the cases and do nothing");
-  command.option("--sizes", options->sizes, "Raw points of the simulated sweeps")
-      .with_commas()
-      .from(100, 2e6)
-      .value_name("N")
-      .show_default();
+  const CommandOption sizes =
+      command.option("--sizes", options->sizes, "Raw points of the simulated sweeps")
+          .with_commas()
+          .from(100, 2e6)
+          .value_name("N")
+          .show_default();
   command.option("--batches", options->batches, "Pairs of the batches")
       .with_commas()
       .from(1, 4096)
@@ -203,10 +227,11 @@ void add_bench_command(Command app, std::function<void(int)> done) {
               "A recording or one or two point clouds instead of the simulated sweeps")
       .values(1, 2)
       .value_name("FILE");
-  command.option("--r-input", options->r_input, "Down-sampling of --input (m)")
-      .from(0.01, 10.0)
-      .value_name("M")
-      .show_default();
+  const CommandOption r_input =
+      command.option("--r-input", options->r_input, "Down-sampling of --input (m)")
+          .from(0.01, 10.0)
+          .value_name("M")
+          .show_default();
   command.flag(
       "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
   command.option("--json", options->json, "Write all figures").value_name("FILE").written();
@@ -230,10 +255,19 @@ void add_bench_command(Command app, std::function<void(int)> done) {
       .value_name("DEVICE");
   add_bench_slam_command(command, done);
   add_bench_consistency_command(command, done);
-  command.action([command, options, done = std::move(done)] {
-    if (!command.has_chosen()) {
-      done(bench_command(*options, std::cout, std::cerr));
+  command.action([command, options, sizes, r_input, done = std::move(done)] {
+    if (command.has_chosen()) {
+      return;
     }
+    refuse_besides(command, !options->compare.empty(), {"--compare"}, "reads two reports");
+    refuse_besides(command, !options->compile.empty(), {"--compile", "--json"}, "measures nothing");
+    if (r_input.given() && options->input.empty()) {
+      refuse_option("--r-input", "needs --input");
+    }
+    if (sizes.given() && !options->input.empty()) {
+      refuse_option("--sizes", "is of simulated sweeps; --input has the size that it has");
+    }
+    done(bench_command(*options, std::cout, std::cerr));
   });
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/consistency/consistency.hpp"
@@ -40,18 +41,42 @@ std::vector<ConsistencyCase> chosen(const BenchConsistencyOptions& options) {
   return cases;
 }
 
+/// Throws UsageError for settings that these runs have no use for.
+void require_use(const std::vector<std::string>& settings) {
+  for (const std::string& one : settings) {
+    if (one.starts_with("recording.") || one.starts_with("mapping.") || one.starts_with("gnss.") ||
+        one.starts_with("imu.T_imu_lidar=")) {
+      throw UsageError(
+          one +
+          " has no effect here: the odometry alone runs, on simulated sweeps, and knows "
+          "how its IMU is mounted. Leave it out.");
+    }
+  }
+}
+
+int runs_a_case(const BenchConsistencyOptions& options, std::size_t cases) {
+  const int count = static_cast<int>(cases);
+  if (options.runs % count != 0) {
+    throw UsageError(fmt::format("--runs {}: {} cases share them evenly; make it {}.", options.runs,
+                                 count, count * (options.runs / count + 1)));
+  }
+  return options.runs / count;
+}
+
 int bench_consistency(const BenchConsistencyOptions& options, std::ostream& out,
                       std::ostream& err) {
   const std::vector<ConsistencyCase> cases = chosen(options);
+  const int runs_each = runs_a_case(options, cases.size());
   const Config config = load_config(options.config);
+  const std::vector<std::string> settings = changed_settings(config);
+  require_use(settings);
   engine::Context context = open_device(options.device);
   if (context.software_fallback()) {
     err << software_note(context.device()) << std::endl;
   }
-  ConsistencyReport report{.setting = setting_of(context.device())};
+  ConsistencyReport report{.setting = setting_of(context.device()), .settings = settings};
   print_consistency_head(report, out);
   out << std::flush;
-  const int runs_each = std::max(1, options.runs / static_cast<int>(cases.size()));
   std::vector<std::vector<ConsistencySweep>> all;
   for (const ConsistencyCase& what : cases) {
     std::vector<std::vector<ConsistencySweep>> runs;

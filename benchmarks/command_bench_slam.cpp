@@ -48,7 +48,13 @@ std::string described(const SlamEntry& entry) {
 
 std::vector<Candidate> candidates(const BenchSlamOptions& options) {
   std::vector<Candidate> all;
+  const bool seeds = options.seeds > 0 || options.first_seed || options.apart;
   if (!options.recordings.empty()) {
+    if (options.quick || seeds) {
+      throw UsageError(
+          "--quick, --seeds, --first-seed and --apart choose of the catalogue, and --recordings "
+          "takes its place; leave one of them out.");
+    }
     for (const SlamSequence& sequence : recorded_sequences(options.recordings)) {
       all.push_back({.name = sequence.name,
                      .description = sequence.recording.string(),
@@ -57,7 +63,6 @@ std::vector<Candidate> candidates(const BenchSlamOptions& options) {
     }
     return all;
   }
-  const bool seeds = options.seeds > 0 || options.first_seed || options.apart;
   for (const SlamEntry& entry : options.loops ? loop_catalogue() : slam_catalogue()) {
     if (options.quick && !entry.quick) {
       continue;
@@ -286,13 +291,16 @@ void add_bench_slam_command(Command bench, std::function<void(int)> done) {
   command
       .option("--seeds", options->seeds,
               "Each sequence of the catalogue so many times, with other seeds and beginnings")
+      .from(1, 1000)
       .value_name("N");
   command.option("--first-seed", options->first_seed, "The first of these [1]; alone: that one")
+      .from(1, 1'000'000)
       .value_name("SEED");
   command
       .option("--apart", options->apart,
               fmt::format("How far apart along the scene's route five seeds begin (m) [{:.0f}]",
                           kBetweenBeginnings))
+      .from(0.0, 10'000.0)
       .value_name("M");
   command
       .option("--recordings", options->recordings,

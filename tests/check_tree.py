@@ -180,7 +180,8 @@ def check_vulkan(files):
 
 # A library that can be replaced in one file; tests use it as an oracle.
 ONE_FILE = {"ceres/": "slam/mapping/solver.cpp", "glog/": "slam/mapping/solver.cpp",
-            "GeographicLib/": "slam/mapping/world_frame.cpp", "boost/": "tools/viewer/view_server.cpp"}
+            "GeographicLib/": "slam/mapping/world_frame.cpp", "GeographicLib/Geoid": "tools/maps/geoid.cpp",
+            "proj.h": "tools/maps/projected_system.cpp", "boost/": "tools/viewer/view_server.cpp"}
 
 
 def check_libraries(files):
@@ -188,9 +189,9 @@ def check_libraries(files):
         if suffix(path) not in CXX or path.startswith("tests/"):
             continue
         for _, name in includes(text):
-            for library, only in ONE_FILE.items():
-                if name.startswith(library) and path != only:
-                    yield path, f"includes <{name}>; only {only} does"
+            library = max((one for one in ONE_FILE if name.startswith(one)), key=len, default=None)
+            if library and path != ONE_FILE[library]:
+                yield path, f"includes <{name}>; only {ONE_FILE[library]} does"
 
 
 def check_command_line(files):

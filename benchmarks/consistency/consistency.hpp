@@ -62,6 +62,7 @@ struct ConsistencyRow {
 
 struct ConsistencyReport {
   Setting setting{};
+  std::vector<std::string> settings{};  ///< those of adit that are none of its defaults
   std::vector<ConsistencyRow> rows{};
   Consistency all{};  ///< the runs of all cases together
 };

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/consistency/consistency.hpp"
@@ -68,13 +69,17 @@ nlohmann::ordered_json to_json(const ConsistencyReport& report) {
   }
   return {{"schema", kSchema},
           {"setting", to_json(report.setting)},
+          {"settings", report.settings},
           {"cases", cases},
           {"all", to_json(report.all)}};
 }
 
 void print_consistency_head(const ConsistencyReport& report, std::ostream& out) {
   out << "device   " << report.setting.device << "\n"
-      << "adit     " << report.setting.version << " (" << report.setting.commit << ")\n"
+      << "adit     " << report.setting.version << " (" << report.setting.commit << "), "
+      << (report.settings.empty() ? "default settings"
+                                  : fmt::format("{}", fmt::join(report.settings, ", ")))
+      << "\n"
       << "NEES     squared errors over what the covariance says, a degree of freedom: of the last "
          "pose in the map\n"
          "         (with 95 % bounds for independent runs; translation, rotation), of every pose, "

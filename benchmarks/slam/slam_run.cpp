@@ -77,11 +77,12 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   run.recording = sequence.recording;
   run.output = folder;
   run.config = variant.config;
+  // First, so that others may say otherwise.
   std::vector<std::string>& settings = run.config.overrides;
-  if (sequence.loops) {  // first, so that others may say otherwise
+  settings.insert(settings.begin(), sequence.settings.begin(), sequence.settings.end());
+  if (sequence.loops) {
     settings.insert(settings.begin(), {"mapping.enabled=true", "mapping.loops=true"});
   }
-  settings.insert(settings.end(), sequence.settings.begin(), sequence.settings.end());
   run.device = device;
   run.map.enabled = false;
   run.json = true;

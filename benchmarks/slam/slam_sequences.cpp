@@ -225,8 +225,8 @@ std::vector<SlamSequence> recorded_sequences(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw InputError(folder, {}, "it is no folder", "Give a folder of recordings");
   }
-  // A name may end in a slash.
-  const fs::path clean = (folder / ".").lexically_normal().parent_path();
+  // A name may end in a slash, or be a dot.
+  const fs::path clean = (fs::absolute(folder) / ".").lexically_normal().parent_path();
   if (const auto itself = recorded_sequence(clean)) {
     return {*itself};
   }

@@ -188,6 +188,18 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
   checks.between("imu.accel_noise", imu.accel_noise, 1e-6, 10.0, "m/s^2/sqrt(Hz)");
   checks.between("imu.gyro_walk", imu.gyro_walk, 1e-9, 1.0, "rad/s^2/sqrt(Hz)");
   checks.between("imu.accel_walk", imu.accel_walk, 1e-9, 10.0, "m/s^3/sqrt(Hz)");
+  if (imu.sensor != "custom") {
+    const ImuConfig usual;
+    const auto unused = [&](const char* field, double value, double usual_value) {
+      checks.holds(value == usual_value, field,
+                   "is " + shortest(value) +
+                       ", which a custom sensor alone has; set imu.sensor=custom, or leave it out");
+    };
+    unused("imu.gyro_noise", imu.gyro_noise, usual.gyro_noise);
+    unused("imu.accel_noise", imu.accel_noise, usual.accel_noise);
+    unused("imu.gyro_walk", imu.gyro_walk, usual.gyro_walk);
+    unused("imu.accel_walk", imu.accel_walk, usual.accel_walk);
+  }
   checks.between("imu.gravity_walk", imu.gravity_walk, 1e-9, 1.0, "rad/sqrt(s)");
   checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
   checks.between("imu.max_rate", imu.max_rate, 1.0, 1e6, "rad/s");

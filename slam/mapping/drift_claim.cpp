@@ -68,6 +68,18 @@ Way shortest_way(const PoseGraph& graph, const std::vector<bool>& corrected, std
   return ways[end];
 }
 
+/// The active odometry edge to a node from the one before it; null: there is none.
+const PoseEdge* edge_before(const PoseGraph& graph, std::size_t at) {
+  for (const std::size_t index : graph.edges_of(graph.nodes()[at].id)) {
+    const PoseEdge& edge = graph.edges()[index];
+    if (edge.kind == EdgeKind::odometry && edge.status == EdgeStatus::active &&
+        graph.index_of(edge.to) == at && graph.index_of(edge.from) + 1 == at) {
+      return &edge;
+    }
+  }
+  return nullptr;
+}
+
 /// m between a node and the one before it, by an active edge; infinite: there is none.
 double step_before(const PoseGraph& graph, std::size_t at) {
   double least = std::numeric_limits<double>::infinity();
@@ -228,6 +240,22 @@ ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
   return {.climb = (believed * T_from_to.inverse()).translation().z(),
           .length = way.length,
           .way = way.uncorrected};
+}
+
+std::optional<ClaimedClimb> climb_of_odometry(const PoseGraph& graph, NodeId from, NodeId to,
+                                              const Eigen::Isometry3d& T_from_to) {
+  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+  double length = 0.0;
+  for (std::size_t at = graph.index_of(from) + 1; at <= graph.index_of(to); ++at) {
+    const PoseEdge* edge = edge_before(graph, at);
+    if (edge == nullptr) {
+      return std::nullopt;
+    }
+    moved = moved * edge->T_from_to;
+    length += edge->T_from_to.translation().norm();
+  }
+  return ClaimedClimb{
+      .climb = (moved * T_from_to.inverse()).translation().z(), .length = length, .way = length};
 }
 
 void ShownClimb::add(const ClaimedClimb& accepted) {

@@ -5,6 +5,7 @@
 // look alike are told from places seen again (docs/theory/loops.md).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "adit/slam/mapping/pose_graph.hpp"
@@ -51,10 +52,17 @@ struct ClaimedClimb {
 ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
                            const Eigen::Isometry3d& T_from_to);
 
+/// How far the odometry alone has climbed too much on its whole way between two keyframes, as a
+/// loop has it: whatever other loops have corrected of that. Nothing where it was not tied to the
+/// earlier keyframe all the way.
+std::optional<ClaimedClimb> climb_of_odometry(const PoseGraph& graph, NodeId from, NodeId to,
+                                              const Eigen::Isometry3d& T_from_to);
+
 /// What accepted loops have shown of the odometry's climb: the next claims are held against it,
 /// since floors that are built alike lie within what an odometry may drift by at the most.
 class ShownClimb {
  public:
+  /// By the odometry's own way.
   void add(const ClaimedClimb& accepted);
   /// True as well as long as little has been shown.
   bool allows(const ClaimedClimb& claim) const;

@@ -403,7 +403,9 @@ std::vector<int64_t> LoopCloser::let_in(PoseGraph& graph, std::deque<PendingLoop
     const LoopHypothesis& loop = waiting[i];
     if (votes[i].accepted) {
       far_off_ = far_off_ || votes[i].odometry_chi2 > voting_.most_by_position;
-      climb_.add(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+      if (const auto shown = climb_of_odometry(graph, loop.from, loop.to, loop.T_from_to)) {
+        climb_.add(*shown);
+      }
     }
   }
   std::deque<PendingLoop> rest;

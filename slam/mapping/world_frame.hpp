@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frames on the Earth. world_frame.cpp is the one file that sees GeographicLib.
+// Frames on the Earth. world_frame.cpp is the one file that sees GeographicLib, but for its geoids.
 #pragma once
 
 #include <optional>

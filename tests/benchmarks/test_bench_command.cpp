@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <fstream>
+#include <initializer_list>
 #include <set>
 #include <sstream>
 
@@ -14,6 +16,7 @@
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/ran.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/commands/program.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit::bench {
@@ -109,6 +112,32 @@ TEST(BenchCommand, RefusesWhatIsNotThere) {
       test::ran(bench_command, {.compare = {"/no/such/a.json", "/no/such/b.json"}});
   EXPECT_EQ(report.code, 1);
   EXPECT_NE(report.err.find("/no/such/a.json"), std::string::npos) << report.err;
+}
+
+TEST(BenchCommand, RefusesOptionsThatWouldHaveNoEffect) {
+  const std::array<AddCommand, 1> more = {add_bench_command};
+  struct Refused {
+    std::vector<const char*> words;
+    const char* part;
+  };
+  for (Refused one : std::initializer_list<Refused>{
+           {{"--device", "nonsense", "--json", "a.json", "slam", "--list"}, "stands before slam"},
+           {{"--list", "consistency", "--runs", "1"}, "--list: stands before consistency"},
+           {{"--seeds", "2", "slam", "--list"}, "--seeds: stands before slam"},
+           {{"--compare", "a.json", "b.json", "--html", "c.html"}, "--html: is of no use with"},
+           {{"--compile", "NAVI21", "--html", "c.html"}, "--html: is of no use with --compile"},
+           {{"--r-input", "0.5"}, "--r-input: needs --input"},
+           {{"--sizes", "5000", "--input", "a.pcd"}, "--sizes: is of simulated sweeps"}}) {
+    one.words.insert(one.words.begin(), {"adit", "bench"});
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(program(static_cast<int>(one.words.size()), one.words.data(), more), 2) << one.part;
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(one.part), std::string::npos) << said;
+  }
+  const test::Ran nothing =
+      test::ran(bench_command, {.cases = {"sweep/odometry"}, .sizes = {5000}, .seconds = 0.0});
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_NE(nothing.err.find("sweep/odometry takes 20000 to"), std::string::npos) << nothing.err;
 }
 
 TEST(BenchCommand, ListsWithoutADevice) {

@@ -93,6 +93,7 @@ TEST(BenchConsistency, ShortRunsOfTheWholeOdometryAreHonest) {
   options.runs = 2;
   options.duration = 5.0;
   options.json = folder.path() / "consistency.json";
+  options.config.overrides = {"imu.lag=19"};
   std::ostringstream out;
   std::ostringstream err;
   ASSERT_EQ(bench_consistency_command(options, out, err), 0) << err.str();
@@ -106,6 +107,26 @@ TEST(BenchConsistency, ShortRunsOfTheWholeOdometryAreHonest) {
   EXPECT_LE(all["nees_a_degree"]["every_pose_in_map"]["pose"], 3.0) << out.str();
   EXPECT_LE(all["innovations"]["correlation_1_to_5_sweeps_apart"][4], 0.3) << out.str();
   EXPECT_NE(out.str().find("pose     NEES"), std::string::npos);
+  EXPECT_NE(out.str().find("), imu.lag=19\n"), std::string::npos) << out.str();
+  EXPECT_EQ(report["settings"], nlohmann::json({"imu.lag=19"}));
+}
+
+TEST(BenchConsistency, RefusesWhatWouldHaveNoEffect) {
+  const auto refused = [](const BenchConsistencyOptions& options, const std::string& part) {
+    std::ostringstream out;
+    std::ostringstream err;
+    EXPECT_EQ(bench_consistency_command(options, out, err), 2);
+    EXPECT_NE(err.str().find(part), std::string::npos) << err.str();
+  };
+  for (const char* setting : {"recording.imu_time_offset=0.1", "mapping.delay=6", "gnss.use=false",
+                              "imu.T_imu_lidar=[0.0,0.0,0.0,0.0,0.0,0.0,1.0]"}) {
+    BenchConsistencyOptions options;
+    options.config.overrides = {setting};
+    refused(options, std::string(setting) + " has no effect here");
+  }
+  BenchConsistencyOptions runs;
+  runs.runs = 7;
+  refused(runs, "--runs 7: 6 cases share them evenly; make it 12");
 }
 
 TEST(BenchConsistency, UnknownCasesAndSensorsAreNamed) {

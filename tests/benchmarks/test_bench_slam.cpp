@@ -97,6 +97,14 @@ TEST(BenchSlam, SimulatesOnceMapsAndJudges) {
   EXPECT_EQ(bad.verdict, SlamVerdict::failed);
   EXPECT_NE(bad.why.find("not one sweep could be aligned"), std::string::npos) << bad.why;
 
+  SlamSequence by_lidar = sequence;
+  by_lidar.settings = {"imu.use=false"};
+  SlamVariant fused{.name = "imu", .config = {}};
+  fused.config.overrides = {"imu.use=true"};
+  map_sequence(by_lidar, fused, {}, folder.path() / "imu");
+  EXPECT_EQ(test::json_of(folder / "imu/summary.json")["configuration"]["imu"]["use"], true)
+      << "a variant has the last word";
+
   SlamEntry other = kTiny;
   other.seed = 2;
   simulated_sequence(other, folder.path(), count);
@@ -242,6 +250,19 @@ TEST(BenchSlam, RefusesWhatMakesNoSense) {
   refused({.variants = {"a:preprocess.deskwe=2"}}, 2, "'deskew'");
   refused({.trajectories = folder / "none"}, 1, "it is no folder");
   refused({.recordings = folder.path()}, 1, "no recording with its truth");
+  refused({.quick = true, .recordings = folder.path()}, 2, "leave one of them out");
+  refused({.apart = 10.0, .recordings = folder.path()}, 2, "leave one of them out");
+}
+
+TEST(BenchSlam, TheFolderOfRecordingsMayBeADot) {
+  const test::TemporaryFolder folder;
+  folder.write("drive/truth.tum", "");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+  const std::vector<SlamSequence> found = recorded_sequences(".");
+  fs::current_path(before);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].name, "drive");
 }
 
 TEST(BenchSlam, IsACommandOfItsOwn) {
@@ -261,6 +282,10 @@ TEST(BenchSlam, IsACommandOfItsOwn) {
   EXPECT_EQ(list.out.find("downsample"), std::string::npos) << "cases of `adit bench`";
   const test::Ran seed = call({"--list", "--only", "mine", "--first-seed", "801"});
   EXPECT_NE(seed.out.find("mine-vlp16-drive@801"), std::string::npos) << seed.out;
+  for (const char* wrong : {"-1", "0", "1001", "nan"}) {
+    EXPECT_NE(call({"--list", "--seeds", wrong}).err.find("from 1 to 1000"), std::string::npos);
+  }
+  EXPECT_EQ(call({"--list", "--apart", "nan"}).code, 2);
   const test::Ran unknown = call({"--quik"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("adit bench slam: there is no option '--quik'. The nearest valid name "

@@ -341,6 +341,35 @@ TEST(ShownClimb, TellsDriftFromAFloorLikeTheOneBelow) {
   EXPECT_TRUE(shown.allows(claim(0.4, 2.0)));
 }
 
+// Out and back, and up a floor: each loop on the way back leaves two metres that none has
+// corrected.
+TEST(ShownClimb, IsOfTheWholeWayThatNestedLoopsTie) {
+  constexpr NodeId kOut = 40;
+  PoseGraph graph = test::line(1);
+  for (NodeId i = 1; i <= 2 * kOut; ++i) {
+    const double at = static_cast<double>(i <= kOut ? i : 2 * kOut - i);
+    graph.add_node({.id = i, .T_map_node = step(at)});
+    graph.add_edge(edge(i - 1, i, step(i <= kOut ? 1.0 : -1.0)));
+  }
+  ShownClimb shown;
+  for (NodeId i = kOut + 7; i <= 2 * kOut; ++i) {
+    const NodeId earlier = 2 * kOut - i;
+    const auto climb = climb_of_odometry(graph, earlier, i, up(-0.001));
+    ASSERT_TRUE(climb);
+    EXPECT_NEAR(climb->length, static_cast<double>(i - earlier), 1e-12);
+    EXPECT_NEAR(climb->climb, 0.001, 1e-12);
+    shown.add(*climb);
+    PoseEdge loop = edge(earlier, i, up(-0.001));
+    loop.kind = EdgeKind::loop;
+    graph.add_edge(loop);
+  }
+  const auto floor = [](double way) { return ClaimedClimb{3.4, way, way}; };
+  EXPECT_FALSE(shown.allows(floor(32.0))) << "within 15 % of the way";
+  graph.set_status(3, EdgeStatus::revoked);
+  EXPECT_FALSE(climb_of_odometry(graph, 0, 2 * kOut, up(0.0))) << "nothing ties them";
+  EXPECT_TRUE(climb_of_odometry(graph, 4, 2 * kOut, up(0.0)));
+}
+
 TEST(ClaimedClimb, CountsTheWayThatNoLoopHasCorrected) {
   PoseGraph graph = test::line(11);
   const ClaimedClimb whole = claimed_climb(graph, 0, 10, step(10.0) * up(-1.0));

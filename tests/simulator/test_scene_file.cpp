@@ -73,6 +73,10 @@ TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
   expect_refused("[trajectory]\nwaypoints = [[0, 0, 0], 1]\n", "line 2, column 25", "three");
   expect_refused("[imu]\nrate = 99.5\n", "line 2, column 8", "no whole number");
   expect_refused("faults = ['gapp']\n", "line 1, column 10", "'gap'");
+  expect_refused("seed = -1\n", "line 1, column 8", "not negative");
+  expect_refused("[gnss]\nrate = 10\n", "line 2, column 1", "no receiver");
+  expect_refused("[[lidar]]\nsensor = 'VLP-16'\n[[lidar]]\nframe = 'rear'\n", "line 3, column 1",
+                 "another range sensor is on /points");
   expect_refused("scene = \n", "line 1, column 9", "TOML");
 }
 

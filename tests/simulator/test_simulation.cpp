@@ -179,6 +179,21 @@ TEST_F(SimulationTest, WhatMakesNoSenseIsRefused) {
   EXPECT_EQ(code([](auto& command) { command.simulation.duration = -1; }).first, 2);
   EXPECT_EQ(code([](auto& command) { command.simulation.imu_rate = 7; }).first, 2);
   EXPECT_EQ(code([](auto& command) { command.layout = "sick"; }).first, 2);
+  const auto of_none = code([](auto& command) {
+    command.simulation.imu = "none";
+    command.simulation.faults = {"nan", "gaps"};
+  });
+  EXPECT_NE(of_none.second.find("--fault gaps is one of the IMU"), std::string::npos)
+      << of_none.second;
+  const auto shock = code([](auto& command) {
+    command.simulation.duration = 3.0;
+    command.simulation.faults = {"shock"};
+  });
+  EXPECT_NE(shock.second.find("the first blow comes after 3 s"), std::string::npos) << shock.second;
+  const auto two = code([](auto& command) {
+    command.simulation.faults = {"spikes", "many-spikes"};
+  });
+  EXPECT_NE(two.second.find("many-spikes and spikes exclude"), std::string::npos) << two.second;
   EXPECT_EQ(code([](auto& command) { command.simulation.output += ".bag"; }).first, 2);
 }
 

@@ -180,6 +180,18 @@ TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("].l=1").find("without spaces"), std::string::npos);
 }
 
+TEST(ConfigOverride, NoiseOfACustomSensorNeedsOne) {
+  EXPECT_NE(override_refusal("imu.gyro_noise=0.01").find("set imu.sensor=custom"),
+            std::string::npos);
+  const Config custom =
+      load_config({.file = {}, .overrides = {"imu.gyro_noise=0.01", "imu.sensor=custom"}});
+  EXPECT_EQ(custom.imu.gyro_noise, 0.01);
+  EXPECT_EQ(changed_settings(custom),
+            (std::vector<std::string>{"imu.sensor=\"custom\"", "imu.gyro_noise=0.01"}));
+  EXPECT_EQ(parse_config("[imu]\ngyro_noise = 0.01\n", "a map of before").imu.gyro_noise,
+            ImuConfig{}.gyro_noise);
+}
+
 TEST(ConfigOverride, TextNeedsNoQuotesThatAShellWouldTakeAway) {
   const Config config = load_config(
       {.file = std::nullopt,

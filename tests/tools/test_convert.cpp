@@ -298,6 +298,7 @@ TEST_F(Convert, OptionsThatContradictEachOtherAreUsageErrors) {
   EXPECT_THROW(convert(in, "x.mcap", {.compression = Compression::bz2}), UsageError);
   EXPECT_THROW(convert(in, "x", {.compression = Compression::lz4}), UsageError);
   EXPECT_THROW(convert(in, "x.mcap", {.topics = {"/imuu"}}), UsageError);
+  EXPECT_THROW(convert(in, "x.mcap", {.metadata = "sensor.json"}), UsageError);
   std::ostringstream out;
   std::ostringstream err;
   EXPECT_EQ(convert_command({.input = in, .output = in}, out, err), 2);

@@ -191,7 +191,7 @@ TEST(ProductCoordinates, UtmIsInterpolatedToAMicrometre) {
 TEST(ProductCoordinates, AxesOfAPoseTurnWithTheGrid) {
   Georeference placed{.origin = {60.0, 7.0, 100.0}};
   placed.T_world_map = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ());
-  const ProductCoordinates coordinates(placed, ProductFrame::utm, UtmZone{32, true});
+  const ProductCoordinates coordinates(placed, ProductFrame::utm, {.zone = UtmZone{32, true}});
   const Eigen::Isometry3d pose =
       Eigen::Translation3d(3000.0, -2000.0, 5.0) * Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitZ());
   const Eigen::Isometry3d in_utm = coordinates.from_map(pose);
@@ -202,30 +202,30 @@ TEST(ProductCoordinates, AxesOfAPoseTurnWithTheGrid) {
   EXPECT_NEAR(seen.y(), 0.0, 1e-4);
 }
 
-TEST(ProductCoordinates, NamesItsZone) {
-  EXPECT_EQ(to_string(*parse_utm_zone("30N")), "30N");
-  EXPECT_EQ(epsg_of(*parse_utm_zone("7S")), 32707);
-  for (const char* wrong : {"", "N", "0N", "61N", "30", "30X", "N30", "30NN"}) {
-    EXPECT_FALSE(parse_utm_zone(wrong)) << wrong;
+TEST_F(MapProducts, AreInANamedSystem) {
+  const std::vector<Eigen::Vector3d> expected = truth();
+  const fs::path file =
+      exported({.cloud = "las", .crs = "EPSG:32630", .origin = kOrigin}, "named.las");
+  EXPECT_NE(said_.find("UTM zone 30N"), std::string::npos) << said_;
+  const ReadLas las = read_las_exactly(file);
+  ASSERT_EQ(las.positions.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_LT((las.positions[i] - expected[i]).norm(), kMillimetre);
   }
-  const ProductCoordinates south({.origin = {-33.0, 151.0, 20.0}}, ProductFrame::utm);
-  EXPECT_NE(south.wkt().find("EPSG\",\"32756"), std::string::npos) << south.wkt();
-  EXPECT_EQ(ProductCoordinates().wkt(), "");
-}
-
-TEST(LasWriter, GpsTimeHasTheLeapSecondsOfItsDate) {
-  // 2017-01-01T00:00:00Z is GPS 1167264018 s; a second of UNIX time before it, one leap less.
-  EXPECT_EQ(adjusted_gps_time(std::chrono::seconds(1'483'228'800)), 167'264'018.0);
-  EXPECT_EQ(adjusted_gps_time(std::chrono::seconds(1'483'228'799)), 167'264'016.0);
-  EXPECT_EQ(adjusted_gps_time(std::chrono::milliseconds(1'700'000'000'250)), 384'035'218.25);
-  EXPECT_FALSE(is_unix_time(Nanoseconds(0)));
-}
-
-TEST(CloudSelection, APolygonMayBeConcave) {
-  const std::vector<Eigen::Vector2d> corners = {{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}};
-  EXPECT_TRUE(is_within(corners, {1.0, 1.0}));
-  EXPECT_FALSE(is_within(corners, {2.0, 3.0}));
-  EXPECT_FALSE(is_within(corners, {5.0, 1.0}));
+  for (const auto& row : read_csv(
+           exported({.trajectory = "csv", .crs = "EPSG:25830", .origin = kOrigin}, "named.csv"))) {
+    EXPECT_NEAR(std::stod(row.at("crs_east_m")), std::stod(row.at("easting_m")), kMillimetre);
+    EXPECT_NEAR(std::stod(row.at("crs_north_m")), std::stod(row.at("northing_m")), kMillimetre);
+  }
+  exported({.trajectory = "gpkg", .crs = "EPSG:2154", .origin = kOrigin}, "named.gpkg");
+  EXPECT_NE(said_.find("Lambert-93"), std::string::npos) << said_;
+  refuses({.cloud = "las", .crs = "EPSG:1", .origin = kOrigin}, "knows no coordinate");
+  refuses({.cloud = "las", .crs = "EPSG:28356", .origin = kOrigin}, "does not cover");
+  refuses({.cloud = "las", .crs = "EPSG:25830"}, "not georeferenced");
+  refuses({.cloud = "las", .frame = "utm", .crs = "EPSG:25830", .origin = kOrigin}, "exclude");
+  refuses({.trajectory = "kml", .crs = "EPSG:25830", .origin = kOrigin}, "geodetic");
+  refuses({.cloud = "las", .geoid = folder_ / "none.pgm", .origin = kOrigin}, "geoid");
+  refuses({.cloud = "ply", .frame = "local", .geoid = map_, .origin = kOrigin}, "exclude");
 }
 
 TEST_F(MapProducts, AgreeToAMillimetre) {
@@ -457,6 +457,30 @@ TEST_F(MapProducts, SayWhatCannotBe) {
   refuses({.output = folder_ / "g.yaml", .grid = true, .heights = "1,0"}, "LOW < HIGH");
   refuses({.cloud = "ply", .polygon = folder_.write("two.txt", "0 0\n1 1\n")}, "has 2 corners", 1);
   refuses({.cloud = "ply", .polygon = folder_.write("no.txt", "0 0\n1 x\n")}, "line 2", 1);
+}
+
+TEST_F(MapProducts, RefuseWhatWouldHaveNoEffect) {
+  const fs::path tif = folder_ / "r.tif";
+  const fs::path svg = folder_ / "p.svg";
+  const fs::path page = folder_ / "r.html";
+  const char* nowhere = "--utm 30N: the map is not georeferenced";
+  refuses({.cloud = "las", .utm = "30N"}, nowhere);
+  refuses({.cloud = "ply", .utm = "30N"}, nowhere);
+  refuses({.tiles = 20.0, .utm = "30N"}, nowhere);
+  refuses({.output = tif, .utm = "30N", .raster = "height"}, nowhere);
+  refuses({.trajectory = "csv", .utm = "30N"}, nowhere);
+  refuses({.trajectory = "csv", .frame = "geodetic"}, "--frame geodetic: the map is not");
+  refuses({.trajectory = "kml", .utm = "30N", .origin = kOrigin}, "kml is geodetic");
+  refuses({.output = svg, .picture = true, .utm = "30N"}, "--utm: pictures and dumps");
+  refuses({.output = svg, .picture = true, .origin = kOrigin}, "--origin: pictures and dumps");
+  refuses({.cloud = "ply", .origin = kOrigin}, "say --frame local or utm");
+  refuses({.cloud = "las", .frame = "map", .origin = kOrigin}, "say --frame local or utm");
+  refuses({.output = page, .frame = "map", .origin = kOrigin, .report = true},
+          "--frame map: a rep");
+  refuses({.dense = "las", .without_moving = true}, "of single returns it is not known");
+  refuses({.output = tif, .without_moving = true, .raster = "height"}, "rasters leave out");
+  refuses({.cloud = "ply", .from = 2.0, .until = 1.0}, "--from is later than --until");
+  refuses({.output = folder_ / "g.yaml", .until = 1.0, .grid = true}, "--grid: no point is within");
 }
 
 TEST_F(MapProducts, AreTheSameBytesTwice) {

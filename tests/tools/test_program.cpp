@@ -111,7 +111,7 @@ TEST(Program, HelpAndComplaintsSpeakToPeople) {
   expect_usage_error({"evaluate", "a", "b", "--align", "best"},
                      "'best' is none of se3, sim3, origin or none");
   expect_usage_error({"evaluate", "a", "b", "--tolerance", "-1"},
-                     "'-1' is not possible; it takes a number of 0 or more");
+                     "'-1' is not possible; it takes a number from 0 to 1000000000");
   expect_usage_error({"view", "a", "--port", "65536"}, "--port");
   expect_usage_error({"export", "a", "--cloud", "xyz"}, "'xyz' is none of ply, pcd or las");
   expect_usage_error({"run", "a", "-o", "b", "--device"}, "--device lacks its DEVICE");

@@ -163,6 +163,7 @@ int run(const AlignCommandOptions& options, std::ostream& out, std::ostream& err
   if (options.picture) {
     draw(pairs.front(), clouds, *options.picture);
   }
+  device.require_no_complaints();
   const bool all = std::ranges::all_of(pairs, &AlignedPair::usable);
   if (options.json) {
     nlohmann::ordered_json json = {{"schema", "align/1"},

@@ -167,6 +167,13 @@ void add_convert_command(Command app, std::function<void(int)> done) {
       options->metadata = config->metadata;
       if (*repair) {
         options->repair = load_config(*config).recording;
+        const auto other = std::ranges::find_if(config->overrides, [](const std::string& one) {
+          return !one.starts_with("recording.");
+        });
+        if (other != config->overrides.end()) {
+          throw UsageError("--set " + *other +
+                           ": --repair corrects by the settings of recording alone; leave it out.");
+        }
       }
       return convert(*options, std::cout, std::cerr);
     }));

@@ -32,12 +32,44 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLargest = 1e9;  // of --tolerance (s) and --delta
+
 /// A picture is what its name says.
 void check_plot(const EvaluateCommandOptions& options) {
   if (options.plot && options.plot->extension() != ".svg" && options.plot->extension() != ".html") {
     throw UsageError("--plot " + options.plot->string() +
                      ": a drawing is written as NAME.svg, or as a page NAME.html. Browsers, "
                      "Inkscape and rsvg-convert turn them into PNG and PDF.");
+  }
+}
+
+/// Options of one side of the comparison, "estimate" or "truth".
+struct SideOptions {
+  std::string side;
+  bool times = false;
+  bool topic = false;
+};
+
+/// Throws UsageError where none of the side's trajectories has a use for what is given.
+void require_use(const SideOptions& given, std::span<const fs::path> paths) {
+  const auto none = [&](bool SourceUse::*what) {
+    return std::ranges::none_of(paths, [&](const fs::path& path) {
+      try {
+        return use_of(path).*what;
+      } catch (const FileError&) {
+        return true;  // reported where it is read
+      }
+    });
+  };
+  const std::string whose =
+      paths.size() > 1 ? "each of the " + given.side + "s " : paths.front().string() + " ";
+  if (given.times && none(&SourceUse::times)) {
+    throw UsageError("--" + given.side + "-times: " + whose +
+                     "has times of its own; leave it out.");
+  }
+  if (given.topic && none(&SourceUse::topic)) {
+    throw UsageError("--" + given.side + "-topic: " + whose +
+                     "is a file without topics; leave it out.");
   }
 }
 
@@ -238,6 +270,16 @@ bool compare_estimates(const EvaluateCommandOptions& options, std::ostream& out,
 
 int run(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_plot(options);
+  require_use({.side = "estimate",
+               .times = options.estimate_times.has_value(),
+               .topic = !options.estimate_topic.empty()},
+              options.estimates);
+  if (!options.truth.empty()) {
+    require_use({.side = "truth",
+                 .times = options.truth_times.has_value(),
+                 .topic = !options.truth_topic.empty()},
+                std::span(&options.truth, 1));
+  }
   if (options.estimates.size() > 1 || options.table) {
     return compare_estimates(options, out, err) ? 0 : 1;
   }
@@ -300,7 +342,7 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
   command
       .option("--tolerance", options->evaluation.tolerance,
               "Largest time difference of a matched pair (s)")
-      .from(0.0)
+      .from(0.0, kLargest)
       .value_name("S")
       .show_default();
   command
@@ -317,6 +359,7 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
   const CommandOption delta =
       command.option("--delta", rpe.delta, "RPE: distance between the poses of a pair")
           .above(0.0)
+          .from(0.0, kLargest)
           .value_name("D")
           .show_default();
   command
@@ -329,11 +372,23 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
       .show_default("estimate");
   command.flag("--from-first-pose", rpe.from_first_pose,
                "RPE: begin the first pair at the first pose, as evo does from version 1.37 on");
-  command.flag("--json", options->json, "Report as JSON");
+  const auto forms = std::make_shared<std::vector<std::string>>();  // those that are given
+  command.flag(
+      "--json",
+      [options, forms] {
+        options->json = true;
+        forms->emplace_back("--json");
+      },
+      "Report as JSON");
   const auto add_format = [&](const std::string& name, TableFormat format,
                               const std::string& description) {
     command.flag(
-        name, [options, format] { options->table = format; }, description);
+        name,
+        [options, forms, name, format] {
+          options->table = format;
+          forms->push_back(name);
+        },
+        description);
   };
   add_format("--table", TableFormat::text, "A line an estimate, also of a single one");
   add_format("--markdown", TableFormat::markdown, "The table as Markdown");
@@ -361,11 +416,14 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
           "world, without any alignment")
       .values(3, 3)
       .value_name("LAT LON ALT");
-  command.action([options, paths, delta, done = std::move(done)]() {
+  command.action([command, options, paths, forms, delta, done = std::move(done)]() {
+    if (forms->size() > 1) {
+      throw UsageError(forms->front() + " and " + (*forms)[1] + " exclude each other.");
+    }
     RpeOptions& chosen = options->evaluation.rpe;
     if (chosen.unit == DeltaUnit::frames) {
       chosen.delta = !delta.given() ? 1.0 : chosen.delta;
-      if (chosen.delta != std::floor(chosen.delta) || chosen.delta > 1e9) {
+      if (chosen.delta != std::floor(chosen.delta)) {
         refuse_option("--delta", "must be a whole number of frames");
       }
     }
@@ -377,8 +435,12 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
                     "is no folder of a run: it has neither summary.json nor sweeps.csv. A run that "
                     "was stopped before it began leaves none; a recording's poses need a TRUTH");
     }
-    if (alone && (!run || options->plot || options->table)) {
+    if (alone && !run) {
       miss_argument("TRUTH");
+    }
+    const std::string needing = command.given_besides({"trajectories", "--json", "--html"});
+    if (alone && !needing.empty()) {
+      refuse_option(needing, "needs a TRUTH, behind the folder of the run");
     }
     options->estimates.assign(paths->begin(), alone ? paths->end() : paths->end() - 1);
     options->truth = alone ? fs::path() : paths->back();
@@ -390,6 +452,10 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
     }
     if (options->loops && (!run || alone || options->estimates.size() > 1)) {
       refuse_option("--loops", "needs the folder of a run and the truth");
+    }
+    if (options->table && (options->html || options->loops || !options->world.empty())) {
+      refuse_option(forms->front(),
+                    "has a line an estimate; leave out --html, --loops and --world");
     }
     done(evaluate_command(*options, std::cout, std::cerr));
   });

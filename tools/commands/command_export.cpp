@@ -36,11 +36,45 @@ bool is_picture(const fs::path& file) {
   return file.extension() == ".svg" || file.extension() == ".png";
 }
 
+void check_heights(const ExportCommandOptions& options) {
+  if (options.geoid && options.trajectory == "geojson") {
+    throw UsageError("--geoid: heights of GeoJSON are above the ellipsoid (RFC 7946).");
+  }
+  if (options.geoid && !options.frame.empty() && options.frame != "utm" &&
+      options.frame != "geodetic") {
+    throw UsageError("--geoid and --frame " + options.frame +
+                     " exclude each other: heights there are the map's own.");
+  }
+  if (options.report && (options.crs || options.geoid)) {
+    throw UsageError((options.crs ? "--crs" : "--geoid") +
+                     std::string(": a report is in UTM, with heights above the ellipsoid."));
+  }
+}
+
 void check_frames(const ExportCommandOptions& options) {
   const bool on_earth = options.trajectory == "csv" || options.trajectory == "geojson" ||
                         options.trajectory == "kml" || options.trajectory == "gpkg";
-  if (!options.frame.empty() && (options.picture || options.dump)) {
-    throw UsageError("--frame: pictures and dumps are in the map's frame.");
+  const std::string placed = !options.frame.empty() ? "--frame"
+                             : options.utm          ? "--utm"
+                             : options.crs          ? "--crs"
+                             : options.geoid        ? "--geoid"
+                             : options.origin       ? "--origin"
+                                                    : "";
+  if (!placed.empty() && (options.picture || options.dump)) {
+    throw UsageError(placed + ": pictures and dumps are in the map's frame.");
+  }
+  if ((options.utm || options.crs) &&
+      (options.trajectory == "geojson" || options.trajectory == "kml")) {
+    throw UsageError((options.utm ? "--utm" : "--crs") + std::string(": --trajectory ") +
+                     options.trajectory + " is geodetic.");
+  }
+  if (options.crs && (options.utm || !options.frame.empty())) {
+    throw UsageError("--crs and " + std::string(options.utm ? "--utm" : "--frame") +
+                     " exclude each other.");
+  }
+  check_heights(options);
+  if (options.report && options.frame == "map") {
+    throw UsageError("--frame map: a report says where the map lies, in utm or local.");
   }
   if (on_earth && options.trajectory != "gpkg" && !options.frame.empty() &&
       options.frame != "geodetic") {
@@ -66,6 +100,14 @@ void check_selection(const ExportCommandOptions& options) {
     throw UsageError(
         "--box, --polygon and --without-moving are for points: --cloud, --dense, "
         "--tiles, --raster.");
+  }
+  if (options.without_moving && options.cloud.empty() && !options.tiles) {
+    throw UsageError(
+        "--without-moving is for --cloud and --tiles: rasters leave out what moves anyway, and of "
+        "single returns it is not known.");
+  }
+  if (options.from && options.until && *options.from > *options.until) {
+    throw UsageError("--from is later than --until: nothing is between them.");
   }
   if ((!options.sessions.empty() || options.from || options.until) && !points && !options.grid &&
       options.trajectory.empty()) {
@@ -228,6 +270,8 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("the map reaches beyond the projection: ") + error.what() +
                      " Choose another --frame.");
+  } catch (const NoSuchSystem& error) {
+    throw UsageError(std::string("the map reaches beyond --crs: ") + error.what() + ".");
   }
   if (draft) {
     draft->take_its_place();
@@ -315,6 +359,14 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.option("--utm", options->utm, "The zone of UTM, such as 30N; otherwise the origin's")
       .value_name("ZONE");
   command
+      .option("--crs", options->crs,
+              "Coordinates of a projected system by name, such as EPSG:25830; needs PROJ")
+      .value_name("NAME");
+  command
+      .option("--geoid", options->geoid,
+              "Heights above the sea, by a file of GeographicLib's, such as egm2008-1.pgm")
+      .value_name("FILE");
+  command
       .option("--origin", options->origin,
               "Places a map by hand: LAT,LON,ALT[,YAW] of its origin (degrees, m above the "
               "ellipsoid; its x axis counter-clockwise from east)")
@@ -328,8 +380,13 @@ void add_export_command(Command app, std::function<void(int)> done) {
   command.option("--session", options->sessions, "Of this session alone; may be repeated")
       .one_value_each()
       .value_name("ID");
-  command.option("--from", options->from, "From this stamp on (s)").value_name("S");
-  command.option("--until", options->until, "Up to this stamp (s)").value_name("S");
+  constexpr double kFarthest = 9e9;  // s, what stamps can say
+  command.option("--from", options->from, "From this stamp on (s)")
+      .from(-kFarthest, kFarthest)
+      .value_name("S");
+  command.option("--until", options->until, "Up to this stamp (s)")
+      .from(-kFarthest, kFarthest)
+      .value_name("S");
   command.flag("--without-moving", options->without_moving,
                "Without points that other sweeps saw through; LAS files have them as class 64");
   add_max_ram_option(command, options->max_ram_bytes);

@@ -30,12 +30,14 @@ struct ExportCommandOptions {
   std::optional<double> resolution{};                ///< m, one point of the cloud a voxel
   bool picture = false;
   bool dump = false;
-  uint64_t max_ram_bytes = 0;           ///< that may be resident; 0: no limit
-  std::optional<double> tiles{};        ///< m, the side of a square; output is a folder
-  std::string frame{};                  ///< map, local, utm, geodetic; empty: by the format
-  std::optional<std::string> utm{};     ///< "30N"; none: the origin's zone
-  std::optional<std::string> origin{};  ///< "LAT,LON,ALT[,YAW]": places the map by hand
-  std::string box{};                    ///< "X0,Y0,X1,Y1", m; empty: everywhere
+  uint64_t max_ram_bytes = 0;        ///< that may be resident; 0: no limit
+  std::optional<double> tiles{};     ///< m, the side of a square; output is a folder
+  std::string frame{};               ///< map, local, utm, geodetic; empty: by the format
+  std::optional<std::string> utm{};  ///< "30N"; none: the origin's zone
+  std::optional<std::string> crs{};  ///< a projected system by name: "EPSG:25830"
+  std::optional<std::filesystem::path> geoid{};  ///< heights are above it; none: the ellipsoid
+  std::optional<std::string> origin{};           ///< "LAT,LON,ALT[,YAW]": places the map by hand
+  std::string box{};                             ///< "X0,Y0,X1,Y1", m; empty: everywhere
   std::optional<std::filesystem::path> polygon{};
   std::vector<int64_t> sessions{};  ///< empty: all
   std::optional<double> from{};     ///< s, stamps

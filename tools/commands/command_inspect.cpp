@@ -261,8 +261,15 @@ void add_inspect_command(Command app, std::function<void(int)> done) {
   add_config_options(command, options->config);
   add_metadata_option(command, options->config);
   add_device_options(command, options->device);
-  command.action(
-      [options, done = std::move(done)] { done(inspect_command(*options, std::cout, std::cerr)); });
+  command.action([command, options, done = std::move(done)] {
+    const std::string other =
+        command.given_besides({"recording", "--json", "--html", "--write-config"});
+    if (!other.empty() && is_run(options->recording)) {
+      refuse_option(other, "is of recordings, and " + options->recording.string() +
+                               " is the folder of a run; leave it out");
+    }
+    done(inspect_command(*options, std::cout, std::cerr));
+  });
 }
 
 }  // namespace adit

@@ -14,6 +14,7 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/given_option.hpp"
+#include "adit/tools/commands/plain_complaint.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -53,15 +54,6 @@ std::string size_to_bytes(std::string& text) {
     // It lists every unit that it knows: the complaint below is for people.
   }
   return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
-}
-
-/// "a, b or c".
-std::string listed_words(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
-  }
-  return text;
 }
 
 constexpr char kBetweenWords = '\n';
@@ -141,28 +133,6 @@ std::vector<GivenOption> given_options(CLI::App& command) {
   return given;
 }
 
-/// What CLI11 says of a command line, in plain words.
-std::string plain_complaint(const CLI::ParseError& error) {
-  const std::string text = error.what();
-  constexpr std::string_view kConversion = "Could not convert: ";
-  const std::size_t equals = text.find(" = ");
-  if (text.starts_with(kConversion) && equals != text.npos) {
-    return text.substr(kConversion.size(), equals - kConversion.size()) + ": '" +
-           text.substr(equals + 3) + "' is not a number that it takes";
-  }
-  // "--device: 1 required DEVICE missing"
-  constexpr std::string_view kLacks = " required ";
-  constexpr std::string_view kMissing = " missing";
-  const std::size_t colon = text.find(": ");
-  const std::size_t lacks = text.find(kLacks);
-  if (colon != text.npos && lacks != text.npos && text.ends_with(kMissing)) {
-    const std::size_t name = lacks + kLacks.size();
-    return text.substr(0, colon) + " lacks its " +
-           text.substr(name, text.size() - kMissing.size() - name);
-  }
-  return text;
-}
-
 /// Help without the marks that CLI11 puts behind names.
 class PlainFormatter : public CLI::Formatter {
  public:
@@ -193,6 +163,9 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command) {
   for (const std::string& word : app.remaining(true)) {
     if (word.starts_with("--")) {
       const std::string name = word.substr(0, word.find('='));
+      if (std::ranges::count(options, name) > 0) {
+        return name + ": " + place_of_option(command.get_name());
+      }
       return "there is no option '" + name + "'. " + suggestion(name, options) + ".";
     }
     text += (text.empty() ? "not expected: " : " ") + word;
@@ -222,8 +195,8 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = name_of_chosen(app);
   const std::string unknown = unknown_words(app, *command);
-  std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error) : unknown) << "\nRun `"
-            << name << " --help` for what it takes.\n";
+  std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error.what()) : unknown)
+            << "\nRun `" << name << " --help` for what it takes.\n";
   return kUsage;
 }
 
@@ -473,7 +446,11 @@ std::optional<int> CommandLine::run(int argc, const char* const* argv,
                                     const std::function<void()>& before) const {
   app_->parse_complete_callback([&] {
     for (CLI::App* command = app_.get(); !command->get_subcommands().empty();) {
+      const std::string stray = Command(*command).given_besides({});
       command = command->get_subcommands().front();
+      if (!stray.empty()) {
+        refuse_option(stray, place_of_option(command->get_name()));
+      }
       keep_inputs(given_options(*command));
     }
     if (before) {

@@ -117,7 +117,8 @@ G2oFile graph_of_map(const std::filesystem::path& file) {
 
 /// For a map it is the convention that its information belongs to.
 ResidualConvention convention_of(const OptimizeCommandOptions& options, const Outcome& outcome) {
-  return outcome.is_map ? ResidualConvention::rotation : options.convention;
+  return outcome.is_map ? ResidualConvention::rotation
+                        : options.convention.value_or(ResidualConvention::quaternion);
 }
 
 /// Gives the graph the poses to start from. Returns which they are.
@@ -160,9 +161,36 @@ bool is_moved(const PoseGraph& before, const OptimizedGraph& optimized) {
 }
 
 /// A map without wishes about how: as the run that wrote it, and as `adit loops`.
-bool is_as_its_run(const OptimizeCommandOptions& options, const Outcome& outcome) {
-  return outcome.is_map && options.loop_kernel.kernel == Kernel::none && !options.direct &&
-         options.initial == InitialPoses::better;
+bool is_as_its_run(const OptimizeCommandOptions& options, bool map) {
+  return map && !options.loop_kernel && !options.initial && !options.direct;
+}
+
+int most_iterations(const OptimizeCommandOptions& options) {
+  return options.max_iterations.value_or(OptimizationSettings{}.max_iterations);
+}
+
+/// Throws UsageError for what would have no effect.
+void check_options(const OptimizeCommandOptions& options, bool map) {
+  std::error_code ignored;
+  if (options.output && std::filesystem::equivalent(options.input, *options.output, ignored)) {
+    throw UsageError("the graph cannot be written over itself. Name another file with -o.");
+  }
+  if (options.output && options.output->extension() == ".adit") {
+    throw UsageError("-o " + options.output->string() +
+                     ": a graph is written in g2o's format; name it *.g2o. Without -o the map gets "
+                     "the poses itself.");
+  }
+  if (options.kernel_width && options.loop_kernel.value_or(Kernel::none) == Kernel::none) {
+    throw UsageError("--kernel-width needs --loop-kernel pseudo-huber or dcs.");
+  }
+  if (map && options.convention) {
+    throw UsageError("--convention: a map has one of its own, angle; leave it out.");
+  }
+  if (options.max_iterations && is_as_its_run(options, map)) {
+    throw UsageError(
+        "--max-iterations: a map is optimised as its run does it; say how with --loop-kernel, "
+        "--initial or --direct.");
+  }
 }
 
 Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
@@ -172,21 +200,23 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   PoseGraph& graph = outcome.file.graph;
   OptimizationSettings settings;
   settings.convention = convention_of(options, outcome);
-  if (graph.planar() && options.convention == ResidualConvention::quaternion) {
+  if (graph.planar() && settings.convention == ResidualConvention::quaternion) {
     settings.convention = ResidualConvention::rotation;  // g2o's EDGE_SE2 has the whole angle
   }
-  settings.loop_kernel = options.loop_kernel;
-  settings.max_iterations = options.max_iterations;
+  settings.loop_kernel.kernel = options.loop_kernel.value_or(Kernel::none);
+  settings.loop_kernel.width = options.kernel_width.value_or(RobustLoss{}.width);
+  settings.max_iterations = most_iterations(options);
   settings.on_step = IterationProgress(err);
   outcome.file_cost = graph_cost(graph, settings);
   const PoseGraph before = graph;
-  if (is_as_its_run(options, outcome)) {
+  if (is_as_its_run(options, outcome.is_map)) {
     LoopOptimum optimum = optimize_with_loops(graph, settings.on_step);
     outcome.odometry_scale = optimum.odometry_scale;
     outcome.file_cost = optimum.report.cost_before;
     outcome.optimized = std::move(optimum);
   } else {
-    outcome.initial = begin(graph, settings, outcome, options.initial);
+    outcome.initial =
+        begin(graph, settings, outcome, options.initial.value_or(InitialPoses::better));
     outcome.optimized =
         options.direct ? optimize(graph, settings) : optimize_condensed(graph, settings);
   }
@@ -334,10 +364,7 @@ bool has_open_run(const MapDatabase& map) {
 }
 
 int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
-  std::error_code ignored;
-  if (options.output && std::filesystem::equivalent(options.input, *options.output, ignored)) {
-    throw UsageError("the graph cannot be written over itself. Name another file with -o.");
-  }
+  check_options(options, is_map(options.input));
   const StopSignal stop;
   const Outcome outcome = optimize_file(options, err);
   const Termination termination = outcome.optimized.report.termination;
@@ -372,7 +399,7 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
         << " could not be optimised: " << outcome.optimized.report.message
         << ". Try --initial chordal; nothing was written." << std::endl;
   } else if (termination == Termination::iteration_limit) {
-    err << "adit optimize: not converged after " << options.max_iterations
+    err << "adit optimize: not converged after " << most_iterations(options)
         << " iterations. Try --initial chordal, or more with --max-iterations." << std::endl;
   }
   const bool done =
@@ -425,17 +452,17 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
        {"chordal", InitialPoses::chordal}});
   command.choice<Kernel>(
       "--loop-kernel", "Robust kernel of loops: none (default), pseudo-huber, dcs",
-      options->loop_kernel.kernel,
+      options->loop_kernel,
       {{"none", Kernel::none}, {"pseudo-huber", Kernel::pseudo_huber}, {"dcs", Kernel::dcs}});
   command
-      .option("--kernel-width", options->loop_kernel.width,
+      .option("--kernel-width", options->kernel_width,
               "Where the kernel begins, in standard deviations")
       .above(0.0)
-      .show_default()
+      .show_default(fmt::format("{:g}", RobustLoss{}.width))
       .value_name("SIGMAS");
   command.option("--max-iterations", options->max_iterations, "At most this many")
       .from(1, 100'000)
-      .show_default()
+      .show_default(std::to_string(most_iterations(*options)))
       .value_name("N");
   command.flag("--direct", options->direct,
                "Large graphs too are optimised as they are, without condensing their chains");

@@ -22,11 +22,12 @@ enum class InitialPoses { better, file, tree, chordal };
 
 struct OptimizeCommandOptions {
   std::filesystem::path input{};
-  std::optional<std::filesystem::path> output{};  ///< none: nothing is written, but for a map
-  ResidualConvention convention = ResidualConvention::quaternion;
-  InitialPoses initial = InitialPoses::better;
-  RobustLoss loop_kernel{};
-  int max_iterations = 100;
+  std::optional<std::filesystem::path> output{};   ///< none: nothing is written, but for a map
+  std::optional<ResidualConvention> convention{};  ///< none: g2o's, of a map its own
+  std::optional<InitialPoses> initial{};           ///< none: `better`
+  std::optional<Kernel> loop_kernel{};             ///< none: no kernel, of a map as its run has it
+  std::optional<double> kernel_width{};            ///< standard deviations
+  std::optional<int> max_iterations{};             ///< none: OptimizationSettings' own
   bool direct = false;  ///< without condensing the chains of large graphs first
   bool json = false;
 };

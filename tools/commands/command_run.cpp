@@ -18,6 +18,7 @@
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/run_judgement.hpp"
+#include "adit/tools/commands/run_settings.hpp"
 #include "adit/tools/commands/run_view.hpp"
 #include "adit/tools/commands/wanted_run.hpp"
 #include "adit/tools/results/output_folder.hpp"
@@ -70,19 +71,6 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
   const std::size_t count = options.count ? static_cast<std::size_t>(*options.count) : rest;
   return {.topic = topic, .size = size, .range = {.first = start, .count = std::min(count, rest)}};
 }
-
-/// How the IMU was found to be mounted is the effective setting.
-Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
-  if (mounting) {
-    config.imu.T_imu_lidar = numbers_of(mounting->T_imu_lidar);
-  }
-  return config;
-}
-
-constexpr const char* kMountingIsAssumed =
-    "note: how the IMU is mounted is not told; its axes are taken for the lidar's "
-    "(imu.T_imu_lidar; "
-    "imu.use=false leaves it out)\n";
 
 RunDescription describe_run(const RunCommandOptions& options, const Config& config,
                             const Recording& recording, const SweepChoice& sweeps,
@@ -196,15 +184,19 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   const bool replaces_a_run =
       continued.has_value() || check_output_folder(options.recording, options.output);
   const Config config = load_config(options.config);
+  require_map_for_loops(config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
+  require_packets(options.config, options.recording);
   const SweepChoice sweeps = choose_sweeps(
       *recording, options, options.topic ? options.topic : config.recording.sweep_topic);
   const std::size_t most_points =
       require_clear_point_times(*recording, sweeps.topic, options.recording);
   const std::optional<std::size_t> imu = imu_topic(*recording, config);
-  // Only a map has a use for fixes.
-  const std::optional<std::size_t> gnss =
-      config.mapping.enabled ? gnss_topic(*recording, config) : std::nullopt;
+  const std::optional<std::size_t> fixes = gnss_topic(*recording, config);
+  const std::optional<std::size_t> gnss = config.mapping.enabled ? fixes : std::nullopt;
+  if (fixes && !gnss && !options.quiet) {
+    err << kFixesAreLeftOut;
+  }
   const HighRateFiles high_rate_files(options.output);
   std::vector<std::filesystem::path> others;
   if (options.high_rate.enabled) {
@@ -341,8 +333,8 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     outcome = with_timeline(std::move(outcome), timeline, *options.timeline, description);
   }
   progress.finish();
-  if (mounting && mounting->source == MountingSource::assumed && !options.quiet) {
-    err << kMountingIsAssumed;
+  if (!options.quiet) {
+    err << notes_of(config, description.config, mounting);
   }
   outcome.start_s = start_s;
   outcome.device_peak_bytes = context.memory_peak();

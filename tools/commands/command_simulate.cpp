@@ -185,22 +185,24 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       .value_name("M")
       .show_default();
   command.option("--seed", simulation.seed, "Another seed, another world and other noise")
+      .from(0.0)
       .value_name("N")
       .show_default();
   command.option("--imu", simulation.imu, "Inertial sensor")
       .value_name("NAME")
       .suggest(or_none(imu_names()))
       .show_default();
-  command.option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
-      .value_name("HZ")
-      .show_default();
+  const CommandOption imu_rate = command.option("--imu-rate", simulation.imu_rate, "Its rate (Hz)")
+                                     .value_name("HZ")
+                                     .show_default();
   command.option("--gnss", simulation.gnss, "GNSS receiver")
       .value_name("NAME")
       .suggest(or_none(gnss_names()))
       .show_default();
-  command.option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
-      .value_name("HZ")
-      .show_default();
+  const CommandOption gnss_rate =
+      command.option("--gnss-rate", simulation.gnss_rate, "Its rate (Hz)")
+          .value_name("HZ")
+          .show_default();
   command.option("--fault", simulation.faults, "Something that is wrong; may be given again")
       .one_value_each()
       .value_name("NAME")
@@ -219,8 +221,14 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
         end_parsing();
       },
       "Print a scene file with every key and stop");
-  command.action([command, options, done = std::move(done)] {
+  command.action([command, options, imu_rate, gnss_rate, done = std::move(done)] {
     options->besides_scene_file = command.given_besides({"scene", "--output", "--quiet"});
+    if (imu_rate.given() && options->simulation.imu == "none") {
+      refuse_option("--imu-rate", "there is no IMU that it is of; leave out --imu none");
+    }
+    if (gnss_rate.given() && options->simulation.gnss == "none") {
+      refuse_option("--gnss-rate", "there is no receiver that it is of; name one with --gnss");
+    }
     done(simulate_command(*options, std::cout, std::cerr));
   });
 }

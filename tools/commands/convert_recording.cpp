@@ -15,6 +15,7 @@
 #include "adit/tools/containers/rosbag2_metadata.hpp"
 #include "adit/tools/containers/rosbag2_writer.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
+#include "adit/tools/recordings/packet_messages.hpp"
 #include "adit/tools/recordings/ros_codec.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/recordings/ros_transcode.hpp"
@@ -213,6 +214,10 @@ ConvertReport convert_recording(const ConvertOptions& options) {
       all = {std::min(all.value_or(*span).begin, span->begin),
              std::max(all.value_or(*span).end, span->end)};
     }
+  }
+  if (options.metadata && (!files.empty() || !holds_packets(options.input))) {
+    throw UsageError("--metadata: it is for captures of a sensor's packets, and " +
+                     options.input.string() + " is none; leave it out.");
   }
   require_topics(options, names);
   const TimeSpan span = chosen_span(options, all);

@@ -24,19 +24,50 @@ namespace {
                    "LAT,LON,ALT[,YAW], or map a recording with GNSS.");
 }
 
+std::optional<Geoid> geoid_of(const ExportCommandOptions& options) {
+  if (!options.geoid) {
+    return std::nullopt;
+  }
+  try {
+    return Geoid(*options.geoid);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError("--geoid " + options.geoid->string() + ": it cannot be used (" + error.what() +
+                     "). Expected a file of GeographicLib's, such as egm2008-1.pgm "
+                     "(geographiclib-get-geoids fetches them).");
+  }
+}
+
+/// Formats that name a coordinate reference system by its number alone.
+bool numbers_its_system(const ExportCommandOptions& options) {
+  return options.trajectory == "gpkg" ||
+         (!options.raster.empty() && options.output->extension() != ".png");
+}
+
 ProductCoordinates coordinates_in(const ExportJob& job, ProductFrame frame) {
-  std::optional<UtmZone> zone;
-  if (job.options->utm) {
-    zone = parse_utm_zone(*job.options->utm);
-    if (!zone) {
-      throw UsageError("--utm " + *job.options->utm +
+  const ExportCommandOptions& options = *job.options;
+  ProductSystem system;
+  if (options.utm) {
+    system.zone = parse_utm_zone(*options.utm);
+    if (!system.zone) {
+      throw UsageError("--utm " + *options.utm +
                        ": expected a zone from 1 to 60 and N or S, such as 30N.");
     }
   }
   try {
-    return {*job.georeference, frame, zone};
+    if (options.crs) {
+      system.named.emplace(*options.crs);
+    }
+    system.geoid = geoid_of(options);
+    ProductCoordinates coordinates(*job.georeference, frame, system);
+    if (frame == ProductFrame::named && !coordinates.epsg() && numbers_its_system(options)) {
+      throw UsageError("--crs " + *options.crs +
+                       ": it has no EPSG number, by which GeoTIFF and GeoPackage name systems.");
+    }
+    return coordinates;
+  } catch (const NoSuchSystem& error) {
+    throw UsageError("--crs " + *options.crs + ": " + error.what() + ".");
   } catch (const std::invalid_argument& error) {
-    throw UsageError((zone ? "--utm " + *job.options->utm : std::string("the georeference")) +
+    throw UsageError((options.utm ? "--utm " + *options.utm : std::string("the georeference")) +
                      ": it does not cover the map's place (" + error.what() + ").");
   }
 }
@@ -164,10 +195,19 @@ ProductCoordinates coordinates_of(const ExportJob& job, bool states_its_coordina
     throw UsageError(
         "--frame geodetic: degrees are for --trajectory csv, geojson, kml and gpkg alone.");
   }
-  if (wanted.empty() && job.options->utm && job.georeference) {
-    return coordinates_in(job, ProductFrame::utm);
+  const ExportCommandOptions& options = *job.options;
+  if (options.crs || (wanted.empty() && options.utm)) {
+    if (!job.georeference) {
+      fail_georeference(options.crs ? "--crs " + *options.crs : "--utm " + *options.utm);
+    }
+    return coordinates_in(job, options.crs ? ProductFrame::named : ProductFrame::utm);
   }
   if (wanted == "map" || (wanted.empty() && !(job.georeference && states_its_coordinates))) {
+    if (options.origin || options.geoid) {
+      throw UsageError((options.origin ? "--origin" : "--geoid") +
+                       std::string(": what is asked for is in the map's own frame; say --frame ") +
+                       (options.geoid ? "utm or --crs, too." : "local or utm, too."));
+    }
     return {};
   }
   if (!job.georeference) {
@@ -177,13 +217,17 @@ ProductCoordinates coordinates_of(const ExportJob& job, bool states_its_coordina
 }
 
 ProductCoordinates earth_of(const ExportJob& job, const std::string& format) {
+  const ExportCommandOptions& options = *job.options;
   if (!job.georeference) {
-    fail_georeference("--trajectory " + format);
+    fail_georeference(!options.frame.empty() ? "--frame " + options.frame
+                      : options.utm          ? "--utm " + *options.utm
+                      : options.crs          ? "--crs " + *options.crs
+                                             : "--trajectory " + format);
   }
-  return coordinates_in(
-      job, job.options->frame == "utm" || (job.options->frame.empty() && job.options->utm)
-               ? ProductFrame::utm
-               : ProductFrame::local);
+  const bool utm = options.frame == "utm" || (options.frame.empty() && options.utm);
+  return coordinates_in(job, options.crs ? ProductFrame::named
+                             : utm       ? ProductFrame::utm
+                                         : ProductFrame::local);
 }
 
 CloudSelection selection_of(const ExportJob& job, const ProductCoordinates& coordinates) {

@@ -28,8 +28,10 @@ std::string export_trajectory(const ExportJob& job) {
   const MapPath path = map_path(*job.map, selection_of(job, {}));
   const auto poses = [](std::size_t count) { return fmt::format("{} poses", count); };
   if (format == "csv") {
+    const bool on_earth = job.georeference || !job.options->frame.empty() || job.options->utm ||
+                          job.options->crs || job.options->geoid;
     return poses(write_trajectory_csv(
-        job.file, path, job.georeference ? std::optional(earth_of(job, format)) : std::nullopt));
+        job.file, path, on_earth ? std::optional(earth_of(job, format)) : std::nullopt));
   }
   if (format == "geojson") {
     return poses(write_trajectory_geojson(job.file, path, *job.map, earth_of(job, format))) +
@@ -43,7 +45,7 @@ std::string export_trajectory(const ExportJob& job) {
   if (format == "gpkg") {
     const ProductCoordinates earth = earth_of(job, format);
     return poses(write_trajectory_geopackage(job.file, path, *job.map, earth)) +
-           (earth.frame() == ProductFrame::utm ? in_coordinates(earth) : ", in degrees on WGS 84");
+           (earth.epsg() ? in_coordinates(earth) : ", in degrees on WGS 84");
   }
   const ProductCoordinates coordinates = coordinates_of(job, false);
   std::vector<StampedPose> placed;

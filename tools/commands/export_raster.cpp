@@ -90,6 +90,10 @@ std::string export_grid(const ExportJob& job) {
       require_within(job);
     }
   }
+  if (grid.empty()) {
+    throw UsageError(
+        "--grid: no point is within what --session, --from and --until leave of the map.");
+  }
   const fs::path picture = fs::path(*options.output).replace_extension(".pgm");
   Draft draft(picture);
   grid.write_pgm(draft.path());

@@ -90,7 +90,24 @@ bool is_container(const fs::path& file) {
   return is_packet_capture(file) || !open_message_files(file).empty();
 }
 
+bool is_recorded(const fs::path& path) {
+  std::error_code unknown;
+  return fs::is_directory(path, unknown) ||
+         (fs::is_regular_file(path, unknown) && is_container(path));
+}
+
 }  // namespace
+
+SourceUse use_of(const fs::path& path) {
+  std::error_code unknown;
+  if (fs::is_regular_file(RunFiles(path).tum, unknown)) {
+    return {};
+  }
+  if (is_recorded(path)) {
+    return {.topic = true};
+  }
+  return {.times = !is_table(read_text_file(path)) && !read_trajectory(path).stamped};
+}
 
 Trajectory read_any_trajectory(const TrajectorySource& source) {
   std::error_code unknown;
@@ -98,8 +115,7 @@ Trajectory read_any_trajectory(const TrajectorySource& source) {
   if (fs::is_regular_file(of_run, unknown) && source.topic.empty()) {
     return read_trajectory(of_run);
   }
-  const bool file = fs::is_regular_file(source.path, unknown);
-  if (fs::is_directory(source.path, unknown) || (file && is_container(source.path))) {
+  if (is_recorded(source.path)) {
     return read_recorded(source);
   }
   const std::string text = read_text_file(source.path);

@@ -19,6 +19,15 @@ struct TrajectorySource {
   std::string topic{};  ///< NAME or NAME:FRAME, where a recording has several; empty: the only one
 };
 
+/// What of a source is looked at.
+struct SourceUse {
+  bool times = false;  ///< the trajectory has none of its own
+  bool topic = false;  ///< it is a recording
+};
+
+/// By content. Throws InputError as read_any_trajectory() does.
+SourceUse use_of(const std::filesystem::path& path);
+
 /// Reads, by content:
 /// - TUM and KITTI text;
 /// - tables with a header line: time, position and quaternion, found by their names (EuRoC's

@@ -116,6 +116,7 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
       result.motion.push_back(
           check_motion(recording, pair, [&](const Sweep& sweep) { return odometry.step(sweep); }));
     }
+    session.require_no_complaints();
   } catch (const engine::Error& error) {
     result.findings.push_back({Severity::notice, "no_device", "",
                                std::string("rotations were not compared: ") + error.what(),

@@ -78,8 +78,8 @@ void CloudRaster::write_tiff(const std::filesystem::path& file,
                                             ? "height of the highest point, m"
                                             : "mean intensity, the sensor's own scale",
                          .software = "adit " + std::string(version())};
-  if (coordinates.frame() == ProductFrame::utm) {
-    heading.epsg = epsg_of(coordinates.zone());
+  if (const std::optional<int> epsg = coordinates.epsg()) {
+    heading.epsg = *epsg;
   } else if (coordinates.frame() == ProductFrame::local) {
     const WorldFrame& world = coordinates.world();
     heading.projection = {.latitude = world.origin().latitude,

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/core.h>
 
@@ -51,6 +52,8 @@ std::string_view to_string(ProductFrame frame) {
       return "local";
     case ProductFrame::utm:
       return "utm";
+    case ProductFrame::named:
+      return "named";
   }
   return "unknown";
 }
@@ -85,17 +88,49 @@ UtmZone zone_of(const Georeference& georeference) {
 }
 
 ProductCoordinates::ProductCoordinates(const Georeference& georeference, ProductFrame frame,
-                                       std::optional<UtmZone> zone)
+                                       const ProductSystem& system)
     : frame_(frame),
       T_world_map_(georeference.T_world_map),
       world_(georeference.origin),
-      zone_(zone ? *zone : zone_of(georeference)) {
-  static_cast<void>(utm_of(georeference.origin, zone_));
+      zone_(system.zone ? *system.zone : zone_of(georeference)),
+      named_(system.named),
+      geoid_(system.geoid) {
+  if (frame_ == ProductFrame::named && !named_) {
+    throw std::logic_error("a frame by name needs its system");
+  }
+  static_cast<void>(plane_at(georeference.origin));
+  static_cast<void>(orthometric(georeference.origin));
 }
 
-Eigen::Vector2d ProductCoordinates::utm_at(const Eigen::Vector2d& p_local) const {
-  const UtmPosition utm = utm_of(world_->place_of({p_local.x(), p_local.y(), 0.0}), zone_);
+Eigen::Vector2d ProductCoordinates::plane_at(const Geodetic& place) const {
+  if (frame_ == ProductFrame::named) {
+    return named_->position_of(place);
+  }
+  const UtmPosition utm = utm_of(place, zone_);
   return {utm.easting, utm.northing};
+}
+
+Eigen::Vector3d ProductCoordinates::projected_at(const Eigen::Vector2d& p_local) const {
+  const Geodetic place = world_->place_of({p_local.x(), p_local.y(), 0.0});
+  const Eigen::Vector2d plane = plane_at(place);
+  return {plane.x(), plane.y(), geoid_ ? geoid_->height_at(place) : 0.0};
+}
+
+/// Counter-clockwise, from the local frame's axes to the grid's.
+double ProductCoordinates::turn_at(const Eigen::Vector3d& p_local) const {
+  if (frame_ == ProductFrame::utm) {
+    return utm_of(world_->place_of(p_local), zone_).convergence - world_->convergence_at(p_local);
+  }
+  constexpr double kStep = 10.0;  // m
+  const auto at = [&](double north) {
+    return plane_at(world_->place_of(p_local + Eigen::Vector3d(0.0, north, 0.0)));
+  };
+  const Eigen::Vector2d north = at(kStep) - at(-kStep);
+  return std::atan2(-north.x(), north.y());
+}
+
+std::optional<double> ProductCoordinates::orthometric(const Geodetic& place) const {
+  return geoid_ ? std::optional(geoid_->orthometric(place)) : std::nullopt;
 }
 
 const ProductCoordinates::Patch& ProductCoordinates::patch(const Square& square) const {
@@ -106,10 +141,10 @@ const ProductCoordinates::Patch& ProductCoordinates::patch(const Square& square)
   const Eigen::Vector2d middle =
       kSquare * Eigen::Vector2d(static_cast<double>(square.first) + 0.5,
                                 static_cast<double>(square.second) + 0.5);
-  Patch patch{.middle = utm_at(middle), .nodes = {}};
+  Patch patch{.middle = projected_at(middle), .nodes = {}};
   for (std::size_t i = 0; i < 9; ++i) {
     const Eigen::Vector2d step(static_cast<double>(i % 3) - 1.0, static_cast<double>(i / 3) - 1.0);
-    patch.nodes[i] = utm_at(middle + 0.5 * kSquare * step) - patch.middle;
+    patch.nodes[i] = projected_at(middle + 0.5 * kSquare * step) - patch.middle;
   }
   return patches_.emplace(square, patch).first->second;
 }
@@ -128,12 +163,13 @@ Eigen::Vector3d ProductCoordinates::from_map(const Eigen::Vector3d& p_map) const
   const Patch& here = patch(square);
   const auto x = weights(2.0 * (place.x() - static_cast<double>(square.first)) - 1.0);
   const auto y = weights(2.0 * (place.y() - static_cast<double>(square.second)) - 1.0);
-  Eigen::Vector2d utm = Eigen::Vector2d::Zero();
+  Eigen::Vector3d projected = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 9; ++i) {
-    utm += x[i % 3] * y[i / 3] * here.nodes[i];
+    projected += x[i % 3] * y[i / 3] * here.nodes[i];
   }
-  utm += here.middle;
-  return Eigen::Vector3d(utm.x(), utm.y(), p.z() + world_->origin().altitude) - begin_;
+  projected += here.middle;
+  const double height = p.z() + world_->origin().altitude - projected.z();
+  return Eigen::Vector3d(projected.x(), projected.y(), height) - begin_;
 }
 
 Eigen::Isometry3d ProductCoordinates::from_map(const Eigen::Isometry3d& T_map_child) const {
@@ -141,12 +177,10 @@ Eigen::Isometry3d ProductCoordinates::from_map(const Eigen::Isometry3d& T_map_ch
     return Eigen::Translation3d(-begin_) * T_map_child;
   }
   Eigen::Isometry3d pose = T_world_map_ * T_map_child;
-  if (frame_ == ProductFrame::utm) {
-    const Eigen::Vector3d p_local = pose.translation();
-    const UtmPosition utm = utm_of(world_->place_of(p_local), zone_);
-    const double turn = utm.convergence - world_->convergence_at(p_local);
-    pose.linear() =
-        Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix() * pose.linear();
+  if (is_projected()) {
+    pose.linear() = Eigen::AngleAxisd(turn_at(pose.translation()), Eigen::Vector3d::UnitZ())
+                        .toRotationMatrix() *
+                    pose.linear();
   }
   pose.translation() = from_map(Eigen::Vector3d(T_map_child.translation()));
   return pose;
@@ -163,8 +197,8 @@ Eigen::Vector3d ProductCoordinates::from_geodetic(const Geodetic& place) const {
   if (frame_ == ProductFrame::local) {
     return world_.value().position_of(place);
   }
-  const UtmPosition utm = utm_of(place, zone_);
-  return {utm.easting, utm.northing, place.altitude};
+  const Eigen::Vector2d plane = plane_at(place);
+  return {plane.x(), plane.y(), orthometric(place).value_or(place.altitude)};
 }
 
 ProductCoordinates ProductCoordinates::counted_from(const Eigen::Vector3d& place) const {
@@ -174,7 +208,7 @@ ProductCoordinates ProductCoordinates::counted_from(const Eigen::Vector3d& place
 }
 
 Eigen::Vector3d ProductCoordinates::origin() const {
-  return frame_ == ProductFrame::utm ? from_geodetic(world_->origin()) : Eigen::Vector3d::Zero();
+  return is_projected() ? from_geodetic(world_->origin()) : Eigen::Vector3d::Zero();
 }
 
 Eigen::Vector3d ProductCoordinates::offset() const {
@@ -196,21 +230,39 @@ std::string ProductCoordinates::name() const {
                          origin.longitude, origin.altitude);
     }
     case ProductFrame::utm:
-      return "WGS 84 / UTM zone " + to_string(zone_) + ", heights above the ellipsoid";
+    case ProductFrame::named:
+      return plane_name() + (geoid_ ? ", heights above the geoid " + geoid_->name()
+                                    : ", heights above the ellipsoid");
   }
   return {};
 }
 
+std::optional<int> ProductCoordinates::epsg() const {
+  return frame_ == ProductFrame::utm     ? std::optional(epsg_of(zone_))
+         : frame_ == ProductFrame::named ? named_->epsg()
+                                         : std::nullopt;
+}
+
+std::string ProductCoordinates::plane_name() const {
+  return frame_ == ProductFrame::utm     ? "WGS 84 / UTM zone " + to_string(zone_)
+         : frame_ == ProductFrame::named ? named_->name()
+         : frame_ == ProductFrame::local ? "WGS 84 / local transverse Mercator"
+                                         : std::string();
+}
+
 std::string ProductCoordinates::plane_wkt() const {
+  if (frame_ == ProductFrame::named) {
+    return named_->wkt();
+  }
   if (frame_ == ProductFrame::utm) {
-    return projected("WGS 84 / UTM zone " + to_string(zone_), 0.0, 6.0 * zone_.zone - 183.0, 0.9996,
-                     500000.0, zone_.north ? 0.0 : 10000000.0,
+    return projected(plane_name(), 0.0, 6.0 * zone_.zone - 183.0, 0.9996, 500000.0,
+                     zone_.north ? 0.0 : 10000000.0,
                      fmt::format(R"(,AUTHORITY["EPSG","{}"])", epsg_of(zone_)));
   }
   if (frame_ == ProductFrame::local) {
     const Geodetic& origin = world_->origin();
-    return projected("WGS 84 / local transverse Mercator", origin.latitude, origin.longitude,
-                     world_->scale(), 0.0, 0.0, "");
+    return projected(plane_name(), origin.latitude, origin.longitude, world_->scale(), 0.0, 0.0,
+                     "");
   }
   return {};
 }
@@ -219,16 +271,25 @@ std::string ProductCoordinates::wkt() const {
   if (frame_ == ProductFrame::map) {
     return {};
   }
-  // 2002: heights above the ellipsoid; 2000: of another kind.
-  const bool utm = frame_ == ProductFrame::utm;
+  // 2005: heights above a geoid; 2002: above the ellipsoid; 2000: of another kind.
+  const bool local = frame_ == ProductFrame::local;
   const std::string heights =
-      utm ? std::string("Ellipsoidal height")
-          : fmt::format("Ellipsoidal height less {} m", shortest(world_->origin().altitude));
-  return fmt::format(
-      R"(COMPD_CS["{} + {}",{},VERT_CS["{}",VERT_DATUM["{}",{}],{},AXIS["Up",UP]]])",
-      utm ? "WGS 84 / UTM zone " + to_string(zone_) : "WGS 84 / local transverse Mercator",
-      utm ? "ellipsoidal height" : "height above the origin", plane_wkt(), heights,
-      utm ? "Ellipsoid" : "Origin of the map", utm ? 2002 : 2000, kMetre);
+      local    ? fmt::format("Ellipsoidal height less {} m", shortest(world_->origin().altitude))
+      : geoid_ ? "Height above the geoid " + geoid_->name()
+               : std::string("Ellipsoidal height");
+  const std::string datum = local    ? "Origin of the map"
+                            : geoid_ ? geoid_->name() + " geoid"
+                                     : std::string("Ellipsoid");
+  return fmt::format(R"(COMPD_CS["{} + {}",{},VERT_CS["{}",VERT_DATUM["{}",{}],{},AXIS["Up",UP]]])",
+                     plane_name(),
+                     local    ? "height above the origin"
+                     : geoid_ ? "height above the geoid " + geoid_->name()
+                              : std::string("ellipsoidal height"),
+                     plane_wkt(), heights, datum,
+                     local    ? 2000
+                     : geoid_ ? 2005
+                              : 2002,
+                     kMetre);
 }
 
 }  // namespace adit

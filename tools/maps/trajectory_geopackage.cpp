@@ -54,7 +54,7 @@ class GeoPackage {
   GeoPackage(const std::filesystem::path& file, const ProductCoordinates& earth)
       : database_(file, SqliteDatabase::Mode::create),
         earth_(&earth),
-        reference_system_(earth.frame() == ProductFrame::utm ? epsg_of(earth.zone()) : kGeodetic) {
+        reference_system_(earth.epsg().value_or(kGeodetic)) {
     // In a journal of its own the file would be written twice; it takes its place once it is whole.
     database_.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
     database_.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
@@ -81,19 +81,19 @@ class GeoPackage {
     add_system("Undefined geographic", 0, "NONE", 0, "undefined");
     add_system("WGS 84", kGeodetic, "EPSG", kGeodetic, geographic_wkt());
     if (reference_system_ != kGeodetic) {
-      add_system("WGS 84 / UTM zone " + to_string(earth.zone()), reference_system_, "EPSG",
-                 reference_system_, earth.plane_wkt());
+      add_system(earth.plane_name(), reference_system_, "EPSG", reference_system_,
+                 earth.plane_wkt());
     }
   }
 
   const SqliteDatabase& database() const { return database_; }
 
   Eigen::Vector3d place(const Eigen::Vector3d& p_map) const {
-    const PlaceOnEarth on_earth = earth_->place(p_map);
-    const Geodetic& geodetic = on_earth.geodetic;
-    return reference_system_ == kGeodetic
-               ? Eigen::Vector3d(geodetic.longitude, geodetic.latitude, geodetic.altitude)
-               : Eigen::Vector3d(on_earth.utm.easting, on_earth.utm.northing, geodetic.altitude);
+    if (reference_system_ != kGeodetic) {
+      return earth_->from_map(p_map);
+    }
+    const Geodetic geodetic = earth_->place(p_map).geodetic;
+    return {geodetic.longitude, geodetic.latitude, geodetic.altitude};
   }
   std::string point(const Eigen::Vector3d& place) const {
     return geometry(reference_system_, kPointZ, {&place, 1});

@@ -138,8 +138,11 @@ std::size_t write_trajectory_csv(const std::filesystem::path& file, const MapPat
   OutputFile output(file);
   output.write("session,keyframe,stamp,x,y,z,qx,qy,qz,qw,merged");
   output.write(earth ? ",local_x_m,local_y_m,local_z_m,latitude_deg,longitude_deg,altitude_m,"
-                       "utm_zone,easting_m,northing_m,convergence_deg,scale\n"
-                     : "\n");
+                       "utm_zone,easting_m,northing_m,convergence_deg,scale"
+                     : "");
+  const bool named = earth && earth->frame() == ProductFrame::named;
+  output.write(named ? ",crs_east_m,crs_north_m" : "");
+  output.write(earth && earth->has_geoid() ? ",orthometric_m\n" : "\n");
   for (const MapSweep& sweep : path.sweeps) {
     std::string line = std::to_string(sweep.session) + "," + std::to_string(sweep.keyframe) + ",";
     append_stamp(line, sweep.stamp);
@@ -156,6 +159,13 @@ std::size_t write_trajectory_csv(const std::filesystem::path& file, const MapPat
           place.geodetic.longitude, place.geodetic.altitude, to_string(earth->zone()),
           place.utm.easting, place.utm.northing, place.utm.convergence * kDegreesPerRadian,
           place.utm.scale);
+      if (named) {
+        const Eigen::Vector3d p = earth->from_map(Eigen::Vector3d(sweep.T_map_lidar.translation()));
+        line += fmt::format(",{:.4f},{:.4f}", p.x(), p.y());
+      }
+      if (const std::optional<double> height = earth->orthometric(place.geodetic)) {
+        line += fmt::format(",{:.4f}", *height);
+      }
     }
     output.write(line + "\n");
   }
@@ -213,14 +223,16 @@ std::size_t write_trajectory_kml(const std::filesystem::path& file, const MapPat
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
       "xmlns:gx=\"http://www.google.com/kml/ext/2.2\">\n<Document>\n<name>" +
-      xml_text(name) +
-      "</name>\n<description>Heights are above the WGS 84 ellipsoid, where KML means the "
-      "sea.</description>\n");
+      xml_text(name) + "</name>\n<description>" +
+      (earth.has_geoid() ? "Heights are above the sea, by a geoid."
+                         : "Heights are above the WGS 84 ellipsoid, where KML means the sea.") +
+      std::string("</description>\n"));
   for (const std::vector<std::size_t>& line : lines_of(path, places)) {
     std::string when;
     std::string where;
     for (const std::size_t i : line) {
-      const Geodetic& place = places[i].geodetic;
+      Geodetic place = places[i].geodetic;
+      place.altitude = earth.orthometric(place).value_or(place.altitude);
       if (timed) {
         when += "<when>" + iso_time(path.sweeps[i].stamp) + "</when>\n";
         where += fmt::format("<gx:coord>{:.10f} {:.10f} {:.4f}</gx:coord>\n", place.longitude,

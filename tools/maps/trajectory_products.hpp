@@ -37,7 +37,8 @@ MapPath map_path(const MapDatabase& map, const CloudSelection& selection);
 /// Each writes the file and returns the number of poses. Throw OutputError.
 ///
 /// CSV: a line a sweep with its pose in the map's frame, and where the map is georeferenced the
-/// place in the local frame, geodetic and in UTM.
+/// place in the local frame, geodetic and in UTM, and in a named system and above a geoid where
+/// there are these.
 std::size_t write_trajectory_csv(const std::filesystem::path& file, const MapPath& path,
                                  const std::optional<ProductCoordinates>& earth);
 /// GeoJSON (RFC 7946): a LineString a part, and a Point a keyframe.
@@ -46,8 +47,8 @@ std::size_t write_trajectory_geojson(const std::filesystem::path& file, const Ma
 /// KML: a gx:Track a part where stamps are UNIX times, else a LineString.
 std::size_t write_trajectory_kml(const std::filesystem::path& file, const MapPath& path,
                                  const std::string& name, const ProductCoordinates& earth);
-/// GeoPackage 1.3: layers `keyframes`, `trajectory` and `edges`, in UTM where the coordinates are,
-/// else geodetic (EPSG:4326); heights above the ellipsoid.
+/// GeoPackage 1.3: layers `keyframes`, `trajectory` and `edges`, in UTM or a named system where the
+/// coordinates are, else geodetic (EPSG:4326, heights above the ellipsoid).
 std::size_t write_trajectory_geopackage(const std::filesystem::path& file, const MapPath& path,
                                         const MapDatabase& map, const ProductCoordinates& earth);
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "adit/tools/packets/packet_capture.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
 #include "adit/tools/recordings/ros_visit.hpp"
 
 namespace adit {
@@ -50,6 +52,12 @@ std::string told_metadata(const MessageFile& file) {
 bool is_packet_channel(const Channel& channel) {
   return channel.encoding != Encoding::other && channel.type.starts_with("ouster") &&
          channel.type.ends_with("/PacketMsg");
+}
+
+bool holds_packets(const fs::path& recording) {
+  std::error_code ignored;
+  return (fs::is_regular_file(recording, ignored) && is_packet_capture(recording)) ||
+         has_packets(open_message_files(recording));
 }
 
 bool is_imu_packet_channel(const Channel& channel) {

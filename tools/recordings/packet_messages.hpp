@@ -17,6 +17,10 @@ namespace adit {
 /// True for a channel of such packets, whatever sensor's.
 bool is_packet_channel(const Channel& channel);
 
+/// True for a recording that has such packets in messages, or is a capture of a sensor's packets.
+/// Throws InputError where it cannot be opened.
+bool holds_packets(const std::filesystem::path& recording);
+
 /// True where those are readings of the IMU, by the topic's name.
 bool is_imu_packet_channel(const Channel& channel);
 

@@ -277,6 +277,17 @@ std::string apply_override(Config& config, const std::string& text) {
   return section + "." + key;
 }
 
+/// Older versions kept densities that only a custom sensor has, though another one was named.
+void forget_unused(ImuConfig& imu) {
+  if (imu.sensor != "custom") {
+    const ImuConfig usual;
+    imu.gyro_noise = usual.gyro_noise;
+    imu.accel_noise = usual.accel_noise;
+    imu.gyro_walk = usual.gyro_walk;
+    imu.accel_walk = usual.accel_walk;
+  }
+}
+
 }  // namespace
 
 std::string describe(const ConfigSource& source) {
@@ -293,9 +304,24 @@ std::string describe(const ConfigSource& source) {
   return text;
 }
 
+std::vector<std::string> changed_settings(const Config& config) {
+  std::vector<std::string> changed;
+  const nlohmann::ordered_json defaults = to_json(Config{});
+  const nlohmann::ordered_json settings = to_json(config);
+  for (const auto& [section, keys] : settings.items()) {
+    for (const auto& [key, value] : keys.items()) {
+      if (value != defaults[section][key]) {
+        changed.push_back(section + "." + key + "=" + value.dump());
+      }
+    }
+  }
+  return changed;
+}
+
 Config parse_config(const std::string& toml, const fs::path& origin) {
   Config config;
   apply_text(config, toml, origin);
+  forget_unused(config.imu);
   if (const auto problem = validate(config)) {
     throw InputError(origin, {}, problem->field + " " + problem->message,
                      "`adit config` prints every setting with its unit and default");

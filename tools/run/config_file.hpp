@@ -39,6 +39,9 @@ Config load_config(const ConfigSource& source);
 /// Where its settings come from, in the order in which one takes the place of another, for people.
 std::string describe(const ConfigSource& source);
 
+/// "section.key=value" of every setting that is none of the defaults, in the order of the file.
+std::vector<std::string> changed_settings(const Config& config);
+
 /// What to_toml() wrote; `origin` is for messages. Throws InputError as load_config() does.
 Config parse_config(const std::string& toml, const std::filesystem::path& origin);
 

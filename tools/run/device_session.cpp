@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/engine/error.hpp"
@@ -153,6 +154,14 @@ DeviceSession::~DeviceSession() {
     }
   } catch (const std::exception&) {
     // Then the next run compiles again.
+  }
+}
+
+void DeviceSession::require_no_complaints() const {
+  const std::vector<std::string> complaints = context_->validation_messages();
+  if (!complaints.empty()) {
+    throw std::runtime_error(
+        fmt::format("validation: {}", fmt::join(complaints, "\nvalidation: ")));
   }
 }
 

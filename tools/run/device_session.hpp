@@ -58,6 +58,10 @@ class DeviceSession {
 
   engine::Context& context() { return *context_; }
 
+  /// Throws std::runtime_error with what --validation has complained of: that is a failure,
+  /// whatever has come of the work.
+  void require_no_complaints() const;
+
  private:
   std::optional<engine::Context> own_;
   std::size_t kept_bytes_ = 0;

@@ -15,7 +15,9 @@ VerifyLoop loop_verifier(const DeviceOptions& device) {
         keyframe ? map.session(keyframe->session) : std::nullopt;
     const Config config = session ? parse_config(session->configuration, map.file()) : Config{};
     DeviceSession opened(device);
-    return verify_by_hand(opened.context(), config, map, loop);
+    auto verified = verify_by_hand(opened.context(), config, map, loop);
+    opened.require_no_complaints();
+    return verified;
   };
 }
 

@@ -37,6 +37,14 @@ constexpr std::array<std::pair<std::string_view, Fault>, 16> kFaults{
      {"many-spikes", Fault::many_spikes},
      {"gaps", Fault::gaps}}};
 
+/// Those of the IMU's messages alone.
+constexpr std::array kOfImu{Fault::clock_offset, Fault::clock_drift,  Fault::reordering,
+                            Fault::wrong_units,  Fault::swapped_axes, Fault::shock,
+                            Fault::rare_spikes,  Fault::spikes,       Fault::many_spikes,
+                            Fault::gaps};
+constexpr std::array kSpikes{Fault::rare_spikes, Fault::spikes, Fault::many_spikes};
+
+constexpr double kFirstBlow = 3.0;  // s
 constexpr double kOneIn50 = 0.02;
 
 /// Each purpose of a topic's messages has its own numbers.
@@ -89,11 +97,10 @@ Ringing ringing_after(double time) {
 /// A blow every few seconds, from another side each. The mount gives by less than 2 mm and 4 mrad:
 /// truth and ranges leave that out.
 void hit(ImuSample& sample, const CounterRandom& random) {
-  constexpr double kFirst = 3.0;    // s
   constexpr double kEvery = 4.0;    // s
   constexpr double kPush = 0.0029;  // m, of x = 1
   constexpr double kTurn = 0.0074;  // rad
-  const double time = 1e-9 * static_cast<double>(sample.stamp.count()) - kFirst;
+  const double time = 1e-9 * static_cast<double>(sample.stamp.count()) - kFirstBlow;
   if (time < 0.0) {
     return;
   }
@@ -150,6 +157,26 @@ Fault fault_named(std::string_view name) {
   }
   throw UsageError("there is no fault '" + std::string(name) + "'. " +
                    suggestion(std::string(name), fault_names()) + ".");
+}
+
+void require_seen(const std::vector<std::string>& names, double duration, bool imu) {
+  std::string spikes;
+  for (const std::string& name : names) {
+    const Fault fault = fault_named(name);
+    if (!imu && std::ranges::count(kOfImu, fault) > 0) {
+      throw UsageError("--fault " + name + " is one of the IMU, and there is none.");
+    }
+    if (fault == Fault::shock && duration <= kFirstBlow) {
+      throw UsageError(
+          "--fault shock: the first blow comes after 3 s. Choose a longer --duration.");
+    }
+    if (std::ranges::count(kSpikes, fault) > 0) {
+      if (!spikes.empty()) {
+        throw UsageError("--fault " + name + " and " + spikes + " exclude each other.");
+      }
+      spikes = name;
+    }
+  }
 }
 
 FaultMaker::FaultMaker(std::vector<Fault> faults, double duration, uint64_t seed)

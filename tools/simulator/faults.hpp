@@ -40,6 +40,10 @@ std::vector<std::string> fault_names();
 /// clock-offset, clock-drift, ... as above. Throws UsageError for other names, with the nearest.
 Fault fault_named(std::string_view name);
 
+/// Throws UsageError where a fault would not be seen in a recording of `duration` (s), with or
+/// without an IMU, or where another one hides it.
+void require_seen(const std::vector<std::string>& names, double duration, bool imu);
+
 /// Applies faults to what a simulation is about to write.
 class FaultMaker {
  public:

@@ -171,7 +171,12 @@ void read_trajectory_keys(const Reader& reader, const toml::table& table,
 void read_lidars(const Reader& reader, const toml::node& node, SimulationOptions& options) {
   options.lidars.clear();
   for (const toml::node& lidar : reader.list(node)) {
-    options.lidars.push_back(read_lidar(reader, reader.table(lidar)));
+    const LidarOptions read = read_lidar(reader, reader.table(lidar));
+    if (std::ranges::count(options.lidars, read.topic, &LidarOptions::topic) > 0) {
+      reader.refuse(lidar.source().begin, "another range sensor is on " + read.topic,
+                    "Give it a topic of its own");
+    }
+    options.lidars.push_back(read);
   }
 }
 
@@ -188,6 +193,10 @@ void read_imu(const Reader& reader, const toml::table& table, SimulationOptions&
 }
 
 void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions& options) {
+  if (!table.empty() && !table.contains("receiver")) {
+    reader.refuse(table.begin()->first.source().begin, "there is no receiver that it is of",
+                  "Name one: receiver = \"" + gnss_names().front() + "\"");
+  }
   reader.read(
       table,
       {{"receiver",
@@ -223,7 +232,13 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
           require_scene(options.scene);
         }},
        {"seed",
-        [&](const auto& node) { options.seed = static_cast<uint64_t>(reader.whole_number(node)); }},
+        [&](const auto& node) {
+          const int seed = reader.whole_number(node);
+          if (seed < 0) {
+            reader.refuse(node.source().begin, "a seed is not negative", "Write 0 or more");
+          }
+          options.seed = static_cast<uint64_t>(seed);
+        }},
        {"duration", [&](const auto& node) { options.duration = reader.number(node); }},
        {"faults",
         [&](const auto& node) {

@@ -33,6 +33,7 @@ void check(const SimulationOptions& options) {
     throw UsageError("--gnss-rate: is " + std::to_string(options.gnss_rate) +
                      " Hz; must be a divisor of 1e9 from 1 to 20, such as 1, 5, 10.");
   }
+  require_seen(options.faults, options.duration, options.imu != "none");
   if (options.speed && !(*options.speed > 0.0 && *options.speed <= 50.0)) {
     throw UsageError("--speed: must be more than 0 and at most 50 m/s.");
   }

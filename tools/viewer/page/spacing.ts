@@ -9,7 +9,8 @@ import { POINT, type TilePoints } from './protocol';
 const MOST_CELLS = 32;      // of a tile's edge
 const FEWEST_CELLS = 4;
 const IN_CELL = 12;         // points, on a surface that goes through the whole tile
-const LEAST = 4;            // points of a cell that tell how far apart they are; fewer are no surface
+const LEAST = 4;            // points of a cell that tell how far apart they are; fewer are no surface,
+const SPARSE = 0.4;         // m, nor are points so far apart
 const STEPS = 65536;        // of a place, in the edge of its tile
 
 /** A distance as a byte, as the shader has it back: 2^(code / 16 - 10) m, from a millimetre on. */
@@ -29,7 +30,10 @@ export class Spacing {
     const side = this.side = Math.max(FEWEST_CELLS, Math.min(MOST_CELLS, Math.round(Math.sqrt(places.length / 3 / IN_CELL))));
     const numbers = new Uint32Array(side ** 3);
     for (let i = 0; i < places.length; i += 3) ++numbers[this.cell(places[i], places[i + 1], places[i + 2])];
-    this.cells = Uint8Array.from(numbers, (number) => (number < LEAST ? 0 : codeOf(edge / side / Math.sqrt(number))));
+    this.cells = Uint8Array.from(numbers, (number) => {
+      const apart = edge / side / Math.sqrt(number);
+      return number < LEAST || apart > SPARSE ? 0 : codeOf(apart);
+    });
     this.codes = Uint8Array.from({ length: tile.count },
         (_, i) => this.cells[this.cell(places[3 * i], places[3 * i + 1], places[3 * i + 2])]);
     const known = this.codes.filter((code) => code > 0).sort();

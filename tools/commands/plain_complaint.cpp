@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/plain_complaint.hpp"
+
+#include <string_view>
+
+namespace adit {
+
+std::string listed_words(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  }
+  return text;
+}
+
+std::string plain_complaint(const std::string& text) {
+  constexpr std::string_view kConversion = "Could not convert: ";
+  const std::size_t equals = text.find(" = ");
+  if (text.starts_with(kConversion) && equals != text.npos) {
+    return text.substr(kConversion.size(), equals - kConversion.size()) + ": '" +
+           text.substr(equals + 3) + "' is not a number that it takes";
+  }
+  // "--device: 1 required DEVICE missing"
+  constexpr std::string_view kLacks = " required ";
+  constexpr std::string_view kMissing = " missing";
+  const std::size_t colon = text.find(": ");
+  const std::size_t lacks = text.find(kLacks);
+  if (colon != text.npos && lacks != text.npos && text.ends_with(kMissing)) {
+    const std::size_t name = lacks + kLacks.size();
+    return text.substr(0, colon) + " lacks its " +
+           text.substr(name, text.size() - kMissing.size() - name);
+  }
+  return text;
+}
+
+std::string place_of_option(const std::string& command) {
+  return "stands before " + command + ", which does not take it from there; write it behind";
+}
+
+}  // namespace adit
