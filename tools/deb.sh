@@ -85,6 +85,7 @@ Architecture: $architecture
 Maintainer: $maintainer
 Installed-Size: $(du -ks --apparent-size "$stage/usr" | cut -f 1)
 Depends: $depends, libvulkan1, mesa-vulkan-drivers | vulkan-icd
+Suggests: libproj25
 Section: science
 Priority: optional
 Description: LiDAR recordings to trajectories and maps, on any GPU or none
