@@ -5,7 +5,10 @@
 
 Usage: pair_peers.py ADIT FOLDER [--turns 5] [--threads 2] [--pairs 64]. FOLDER has velodyne/*.bin (KITTI).
 
-- down-sampling: the first sweep to 0.25 m. adit: case `downsample` of `adit bench`, upload and read-back included.
+- down-sampling: the first sweep to 0.25 m. adit: case `downsample` of `adit bench` by the device's clock, which also
+  sums up what surfaces are estimated from.
+- preparing: the same with surfaces, small_gicp's covariances of 10 neighbours. adit: case `preprocess` on the host's
+  clock, upload and read-back included.
 - pair to pose: the first two sweeps as they are to their relative pose, by VGICP with voxels of 1 m. adit: case
   `pipeline/vgicp`. small_gicp: `align` with down-sampling to 0.25 m and covariances of 10 neighbours.
 - a batch: poses of pairs of clouds that are ready, with surfaces and voxels of 1 m, guesses some 0.3 m and 2 degrees
@@ -54,15 +57,16 @@ def adit_ms(program, files, threads, pairs):
             header = ("ply\nformat binary_little_endian 1.0\n" + f"element vertex {len(points)}\n" +
                       "".join(f"property float {name}\n" for name in ("x", "y", "z", "intensity")) + "end_header\n")
             pathlib.Path(clouds[-1]).write_bytes(header.encode() + points.tobytes())
-        for words in (["downsample", "pipeline/vgicp", "--input", *clouds], ["batch/vgicp", "--batches", str(pairs)]):
+        for words in (["downsample", "preprocess", "pipeline/vgicp", "--input", *clouds], ["batch/vgicp", "--batches", str(pairs)]):
             file = folder + "/bench.json"
             command = [program, "bench", *words, "--no-peers", "--json", file]
             result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
             if result.returncode != 0:
                 raise RuntimeError(f"{' '.join(command)}: {result.stdout}{result.stderr}")
             for row in json.loads(pathlib.Path(file).read_text())["rows"]:
-                found[row["name"]] = row["host_ms"]["median"]
-    return {"down-sampling": found["downsample"], "pair to pose": found["pipeline/vgicp"],
+                clock = "device_ms" if row["name"] == "downsample" else "host_ms"
+                found[row["name"]] = row[clock]["median"]
+    return {"down-sampling": found["downsample"], "preparing": found["preprocess"], "pair to pose": found["pipeline/vgicp"],
             "a pair of a batch": found["batch/vgicp"] / pairs}
 
 
@@ -91,6 +95,8 @@ def small_gicp_ms(files, threads, pairs):
 
     return {
         "down-sampling": ms_of(lambda: small_gicp.voxelgrid_sampling(sweeps[0], 0.25, num_threads=threads), 30),
+        "preparing": ms_of(lambda: small_gicp.preprocess_points(sweeps[0], 0.25, num_neighbors=10, num_threads=threads),
+                           20),
         "pair to pose": ms_of(lambda: small_gicp.align(sweeps[0], sweeps[1], registration_type=METHOD,
                                                        voxel_resolution=1.0, downsampling_resolution=0.25,
                                                        num_threads=threads), 20),
