@@ -151,7 +151,6 @@ void offer_wrong_pairs(engine::Context& context, const Options& options) {
   const std::vector<Offer> offers = wrong_pairs(context, map, places, options);
   std::map<std::string, std::size_t> counted;
   std::vector<LoopHypothesis> wrong;
-  std::size_t right = 0;
   for (const Offer& offer : offers) {
     const LoopVerification found = verify_by_hand(
         context, config, map, {.from = offer.from, .to = offer.to, .guess = offer.T_from_to});
@@ -166,7 +165,6 @@ void offer_wrong_pairs(engine::Context& context, const Options& options) {
                   found.overlap, found.rms, found.through,
                   std::string(to_string(found.reason)).c_str(), error.metres);
     }
-    right += validated && error.right ? 1U : 0U;
     if (validated && !error.right) {
       wrong.push_back({.id = static_cast<int64_t>(wrong.size()) + 1,
                        .from = offer.from,

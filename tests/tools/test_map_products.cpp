@@ -226,6 +226,7 @@ TEST_F(MapProducts, AreInANamedSystem) {
   refuses({.trajectory = "kml", .crs = "EPSG:25830", .origin = kOrigin}, "geodetic");
   refuses({.cloud = "las", .geoid = folder_ / "none.pgm", .origin = kOrigin}, "geoid");
   refuses({.cloud = "ply", .frame = "local", .geoid = map_, .origin = kOrigin}, "exclude");
+  refuses({.trajectory = "gpkg", .geoid = map_, .origin = kOrigin}, "above the ellipsoid");
 }
 
 TEST_F(MapProducts, AgreeToAMillimetre) {

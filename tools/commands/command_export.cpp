@@ -40,6 +40,12 @@ void check_heights(const ExportCommandOptions& options) {
   if (options.geoid && options.trajectory == "geojson") {
     throw UsageError("--geoid: heights of GeoJSON are above the ellipsoid (RFC 7946).");
   }
+  if (options.geoid && options.trajectory == "gpkg" && options.frame != "utm" && !options.utm &&
+      !options.crs) {
+    throw UsageError(
+        "--geoid: --trajectory gpkg in degrees has heights above the ellipsoid; say "
+        "--frame utm or --crs, too.");
+  }
   if (options.geoid && !options.frame.empty() && options.frame != "utm" &&
       options.frame != "geodetic") {
     throw UsageError("--geoid and --frame " + options.frame +

@@ -88,8 +88,8 @@ void TileFolder::close(const ProductCoordinates& coordinates,
         fmt::format("x_resolution: {:.1f}\ny_resolution: {:.1f}\n", size_, size_) + metadata_);
   }
   std::string projector = "projector_type: Local\n";
-  // Autoware knows no other zone than the origin's own.
-  if (coordinates.frame() == ProductFrame::utm && georeference &&
+  // Autoware knows no other zone than the origin's own, and no other heights.
+  if (coordinates.frame() == ProductFrame::utm && georeference && !coordinates.has_geoid() &&
       to_string(coordinates.zone()) == to_string(zone_of(*georeference))) {
     const Geodetic& origin = georeference->origin;
     projector = fmt::format(

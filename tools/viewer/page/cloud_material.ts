@@ -99,17 +99,17 @@ const FRAGMENT = `
 precision highp float;
 in vec3 shade;
 flat in float pixels;
-uniform bool toDome;
+uniform bool sizeAsAlpha;
 out vec4 drawn;
 void main() {
   if (pixels > ${DISC} && length(gl_PointCoord - 0.5) > 0.5) discard;
-  drawn = vec4(shade, toDome ? pixels / 255.0 : 1.0);
+  drawn = vec4(shade, sizeAsAlpha ? pixels / 255.0 : 1.0);
 }`;
 
 const FAR = 1e9;
 
 /** Of all clouds: eye-dome lighting comes after, and is told how large points are, in pixels, by 255 as alpha. */
-export const toDome = { value: false };
+export const sizeAsAlpha = { value: false };
 
 /** Turned by `turn` about its vertical axis, rad; m. */
 export interface Box { middle: Vector3; half: Vector3; turn: number; }
@@ -121,7 +121,7 @@ export class CloudMaterial {
       corrections: { value: noCorrections() }, corrected: { value: false }, keyframeScale: { value: 1 },
       sessions: { value: indices(new Uint8Array(1)) }, ramp: { value: rampTexture() }, colourBy: { value: 0 }, heights: { value: new Vector2(0, 1) },
       series: { value: SERIES.map((hex) => { const c = colour(hex); return new Vector3(c.r, c.g, c.b); }) },
-      size: { value: 2 }, closeSize: { value: 0 }, gapSize: { value: 0 }, toDome, mostSize: { value: 24 },
+      size: { value: 2 }, closeSize: { value: 0 }, gapSize: { value: 0 }, sizeAsAlpha, mostSize: { value: 24 },
       boxMiddle: { value: new Vector3() }, boxHalf: { value: new Vector3().setScalar(FAR) }, boxTurn: { value: new Vector2(1, 0) },
       until: { value: 65536 }, hideMoving: { value: false }, only: { value: -1 }, other: { value: -1 },
       values: { value: indices(new Uint8Array(1)) },

@@ -5,7 +5,7 @@
 // and surfaces without normals.
 import { DepthTexture, FloatType, GLSL3, Mesh, NearestFilter, OrthographicCamera, PlaneGeometry, RawShaderMaterial, Scene,
   Vector2, WebGLRenderTarget, type PerspectiveCamera, type WebGLRenderer } from 'three';
-import { toDome } from './cloud_material';
+import { sizeAsAlpha } from './cloud_material';
 import { colour } from './palette';
 
 const VERTEX = `
@@ -74,9 +74,9 @@ export class EyeDome {
     if (this.target.width !== size.x || this.target.height !== size.y) this.target.setSize(size.x, size.y);
     renderer.setRenderTarget(this.target);
     renderer.clear();
-    toDome.value = true;
+    sizeAsAlpha.value = true;
     renderer.render(scene, camera);
-    toDome.value = false;
+    sizeAsAlpha.value = false;
     renderer.setRenderTarget(null);
     this.material.uniforms.perPixel.value = 2 * Math.tan(0.5 * camera.fov * Math.PI / 180) / size.y;
     this.material.uniforms.nearFar.value.set(camera.near, camera.far);
