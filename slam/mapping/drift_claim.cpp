@@ -23,10 +23,19 @@ constexpr std::size_t kNeighbours = 3;
 // many.
 constexpr double kLeastWay = 10.0;
 constexpr double kShown = 50.0;
-// What a climb may differ by from the one that has been shown: m, m a metre, share of it.
+// What a climb may differ by from the one that has been shown: m, m a metre, and so many times what
+// that scatters by, as a share of it, within limits.
 constexpr double kClimbAside = 0.5;
 constexpr double kClimbChange = 0.01;
-constexpr double kClimbShare = 0.5;
+constexpr double kClimbScatters = 3.0;
+constexpr double kLeastClimbShare = 0.1;
+constexpr double kMostClimbShare = 0.5;
+// It is steady where it scatters by no more than this share.
+constexpr double kSteadyClimb = 0.25;
+
+// Claims that grow are off a line from nothing by less than this share of what claims of their size
+// that stay the same would be.
+constexpr double kGrowingClaims = 0.25;
 
 struct Way {
   double length = std::numeric_limits<double>::infinity();  ///< m; infinite: there is none
@@ -258,22 +267,77 @@ std::optional<ClaimedClimb> climb_of_odometry(const PoseGraph& graph, NodeId fro
       .climb = (moved * T_from_to.inverse()).translation().z(), .length = length, .way = length};
 }
 
+ClaimedDrift claimed_drift(const PoseGraph& graph, NodeId from, NodeId to,
+                           const Eigen::Isometry3d& T_from_to) {
+  const std::size_t earlier = graph.index_of(from);
+  const std::size_t later = graph.index_of(to);
+  const std::vector<bool> corrected(graph.nodes().size());
+  return {.off = graph.nodes()[later].T_map_node.translation() -
+                 graph.nodes()[earlier].T_map_node * T_from_to.translation(),
+          .way = shortest_way(graph, corrected, later, earlier).length};
+}
+
+bool grows_with_way(std::span<const ClaimedDrift> claims) {
+  double ways = 0.0;
+  double squared_ways = 0.0;
+  double squared_claims = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d products = Eigen::Vector3d::Zero();
+  for (const ClaimedDrift& claim : claims) {
+    if (!std::isfinite(claim.way)) {
+      return false;
+    }
+    ways += claim.way;
+    squared_ways += claim.way * claim.way;
+    squared_claims += claim.off.squaredNorm();
+    sum += claim.off;
+    products += claim.way * claim.off;
+  }
+  if (!(squared_ways > 0.0)) {
+    return false;
+  }
+  // Sums of squares off the best line from nothing, of these and of what stays the same.
+  const auto count = static_cast<double>(claims.size());
+  const double off = squared_claims - products.squaredNorm() / squared_ways;
+  const double staying = sum.squaredNorm() / count * (1.0 - ways * ways / (count * squared_ways));
+  return off <= kGrowingClaims * kGrowingClaims * staying;
+}
+
 void ShownClimb::add(const ClaimedClimb& accepted) {
   if (std::isfinite(accepted.length) && std::abs(accepted.way) >= kLeastWay) {
     squared_way_ += accepted.way * accepted.way;
     way_climb_ += accepted.way * accepted.climb;
+    squared_climb_ += accepted.climb * accepted.climb;
   }
+}
+
+double ShownClimb::rate() const {
+  return squared_way_ > 0.0 ? way_climb_ / squared_way_ : 0.0;
+}
+
+double ShownClimb::scatter() const {
+  const double shown = rate() * way_climb_;  // m², of squared_climb_
+  return shown > 0.0 ? std::sqrt(std::max(0.0, squared_climb_ / shown - 1.0))
+                     : std::numeric_limits<double>::infinity();
 }
 
 bool ShownClimb::allows(const ClaimedClimb& claim) const {
   if (squared_way_ < kShown * kShown || !std::isfinite(claim.length)) {
     return true;
   }
-  const double rate = way_climb_ / squared_way_;
-  const auto [least, most] = std::minmax({rate * claim.way, rate * claim.length});
-  const double tolerance =
-      kClimbAside + std::max(kClimbChange, kClimbShare * std::abs(rate)) * claim.length;
-  return claim.climb >= least - tolerance && claim.climb <= most + tolerance;
+  const double share = std::clamp(kClimbScatters * scatter(), kLeastClimbShare, kMostClimbShare);
+  const auto aside = [&](double way) {
+    return kClimbAside + std::max(kClimbChange, share * std::abs(rate())) * std::abs(way);
+  };
+  const double corrected = rate() * claim.way;
+  const double whole = rate() * claim.length;
+  return claim.climb >= std::min(corrected - aside(claim.way), whole - aside(claim.length)) &&
+         claim.climb <= std::max(corrected + aside(claim.way), whole + aside(claim.length));
+}
+
+bool ShownClimb::is_steady() const {
+  return squared_way_ >= kShown * kShown && std::abs(rate()) > kClimbChange &&
+         scatter() <= kSteadyClimb;
 }
 
 }  // namespace adit

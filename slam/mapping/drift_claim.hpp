@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "adit/slam/mapping/pose_graph.hpp"
@@ -58,6 +59,20 @@ ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
 std::optional<ClaimedClimb> climb_of_odometry(const PoseGraph& graph, NodeId from, NodeId to,
                                               const Eigen::Isometry3d& T_from_to);
 
+/// Drift that a loop claims, and the way on which it came to pass.
+struct ClaimedDrift {
+  /// m, in the map's axes: where the graph has the later keyframe, less where the loop has it.
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();
+  double way = 0.0;  ///< m, the shortest between the keyframes; infinite where nothing ties them
+};
+ClaimedDrift claimed_drift(const PoseGraph& graph, NodeId from, NodeId to,
+                           const Eigen::Isometry3d& T_from_to);
+
+/// Whether claims grow as their ways do, from nothing on: as drift does on the way back along a
+/// stretch. Another place that looks the same is as far off at the first keyframe as at the last.
+/// False where the ways are too much alike to tell.
+bool grows_with_way(std::span<const ClaimedDrift> claims);
+
 /// What accepted loops have shown of the odometry's climb: the next claims are held against it,
 /// since floors that are built alike lie within what an odometry may drift by at the most.
 class ShownClimb {
@@ -66,10 +81,16 @@ class ShownClimb {
   void add(const ClaimedClimb& accepted);
   /// True as well as long as little has been shown.
   bool allows(const ClaimedClimb& claim) const;
+  /// It climbs, and everywhere as much: what nothing but the graph bears out has to do so, too.
+  bool is_steady() const;
 
  private:
-  double squared_way_ = 0.0;  ///< m²
-  double way_climb_ = 0.0;    ///< m²
+  double rate() const;     ///< m a metre
+  double scatter() const;  ///< of it, as a share
+
+  double squared_way_ = 0.0;    ///< m²
+  double way_climb_ = 0.0;      ///< m²
+  double squared_climb_ = 0.0;  ///< m²
 };
 
 }  // namespace adit

@@ -23,6 +23,8 @@ constexpr NodeId kQueue = 5;        // keyframes
 constexpr NodeId kJoining = 30;     // keyframes, of loops that tie parts of the graph
 constexpr double kLeastRms = 0.02;  // m, expected of alignments at the least
 constexpr std::size_t kMostRefuted = 50;
+// What position finds may have drifted: the voting tells how far.
+constexpr double kNoGate = std::numeric_limits<double>::infinity();
 
 LoopSearchSettings search_settings(const Config& config) {
   return {.max_distance = 0.5 * config.preprocess.c_max,
@@ -191,11 +193,10 @@ std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places,
   std::vector<LoopQuestion> questions;
   for (const LoopPlace& place : places) {
     submaps.push_back(submaps_.get(place.node));
-    questions.push_back(
-        {.from = submaps.back().get(),
-         .T_from_to = place.T_node_newest,
-         .covariance = place.covariance,
-         .gate = place.source == LoopSource::position ? voting_.most_by_position : kExpectedGate});
+    questions.push_back({.from = submaps.back().get(),
+                         .T_from_to = place.T_node_newest,
+                         .covariance = place.covariance,
+                         .gate = place.source == LoopSource::position ? kNoGate : kExpectedGate});
   }
   const double expected = rms_.empty() ? kFirstRms : std::max(median(rms_), kLeastRms);
   const std::vector<LoopVerification> verdicts =

@@ -217,21 +217,27 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
   LoopVote vote{.odometry_chi2 =
                     joins ? gap_disagreement(far_ways, graph, parts, loop, settings.gap_sigma)
                           : odometry_disagreement(far_ways, loop)};
+  const auto climbs_as_shown = [&] {
+    return before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+  };
   const auto is_explained = [&] {
     if (joins) {
       return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
     }
-    return (loop.source == LoopSource::appearance ||
-            (!before.far_off && vote.odometry_chi2 <= settings.most_by_position)) &&
-           drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) &&
-           before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+    return drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) &&
+           climbs_as_shown();
   };
   const auto claims_the_same = [&](const LoopHypothesis& other) {
     return disagreement(far_ways, loop, other) <= settings.agreement;
   };
   vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
-  if (vote.unexpected &&
-      (!is_explained() || std::ranges::any_of(before.refuted, claims_the_same))) {
+  vote.far = vote.unexpected && !joins && loop.source == LoopSource::position &&
+             (before.far_off || vote.odometry_chi2 > settings.most_by_position);
+  const bool is_possible =
+      vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
+                      // Drift may have brought a floor to where the one below was.
+                      : !before.climb.is_steady() || climbs_as_shown();
+  if (!is_possible) {
     vote.objection = LoopObjection::odometry;
     return vote;
   }
@@ -302,6 +308,29 @@ bool is_wide(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
              rotation_angle(way.linear()) >= settings.least_turned;
     });
   });
+}
+
+/// Loops that are far off have a voice only where the largest bundle has some of them and grows.
+void leave_what_does_not_grow(const PoseGraph& graph, Poll& poll, std::vector<LoopVote>& votes,
+                              const LoopVotingSettings& settings) {
+  const auto is_far = [&](std::size_t k) { return poll.open[k] && votes[k].far; };
+  const std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
+  if (best && std::ranges::any_of(best->members, is_far)) {
+    std::vector<ClaimedDrift> claims;
+    for (const std::size_t k : best->members) {
+      const LoopHypothesis& loop = poll.all[k];
+      claims.push_back(claimed_drift(graph, loop.from, loop.to, loop.T_from_to));
+    }
+    if (best->members.size() >= settings.least_unexpected && grows_with_way(claims)) {
+      return;
+    }
+  }
+  for (std::size_t k = 0; k < poll.all.size(); ++k) {
+    if (is_far(k)) {
+      votes[k].objection = LoopObjection::odometry;
+      poll.open[k] = false;
+    }
+  }
 }
 
 /// The bundle that the odometry does not bear out, where it is large enough and nothing speaks
@@ -375,6 +404,7 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
                        : std::nullopt;
   }
   if (!best) {
+    leave_what_does_not_grow(graph, poll, votes, settings);
     best = unexpected_bundle(graph, parts, poll, votes, settings);
   }
   const Bundle chosen = best.value_or(Bundle());

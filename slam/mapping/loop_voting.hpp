@@ -36,7 +36,8 @@ struct LoopVotingSettings {
   std::size_t least_voters = 3;      ///< distinct later keyframes
   std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
   /// Chi squared against the graph of what position has found: where the odometry is as far off as
-  /// that, something else than a place like the one that is believed has to have found it.
+  /// that, it may be a place like the one that is believed, unless what a bundle claims grows as
+  /// its ways do.
   double most_by_position = 100.0;
   double gap = 11.34;         ///< chi squared of what is claimed of a gap, 3 directions: 99 %
   double gap_sigma = 0.2;     ///< m, besides what is known of the ways to its ends
@@ -62,6 +63,7 @@ struct LoopVote {
   double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
   std::size_t voters = 1;      ///< later keyframes that agree, its own among them
   bool unexpected = false;     ///< not where the graph's covariances have it
+  bool far = false;            ///< more than position is believed alone: `grows_with_way()`
   bool accepted = false;
 };
 
@@ -72,7 +74,7 @@ struct EarlierLoops {
   std::span<const TrackingGap> gaps{};         ///< between parts of the graph
   ShownClimb climb{};                          ///< of the accepted ones
   /// One of them was farther off than LoopVotingSettings::most_by_position: where the graph has
-  /// places says little, and what position finds has to be within its covariances.
+  /// places says little, and what position finds has to be within its covariances, or to grow.
   bool far_off = false;
 };
 

@@ -4,6 +4,7 @@
 // Loops that the odometry does not bear out, such as appearance finds: how far they may contradict
 // it, and that twins are not taken for a place seen again.
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -102,7 +103,7 @@ TEST(LoopsByAppearance, ComeInWhereTheOdometryDriftedUnawares) {
   for (LoopHypothesis& one : loops) {
     one.source = LoopSource::position;
   }
-  EXPECT_EQ(accepted(walk, loops), 0U) << "that far off, position would not have found them";
+  EXPECT_EQ(accepted(walk, loops), 0U) << "a round is as long for all: it may be another place";
   PoseGraph loose = walk.graph.with_information(
       [](const PoseEdge& edge) -> Matrix6d { return 2e-4 * edge.information; });
   const double chi2 = odometry_disagreement(loose, loops.front());
@@ -121,6 +122,41 @@ TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
     loops.push_back(loop(walk, kRoundOfWalk + 10 - 20 - i, kRoundOfWalk + 10 + 20 + i));
   }
   EXPECT_EQ(accepted(walk, loops), 4U) << "drift adds up along both stretches";
+}
+
+TEST(LoopsByPosition, ThatAreFarOffComeInWhereTheirDriftGrows) {
+  const Walk walk = drifting_round(true);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 0; i < 4; ++i) {
+    loops.push_back(loop(walk, kRoundOfWalk + 3 - i, kRoundOfWalk + 10 + 7 + i));
+    loops.back().source = LoopSource::position;
+  }
+  EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 1e3);
+  EXPECT_EQ(accepted(walk, loops), 4U);
+  EXPECT_EQ(accepted(walk, loops, {.far_off = true}), 4U);
+  loops.pop_back();
+  EXPECT_EQ(accepted(walk, loops), 0U) << "three are too few";
+}
+
+TEST(LoopsByPosition, ThatAreFarOffAndStaySoAreAnotherPlace) {
+  // A corridor's end, out and back; 1.4 m beside it one like it.
+  Walk walk;
+  walk.start();
+  for (int i = 0; i < 20; ++i) {
+    walk.go(i < 10 ? step(1.0) : step(1.0).inverse(), Eigen::Isometry3d::Identity());
+  }
+  Eigen::Isometry3d beside = Eigen::Isometry3d::Identity();
+  beside.translation().z() = 1.4;
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 0; i < 4; ++i) {
+    loops.push_back(loop(walk, 6 - i, 14 + i, beside));
+    loops.back().source = LoopSource::position;
+  }
+  EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 100.0);
+  for (const LoopVote& one : vote(walk.graph, loops, {}, true, {})) {
+    EXPECT_FALSE(one.accepted);
+    EXPECT_EQ(one.objection, LoopObjection::odometry);
+  }
 }
 
 TEST(LoopsByAppearance, FourKeyframesHaveToAgreeAndNoneComesAlone) {
@@ -368,6 +404,79 @@ TEST(ShownClimb, IsOfTheWholeWayThatNestedLoopsTie) {
   graph.set_status(3, EdgeStatus::revoked);
   EXPECT_FALSE(climb_of_odometry(graph, 0, 2 * kOut, up(0.0))) << "nothing ties them";
   EXPECT_TRUE(climb_of_odometry(graph, 4, 2 * kOut, up(0.0)));
+}
+
+TEST(ShownClimb, IsSteadyWhereAllClaimsClimbAlike) {
+  const auto claim = [](double climb, double way) { return ClaimedClimb{climb, way, way}; };
+  ShownClimb steady;
+  EXPECT_FALSE(steady.is_steady());
+  for (const double way : {20.0, 40.0, 60.0}) {
+    steady.add(claim(0.1 * way + 0.05, way));
+  }
+  EXPECT_TRUE(steady.is_steady());
+  ShownClimb level;
+  ShownClimb once;  // 2 m somewhere, whatever the way
+  for (const double way : {20.0, 40.0, 60.0}) {
+    level.add(claim(0.001 * way, way));
+    once.add(claim(2.0, way));
+  }
+  EXPECT_FALSE(level.is_steady());
+  EXPECT_FALSE(once.is_steady());
+}
+
+// The odometry climbs 10 cm a metre, as loops have shown; a floor lower, 34 m on, the graph has the
+// place where the floor above is.
+TEST(ShownClimb, TellsAFloorThatDriftHasBroughtToAnother) {
+  Walk walk;
+  walk.start();
+  const auto go = [&](double climb, double turn) {
+    Eigen::Isometry3d way = step(1.0, turn);
+    way.translation().z() = climb;
+    walk.go(way, up(0.1));
+  };
+  for (int i = 0; i < 34; ++i) {
+    go(i < 8 ? -0.425 : 0.0, 2.0 * std::numbers::pi / 34.0);
+  }
+  for (int i = 0; i < 4; ++i) {
+    go(0.0, 2.0 * std::numbers::pi / 34.0);
+  }
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 34; i < 38; ++i) {
+    loops.push_back(loop(walk, i - 34, i));
+    loops.back().T_from_to =
+        walk.graph.nodes()[static_cast<std::size_t>(i - 34)].T_map_node.inverse() *
+        walk.graph.nodes()[static_cast<std::size_t>(i)].T_map_node;
+  }
+  EXPECT_EQ(accepted(walk, loops), 4U) << "nothing has been shown";
+  EarlierLoops before;
+  for (const double way : {30.0, 40.0, 50.0}) {
+    before.climb.add({.climb = 0.1 * way, .length = way, .way = way});
+  }
+  EXPECT_EQ(accepted(walk, loops, before), 0U);
+}
+
+TEST(DriftClaim, GrowsWithItsWayWhereItIsDrift) {
+  const auto claims = [](double staying, double growing) {
+    std::vector<ClaimedDrift> made;
+    for (const double way : {12.0, 14.0, 16.0, 18.0}) {
+      const double off = staying + growing * way + (way == 14.0 ? 0.01 : -0.01);
+      made.push_back({.off = off * Eigen::Vector3d(0.6, 0.0, 0.8), .way = way});
+    }
+    return made;
+  };
+  EXPECT_TRUE(grows_with_way(claims(0.0, 0.1)));
+  EXPECT_TRUE(grows_with_way(claims(0.0, -0.1)));
+  EXPECT_FALSE(grows_with_way(claims(3.4, 0.0)));
+  EXPECT_FALSE(grows_with_way(claims(3.4, 0.1)));
+  EXPECT_FALSE(grows_with_way(claims(-1.0, 0.1)));
+  EXPECT_FALSE(grows_with_way({}));
+  std::vector<ClaimedDrift> again = claims(0.0, 0.1);
+  for (ClaimedDrift& claim : again) {
+    claim.way = 60.0;  // the same way once more
+  }
+  EXPECT_FALSE(grows_with_way(again));
+  again.front().way = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(grows_with_way(again));
 }
 
 TEST(ClaimedClimb, CountsTheWayThatNoLoopHasCorrected) {
