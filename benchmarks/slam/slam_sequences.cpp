@@ -168,7 +168,7 @@ std::vector<SlamEntry> loop_catalogue() {
           office,
           by_lidar(office, "office-lidar-260s"),
           entry("office-mid360-260s", "office", "Mid-360", "handheld", 260.0),
-          entry("forest-vlp16-300s", "forest", "VLP-16", "walk", 300.0),
+          entry("forest-vlp16-480s", "forest", "VLP-16", "walk", 480.0),  // its route has 440 m
           entry("city-vlp16-140s", "city", "VLP-16", "drive", 140.0),
           entry("city-vlp16-reverse", "city", "VLP-16", "drive", 240.0, 1800.0),
           entry("city-vlp16-1010s", "city", "VLP-16", "drive", 1010.0)};
