@@ -31,7 +31,9 @@ export CXX=${CXX:-c++}
 rm -rf "$work/raw" "$work/whole" "$work/content"
 rm -f "$build/.skbuild-info.json" # where that names another Python, all would be built anew
 mkdir -p "$work/raw" "$work/whole" "$root/dist"
-options=(ADIT_STATIC_CERES=ON ADIT_FMT_HEADER_ONLY=ON ADIT_PEERS=OFF CMAKE_SKIP_RPATH=ON # as package.sh has them
+# Where the folder was configured before, it names Debian's pybind11, which does not know NumPy 2.
+options=("pybind11_DIR=$("$tools/bin/python" -m pybind11 --cmakedir)"
+  ADIT_STATIC_CERES=ON ADIT_FMT_HEADER_ONLY=ON ADIT_PEERS=OFF CMAKE_SKIP_RPATH=ON # as package.sh has them
   'CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib')
 PATH=$tools/bin:$PATH "$tools/bin/pip" wheel -v "$root/tools/python" --no-deps --no-build-isolation -w "$work/raw" \
   --config-settings=build-dir="$build" "${options[@]/#/--config-settings=cmake.define.}" >&2
