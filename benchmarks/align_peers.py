@@ -1,13 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""`adit.align` beside small_gicp and KISS-Matcher on two clouds whose relative pose is known.
+"""`adit.align` beside small_gicp and KISS-Matcher on clouds whose relative poses are known.
 
-Usage: align_peers.py FOLDER [--starts N] [--seed N]. FOLDER has target.ply, source.ply and T_target_source.txt, as
-registration_pair of the shared data. Needs the Python package adit, and small_gicp and kiss-matcher of the Python
-package index; a system that is missing is left out.
+Usage: align_peers.py FOLDER... [--starts N] [--seed N]. A FOLDER has one of
+- target.ply, source.ply and T_target_source.txt, as registration_pair of the shared data;
+- graph.txt with a pose a line and a cloud each, NNNNNN/points.bin or planes_*.bin and edges_*.bin, as its submaps_*:
+  neighbours are paired;
+- drive.mcap, drive.truth.tum and map.adit, as `adit simulate` and `adit run` write them: submaps are paired with the
+  second next.
+Needs the Python package adit, and small_gicp and kiss-matcher of the Python package index; a system that is missing is
+left out.
 
-Two tasks, N starts each (80):
+Two tasks, N starts each (80) and folder, shared out over its pairs:
 - from a guess: off in a random direction and about a random axis, a quarter each by 0.5 m and 5 degrees, 1 m and 10,
   1.5 m and 15, and 2 m and 20;
 - from nothing: the source turned by any yaw, tilted by up to 5 degrees and shifted by up to 10 m.
@@ -56,10 +61,10 @@ def pose(R, t):
     return T
 
 
-def guesses(truth, count, random):
-    for i in range(count):
-        metres, degrees = LEVELS[i * len(LEVELS) // count]
-        yield truth @ pose(rotation(direction(random), np.radians(degrees)), metres * direction(random))
+def guess_from(truth, i, count, random):
+    """Start i of count."""
+    metres, degrees = LEVELS[i * len(LEVELS) // count]
+    return truth @ pose(rotation(direction(random), np.radians(degrees)), metres * direction(random))
 
 
 def displacements(count, random):
@@ -81,6 +86,58 @@ def is_right(found, truth):
     off = np.linalg.inv(truth) @ found
     angle = np.degrees(np.arccos(np.clip((np.trace(off[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
     return np.linalg.norm(off[:3, 3]) <= RIGHT_M and angle <= RIGHT_DEGREES
+
+
+def posed(line):
+    """The pose of x y z qx qy qz qw."""
+    x, y, z, w = np.array(line[3:], float) / np.linalg.norm(np.array(line[3:], float))
+    R = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                  [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                  [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    return pose(R, np.array(line[:3], float))
+
+
+def cloud(*files):
+    points = np.concatenate([np.fromfile(file, "<f4").reshape(-1, 3) for file in files])
+    return np.ascontiguousarray(np.pad(points, ((0, 0), (0, 1))))
+
+
+def graph_pairs(folder):
+    poses = [posed(line.split()[1:]) for line in (folder / "graph.txt").read_text().splitlines()]
+    clouds = [cloud(file) for file in sorted(folder.glob("*/points.bin"))] or [
+        cloud(planes, edges) for planes, edges in zip(sorted(folder.glob("planes_*")), sorted(folder.glob("edges_*")))]
+    for i in range(len(poses) - 1):
+        yield clouds[i], clouds[i + 1], np.linalg.inv(poses[i]) @ poses[i + 1]
+
+
+def map_pairs(folder):
+    slam = adit.Slam.for_recording(recording := adit.open(folder / "drive.mcap"))
+    next(iter(slam.process(recording)))  # its transforms are known then
+    recorded, truth = adit.Map(folder / "map.adit"), adit.Trajectory.read(folder / "drive.truth.tum")
+    mapped = dict(zip(recorded.trajectory().stamps.tolist(), recorded.trajectory().poses))
+    keyframes = list(recorded.keyframes)
+    poses = []
+    for one in keyframes:
+        nearest = np.abs(truth.stamps - one.stamp).argmin()  # the truth has a pose each 5 ms
+        # The truth is of the IMU; a keyframe's axes are upright, the sensor's are not.
+        poses.append(truth.poses[nearest] @ slam.mounting @ np.linalg.inv(mapped[one.stamp]) @ one.pose)
+    for i in range(len(keyframes) - 2):
+        yield (padded(recorded, keyframes[i]), padded(recorded, keyframes[i + 2]),
+               np.linalg.inv(poses[i]) @ poses[i + 2])
+
+
+def padded(recorded, keyframe):
+    return np.ascontiguousarray(np.pad(recorded.submap(keyframe.id).points[:, :3], ((0, 0), (0, 1))))
+
+
+def pairs_in(folder):
+    """(target, source, T_target_source)."""
+    if (folder / "graph.txt").exists():
+        return list(graph_pairs(folder))
+    if (folder / "map.adit").exists():
+        return list(map_pairs(folder))
+    target, source = (next(iter(adit.open(folder / name).events())).points for name in ("target.ply", "source.ply"))
+    return [(target, source, np.loadtxt(folder / "T_target_source.txt").reshape(4, 4))]
 
 
 def by_adit(target, source, guess):
@@ -150,25 +207,27 @@ def version_of(name):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("folders", type=pathlib.Path, nargs="+", metavar="FOLDER")
     parser.add_argument("--starts", type=int, default=80)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    target, source = (next(iter(adit.open(options.folder / name).events())).points
-                      for name in ("target.ply", "source.ply"))
-    truth = np.loadtxt(options.folder / "T_target_source.txt").reshape(4, 4)
-    random = np.random.default_rng(options.seed)
-    guessed = [(target, source, guess, truth) for guess in guesses(truth, options.starts, random)]
-    unknown = [(target, moved(source, move), None, truth @ np.linalg.inv(move))
-               for move in displacements(options.starts, random)]
-    print(f"{len(target)} and {len(source)} points, {options.starts} starts each, seed {options.seed}, "
-          f"{adit.Device().name}, {os.cpu_count()} processors\n")
-    print("| task | system | right | wrong, called usable | refused | ms, median | ms of processors |\n|---|---|---|---|---|---|---|")
-    for task, cases, column in (("from a guess", guessed, 2), ("from nothing", unknown, 3)):
-        for entry in SYSTEMS:
-            if entry[column]:
-                right, wrong, refused, ms, busy = measured(entry[1], cases)
-                print(f"| {task} | {version_of(entry[0])} | {right} | {wrong} | {refused} | {ms:.0f} | {busy:.0f} |", flush=True)
+    print(f"{options.starts} starts each, seed {options.seed}, {adit.Device().name}, {os.cpu_count()} processors\n")
+    print("| clouds | task | system | right | wrong, called usable | refused | ms, median | ms of processors |\n"
+          "|---|---|---|---|---|---|---|---|")
+    for folder in options.folders:
+        pairs = pairs_in(folder)
+        random = np.random.default_rng(options.seed)
+        of = [pairs[i % len(pairs)] for i in range(options.starts)]
+        guessed = [(target, source, guess_from(truth, i, options.starts, random), truth)
+                   for i, (target, source, truth) in enumerate(of)]
+        unknown = [(target, moved(source, move), None, truth @ np.linalg.inv(move))
+                   for (target, source, truth), move in zip(of, displacements(options.starts, random))]
+        for task, column, cases in (("from a guess", 2, guessed), ("from nothing", 3, unknown)):
+            for entry in SYSTEMS:
+                if entry[column]:
+                    right, wrong, refused, ms, busy = measured(entry[1], cases)
+                    print(f"| {folder.name} | {task} | {version_of(entry[0])} | {right} | {wrong} | {refused} | {ms:.0f} "
+                          f"| {busy:.0f} |", flush=True)
     return 0
 
 

@@ -11,6 +11,7 @@ the schema has it that it names. Exits 1 if not.
 import json
 import pathlib
 import re
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -41,9 +42,13 @@ MORE = [
     ["devices", "--json", "--no-self-test"],
     ["align", "drive.mcap@0", "drive.mcap@9", "--min-overlap", "1", "--json"],
 ]
-# Written into a file.
-FILES = [(["bench", "deskew", "--sizes", "5000", "--seconds", "0", option, "bench.json"], "bench.json")
-         for option in ("--json", "--report")]
+# Written into a file. Of two systems that `bench slam` compares with, one has no trajectory.
+FILES = [(words + ["bench.json"], "bench.json") for words in (
+    ["bench", "deskew", "--sizes", "5000", "--seconds", "0", "--json"],
+    ["bench", "deskew", "--sizes", "5000", "--seconds", "0", "--report"],
+    ["bench", "slam", "--recordings", "rows", "--trajectories", "others", "-o", "slam", "--json"],
+    ["bench", "slam", "--recordings", "rows", "--loops", "-o", "slam", "--json"],
+    ["bench", "consistency", "--only", "room", "--runs", "1", "--duration", "2", "--json"])]
 SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
 
 
@@ -130,6 +135,12 @@ def check(adit, folder, page):
             yield f"adit {' '.join(words)}: no JSON: {answer.stdout}{answer.stderr}"
             continue
         yield from against_schema(f"adit {' '.join(words)}", json.loads(answer.stdout), used)
+    rows, others = pathlib.Path(folder, "rows"), pathlib.Path(folder, "others")
+    for one in (rows, others / "absent", others / "peer"):
+        one.mkdir(parents=True)
+    for name in ("drive.mcap", "drive.truth.tum"):
+        shutil.copy(pathlib.Path(folder, name), rows / name)
+    shutil.copy(rows / "drive.truth.tum", others / "peer" / "drive.tum")
     for words, file in FILES:
         answer = run(words)
         if answer.returncode != 0:

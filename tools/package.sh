@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Makes dist/adit-VERSION-linux-ARCH.tar.gz: the program, the Vulkan loader beside it, manual pages, completions,
-# JSON schemas, licences. Runs where glibc is 2.36 or later and a Vulkan driver is installed. Called by `./dev package`.
+# JSON schemas, licences. Runs where glibc is 2.35 or later and a Vulkan driver is installed. Called by `./dev package`.
 #
 # The C++ runtime is linked in rather than put beside: a bundled libstdc++.so would be the one that the
 # system's Vulkan driver gets as well, and a newer driver needs a newer one. The loader is C. Ceres and what
@@ -13,7 +13,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build/package
 max_bytes=$((60 * 1024 * 1024))
-max_glibc=2.36
+max_glibc=2.35
 
 die() { printf 'package: %s\n' "$*" >&2; exit 1; }
 

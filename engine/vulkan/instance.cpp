@@ -106,13 +106,18 @@ Instance make_instance(bool validation, bool synchronization_validation) {
   }
 
   if (validation || synchronization_validation) {
-    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
-    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
-    const vk::DebugUtilsMessengerCreateInfoEXT messenger({}, Severity::eWarning | Severity::eError,
-                                                         Type::eValidation | Type::ePerformance,
-                                                         &collect, result.log.get());
+    // The C struct: vulkan.hpp has had two types of callbacks, and calls the first deprecated.
+    VkDebugUtilsMessengerCreateInfoEXT messenger{};
+    messenger.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                                VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                            VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    messenger.pfnUserCallback = &collect;
+    messenger.pUserData = result.log.get();
     result.messenger = translated("creating the debug messenger", [&] {
-      return vk::raii::DebugUtilsMessengerEXT(result.instance, messenger);
+      return vk::raii::DebugUtilsMessengerEXT(result.instance,
+                                              vk::DebugUtilsMessengerCreateInfoEXT(messenger));
     });
     result.debug_names = true;
   }

@@ -117,6 +117,14 @@ def test_python_m_adit_is_the_program(tmp_path, program, drive):
     assert answer.returncode == 0 and (tmp_path / "out" / "trajectory.tum").exists()
 
 
+@pytest.mark.skipif(_adit.__pybind11__ >= (2, 12), reason="this pybind11 knows NumPy 2")
+def test_a_numpy_that_would_be_misread_is_refused():
+    answer = python("-c", "import sys, types, importlib.util as util\n"
+                    "sys.modules['numpy'] = types.ModuleType('numpy')\nsys.modules['numpy'].__version__ = '2.1.0'\n"
+                    f"util.module_from_spec(util.spec_from_file_location('adit._adit', {_adit.__file__!r}))")
+    assert answer.returncode == 1 and "cannot read NumPy 2.1.0. Install numpy<2" in answer.stderr
+
+
 def test_every_public_name_is_documented():
     for name in adit.__all__:
         value = getattr(adit, name)

@@ -81,11 +81,27 @@ void bind_exceptions(py::module_& module) {
   });
 }
 
+/// pybind11 before 2.12 misreads NumPy 2: what it returns then repeats its first number.
+void require_known_numpy() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  const std::string version = py::str(py::module_::import("numpy").attr("__version__"));
+  if (std::stoi(version) >= 2) {
+    throw py::import_error(
+        "adit was compiled with pybind11 " + std::to_string(PYBIND11_VERSION_MAJOR) + "." +
+        std::to_string(PYBIND11_VERSION_MINOR) + ", which cannot read NumPy " + version +
+        ". Install numpy<2, or compile adit with pybind11 2.12 or later (pip install "
+        "tools/python takes one).");
+  }
+#endif
+}
+
 }  // namespace
 }  // namespace adit::python
 
 PYBIND11_MODULE(_adit, module) {
   using namespace adit::python;
+  module.attr("__pybind11__") = py::make_tuple(PYBIND11_VERSION_MAJOR, PYBIND11_VERSION_MINOR);
+  require_known_numpy();
   module.doc() = "Range-inertial-GNSS SLAM on any Vulkan device.";
   bind_exceptions(module);
   bind_device(module);

