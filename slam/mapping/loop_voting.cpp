@@ -232,7 +232,8 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
   };
   vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
   vote.far = vote.unexpected && !joins && loop.source == LoopSource::position &&
-             (before.far_off || vote.odometry_chi2 > settings.most_by_position);
+             (before.far_off || vote.odometry_chi2 > settings.most_by_position ||
+              !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.near));
   const bool is_possible =
       vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
                       // Drift may have brought a floor to where the one below was.

@@ -44,6 +44,10 @@ struct LoopVotingSettings {
   double least_apart = 10.0;  ///< m, between two later keyframes that tie parts of a map, or
   double least_turned = 1.0;  ///< rad
   DriftLimits drift{};
+  /// And what position has found may have drifted by, unless what a bundle claims grows: 4 m
+  /// between floors that are built alike pass for drift on a way of 30 m, and by lidar alone for
+  /// likely.
+  DriftLimits near{.aside = 0.02, .height = 0.01};
   double most_contradicting = 0.25;  ///< share of the accepted loops that may
   std::size_t most_asked = 50;       ///< accepted loops that are asked, the latest
 };
