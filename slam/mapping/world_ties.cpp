@@ -25,9 +25,7 @@ constexpr double kLeastAgreement = 0.5;  // of the fixes that have been seen by 
 constexpr std::size_t kFewestFixes = 5;
 constexpr double kLeastExtent = 10.0;      // m, of the fixes that agree
 constexpr std::size_t kManyOutliers = 20;  // more than are used: the place is wrong
-constexpr double kFixGate = 11.34;         // chi squared of three directions, 99 %
-constexpr double kDrift = 0.01;      // of the way since the last fix that the map was fitted to
-constexpr double kShapeNoise = 0.1;  // m, of the map's own shape
+constexpr double kDrift = 0.01;  // of the way since the last fix that the map was fitted to
 constexpr std::size_t kNodesBetween = 20;  // optimisations, at the least
 constexpr int kMostRounds = 4;
 constexpr double kSlack = 1.5;  // of the gate, for what was used before, while more is to come
@@ -208,7 +206,7 @@ std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const s
 }
 
 // From all fixes so far; false: they do not tell it yet, or no better than it is known.
-bool WorldTies::find_place(PoseGraph& graph) {
+bool WorldTies::find_place(PoseGraph& graph, double least_agreement) {
   const std::vector<std::size_t> part = told_by(graph);
   tried_ = judged_;
   if (part.size() < kFewestFixes) {
@@ -235,7 +233,7 @@ bool WorldTies::find_place(PoseGraph& graph) {
   const bool known =
       found->yaw_sigma < kYawKnown && agreeing.size() >= kFewestFixes &&
       box.sizes().norm() >= kLeastExtent &&
-      static_cast<double>(agreeing.size()) >= kLeastAgreement * static_cast<double>(part.size());
+      static_cast<double>(agreeing.size()) >= least_agreement * static_cast<double>(part.size());
   const bool better = !frame_ || 2 * agreeing.size() >= 3 * count(FixVerdict::used);
   if (!known || !better) {
     return false;
@@ -270,12 +268,14 @@ void WorldTies::forget_place(PoseGraph& graph) {
   }
 }
 
-Matrix3d WorldTies::information_of(const MapFix& fix) const {
+// With what else may set it apart from the map, m^2.
+Matrix3d WorldTies::information_of(const MapFix& fix, double shape_variance) const {
+  const Matrix3d covariance = fix.covariance + shape_variance * Matrix3d::Identity();
   Matrix3d information = Matrix3d::Zero();
   if (config_.height) {
-    information = fix.covariance.inverse();
+    information = covariance.inverse();
   } else {
-    information.topLeftCorner<2, 2>() = fix.covariance.topLeftCorner<2, 2>().inverse();
+    information.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>().inverse();
   }
   return 0.5 * (information + information.transpose());
 }
@@ -309,6 +309,7 @@ void WorldTies::optimize(PoseGraph& graph) {
   tie(graph);
   const LoopOptimum optimum = optimize_with_loops(graph);
   ++report_.optimizations;
+  odometry_scale_ = optimum.odometry_scale;
   if (optimum.report.termination != Termination::failed) {
     graph.set_poses(optimum.poses);
     graph.set_T_world_map(optimum.T_world_map);
@@ -331,6 +332,16 @@ bool WorldTies::judge_again(const PoseGraph& graph, double gate_of_used) {
     changed |= fixes_[i].verdict != before;
   }
   return changed;
+}
+
+// Until no verdict changes.
+void WorldTies::settle(PoseGraph& graph) {
+  for (int round = 0; round < kMostRounds; ++round) {
+    optimize(graph);
+    if (!judge_again(graph, kFixGate)) {
+      break;
+    }
+  }
 }
 
 /// What is left of the used fixes, and how far all lie apart.
@@ -392,7 +403,7 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool
   const bool wanted =
       frame_ ? used_since_ > 0 &&
                    nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10)
-             : judged_ > tried_ + tried_ / 10 && find_place(graph);
+             : judged_ > tried_ + tried_ / 10 && find_place(graph, kLeastAgreement);
   if (wanted) {
     optimize(graph);
     judge_again(graph, kSlack * kFixGate);
@@ -409,18 +420,18 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
   if (is_contradicted()) {
     forget_place(graph);
   }
-  find_place(graph);
-  for (int round = 0; frame_ && may_optimize && round < kMostRounds; ++round) {
-    optimize(graph);
-    if (!judge_again(graph, kFixGate)) {
-      break;
-    }
+  find_place(graph, kLeastAgreement);
+  if (frame_ && may_optimize) {
+    settle(graph);
   }
   if (is_contradicted()) {
     forget_place(graph);
     if (may_optimize) {
       optimize(graph);
     }
+  }
+  if (may_optimize) {
+    calibrate_antenna(graph);
   }
   report_.swapped = !frame_ && would_agree_exchanged(graph);
   measure(graph);

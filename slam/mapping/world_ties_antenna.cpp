@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// WorldTies, at the end: where the antenna really sits, and how late the receiver is.
+#include <cmath>
+#include <utility>
+
+#include "adit/slam/mapping/gnss_noise.hpp"
+#include "adit/slam/mapping/world_ties.hpp"
+
+namespace adit {
+namespace {
+
+constexpr int kMostCorrections = 3;
+constexpr double kCorrected = 0.25;  // standard deviations that a correction may leave
+// By which the sum of chi squared has to fall: one parameter's at its four standard deviations, and
+// this part of all.
+constexpr double kLeastGain = 16.0;
+constexpr double kLeastGainShare = 0.1;
+// With a wrong antenna or a late receiver no place may fit half of the fixes.
+constexpr double kFewAgree = 0.1;
+
+// As optimize_with_loops() has them.
+OptimizationSettings usual_kernels() {
+  return {.convention = ResidualConvention::rotation,
+          .odometry_kernel = {.kernel = Kernel::pseudo_huber, .width = 1.0},
+          .loop_kernel = {.kernel = Kernel::dcs}};
+}
+
+/// Without its fixes, and with the odometry's covariances counted so many times.
+PoseGraph without_fixes(const PoseGraph& graph, double odometry_scale) {
+  PoseGraph scaled = graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
+    return edge.kind == EdgeKind::odometry ? Matrix6d(edge.information / odometry_scale)
+                                           : edge.information;
+  });
+  scaled.clear_fixes();
+  return scaled;
+}
+
+/// With what the kernels leave of each edge where the graph is.
+PoseGraph as_weighted(const PoseGraph& graph) {
+  const auto results = edge_results(graph, poses_of(graph), usual_kernels());
+  std::size_t i = 0;
+  return graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
+    const std::optional<EdgeResult>& result = results[i++];
+    return result ? Matrix6d(result->weight * edge.information) : edge.information;
+  });
+}
+
+/// Those of an error that are to be corrected; 0: the others.
+AntennaError significant_part(const AntennaError& error,
+                              const std::array<AntennaParameter, 4>& first) {
+  AntennaError part = AntennaError::Zero();
+  for (int i = 0; i < AntennaError::SizeAtCompileTime; ++i) {
+    part(i) = first[static_cast<std::size_t>(i)].significant ? error(i) : 0.0;
+  }
+  return part;
+}
+
+}  // namespace
+
+// From fixes that are used and from outliers: with a wrong antenna right ones may be among these.
+std::optional<AntennaEstimate> WorldTies::antenna_estimate(const PoseGraph& graph) {
+  const std::vector<std::size_t> part = told_by(graph);
+  std::vector<double> times;
+  for (const std::size_t i : part) {
+    times.push_back(seconds(fixes_[i].stamp - fixes_.front().stamp));
+  }
+  const std::vector<double> shares = independent_shares(times, config_.correlation);
+  std::vector<AntennaSighting> sightings;
+  for (const std::size_t i : part) {
+    const MapFix& fix = fixes_[i];
+    sightings.push_back({.node = fix.keyframe,
+                         .T_node_lidar = fix.T_keyframe_lidar,
+                         .twist = fix.twist,
+                         .p_lidar_antenna = fix.T_keyframe_lidar.inverse() * fix.p_keyframe_antenna,
+                         .p_world = frame_->position_of(fix.place),
+                         .information = information_of(fix),
+                         .gate_information = information_of(fix, kShapeNoise * kShapeNoise),
+                         .share = shares[sightings.size()]});
+  }
+  return estimate_antenna(as_weighted(without_fixes(graph, odometry_scale_)), sightings);
+}
+
+// Fixes' places in their keyframes, with the lidar's way by the odometry.
+void WorldTies::correct_antenna(const AntennaError& error) {
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    MapFix& fix = fixes_[i];
+    const Eigen::Vector3d p_lidar_antenna =
+        fix.T_keyframe_lidar.inverse() * fix.p_keyframe_antenna + error.head<3>();
+    if (error(kDelay) != 0.0) {
+      const Nanoseconds before = fix.stamp - nanoseconds(delay_);
+      const Nanoseconds after = fix.stamp - nanoseconds(delay_ + error(kDelay));
+      const auto way = track_.way(before, after);
+      fix.T_keyframe_lidar =
+          fix.T_keyframe_lidar * (way ? *way : se3_exp(-error(kDelay) * fix.twist));
+      const std::optional<LidarMotion> then = track_.at(after);
+      fix.twist = then ? then->twist : fix.twist;
+    }
+    fix.p_keyframe_antenna = fix.T_keyframe_lidar * p_lidar_antenna;
+    changed_.insert(i);
+  }
+  delay_ += error(kDelay);
+}
+
+void WorldTies::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph) {
+  const std::vector<std::size_t> part = told_by(graph);
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    set_verdict(part[i], estimate.chi2[i] < kFixGate ? FixVerdict::used : FixVerdict::outlier);
+  }
+}
+
+// Of edges, verticals and fixes where the graph is; outliers count as if they were at their gate.
+double WorldTies::cost(const PoseGraph& graph, double odometry_scale) {
+  double sum = graph_cost(without_fixes(graph, odometry_scale), usual_kernels());
+  const std::vector<std::size_t> part = told_by(graph);
+  std::vector<double> times;
+  for (const std::size_t i : part) {
+    times.push_back(seconds(fixes_[i].stamp - fixes_.front().stamp));
+  }
+  const std::vector<double> shares = independent_shares(times, config_.correlation);
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const MapFix& fix = fixes_[part[i]];
+    const Eigen::Isometry3d T_world_keyframe =
+        graph.T_world_map() * graph.nodes()[graph.index_of(fix.keyframe)].T_map_node;
+    const Eigen::Vector3d apart =
+        T_world_keyframe * fix.p_keyframe_antenna - frame_->position_of(fix.place);
+    const double chi2 = apart.dot(information_of(fix) * apart);
+    const double gated = apart.dot(information_of(fix, kShapeNoise * kShapeNoise) * apart);
+    sum += shares[i] * chi2 * std::min(1.0, kFixGate / std::max(gated, kFixGate));
+  }
+  return sum;
+}
+
+bool WorldTies::most_agree() const {
+  return count(FixVerdict::used) >= count(FixVerdict::outlier) + count(FixVerdict::waiting);
+}
+
+// Nothing is corrected that is not beyond doubt, and nothing that does not prove better.
+void WorldTies::calibrate_antenna(PoseGraph& graph) {
+  WorldTies trial = *this;
+  PoseGraph moved = graph;
+  if (!trial.frame_) {
+    if (!trial.find_place(moved, kFewAgree)) {
+      return;
+    }
+    trial.settle(moved);
+  }
+  std::optional<AntennaEstimate> estimate = trial.antenna_estimate(moved);
+  if (!estimate) {
+    return;
+  }
+  const std::array<AntennaParameter, 4> first = judged(*estimate);
+  AntennaReport found{.parameters = first,
+                      .p_lidar_antenna = fixes_.front().T_keyframe_lidar.inverse() *
+                                         fixes_.front().p_keyframe_antenna,
+                      .time_offset = config_.time_offset};
+  if (frame_) {
+    report_.antenna = found;
+  }
+  if (!found.any_significant()) {
+    return;
+  }
+  const double scale = trial.odometry_scale_;
+  found.cost_before = trial.cost(moved, scale);
+  AntennaError total = AntennaError::Zero();
+  for (int round = 0; round < kMostCorrections; ++round) {
+    const AntennaError step = significant_part(estimate->error, first);
+    if ((step.array().square() < kCorrected * kCorrected * estimate->covariance.diagonal().array())
+            .all()) {
+      break;
+    }
+    total += step;
+    trial.correct_antenna(step);
+    trial.judge_by(*estimate, moved);
+    trial.settle(moved);
+    estimate = trial.antenna_estimate(moved);
+    if (!estimate) {
+      return;
+    }
+  }
+  found.cost_after = trial.cost(moved, scale);
+  estimate->error += total - significant_part(estimate->error, first);
+  found.parameters = judged(*estimate);
+  found.corrected = found.cost_before - found.cost_after >
+                        std::max(kLeastGain, kLeastGainShare * found.cost_before) &&
+                    trial.most_agree();
+  if (found.corrected) {
+    found.p_lidar_antenna += total.head<3>();
+    found.time_offset -= total(kDelay);
+    *this = std::move(trial);
+    graph = std::move(moved);
+  }
+  if (frame_) {
+    report_.antenna = found;
+  }
+}
+
+}  // namespace adit
