@@ -7,6 +7,7 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/graph_information.hpp"
 
 namespace adit {
@@ -16,8 +17,7 @@ using Eigen::Index;
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestSightings = 10;
-constexpr double kSightingGate = 11.34;  // chi squared of three directions, 99 %
-constexpr double kScaleStep = 4.0;       // of the kernel's squared width, from round to round
+constexpr double kScaleStep = 4.0;  // of the kernel's squared width, from round to round
 constexpr int kRoundsAtTheGate = 3;
 constexpr std::size_t kBlocks = 5;    // of the jackknife
 constexpr double kSignificant = 4.0;  // standard deviations
@@ -28,61 +28,119 @@ constexpr double kUsefulDelay = 0.05;
 constexpr double kLeastLever = 0.05;
 constexpr double kLeastDelay = 0.01;
 
+// Of a fix's variance, what is another error each time.
+constexpr double kWhiteShare = 0.25;
+// Errors of receivers that state other variances than this many times each other's have nothing to
+// do with each other: another kind of fix.
+constexpr double kOtherKind = 2.0;
+
+constexpr Index kAntennaSize = AntennaError::SizeAtCompileTime;
+/// World, node, slow error, antenna.
+constexpr int kSightingSize = 6 + 6 + 3 + AntennaError::SizeAtCompileTime;
+
+/// Fixes of a node in a row that share their slow error.
+struct SightingGroup {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  bool goes_on = false;  ///< its slow error comes from that of the group before
+};
+
+std::vector<SightingGroup> groups_of(std::span<const AntennaSighting> sightings) {
+  std::vector<SightingGroup> groups;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const double ratio =
+        i == 0 ? 1.0 : sightings[i].covariance.trace() / sightings[i - 1].covariance.trace();
+    const bool alike = i > 0 && ratio < kOtherKind && ratio > 1.0 / kOtherKind;
+    if (alike && sightings[i].node == sightings[i - 1].node) {
+      groups.back().end = i + 1;
+    } else {
+      groups.push_back({.begin = i, .end = i + 1, .goes_on = alike});
+    }
+  }
+  return groups;
+}
+
+/// The slow error's square root: of one with unit variances, m.
+Eigen::Matrix3d slow_root(const AntennaSighting& sighting) {
+  const Eigen::Matrix3d slow = (1.0 - kWhiteShare) * sighting.covariance;
+  return Eigen::LLT<Eigen::Matrix3d>(slow).matrixL();
+}
+
 class AntennaProblem {
  public:
-  AntennaProblem(const PoseGraph& graph, std::span<const AntennaSighting> sightings)
-      : sightings_(sightings), rest_(graph, AntennaError::SizeAtCompileTime) {
+  AntennaProblem(const PoseGraph& graph, std::span<const AntennaSighting> sightings,
+                 const ReceiverNoise& noise)
+      : sightings_(sightings),
+        groups_(groups_of(sightings)),
+        rest_(graph, 3 * static_cast<Index>(groups_.size()) + kAntennaSize) {
     rest_.add_edges();
     rest_.add_levels();
+    add_slow_errors(noise.correlation);
     for (const AntennaSighting& sighting : sightings_) {
       rows_.push_back(antenna_residual(sighting, graph.T_world_map(),
                                        graph.nodes()[graph.index_of(sighting.node)].T_map_node));
-      roots_.push_back(root_information<3>(sighting.information));
+      information_.push_back(fix_information(kWhiteShare * sighting.covariance, noise.height));
+      const Eigen::Matrix3d with_shape =
+          sighting.covariance + kShapeNoise * kShapeNoise * Eigen::Matrix3d::Identity();
+      gate_.push_back(fix_information(with_shape, noise.height));
     }
   }
 
   struct Solution {
     Eigen::VectorXd step;
     Eigen::Matrix4d covariance;
+
+    AntennaError error() const { return step.tail<4>(); }
   };
-  /// With each sighting's share times its weight.
+  /// With sightings that count so many times.
   std::optional<Solution> solve(std::span<const double> weights) const {
     GraphInformation all = rest_;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const Eigen::Matrix3d& root = roots_[i];
-      all.add(root * rows_[i].residual,
-              {{GraphInformation::kWorld, root * rows_[i].by_world},
-               {all.place_of(sightings_[i].node), root * rows_[i].by_node},
-               {all.further(), root * rows_[i].by_antenna}},
-              sightings_[i].share * weights[i]);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      Eigen::Matrix<double, kSightingSize, kSightingSize> information;
+      information.setZero();
+      Eigen::Matrix<double, kSightingSize, 1> gradient;
+      gradient.setZero();
+      for (std::size_t i = groups_[g].begin; i < groups_[g].end; ++i) {
+        Eigen::Matrix<double, 3, kSightingSize> by;
+        by << rows_[i].by_world, rows_[i].by_node, -slow_root(sightings_[i]), rows_[i].by_antenna;
+        const auto weighted = (weights[i] * by.transpose() * information_[i]).eval();
+        information += weighted * by;
+        gradient += weighted * rows_[i].residual;
+      }
+      all.add({{GraphInformation::kWorld, 6},
+               {all.place_of(sightings_[groups_[g].begin].node), 6},
+               {slow_error(g), 3},
+               {all.size() - kAntennaSize, kAntennaSize}},
+              information, gradient);
     }
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(all.matrix());
     if (solver.info() != Eigen::Success) {
       return std::nullopt;
     }
-    Eigen::MatrixXd antenna = Eigen::MatrixXd::Zero(all.size(), AntennaError::SizeAtCompileTime);
+    Eigen::MatrixXd antenna = Eigen::MatrixXd::Zero(all.size(), kAntennaSize);
     antenna.bottomRows<4>().setIdentity();
     const Eigen::Matrix4d covariance = solver.solve(antenna).bottomRows<4>();
-    return Solution{.step = solver.solve(-all.gradient()),
-                    .covariance = 0.5 * (covariance + covariance.transpose())};
+    Solution solution{.step = solver.solve(-all.gradient()),
+                      .covariance = 0.5 * (covariance + covariance.transpose())};
+    return solution.step.allFinite() ? std::optional(std::move(solution)) : std::nullopt;
   }
 
-  /// Of all sightings after that step; none: where they are.
-  std::vector<double> chi2(const Eigen::VectorXd* step = nullptr) const {
+  /// How far sightings lie from the graph after that step, the slow error left in: chi squared.
+  std::vector<double> chi2(const Eigen::VectorXd& step) const {
     std::vector<double> values;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      Vector3d left = rows_[i].residual;
-      if (step != nullptr) {
-        left += rows_[i].by_world * step->segment<6>(GraphInformation::kWorld) +
-                rows_[i].by_antenna * step->tail<4>();
-        if (const auto node = rest_.place_of(sightings_[i].node)) {
-          left += rows_[i].by_node * step->segment<6>(*node);
-        }
+      Vector3d left = rows_[i].residual +
+                      rows_[i].by_world * step.segment<6>(GraphInformation::kWorld) +
+                      rows_[i].by_antenna * step.tail<4>();
+      if (const auto node = rest_.place_of(sightings_[i].node)) {
+        left += rows_[i].by_node * step.segment<6>(*node);
       }
-      values.push_back(left.dot(sightings_[i].gate_information * left));
+      values.push_back(left.dot(gate_[i] * left));
     }
     return values;
   }
+  /// Where they are.
+  std::vector<double> chi2() const { return chi2(Eigen::VectorXd::Zero(rest_.size())); }
 
   /// The covariance of the estimate by what it is without each block of the sightings.
   std::optional<Eigen::Matrix4d> jackknife(const std::vector<double>& weights) const {
@@ -98,7 +156,7 @@ class AntennaProblem {
       if (!solution) {
         return std::nullopt;
       }
-      estimates.emplace_back(solution->step.tail<4>());
+      estimates.push_back(solution->error());
       mean += estimates.back() / static_cast<double>(kBlocks);
     }
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
@@ -109,10 +167,32 @@ class AntennaProblem {
   }
 
  private:
+  Index slow_error(std::size_t group) const {
+    return rest_.further() + 3 * static_cast<Index>(group);
+  }
+
+  void add_slow_errors(double correlation) {
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (!groups_[g].goes_on) {
+        rest_.add({{slow_error(g), 3}}, Eigen::Matrix3d::Identity(), Vector3d::Zero());
+        continue;
+      }
+      const double apart =
+          sightings_[groups_[g].begin].time - sightings_[groups_[g - 1].begin].time;
+      const double kept = std::exp(-apart / correlation);
+      Eigen::Matrix<double, 3, 6> by;
+      by << -kept * Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity();
+      rest_.add({{slow_error(g - 1), 3}, {slow_error(g), 3}},
+                by.transpose() * by / (1.0 - kept * kept), Eigen::Matrix<double, 6, 1>::Zero());
+    }
+  }
+
   std::span<const AntennaSighting> sightings_;
-  GraphInformation rest_;  ///< edges and verticals
+  std::vector<SightingGroup> groups_;
+  GraphInformation rest_;  ///< edges, verticals and how slow errors change
   std::vector<AntennaResidual> rows_;
-  std::vector<Eigen::Matrix3d> roots_;
+  std::vector<Eigen::Matrix3d> information_;  ///< of errors that are others each time, 1/m^2
+  std::vector<Eigen::Matrix3d> gate_;
 };
 
 /// Geman and McClure's, of that squared width.
@@ -157,25 +237,30 @@ AntennaResidual antenna_residual(const AntennaSighting& sighting,
 }
 
 std::optional<AntennaEstimate> estimate_antenna(const PoseGraph& graph,
-                                                std::span<const AntennaSighting> sightings) {
+                                                std::span<const AntennaSighting> sightings,
+                                                const ReceiverNoise& noise) {
   if (sightings.size() < kFewestSightings) {
     return std::nullopt;
   }
-  const AntennaProblem problem(graph, sightings);
-  AntennaEstimate estimate{.chi2 = problem.chi2()};
+  const AntennaProblem problem(graph, sightings, noise);
+  AntennaEstimate estimate;
+  std::vector<double> chi2 = problem.chi2();
   std::vector<double> weights;
-  double width2 = std::max(kSightingGate, most_of(estimate.chi2));
+  double width2 = std::max(kFixGate, most_of(chi2));
   for (int at_the_gate = 0; at_the_gate < kRoundsAtTheGate; width2 /= kScaleStep) {
-    width2 = std::max(kSightingGate, width2);
-    at_the_gate += width2 == kSightingGate ? 1 : 0;
-    weights = weights_of(estimate.chi2, width2);
+    width2 = std::max(kFixGate, width2);
+    at_the_gate += width2 == kFixGate ? 1 : 0;
+    weights = weights_of(chi2, width2);
     const auto solution = problem.solve(weights);
-    if (!solution || !solution->step.allFinite()) {
+    if (!solution) {
       return std::nullopt;
     }
-    estimate.error = solution->step.tail<4>();
+    estimate.error = solution->error();
     estimate.covariance = solution->covariance;
-    estimate.chi2 = problem.chi2(&solution->step);
+    chi2 = problem.chi2(solution->step);
+  }
+  for (const double value : chi2) {
+    estimate.agrees.push_back(value < kFixGate);
   }
   const std::optional<Eigen::Matrix4d> spread = problem.jackknife(weights);
   if (!spread) {

@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "adit/slam/mapping/graph_residuals.hpp"
 #include "adit/slam/mapping/odometry_track.hpp"
 #include "adit/slam/mapping/pose_graph.hpp"
 
@@ -29,10 +28,8 @@ struct AntennaSighting {
   Vector6d twist = Vector6d::Zero();                               ///< as of LidarMotion
   Eigen::Vector3d p_lidar_antenna = Eigen::Vector3d::Zero();       ///< m, as far as is known
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();               ///< measured, m
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();           ///< 1/m^2, of the fix alone
-  /// 1/m^2, with the map's own shape allowed for: what tells whether a fix is an outlier.
-  Eigen::Matrix3d gate_information = Eigen::Matrix3d::Zero();
-  double share = 1.0;  ///< how many independent fixes it counts as
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();        ///< of p_world, m^2
+  double time = 0.0;  ///< s, increasing from one to the next
 };
 
 /// The antenna's place in the node's axes (m), with that error corrected.
@@ -61,18 +58,26 @@ struct AntennaParameter {
 struct AntennaEstimate {
   AntennaError error = AntennaError::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
-  std::vector<double> chi2;  ///< of each sighting, with the estimate, by gate_information
+  std::vector<bool> agrees;  ///< each sighting, with the estimate, within kFixGate
+};
+
+/// How the receiver's errors are.
+struct ReceiverNoise {
+  double correlation = 60.0;  ///< s, as gnss.correlation
+  bool height = true;         ///< heights count
 };
 
 /// Lever arm's error and delay that the fixes tell, together with the whole graph: its nodes and
-/// T_world_map are free in it, as far as edges and verticals let them, so that nothing that these
-/// could take as well is taken for the antenna's. One linear step from where the graph is, which is
-/// to be at its optimum; the graph's own fixes are left out. Sightings in the order of their times;
-/// outliers may be among them, and lose their influence (Geman-McClure, its scale brought down step
-/// by step). `covariance` is no smaller than the estimate changes where a fifth of the fixes is
-/// left out (jackknife). None: there are too few, or the equations cannot be solved.
+/// T_world_map are free in it, as far as edges and verticals let them, and so is an error of the
+/// receiver that changes slowly (three quarters of a fix's variance; first-order Gauss-Markov), so
+/// that nothing that these could take as well is taken for the antenna's. One linear step from
+/// where the graph is, which is to be at its optimum; its own fixes are left out. Outliers may be
+/// among the sightings: they lose their influence (Geman-McClure, its scale brought down step by
+/// step). Standard deviations are no smaller than what leaving out a fifth of the fixes changes
+/// (jackknife). None: there are too few, or the equations cannot be solved.
 std::optional<AntennaEstimate> estimate_antenna(const PoseGraph& graph,
-                                                std::span<const AntennaSighting> sightings);
+                                                std::span<const AntennaSighting> sightings,
+                                                const ReceiverNoise& noise);
 
 /// Observable and significant, or not.
 std::array<AntennaParameter, 4> judged(const AntennaEstimate& estimate);

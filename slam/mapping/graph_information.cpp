@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "adit/slam/mapping/graph_residuals.hpp"
-
 namespace adit {
 
 GraphInformation::GraphInformation(const PoseGraph& graph, Eigen::Index further) : graph_(&graph) {
@@ -26,43 +24,56 @@ void GraphInformation::add_edges() {
     if (edge.status == EdgeStatus::active) {
       const WhitenedEdge<6> row = EdgeResidual<6>(edge, ResidualConvention::rotation)
                                       .linearized(pose(edge.from), pose(edge.to), true);
-      add(row.residual, {{place_of(edge.from), row.by_first}, {place_of(edge.to), row.by_second}});
+      Eigen::Matrix<double, 6, 12> by_both;
+      by_both << row.by_first, row.by_second;
+      add({{place_of(edge.from), 6}, {place_of(edge.to), 6}}, by_both.transpose() * by_both,
+          by_both.transpose() * row.residual);
     }
   }
 }
 
+template <int kRows>
+void GraphInformation::add_tie(NodeId node, const WhitenedTie<kRows>& tie) {
+  Eigen::Matrix<double, kRows, 12> by_both;
+  by_both << tie.by_world, tie.by_node;
+  add({{kWorld, 6}, {place_of(node), 6}}, by_both.transpose() * by_both,
+      by_both.transpose() * tie.residual);
+}
+
 void GraphInformation::add_fixes() {
   for (const PositionFix& fix : graph_->fixes()) {
-    const auto row = FixResidual(fix).linearized(
-        graph_->T_world_map(), graph_->nodes()[graph_->index_of(fix.node)].T_map_node);
-    add(row.residual, {{kWorld, row.by_world}, {place_of(fix.node), row.by_node}});
+    add_tie(fix.node,
+            FixResidual(fix).linearized(graph_->T_world_map(),
+                                        graph_->nodes()[graph_->index_of(fix.node)].T_map_node));
   }
 }
 
 void GraphInformation::add_levels() {
   for (const LevelledNode& level : graph_->levels()) {
-    const auto row = LevelResidual(level).linearized(
-        graph_->T_world_map(), graph_->nodes()[graph_->index_of(level.node)].T_map_node);
-    add(row.residual, {{kWorld, row.by_world}, {place_of(level.node), row.by_node}});
+    add_tie(level.node,
+            LevelResidual(level).linearized(
+                graph_->T_world_map(), graph_->nodes()[graph_->index_of(level.node)].T_map_node));
   }
 }
 
-void GraphInformation::add(const Eigen::Ref<const Eigen::VectorXd>& residual,
-                           std::initializer_list<Term> terms, double weight) {
-  for (const Term& row : terms) {
-    if (!row.at) {
+void GraphInformation::add(std::initializer_list<Block> blocks,
+                           const Eigen::Ref<const Eigen::MatrixXd>& information,
+                           const Eigen::Ref<const Eigen::VectorXd>& gradient) {
+  std::vector<Eigen::Index> at;  // of each row; -1: it does not move
+  for (const Block& block : blocks) {
+    for (Eigen::Index i = 0; i < block.size; ++i) {
+      at.push_back(block.at ? *block.at + i : -1);
+    }
+  }
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (at[i] < 0) {
       continue;
     }
-    gradient_.segment(*row.at, row.by.cols()) += weight * (row.by.transpose() * residual);
-    for (const Term& column : terms) {
-      if (!column.at) {
-        continue;
-      }
-      const Rows product = weight * (row.by.transpose() * column.by);
-      for (Eigen::Index i = 0; i < product.rows(); ++i) {
-        for (Eigen::Index j = 0; j < product.cols(); ++j) {
-          entries_.emplace_back(*row.at + i, *column.at + j, product(i, j));
-        }
+    const auto row = static_cast<Eigen::Index>(i);
+    gradient_(at[i]) += gradient(row);
+    for (std::size_t j = 0; j < at.size(); ++j) {
+      if (at[j] >= 0 && at[j] <= at[i]) {
+        entries_.emplace_back(at[i], at[j], information(row, static_cast<Eigen::Index>(j)));
       }
     }
   }

@@ -10,6 +10,7 @@
 
 #include <Eigen/SparseCore>
 
+#include "adit/slam/mapping/graph_residuals.hpp"
 #include "adit/slam/mapping/pose_graph.hpp"
 
 namespace adit {
@@ -20,11 +21,10 @@ class GraphInformation {
  public:
   /// Where a variable begins in x; none: it does not move.
   using Place = std::optional<Eigen::Index>;
-  /// The Jacobian of a residual's rows by a variable.
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
-  struct Term {
+  /// A variable of so many entries.
+  struct Block {
     Place at;
-    Rows by;
+    Eigen::Index size = 0;
   };
 
   /// Nothing is known yet. The graph must outlive it.
@@ -41,16 +41,21 @@ class GraphInformation {
   void add_edges();
   void add_fixes();
   void add_levels();
-  /// A whitened residual that counts so many times.
-  void add(const Eigen::Ref<const Eigen::VectorXd>& residual, std::initializer_list<Term> terms,
-           double weight = 1.0);
+  /// Whatever residuals of these variables add: J'J and J'r of them all, whitened.
+  void add(std::initializer_list<Block> blocks,
+           const Eigen::Ref<const Eigen::MatrixXd>& information,
+           const Eigen::Ref<const Eigen::VectorXd>& gradient);
 
-  /// H, with 1e-8 added to each diagonal entry: what nothing tells stays where it is.
+  /// The lower triangle of H, with 1e-8 added to its diagonal: what nothing tells stays where it
+  /// is.
   Eigen::SparseMatrix<double> matrix() const;
   /// g.
   const Eigen::VectorXd& gradient() const { return gradient_; }
 
  private:
+  template <int kRows>
+  void add_tie(NodeId node, const WhitenedTie<kRows>& tie);
+
   const PoseGraph* graph_;
   std::vector<Place> places_;
   Eigen::Index further_ = 0;

@@ -268,18 +268,6 @@ void WorldTies::forget_place(PoseGraph& graph) {
   }
 }
 
-// With what else may set it apart from the map, m^2.
-Matrix3d WorldTies::information_of(const MapFix& fix, double shape_variance) const {
-  const Matrix3d covariance = fix.covariance + shape_variance * Matrix3d::Identity();
-  Matrix3d information = Matrix3d::Zero();
-  if (config_.height) {
-    information = covariance.inverse();
-  } else {
-    information.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>().inverse();
-  }
-  return 0.5 * (information + information.transpose());
-}
-
 void WorldTies::tie(PoseGraph& graph) {
   graph.clear_fixes();
   const FirstPart first(graph);
@@ -296,7 +284,7 @@ void WorldTies::tie(PoseGraph& graph) {
   const std::vector<double> shares = independent_shares(times, config_.correlation);
   for (std::size_t i = 0; i < used.size(); ++i) {
     MapFix& fix = fixes_[used[i]];
-    const Matrix3d information = shares[i] * information_of(fix);
+    const Matrix3d information = shares[i] * fix_information(fix.covariance, config_.height);
     if (fix.information != information) {
       fix.information = information;
       changed_.insert(used[i]);

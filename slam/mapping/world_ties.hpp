@@ -19,12 +19,6 @@
 
 namespace adit {
 
-/// Chi squared of three directions, 99 %: a fix that lies farther from where the map has it is an
-/// outlier.
-inline constexpr double kFixGate = 11.34;
-/// Of the map's own shape, m: a fix may lie so far off besides its own error.
-inline constexpr double kShapeNoise = 0.1;
-
 /// What fixes tell of where their antenna sits and of how late they are.
 struct AntennaReport {
   /// The lever arm's error along the lidar's x, y and z (m), and the delay (s): beyond what the
@@ -98,7 +92,6 @@ class WorldTies {
   bool is_repeated(std::size_t fix) const;
   bool is_near_the_last(std::size_t fix) const;
   double distance2(const PoseGraph& graph, const MapFix& fix, double drift) const;
-  Eigen::Matrix3d information_of(const MapFix& fix, double shape_variance = 0.0) const;
   void judge_new(const PoseGraph& graph, NodeId last);
   bool judge_again(const PoseGraph& graph, double gate_of_used);
   std::vector<std::size_t> told_by(const PoseGraph& graph);

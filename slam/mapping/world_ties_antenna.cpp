@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "adit/slam/mapping/gnss_noise.hpp"
+#include "adit/slam/mapping/graph_residuals.hpp"
+#include "adit/slam/mapping/solver.hpp"
 #include "adit/slam/mapping/world_ties.hpp"
 
 namespace adit {
@@ -61,25 +63,19 @@ AntennaError significant_part(const AntennaError& error,
 
 // From fixes that are used and from outliers: with a wrong antenna right ones may be among these.
 std::optional<AntennaEstimate> WorldTies::antenna_estimate(const PoseGraph& graph) {
-  const std::vector<std::size_t> part = told_by(graph);
-  std::vector<double> times;
-  for (const std::size_t i : part) {
-    times.push_back(seconds(fixes_[i].stamp - fixes_.front().stamp));
-  }
-  const std::vector<double> shares = independent_shares(times, config_.correlation);
   std::vector<AntennaSighting> sightings;
-  for (const std::size_t i : part) {
+  for (const std::size_t i : told_by(graph)) {
     const MapFix& fix = fixes_[i];
     sightings.push_back({.node = fix.keyframe,
                          .T_node_lidar = fix.T_keyframe_lidar,
                          .twist = fix.twist,
                          .p_lidar_antenna = fix.T_keyframe_lidar.inverse() * fix.p_keyframe_antenna,
                          .p_world = frame_->position_of(fix.place),
-                         .information = information_of(fix),
-                         .gate_information = information_of(fix, kShapeNoise * kShapeNoise),
-                         .share = shares[sightings.size()]});
+                         .covariance = fix.covariance,
+                         .time = seconds(fix.stamp - fixes_.front().stamp)});
   }
-  return estimate_antenna(as_weighted(without_fixes(graph, odometry_scale_)), sightings);
+  return estimate_antenna(as_weighted(without_fixes(graph, odometry_scale_)), sightings,
+                          {.correlation = config_.correlation, .height = config_.height});
 }
 
 // Fixes' places in their keyframes, with the lidar's way by the odometry.
@@ -106,7 +102,7 @@ void WorldTies::correct_antenna(const AntennaError& error) {
 void WorldTies::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph) {
   const std::vector<std::size_t> part = told_by(graph);
   for (std::size_t i = 0; i < part.size(); ++i) {
-    set_verdict(part[i], estimate.chi2[i] < kFixGate ? FixVerdict::used : FixVerdict::outlier);
+    set_verdict(part[i], estimate.agrees[i] ? FixVerdict::used : FixVerdict::outlier);
   }
 }
 
@@ -125,8 +121,10 @@ double WorldTies::cost(const PoseGraph& graph, double odometry_scale) {
         graph.T_world_map() * graph.nodes()[graph.index_of(fix.keyframe)].T_map_node;
     const Eigen::Vector3d apart =
         T_world_keyframe * fix.p_keyframe_antenna - frame_->position_of(fix.place);
-    const double chi2 = apart.dot(information_of(fix) * apart);
-    const double gated = apart.dot(information_of(fix, kShapeNoise * kShapeNoise) * apart);
+    const double chi2 = apart.dot(fix_information(fix.covariance, config_.height) * apart);
+    const Eigen::Matrix3d with_shape =
+        fix.covariance + kShapeNoise * kShapeNoise * Eigen::Matrix3d::Identity();
+    const double gated = apart.dot(fix_information(with_shape, config_.height) * apart);
     sum += shares[i] * chi2 * std::min(1.0, kFixGate / std::max(gated, kFixGate));
   }
   return sum;
