@@ -25,7 +25,7 @@ inline constexpr int kDelay = 3;
 struct AntennaSighting {
   NodeId node = 0;                                                 ///< it belongs to
   Eigen::Isometry3d T_node_lidar = Eigen::Isometry3d::Identity();  ///< at its time
-  Vector6d twist = Vector6d::Zero();                               ///< as of LidarMotion
+  Vector6d twist = Vector6d::Zero();                               ///< as of TrackedMotion
   Eigen::Vector3d p_lidar_antenna = Eigen::Vector3d::Zero();       ///< m, as far as is known
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();               ///< measured, m
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();        ///< of p_world, m^2

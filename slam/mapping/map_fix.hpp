@@ -62,7 +62,7 @@ struct MapFix {
   double chi2 = 0.0;  ///< of its distance from where the map has it, with `covariance`
   /// The lidar then, by the odometry. A store does not keep it.
   Eigen::Isometry3d T_keyframe_lidar = Eigen::Isometry3d::Identity();
-  Vector6d twist = Vector6d::Zero();  ///< as of LidarMotion; not stored either
+  Vector6d twist = Vector6d::Zero();  ///< as of TrackedMotion; not stored either
 };
 
 /// A fix that is used, for the graph.

@@ -79,7 +79,7 @@ void Mapper::place_fixes(const SweepResult& next) {
       assembly_.world().count_outside(1);
       continue;
     }
-    const LidarMotion lidar =
+    const TrackedMotion lidar =
         between(*last_pose_, {.stamp = next.stamp, .pose = next.T_map_lidar}, fix.stamp);
     const double part =
         seconds(fix.stamp - last_pose_->stamp) / seconds(next.stamp - last_pose_->stamp);

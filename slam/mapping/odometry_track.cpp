@@ -8,7 +8,7 @@
 
 namespace adit {
 
-LidarMotion between(const StampedPose& before, const StampedPose& after, Nanoseconds stamp) {
+TrackedMotion between(const StampedPose& before, const StampedPose& after, Nanoseconds stamp) {
   const double duration = seconds(after.stamp - before.stamp);
   const double part = seconds(stamp - before.stamp) / duration;
   const Vector6d way = se3_log(before.pose.inverse() * after.pose);
@@ -33,7 +33,7 @@ std::optional<std::size_t> OdometryTrack::after(Nanoseconds stamp) const {
   return known ? std::optional(i) : std::nullopt;
 }
 
-std::optional<LidarMotion> OdometryTrack::at(Nanoseconds stamp) const {
+std::optional<TrackedMotion> OdometryTrack::at(Nanoseconds stamp) const {
   const std::optional<std::size_t> i = after(stamp);
   return i ? std::optional(between(knots_[*i - 1].pose, knots_[*i].pose, stamp)) : std::nullopt;
 }

@@ -12,7 +12,7 @@
 namespace adit {
 
 /// Where the lidar was and how it moved, by the odometry.
-struct LidarMotion {
+struct TrackedMotion {
   Eigen::Isometry3d T_odom_lidar = Eigen::Isometry3d::Identity();
   /// Its velocity and turn rate in the lidar's axes: [m/s, rad/s].
   Vector6d twist = Vector6d::Zero();
@@ -26,7 +26,7 @@ class OdometryTrack {
 
   /// Between two sweeps, by their relative pose at a constant twist. None: before the first pose,
   /// after the last, or where the odometry began anew or paused.
-  std::optional<LidarMotion> at(Nanoseconds stamp) const;
+  std::optional<TrackedMotion> at(Nanoseconds stamp) const;
 
   /// T_from_to, the lidar's way from one time to another. None: the poses do not tell it.
   std::optional<Eigen::Isometry3d> way(Nanoseconds from, Nanoseconds to) const;
@@ -46,6 +46,6 @@ class OdometryTrack {
 inline constexpr double kLongestInterpolation = 1.0;
 
 /// At a time between two poses that lie less far apart in time than that.
-LidarMotion between(const StampedPose& before, const StampedPose& after, Nanoseconds stamp);
+TrackedMotion between(const StampedPose& before, const StampedPose& after, Nanoseconds stamp);
 
 }  // namespace adit

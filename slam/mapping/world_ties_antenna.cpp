@@ -90,7 +90,7 @@ void WorldTies::correct_antenna(const AntennaError& error) {
       const auto way = track_.way(before, after);
       fix.T_keyframe_lidar =
           fix.T_keyframe_lidar * (way ? *way : se3_exp(-error(kDelay) * fix.twist));
-      const std::optional<LidarMotion> then = track_.at(after);
+      const std::optional<TrackedMotion> then = track_.at(after);
       fix.twist = then ? then->twist : fix.twist;
     }
     fix.p_keyframe_antenna = fix.T_keyframe_lidar * p_lidar_antenna;

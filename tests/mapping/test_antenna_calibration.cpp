@@ -3,13 +3,10 @@
 #include "adit/slam/mapping/antenna_calibration.hpp"
 
 #include <cmath>
-#include <functional>
-#include <random>
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/gnss_noise.hpp"
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/tests/mapping/antenna_drive.hpp"
 #include "adit/tests/support/numerical_jacobian.hpp"
 
 namespace adit {
@@ -17,175 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.01;         // s, of the truth
-constexpr double kFixRate = 5.0;       // Hz
-constexpr double kCorrelation = 60.0;  // s
-const Vector3d kMast(-0.4, 0.3, 1.2);  // m, where the antenna is taken to be
-
-/// How something drives: speed (m/s) and turn rates about its y and z axes (rad/s) at a time (s).
-struct Driving {
-  std::function<double(double)> speed;
-  std::function<double(double)> pitch_rate;
-  std::function<double(double)> yaw_rate;
-};
-
-/// Changing speeds, left and right corners, and slopes.
-Driving in_town() {
-  return {.speed = [](double t) { return 6.0 + 3.0 * std::sin(0.2 * t); },
-          .pitch_rate = [](double t) { return 0.03 * std::cos(0.3 * t); },
-          .yaw_rate = [](double t) { return 0.35 * std::sin(0.11 * t) * std::sin(0.4 * t); }};
-}
-
-Driving straight_on() {
-  const auto none = [](double) { return 0.0; };
-  return {.speed = [](double) { return 8.0; }, .pitch_rate = none, .yaw_rate = none};
-}
-
-/// A drive with a node a second, whose odometry errs as its edges say, and fixes of a receiver
-/// whose antenna sits elsewhere than it is taken to, and whose stamps are late.
-class Drive {
- public:
-  struct Errors {
-    AntennaError antenna = AntennaError::Zero();
-    double fix_sigma = 0.0;   ///< m, nine tenths of its variance correlated
-    double edge_sigma = 0.0;  ///< m and, a tenth of it, rad, each second
-    double outliers = 0.0;    ///< share of the fixes, 3 to 25 m off
-  };
-
-  Drive(const Driving& driving, double duration, const Errors& errors, unsigned seed = 1)
-      : random_(seed) {
-    Eigen::Isometry3d T_world_lidar = Eigen::Isometry3d::Identity();
-    T_world_lidar.linear() = Eigen::AngleAxisd(0.7, Vector3d::UnitZ()).toRotationMatrix();
-    for (double t = 0.0; t <= duration; t += kStep) {
-      Vector6d twist;
-      twist << driving.speed(t), 0.0, 0.0, 0.0, driving.pitch_rate(t), driving.yaw_rate(t);
-      truth_.push_back({.T_odom_lidar = T_world_lidar, .twist = twist});
-      T_world_lidar = T_world_lidar * se3_exp(kStep * twist);
-    }
-    const double sigma = std::max(1e-3, errors.edge_sigma);
-    Vector6d deviations;
-    deviations << Vector3d::Constant(sigma), Vector3d::Constant(0.1 * sigma);
-    Matrix6d information = deviations.cwiseAbs2().cwiseInverse().asDiagonal();
-    graph_.set_T_world_map(T_world_node(0));
-    Eigen::Isometry3d T_map_node = Eigen::Isometry3d::Identity();
-    for (NodeId id = 0; id < static_cast<NodeId>(duration); ++id) {
-      if (id > 0) {
-        Vector6d error;
-        for (double& entry : error) {
-          entry = normal_(random_);
-        }
-        const Eigen::Isometry3d way =
-            T_world_node(id - 1).inverse() * T_world_node(id) *
-            se3_exp(errors.edge_sigma > 0.0 ? Vector6d(deviations.cwiseProduct(error))
-                                            : Vector6d(Vector6d::Zero()));
-        T_map_node = T_map_node * way;
-        graph_.add_node({.id = id, .T_map_node = T_map_node});
-        graph_.add_edge({.from = id - 1, .to = id, .T_from_to = way, .information = information});
-      } else {
-        graph_.add_node({.id = id, .T_map_node = T_map_node, .fixed = true});
-      }
-      graph_.add_level({.node = id, .information = 2500.0});
-    }
-    add_fixes(duration, errors);
-  }
-
-  /// Where the graph is once it is optimised with the fixes as they are taken.
-  void optimize_graph() {
-    graph_.clear_fixes();
-    for (const AntennaSighting& sighting : sightings_) {
-      graph_.add_fix({.node = sighting.node,
-                      .p_node = p_node_antenna(sighting, AntennaError::Zero()),
-                      .p_world = sighting.p_world,
-                      .information = shares_[graph_.fixes().size()] *
-                                     fix_information(sighting.covariance, true)});
-    }
-    const OptimizedGraph optimum = optimize(graph_, {});
-    graph_.set_poses(optimum.poses);
-    graph_.set_T_world_map(optimum.T_world_map);
-  }
-
-  /// Sightings as if that much had been wrong with the antenna and the stamps.
-  void take(const AntennaError& error) {
-    taken_ = error;
-    for (std::size_t i = 0; i < sightings_.size(); ++i) {
-      place(i);
-    }
-  }
-
-  AntennaEstimate estimate() const {
-    return estimate_antenna(graph_, sightings_, {.correlation = kCorrelation}).value();
-  }
-  const std::vector<AntennaSighting>& sightings() const { return sightings_; }
-  const PoseGraph& graph() const { return graph_; }
-
- private:
-  LidarMotion at(double t) const {
-    const double steps = std::clamp(t / kStep, 0.0, static_cast<double>(truth_.size() - 1));
-    const auto i = static_cast<std::size_t>(steps + 1e-9);
-    LidarMotion motion = truth_[i];
-    motion.T_odom_lidar =
-        motion.T_odom_lidar * se3_exp((steps - static_cast<double>(i)) * kStep * motion.twist);
-    return motion;
-  }
-
-  /// Level, as keyframes are.
-  Eigen::Isometry3d T_world_node(NodeId node) const {
-    Eigen::Isometry3d pose = at(static_cast<double>(node)).T_odom_lidar;
-    const Vector3d x = pose.linear().col(0);
-    pose.linear() =
-        Eigen::AngleAxisd(std::atan2(x.y(), x.x()), Vector3d::UnitZ()).toRotationMatrix();
-    return pose;
-  }
-
-  void place(std::size_t i) {
-    AntennaSighting& sighting = sightings_[i];
-    const double t = stamps_[i] - taken_(kDelay);
-    sighting.T_node_lidar = T_world_node(sighting.node).inverse() * at(t).T_odom_lidar;
-    sighting.twist = at(t).twist;
-    sighting.p_lidar_antenna = kMast + taken_.head<3>();
-  }
-
-  void add_fixes(double duration, const Errors& errors) {
-    std::uniform_real_distribution<double> uniform(0.0, 1.0);
-    const double kept = std::exp(-1.0 / kFixRate / kCorrelation);
-    const double sigma = std::max(0.02, errors.fix_sigma);
-    const Vector3d deviations(sigma, sigma, 2.0 * sigma);
-    Vector3d drift = noise();
-    for (double stamp = 1.0; stamp + 1.0 < duration; stamp += 1.0 / kFixRate) {
-      drift = kept * drift + std::sqrt(1.0 - kept * kept) * noise();
-      Vector3d error = errors.fix_sigma / sigma *
-                       deviations.cwiseProduct(std::sqrt(0.9) * drift + std::sqrt(0.1) * noise());
-      if (uniform(random_) < errors.outliers) {
-        const double way = 6.28 * uniform(random_);
-        error += (3.0 + 22.0 * uniform(random_)) * Vector3d(std::cos(way), std::sin(way), 0.5);
-      }
-      const double taken = stamp - errors.antenna(kDelay);
-      stamps_.push_back(stamp);
-      AntennaSighting sighting;
-      sighting.node = static_cast<NodeId>(stamp + 1e-9);
-      sighting.p_world = at(taken).T_odom_lidar * (kMast + errors.antenna.head<3>()) + error;
-      sighting.covariance = deviations.cwiseAbs2().asDiagonal();
-      sighting.time = stamp;
-      sightings_.push_back(sighting);
-      place(sightings_.size() - 1);
-    }
-    shares_ = independent_shares(stamps_, kCorrelation);
-  }
-
-  Vector3d noise() { return {normal_(random_), normal_(random_), normal_(random_)}; }
-
-  std::mt19937 random_;
-  std::normal_distribution<double> normal_;
-  std::vector<LidarMotion> truth_;  ///< T_world_lidar, each hundredth of a second
-  PoseGraph graph_;
-  std::vector<double> stamps_;
-  std::vector<double> shares_;
-  std::vector<AntennaSighting> sightings_;
-  AntennaError taken_ = AntennaError::Zero();
-};
-
 TEST(AntennaCalibration, JacobiansAreThoseOfTheResidual) {
-  const Drive drive(in_town(), 20.0, {.antenna = {0.1, 0.2, 0.3, 0.1}});
+  const test::AntennaDrive drive(test::in_town(), 20.0, {.antenna = {0.1, 0.2, 0.3, 0.1}});
   for (const std::size_t i : {3U, 40U, 70U}) {
     const AntennaSighting& sighting = drive.sightings()[i];
     const Eigen::Isometry3d T_map_node =
@@ -214,7 +44,7 @@ TEST(AntennaCalibration, JacobiansAreThoseOfTheResidual) {
 }
 
 /// Rounds of optimising and correcting, as a map's end has them.
-AntennaEstimate corrected_estimate(Drive& drive) {
+AntennaEstimate corrected_estimate(test::AntennaDrive& drive) {
   AntennaError sum = AntennaError::Zero();
   AntennaEstimate estimate;
   for (int round = 0; round < 3; ++round) {
@@ -229,7 +59,7 @@ AntennaEstimate corrected_estimate(Drive& drive) {
 
 TEST(AntennaCalibration, ExactFixesTellTheErrorExactly) {
   const AntennaError truth(0.42, -0.15, 0.3, 0.12);
-  Drive drive(in_town(), 200.0, {.antenna = truth});
+  test::AntennaDrive drive(test::in_town(), 200.0, {.antenna = truth});
   AntennaError sum = AntennaError::Zero();
   for (int round = 0; round < 4; ++round) {
     drive.take(sum);
@@ -241,8 +71,9 @@ TEST(AntennaCalibration, ExactFixesTellTheErrorExactly) {
 TEST(AntennaCalibration, TellsTheErrorBesideNoiseOfFixesAndOdometry) {
   const AntennaError truth(0.42, -0.15, 0.3, 0.12);
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    Drive drive(in_town(), 200.0,
-                {.antenna = truth, .fix_sigma = 0.02, .edge_sigma = 0.02, .outliers = 0.1}, seed);
+    test::AntennaDrive drive(
+        test::in_town(), 200.0,
+        {.antenna = truth, .fix_sigma = 0.02, .edge_sigma = 0.02, .outliers = 0.1}, seed);
     const AntennaEstimate estimate = corrected_estimate(drive);
     const auto parameters = judged(estimate);
     std::cout << seed << ": " << estimate.error.transpose() << " sigma "
@@ -258,7 +89,8 @@ TEST(AntennaCalibration, TellsTheErrorBesideNoiseOfFixesAndOdometry) {
 TEST(AntennaCalibration, FindsNothingWhereNothingIsWrong) {
   for (const double sigma : {0.012, 0.25, 1.5}) {
     for (unsigned seed = 1; seed <= 5; ++seed) {
-      Drive drive(in_town(), 200.0, {.fix_sigma = sigma, .edge_sigma = 0.02}, seed);
+      test::AntennaDrive drive(test::in_town(), 200.0, {.fix_sigma = sigma, .edge_sigma = 0.02},
+                               seed);
       drive.optimize_graph();
       const AntennaEstimate estimate = drive.estimate();
       std::cout << sigma << " " << seed << ": " << estimate.error.transpose() << " sigma "
@@ -271,7 +103,8 @@ TEST(AntennaCalibration, FindsNothingWhereNothingIsWrong) {
 }
 
 TEST(AntennaCalibration, AStraightWayDoesNotTellLeverArmFromDelay) {
-  Drive drive(straight_on(), 100.0, {.antenna = {0.5, 0.0, 0.0, 0.1}, .fix_sigma = 0.012});
+  test::AntennaDrive drive(test::straight_on(), 100.0,
+                           {.antenna = {0.5, 0.0, 0.0, 0.1}, .fix_sigma = 0.012});
   drive.optimize_graph();
   const AntennaEstimate estimate = drive.estimate();
   std::cout << estimate.error.transpose() << " sigma "
