@@ -42,20 +42,23 @@ constexpr int kSightingSize = 6 + 6 + 3 + AntennaError::SizeAtCompileTime;
 struct SightingGroup {
   std::size_t begin = 0;
   std::size_t end = 0;
-  bool goes_on = false;  ///< its slow error comes from that of the group before
+  double kept = 0.0;  ///< of the slow error of the group before; 0: it has nothing to do with that
 };
 
-std::vector<SightingGroup> groups_of(std::span<const AntennaSighting> sightings) {
+std::vector<SightingGroup> groups_of(std::span<const AntennaSighting> sightings,
+                                     double correlation) {
   std::vector<SightingGroup> groups;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const double ratio =
-        i == 0 ? 1.0 : sightings[i].covariance.trace() / sightings[i - 1].covariance.trace();
-    const bool alike = i > 0 && ratio < kOtherKind && ratio > 1.0 / kOtherKind;
+        i == 0 ? 0.0 : sightings[i].covariance.trace() / sightings[i - 1].covariance.trace();
+    const bool alike = ratio < kOtherKind && ratio > 1.0 / kOtherKind;
     if (alike && sightings[i].node == sightings[i - 1].node) {
       groups.back().end = i + 1;
-    } else {
-      groups.push_back({.begin = i, .end = i + 1, .goes_on = alike});
+      continue;
     }
+    const double apart = alike ? sightings[i].time - sightings[groups.back().begin].time : 0.0;
+    groups.push_back(
+        {.begin = i, .end = i + 1, .kept = apart > 0.0 ? std::exp(-apart / correlation) : 0.0});
   }
   return groups;
 }
@@ -71,11 +74,11 @@ class AntennaProblem {
   AntennaProblem(const PoseGraph& graph, std::span<const AntennaSighting> sightings,
                  const ReceiverNoise& noise)
       : sightings_(sightings),
-        groups_(groups_of(sightings)),
+        groups_(groups_of(sightings, noise.correlation)),
         rest_(graph, 3 * static_cast<Index>(groups_.size()) + kAntennaSize) {
     rest_.add_edges();
     rest_.add_levels();
-    add_slow_errors(noise.correlation);
+    add_slow_errors();
     for (const AntennaSighting& sighting : sightings_) {
       rows_.push_back(antenna_residual(sighting, graph.T_world_map(),
                                        graph.nodes()[graph.index_of(sighting.node)].T_map_node));
@@ -129,12 +132,7 @@ class AntennaProblem {
   std::vector<double> chi2(const Eigen::VectorXd& step) const {
     std::vector<double> values;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      Vector3d left = rows_[i].residual +
-                      rows_[i].by_world * step.segment<6>(GraphInformation::kWorld) +
-                      rows_[i].by_antenna * step.tail<4>();
-      if (const auto node = rest_.place_of(sightings_[i].node)) {
-        left += rows_[i].by_node * step.segment<6>(*node);
-      }
+      const Vector3d left = left_by(step, i);
       values.push_back(left.dot(gate_[i] * left));
     }
     return values;
@@ -166,24 +164,50 @@ class AntennaProblem {
     return covariance * static_cast<double>(kBlocks - 1) / static_cast<double>(kBlocks);
   }
 
+  /// How many times their variances the receiver's errors turn out to have: the slow and the white
+  /// ones' chi squared for each row of the sightings that count.
+  double variance_factor(const Eigen::VectorXd& step, std::span<const double> weights) const {
+    double chi2 = 0.0;
+    double rows = 0.0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Vector3d slow = step.segment<3>(slow_error(g));
+      const double kept = groups_[g].kept;
+      const Vector3d before =
+          kept > 0.0 ? Vector3d(step.segment<3>(slow_error(g - 1))) : Vector3d::Zero();
+      chi2 += (slow - kept * before).squaredNorm() / (1.0 - kept * kept);
+      for (std::size_t i = groups_[g].begin; i < groups_[g].end; ++i) {
+        const Vector3d left = left_by(step, i) - slow_root(sightings_[i]) * slow;
+        chi2 += weights[i] * left.dot(information_[i] * left);
+        rows += 3.0 * weights[i];
+      }
+    }
+    return chi2 / std::max(rows, 1.0);
+  }
+
  private:
+  Vector3d left_by(const Eigen::VectorXd& step, std::size_t i) const {
+    Vector3d left = rows_[i].residual +
+                    rows_[i].by_world * step.segment<6>(GraphInformation::kWorld) +
+                    rows_[i].by_antenna * step.tail<4>();
+    if (const auto node = rest_.place_of(sightings_[i].node)) {
+      left += rows_[i].by_node * step.segment<6>(*node);
+    }
+    return left;
+  }
+
   Index slow_error(std::size_t group) const {
     return rest_.further() + 3 * static_cast<Index>(group);
   }
 
-  void add_slow_errors(double correlation) {
+  void add_slow_errors() {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      if (!groups_[g].goes_on) {
-        rest_.add({{slow_error(g), 3}}, Eigen::Matrix3d::Identity(), Vector3d::Zero());
-        continue;
-      }
-      const double apart =
-          sightings_[groups_[g].begin].time - sightings_[groups_[g - 1].begin].time;
-      const double kept = std::exp(-apart / correlation);
+      const double kept = groups_[g].kept;
       Eigen::Matrix<double, 3, 6> by;
       by << -kept * Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity();
-      rest_.add({{slow_error(g - 1), 3}, {slow_error(g), 3}},
-                by.transpose() * by / (1.0 - kept * kept), Eigen::Matrix<double, 6, 1>::Zero());
+      const GraphInformation::Place before =
+          kept > 0.0 ? GraphInformation::Place(slow_error(g - 1)) : std::nullopt;
+      rest_.add({{before, 3}, {slow_error(g), 3}}, by.transpose() * by / (1.0 - kept * kept),
+                Vector6d::Zero());
     }
   }
 
@@ -256,7 +280,8 @@ std::optional<AntennaEstimate> estimate_antenna(const PoseGraph& graph,
       return std::nullopt;
     }
     estimate.error = solution->error();
-    estimate.covariance = solution->covariance;
+    estimate.covariance =
+        std::max(1.0, problem.variance_factor(solution->step, weights)) * solution->covariance;
     chi2 = problem.chi2(solution->step);
   }
   for (const double value : chi2) {

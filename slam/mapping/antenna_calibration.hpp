@@ -73,8 +73,9 @@ struct ReceiverNoise {
 /// that nothing that these could take as well is taken for the antenna's. One linear step from
 /// where the graph is, which is to be at its optimum; its own fixes are left out. Outliers may be
 /// among the sightings: they lose their influence (Geman-McClure, its scale brought down step by
-/// step). Standard deviations are no smaller than what leaving out a fifth of the fixes changes
-/// (jackknife). None: there are too few, or the equations cannot be solved.
+/// step). Standard deviations grow with what is left of the fixes, and are no smaller than what
+/// leaving out a fifth of the fixes changes (jackknife). None: there are too few, or the equations
+/// cannot be solved.
 std::optional<AntennaEstimate> estimate_antenna(const PoseGraph& graph,
                                                 std::span<const AntennaSighting> sightings,
                                                 const ReceiverNoise& noise);

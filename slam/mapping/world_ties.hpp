@@ -21,6 +21,7 @@ namespace adit {
 
 /// What fixes tell of where their antenna sits and of how late they are.
 struct AntennaReport {
+  bool estimated = false;  ///< false: too few fixes, or the map has no place in the world
   /// The lever arm's error along the lidar's x, y and z (m), and the delay (s): beyond what the
   /// settings have.
   std::array<AntennaParameter, 4> parameters{};
@@ -50,7 +51,7 @@ struct GnssReport {
   double vertical = 0.0;
   bool swapped = false;  ///< with latitude and longitude exchanged the fixes would agree
   std::size_t optimizations = 0;
-  std::optional<AntennaReport> antenna{};  ///< none: too few fixes, or no place in the world
+  AntennaReport antenna{};
 
   /// There was a receiver at all.
   bool any() const { return fixes + without_position + outside > 0; }

@@ -149,7 +149,8 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
     return;
   }
   const std::array<AntennaParameter, 4> first = judged(*estimate);
-  AntennaReport found{.parameters = first,
+  AntennaReport found{.estimated = true,
+                      .parameters = first,
                       .p_lidar_antenna = fixes_.front().T_keyframe_lidar.inverse() *
                                          fixes_.front().p_keyframe_antenna,
                       .time_offset = config_.time_offset};

@@ -19,7 +19,7 @@
 namespace adit::test {
 
 inline constexpr double kStep = 0.01;                // s, of the truth
-inline constexpr double kFixRate = 5.0;              // Hz
+inline constexpr double kFixRate = 2.5;              // Hz
 inline constexpr double kCorrelation = 60.0;         // s
 inline const Eigen::Vector3d kMast(-0.4, 0.3, 1.2);  // m, where the antenna is taken to be
 
@@ -48,9 +48,11 @@ class AntennaDrive {
  public:
   struct Errors {
     AntennaError antenna = AntennaError::Zero();
-    double fix_sigma = 0.0;   ///< m, nine tenths of its variance correlated
-    double edge_sigma = 0.0;  ///< m and, a tenth of it, rad, each second
-    double outliers = 0.0;    ///< share of the fixes, 3 to 25 m off
+    double fix_sigma = 0.0;             ///< m, nine tenths of its variance correlated
+    double edge_sigma = 0.0;            ///< m and, a tenth of it, rad, each second
+    double correlation = kCorrelation;  ///< s, of the receiver's errors
+    double multipath = 0.0;             ///< m, that fixes are off by from 40 % to 60 % of the way
+    double outliers = 0.0;              ///< share of the fixes, 3 to 25 m off
   };
 
   AntennaDrive(const Driving& driving, double duration, const Errors& errors, unsigned seed = 1)
@@ -187,7 +189,7 @@ class AntennaDrive {
 
   void add_fixes(double duration, const Errors& errors) {
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
-    const double kept = std::exp(-1.0 / kFixRate / kCorrelation);
+    const double kept = std::exp(-1.0 / kFixRate / errors.correlation);
     const double sigma = std::max(0.02, errors.fix_sigma);
     const Eigen::Vector3d deviations(sigma, sigma, 2.0 * sigma);
     Eigen::Vector3d drift = noise();
@@ -200,6 +202,9 @@ class AntennaDrive {
         const double way = 6.28 * uniform(random_);
         error +=
             (3.0 + 22.0 * uniform(random_)) * Eigen::Vector3d(std::cos(way), std::sin(way), 0.5);
+      }
+      if (stamp > 0.4 * duration && stamp < 0.6 * duration) {
+        error += errors.multipath * Eigen::Vector3d(0.8, -0.6, 0.0);
       }
       const double taken = stamp - errors.antenna(kDelay);
       stamps_.push_back(stamp);

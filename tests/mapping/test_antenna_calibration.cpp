@@ -76,8 +76,6 @@ TEST(AntennaCalibration, TellsTheErrorBesideNoiseOfFixesAndOdometry) {
         {.antenna = truth, .fix_sigma = 0.02, .edge_sigma = 0.02, .outliers = 0.1}, seed);
     const AntennaEstimate estimate = corrected_estimate(drive);
     const auto parameters = judged(estimate);
-    std::cout << seed << ": " << estimate.error.transpose() << " sigma "
-              << estimate.covariance.diagonal().cwiseSqrt().transpose() << "\n";
     EXPECT_TRUE(parameters[0].significant);
     EXPECT_TRUE(parameters[kDelay].significant);
     for (int i = 0; i < 4; ++i) {
@@ -93,8 +91,6 @@ TEST(AntennaCalibration, FindsNothingWhereNothingIsWrong) {
                                seed);
       drive.optimize_graph();
       const AntennaEstimate estimate = drive.estimate();
-      std::cout << sigma << " " << seed << ": " << estimate.error.transpose() << " sigma "
-                << estimate.covariance.diagonal().cwiseSqrt().transpose() << "\n";
       for (const AntennaParameter& parameter : judged(estimate)) {
         EXPECT_FALSE(parameter.significant);
       }

@@ -54,14 +54,15 @@ TEST(GnssText, SaysWhereTheAntennaReallySitsAndHowLateItsFixesAre) {
       .value = 0.42, .sigma = 0.04, .observable = true, .significant = true};
   const AntennaParameter late{
       .value = 0.12, .sigma = 0.01, .observable = true, .significant = true};
-  gnss.antenna = AntennaReport{.parameters = {no, no, unknown, no}};
+  gnss.antenna = AntennaReport{.estimated = true, .parameters = {no, no, unknown, no}};
   EXPECT_NE(describe_antenna(gnss).find("x 0.01 m (+- 0.02), y 0.01 m (+- 0.02), z not observable"),
             std::string::npos)
       << describe_antenna(gnss);
   EXPECT_TRUE(to_json(gnss)["antenna"]["z_m"]["error"].is_null());
   EXPECT_EQ(to_json(gnss)["antenna"]["x_m"]["sigma"], 0.02);
 
-  gnss.antenna = AntennaReport{.parameters = {ahead, no, unknown, late},
+  gnss.antenna = AntennaReport{.estimated = true,
+                               .parameters = {ahead, no, unknown, late},
                                .corrected = true,
                                .p_lidar_antenna = {0.22, 0.05, 0.35},
                                .time_offset = -0.12};
@@ -74,7 +75,7 @@ TEST(GnssText, SaysWhereTheAntennaReallySitsAndHowLateItsFixesAre) {
   EXPECT_EQ(to_json(gnss)["antenna"]["delay_s"]["significant"], true);
   EXPECT_EQ(to_json(gnss)["antenna"]["text"], describe_antenna(gnss));
 
-  gnss.antenna->corrected = false;
+  gnss.antenna.corrected = false;
   EXPECT_NE(describe_antenna(gnss).find("left as it is"), std::string::npos);
 }
 

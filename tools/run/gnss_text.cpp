@@ -118,10 +118,10 @@ nlohmann::ordered_json to_json(const AntennaReport& antenna) {
 }  // namespace
 
 std::string describe_antenna(const GnssReport& gnss) {
-  if (!gnss.antenna) {
+  if (!gnss.antenna.estimated) {
     return "";
   }
-  const auto& parameters = gnss.antenna->parameters;
+  const auto& parameters = gnss.antenna.parameters;
   std::string significant;
   std::string others;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -134,9 +134,9 @@ std::string describe_antenna(const GnssReport& gnss) {
     return "no error of its place or its time is beyond doubt: " + others;
   }
   const std::string rest = others.empty() ? "" : "; " + others;
-  return gnss.antenna->corrected
+  return gnss.antenna.corrected
              ? significant + ": corrected here, and from the start by " +
-                   antenna_settings(*gnss.antenna) + rest
+                   antenna_settings(gnss.antenna) + rest
              : significant +
                    ", but so corrected the map agrees with them no better: it is left as it is; "
                    "check the antenna's place, gnss.antenna, and the receiver's time, "
@@ -185,8 +185,8 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
     json["why_not"] = why_not(gnss);
     return json;
   }
-  if (gnss.antenna) {
-    json["antenna"] = to_json(*gnss.antenna);
+  if (gnss.antenna.estimated) {
+    json["antenna"] = to_json(gnss.antenna);
     json["antenna"]["text"] = describe_antenna(gnss);
   }
   const Georeference& world = *gnss.georeference;
