@@ -54,14 +54,14 @@ class GnssMappingTest : public test::DeviceTest {
   }
 
   /// Two fixes a sweep with a centimetre of noise, one of them between sweeps.
-  static std::vector<GnssFix> fixes(unsigned seed, const test::SubmapDrive& drive = drive()) {
+  static std::vector<GnssFix> fixes(unsigned seed, const test::SubmapDrive& along = drive()) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0.0, 0.01);
     const WorldFrame frame(kStreetCorner);
     std::vector<GnssFix> fixes;
-    for (std::size_t i = 0; i + 1 < drive.truth.size(); ++i) {
-      const StampedPose& from = drive.truth[i];
-      const StampedPose& to = drive.truth[i + 1];
+    for (std::size_t i = 0; i + 1 < along.truth.size(); ++i) {
+      const StampedPose& from = along.truth[i];
+      const StampedPose& to = along.truth[i + 1];
       for (const double part : {0.0, 0.4}) {
         const Eigen::Isometry3d pose =
             from.pose * se3_exp(part * se3_log(from.pose.inverse() * to.pose));
@@ -85,14 +85,14 @@ class GnssMappingTest : public test::DeviceTest {
   };
 
   Mapped run(const GnssConfig& gnss, const std::vector<GnssFix>& fixes,
-             const test::SubmapDrive& drive = drive()) {
+             const test::SubmapDrive& along = drive()) {
     Config config = test::submap_config();
     config.gnss = gnss;
     test::TemporaryMap map;
     const auto slam = make_slam(context(), config,
                                 {.inertial = false, .map = &map.store(), .session = map.session()});
     auto fix = fixes.begin();
-    for (const Sweep& sweep : drive.sweeps) {
+    for (const Sweep& sweep : along.sweeps) {
       slam->add(sweep);
       for (; fix != fixes.end() && fix->stamp <= sweep.stamp; ++fix) {
         slam->add(*fix);
@@ -106,7 +106,7 @@ class GnssMappingTest : public test::DeviceTest {
     Mapped mapped{.report = slam->finish_map().value(), .dump = map.dump()};
     const std::optional<Georeference> world = map.store().georeference();
     if (world) {
-      mapped.error = world_error(map.store(), *world, drive);
+      mapped.error = world_error(map.store(), *world, along);
     }
     return mapped;
   }
