@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/graph_residuals.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
@@ -20,8 +19,6 @@ using Eigen::Vector3d;
 constexpr double kLeastTime = 0.5;  // s, between fixes that count, unless they are
 constexpr double kLeastWay = 1.0;   // m apart
 constexpr double kMoved = 0.5;      // m, while which a receiver does not repeat itself
-constexpr double kYawKnown = 1.0 * kDegree;
-constexpr double kLeastAgreement = 0.5;  // of the fixes that have been seen by then
 constexpr std::size_t kFewestFixes = 5;
 constexpr double kLeastExtent = 10.0;      // m, of the fixes that agree
 constexpr std::size_t kManyOutliers = 20;  // more than are used: the place is wrong
@@ -206,7 +203,7 @@ std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const s
 }
 
 // From all fixes so far; false: they do not tell it yet, or no better than it is known.
-bool WorldTies::find_place(PoseGraph& graph, double least_agreement) {
+bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
   const std::vector<std::size_t> part = told_by(graph);
   tried_ = judged_;
   if (part.size() < kFewestFixes) {
@@ -231,9 +228,9 @@ bool WorldTies::find_place(PoseGraph& graph, double least_agreement) {
     }
   }
   const bool known =
-      found->yaw_sigma < kYawKnown && agreeing.size() >= kFewestFixes &&
+      found->yaw_sigma < needs.yaw_sigma && agreeing.size() >= kFewestFixes &&
       box.sizes().norm() >= kLeastExtent &&
-      static_cast<double>(agreeing.size()) >= least_agreement * static_cast<double>(part.size());
+      static_cast<double>(agreeing.size()) >= needs.agreement * static_cast<double>(part.size());
   const bool better = !frame_ || 2 * agreeing.size() >= 3 * count(FixVerdict::used);
   if (!known || !better) {
     return false;
@@ -361,7 +358,8 @@ bool WorldTies::would_agree_exchanged(const PoseGraph& graph) {
   const WorldFrame frame(
       {.latitude = first.longitude, .longitude = first.latitude, .altitude = first.altitude});
   const std::optional<WorldFit> found = fit(graph, part, frame, true);
-  return found && found->yaw_sigma < kYawKnown && 10 * found->agreeing > 8 * part.size();
+  return found && found->yaw_sigma < PlaceNeeds{}.yaw_sigma &&
+         10 * found->agreeing > 8 * part.size();
 }
 
 WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, bool had_place) {
@@ -391,7 +389,7 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool
   const bool wanted =
       frame_ ? used_since_ > 0 &&
                    nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10)
-             : judged_ > tried_ + tried_ / 10 && find_place(graph, kLeastAgreement);
+             : judged_ > tried_ + tried_ / 10 && find_place(graph, {});
   if (wanted) {
     optimize(graph);
     judge_again(graph, kSlack * kFixGate);
@@ -408,7 +406,7 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
   if (is_contradicted()) {
     forget_place(graph);
   }
-  find_place(graph, kLeastAgreement);
+  find_place(graph, {});
   if (frame_ && may_optimize) {
     settle(graph);
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/antenna_calibration.hpp"
 #include "adit/slam/mapping/map_fix.hpp"
 #include "adit/slam/mapping/odometry_track.hpp"
@@ -98,7 +99,12 @@ class WorldTies {
   std::vector<std::size_t> told_by(const PoseGraph& graph);
   std::optional<WorldFit> fit(const PoseGraph& graph, std::span<const std::size_t> part,
                               const WorldFrame& frame, bool swapped) const;
-  bool find_place(PoseGraph& graph, double least_agreement);
+  /// What a place has to have for it to be known.
+  struct PlaceNeeds {
+    double agreement = 0.5;            ///< of the fixes that have been seen by then
+    double yaw_sigma = 1.0 * kDegree;  ///< rad
+  };
+  bool find_place(PoseGraph& graph, const PlaceNeeds& needs);
   bool is_contradicted() const;
   void forget_place(PoseGraph& graph);
   bool would_agree_exchanged(const PoseGraph& graph);

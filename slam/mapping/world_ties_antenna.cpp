@@ -19,8 +19,10 @@ constexpr double kCorrected = 0.25;  // standard deviations that a correction ma
 // this part of all.
 constexpr double kLeastGain = 16.0;
 constexpr double kLeastGainShare = 0.1;
-// With a wrong antenna or a late receiver no place may fit half of the fixes.
-constexpr double kFewAgree = 0.1;
+// With a wrong antenna or a late receiver no place may fit half of the fixes, or only parts of the
+// way: a trial begins with less.
+constexpr double kFewAgree = 0.05;
+constexpr double kRoughYaw = 10.0 * kDegree;
 
 // As optimize_with_loops() has them.
 OptimizationSettings usual_kernels() {
@@ -139,7 +141,7 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
   WorldTies trial = *this;
   PoseGraph moved = graph;
   if (!trial.frame_) {
-    if (!trial.find_place(moved, kFewAgree)) {
+    if (!trial.find_place(moved, {.agreement = kFewAgree, .yaw_sigma = kRoughYaw})) {
       return;
     }
     trial.settle(moved);
@@ -177,6 +179,13 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
     if (!estimate) {
       return;
     }
+  }
+  if (!frame_) {  // which has to be known as well as any
+    trial.frame_.reset();
+    if (!trial.find_place(moved, {})) {
+      return;
+    }
+    trial.settle(moved);
   }
   found.cost_after = trial.cost(moved, scale);
   estimate->error += total - significant_part(estimate->error, first);

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 TEST(AntennaCalibration, JacobiansAreThoseOfTheResidual) {
   const test::AntennaDrive drive(test::in_town(), 20.0, {.antenna = {0.1, 0.2, 0.3, 0.1}});
-  for (const std::size_t i : {3U, 40U, 70U}) {
+  for (const std::size_t i : {3U, 20U, 40U}) {
     const AntennaSighting& sighting = drive.sightings()[i];
     const Eigen::Isometry3d T_map_node =
         drive.graph().nodes()[drive.graph().index_of(sighting.node)].T_map_node;
