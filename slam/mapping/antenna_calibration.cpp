@@ -25,6 +25,7 @@ constexpr double kSignificant = 4.0;  // standard deviations
 // lever arm (m) and of the delay (s).
 constexpr double kUsefulLever = 0.1;
 constexpr double kUsefulDelay = 0.05;
+constexpr double kKnown = 8.0;  // standard deviations: of a large error, which may be known worse
 constexpr double kLeastLever = 0.05;
 constexpr double kLeastDelay = 0.01;
 
@@ -305,7 +306,7 @@ std::array<AntennaParameter, 4> judged(const AntennaEstimate& estimate) {
     const double least = i == kDelay ? kLeastDelay : kLeastLever;
     const double value = estimate.error(i);
     const double sigma = std::sqrt(estimate.covariance(i, i));
-    const bool observable = sigma < useful;
+    const bool observable = sigma < useful || kKnown * sigma < std::abs(value);
     parameters[static_cast<std::size_t>(i)] = {
         .value = value,
         .sigma = sigma,

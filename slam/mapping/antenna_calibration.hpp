@@ -50,7 +50,7 @@ AntennaResidual antenna_residual(const AntennaSighting& sighting,
 struct AntennaParameter {
   double value = 0.0;        ///< m or s
   double sigma = 0.0;        ///< its standard deviation
-  bool observable = false;   ///< the fixes tell it: sigma is small enough for it to be of use
+  bool observable = false;   ///< the fixes tell it: to 0.1 m or 0.05 s, or to an eighth of it
   bool significant = false;  ///< observable, beyond four sigma, and large enough to matter
 };
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // WorldTies, at the end: where the antenna really sits, and how late the receiver is.
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 #include "adit/slam/mapping/gnss_noise.hpp"
@@ -13,11 +13,10 @@
 namespace adit {
 namespace {
 
-constexpr int kMostCorrections = 3;
+constexpr int kMostCorrections = 4;
 constexpr double kCorrected = 0.25;  // standard deviations that a correction may leave
-// By which the sum of chi squared has to fall: one parameter's at its four standard deviations, and
-// this part of all.
-constexpr double kLeastGain = 16.0;
+// By which the sum of chi squared has to fall, and by which part of it.
+constexpr double kLeastGain = 6.0;
 constexpr double kLeastGainShare = 0.1;
 // With a wrong antenna or a late receiver no place may fit half of the fixes, or only parts of the
 // way: a trial begins with less.
@@ -51,14 +50,13 @@ PoseGraph as_weighted(const PoseGraph& graph) {
   });
 }
 
-/// Those of an error that are to be corrected; 0: the others.
-AntennaError significant_part(const AntennaError& error,
-                              const std::array<AntennaParameter, 4>& first) {
-  AntennaError part = AntennaError::Zero();
-  for (int i = 0; i < AntennaError::SizeAtCompileTime; ++i) {
-    part(i) = first[static_cast<std::size_t>(i)].significant ? error(i) : 0.0;
-  }
-  return part;
+/// Which entries of an AntennaError are corrected.
+using Corrected = Eigen::Array<bool, 4, 1>;
+
+Corrected significant_ones(const std::array<AntennaParameter, 4>& parameters) {
+  Corrected ones;
+  std::ranges::transform(parameters, ones.begin(), &AntennaParameter::significant);
+  return ones;
 }
 
 }  // namespace
@@ -150,9 +148,8 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
   if (!estimate) {
     return;
   }
-  const std::array<AntennaParameter, 4> first = judged(*estimate);
   AntennaReport found{.estimated = true,
-                      .parameters = first,
+                      .parameters = judged(*estimate),
                       .p_lidar_antenna = fixes_.front().T_keyframe_lidar.inverse() *
                                          fixes_.front().p_keyframe_antenna,
                       .time_offset = config_.time_offset};
@@ -165,8 +162,10 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
   const double scale = trial.odometry_scale_;
   found.cost_before = trial.cost(moved, scale);
   AntennaError total = AntennaError::Zero();
+  Corrected corrected = significant_ones(found.parameters);
   for (int round = 0; round < kMostCorrections; ++round) {
-    const AntennaError step = significant_part(estimate->error, first);
+    corrected = corrected || significant_ones(judged(*estimate));
+    const AntennaError step = corrected.select(estimate->error, AntennaError::Zero());
     if ((step.array().square() < kCorrected * kCorrected * estimate->covariance.diagonal().array())
             .all()) {
       break;
@@ -188,7 +187,7 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
     trial.settle(moved);
   }
   found.cost_after = trial.cost(moved, scale);
-  estimate->error += total - significant_part(estimate->error, first);
+  estimate->error = corrected.select(total, estimate->error);
   found.parameters = judged(*estimate);
   found.corrected = found.cost_before - found.cost_after >
                         std::max(kLeastGain, kLeastGainShare * found.cost_before) &&
