@@ -71,22 +71,32 @@ AntennaError found(const GnssReport& report) {
   return error;
 }
 
-TEST(AntennaCorrection, AWrongLeverArmAndALateReceiverAreSetRight) {
-  for (const AntennaError& truth :
-       {AntennaError(0.42, -0.15, 0.0, 0.0), AntennaError(0.0, 0.0, 0.0, 0.12),
-        AntennaError(0.8, 0.3, 0.0, 0.3), AntennaError(0.0, 0.0, 0.0, 1.0)}) {
-    for (unsigned seed = 1; seed <= 5; ++seed) {
-      const test::AntennaDrive drive(
-          test::in_town(), kDuration,
-          {.antenna = truth, .fix_sigma = 0.012, .edge_sigma = 0.02, .outliers = 0.05}, seed);
-      const Finished finished = mapped(drive);
-      ASSERT_TRUE(finished.report.antenna.estimated) << seed;
-      EXPECT_TRUE(finished.report.antenna.corrected) << seed;
-      EXPECT_LT(finished.error, 0.1) << seed;
-      EXPECT_LT((found(finished.report) - truth).head<2>().norm(), 0.1) << seed;
-      EXPECT_NEAR(found(finished.report)(kDelay), truth(kDelay), 0.01) << seed;
-    }
+void expect_set_right(const AntennaError& truth, unsigned seeds) {
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    const test::AntennaDrive drive(
+        test::in_town(), kDuration,
+        {.antenna = truth, .fix_sigma = 0.012, .edge_sigma = 0.02, .outliers = 0.05}, seed);
+    const Finished finished = mapped(drive);
+    ASSERT_TRUE(finished.report.antenna.estimated) << seed;
+    EXPECT_TRUE(finished.report.antenna.corrected) << seed;
+    EXPECT_LT(finished.error, 0.1) << seed;
+    EXPECT_LT((found(finished.report) - truth).head<2>().norm(), 0.1) << seed;
+    EXPECT_NEAR(found(finished.report)(kDelay), truth(kDelay), 0.01) << seed;
+    EXPECT_NEAR(finished.report.antenna.time_offset, -found(finished.report)(kDelay), 0.01) << seed;
   }
+}
+
+TEST(AntennaCorrection, AWrongLeverArmIsSetRight) {
+  expect_set_right({0.42, -0.15, 0.0, 0.0}, 5);
+}
+
+TEST(AntennaCorrection, ALateReceiverIsSetRight) {
+  expect_set_right({0.0, 0.0, 0.0, 0.12}, 5);
+}
+
+TEST(AntennaCorrection, WhatIsSoWrongThatNoPlaceFitsIsSetRight) {
+  expect_set_right({3.0, 1.0, 0.0, 0.3}, 2);
+  expect_set_right({0.0, 0.0, 0.0, 1.0}, 2);
 }
 
 TEST(AntennaCorrection, NothingIsCorrectedWhereNothingIsWrong) {
@@ -101,6 +111,27 @@ TEST(AntennaCorrection, NothingIsCorrectedWhereNothingIsWrong) {
         EXPECT_FALSE(finished.report.antenna.corrected) << seed;
       }
       EXPECT_EQ(finished.report.antenna.estimated, finished.report.georeference.has_value());
+    }
+  }
+}
+
+TEST(AntennaCorrection, ErrorsOfOtherKindsThanTheModelsAreNotTheAntennas) {
+  const test::AntennaDrive::Errors usual{.fix_sigma = 0.3, .edge_sigma = 0.02, .outliers = 0.05};
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    for (const double correlation : {3.0, 600.0}) {
+      test::AntennaDrive::Errors errors = usual;
+      errors.correlation = correlation;
+      const Finished finished =
+          mapped(test::AntennaDrive(test::in_town(), kDuration, errors, seed));
+      EXPECT_FALSE(finished.report.antenna.corrected) << correlation << " " << seed;
+    }
+    for (const double multipath : {0.25, 2.0}) {
+      test::AntennaDrive::Errors errors = usual;
+      errors.multipath = multipath;
+      errors.fix_sigma = 0.012;
+      const Finished finished =
+          mapped(test::AntennaDrive(test::in_town(), kDuration, errors, seed));
+      EXPECT_FALSE(finished.report.antenna.corrected) << multipath << " " << seed;
     }
   }
 }
