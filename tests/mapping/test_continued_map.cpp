@@ -24,6 +24,7 @@ MapFix fix_of(NodeId keyframe, double antenna = 0.5) {
           .keyframe = keyframe,
           .stamp = Nanoseconds(1000 * keyframe),
           .kind = GnssFixKind::single,
+          .place = {41.65, -0.88, 200.0},
           .covariance = Eigen::Matrix3d::Identity(),
           .p_keyframe_antenna = {antenna, 0.0, 0.0}};
 }
