@@ -113,6 +113,7 @@ class WorldTies {
   void settle(PoseGraph& graph);
   void calibrate_antenna(PoseGraph& graph);
   std::optional<AntennaEstimate> antenna_estimate(const PoseGraph& graph);
+  std::optional<AntennaEstimate> correct_significant(PoseGraph& graph, AntennaEstimate estimate);
   void correct_antenna(const AntennaError& error);
   void judge_by(const AntennaEstimate& estimate, const PoseGraph& graph);
   double cost(const PoseGraph& graph, double odometry_scale);

@@ -134,72 +134,80 @@ bool WorldTies::most_agree() const {
   return count(FixVerdict::used) >= count(FixVerdict::outlier) + count(FixVerdict::waiting);
 }
 
+// Round by round, each from where the graph is by then. None: the equations cannot be solved.
+std::optional<AntennaEstimate> WorldTies::correct_significant(PoseGraph& graph,
+                                                              AntennaEstimate estimate) {
+  AntennaError total = AntennaError::Zero();
+  Corrected corrected = Corrected::Constant(false);
+  for (int round = 0; round < kMostCorrections; ++round) {
+    corrected = corrected || significant_ones(judged(estimate));
+    const AntennaError step = corrected.select(estimate.error, AntennaError::Zero());
+    const auto negligible = kCorrected * kCorrected * estimate.covariance.diagonal().array();
+    if ((step.array().square() < negligible).all()) {
+      break;
+    }
+    total += step;
+    correct_antenna(step);
+    judge_by(estimate, graph);
+    settle(graph);
+    const std::optional<AntennaEstimate> next = antenna_estimate(graph);
+    if (!next) {
+      return std::nullopt;
+    }
+    estimate = *next;
+  }
+  report_.antenna.p_lidar_antenna += total.head<3>();
+  report_.antenna.time_offset -= total(kDelay);
+  estimate.error = corrected.select(total, estimate.error);
+  return estimate;
+}
+
 // Nothing is corrected that is not beyond doubt, and nothing that does not prove better.
 void WorldTies::calibrate_antenna(PoseGraph& graph) {
   WorldTies trial = *this;
   PoseGraph moved = graph;
-  if (!trial.frame_) {
+  if (!frame_) {
     if (!trial.find_place(moved, {.agreement = kFewAgree, .yaw_sigma = kRoughYaw})) {
       return;
     }
     trial.settle(moved);
   }
-  std::optional<AntennaEstimate> estimate = trial.antenna_estimate(moved);
-  if (!estimate) {
+  const std::optional<AntennaEstimate> first = trial.antenna_estimate(moved);
+  if (!first) {
     return;
   }
-  AntennaReport found{.estimated = true,
-                      .parameters = judged(*estimate),
-                      .p_lidar_antenna = fixes_.front().T_keyframe_lidar.inverse() *
-                                         fixes_.front().p_keyframe_antenna,
-                      .time_offset = config_.time_offset};
-  if (frame_) {
-    report_.antenna = found;
-  }
-  if (!found.any_significant()) {
-    return;
-  }
-  const double scale = trial.odometry_scale_;
-  found.cost_before = trial.cost(moved, scale);
-  AntennaError total = AntennaError::Zero();
-  Corrected corrected = significant_ones(found.parameters);
-  for (int round = 0; round < kMostCorrections; ++round) {
-    corrected = corrected || significant_ones(judged(*estimate));
-    const AntennaError step = corrected.select(estimate->error, AntennaError::Zero());
-    if ((step.array().square() < kCorrected * kCorrected * estimate->covariance.diagonal().array())
-            .all()) {
-      break;
+  AntennaReport& found = trial.report_.antenna;
+  found = {.estimated = true,
+           .parameters = judged(*first),
+           .p_lidar_antenna =
+               fixes_.front().T_keyframe_lidar.inverse() * fixes_.front().p_keyframe_antenna,
+           .time_offset = config_.time_offset};
+  AntennaReport left_alone = found;
+  if (found.any_significant()) {
+    const double scale = trial.odometry_scale_;
+    found.cost_before = trial.cost(moved, scale);
+    const std::optional<AntennaEstimate> corrected = trial.correct_significant(moved, *first);
+    bool known = corrected.has_value();
+    if (known && !frame_) {  // as well as any place has to be
+      trial.frame_.reset();
+      known = trial.find_place(moved, {});
+      if (known) {
+        trial.settle(moved);
+      }
     }
-    total += step;
-    trial.correct_antenna(step);
-    trial.judge_by(*estimate, moved);
-    trial.settle(moved);
-    estimate = trial.antenna_estimate(moved);
-    if (!estimate) {
-      return;
+    if (known) {
+      found.parameters = left_alone.parameters = judged(*corrected);
+      found.cost_after = trial.cost(moved, scale);
+      const double gain = found.cost_before - found.cost_after;
+      found.corrected =
+          trial.most_agree() && gain > std::max(kLeastGain, kLeastGainShare * found.cost_before);
     }
   }
-  if (!frame_) {  // which has to be known as well as any
-    trial.frame_.reset();
-    if (!trial.find_place(moved, {})) {
-      return;
-    }
-    trial.settle(moved);
-  }
-  found.cost_after = trial.cost(moved, scale);
-  estimate->error = corrected.select(total, estimate->error);
-  found.parameters = judged(*estimate);
-  found.corrected = found.cost_before - found.cost_after >
-                        std::max(kLeastGain, kLeastGainShare * found.cost_before) &&
-                    trial.most_agree();
   if (found.corrected) {
-    found.p_lidar_antenna += total.head<3>();
-    found.time_offset -= total(kDelay);
     *this = std::move(trial);
     graph = std::move(moved);
-  }
-  if (frame_) {
-    report_.antenna = found;
+  } else if (frame_) {
+    report_.antenna = left_alone;
   }
 }
 

@@ -64,11 +64,14 @@ TEST(GnssText, SaysWhereTheAntennaReallySitsAndHowLateItsFixesAre) {
   gnss.antenna = AntennaReport{.estimated = true,
                                .parameters = {ahead, no, unknown, late},
                                .corrected = true,
+                               .cost_before = 176.2,
+                               .cost_after = 74.1,
                                .p_lidar_antenna = {0.22, 0.05, 0.35},
                                .time_offset = -0.12};
   for (const std::string_view part :
        {"0.42 m (+- 0.04) along the lidar's x", "0.120 s (+- 0.010) late",
-        "gnss.antenna = [0.22, 0.05, 0.35]", "gnss.time_offset = -0.120", "z not observable"}) {
+        "gnss.antenna = [0.22, 0.05, 0.35]", "gnss.time_offset = -0.120",
+        "chi squared 74, it was 176", "z not observable"}) {
     EXPECT_NE(describe_antenna(gnss).find(part), std::string::npos)
         << part << " in: " << describe_antenna(gnss);
   }

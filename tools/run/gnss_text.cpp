@@ -135,7 +135,11 @@ std::string describe_antenna(const GnssReport& gnss) {
   }
   const std::string rest = others.empty() ? "" : "; " + others;
   return gnss.antenna.corrected
-             ? significant + ": corrected here, and from the start by " +
+             ? significant +
+                   fmt::format(
+                       ": corrected here (chi squared {:.0f}, it was {:.0f}), and from the "
+                       "start by ",
+                       gnss.antenna.cost_after, gnss.antenna.cost_before) +
                    antenna_settings(gnss.antenna) + rest
              : significant +
                    ", but so corrected the map agrees with them no better: it is left as it is; "
