@@ -50,6 +50,16 @@ Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config) {
   return 0.5 * (covariance + covariance.transpose());
 }
 
+Eigen::Matrix3d fix_information(const Eigen::Matrix3d& covariance, bool height) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  if (height) {
+    information = covariance.inverse();
+  } else {
+    information.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>().inverse();
+  }
+  return 0.5 * (information + information.transpose());
+}
+
 std::vector<double> independent_shares(std::span<const double> times, double correlation) {
   std::vector<double> shares(times.size());
   std::size_t begin = 0;

@@ -12,11 +12,21 @@
 
 namespace adit {
 
+/// Chi squared of three directions, 99 %: a fix that lies farther from where the map has it, with
+/// kShapeNoise allowed for, is an outlier.
+inline constexpr double kFixGate = 11.34;
+/// Standard deviation of the map's own shape, m.
+inline constexpr double kShapeNoise = 0.1;
+
 /// The covariance (east north up, m^2) that a fix counts with: the receiver's times the configured
 /// scale, but no standard deviation below that of a good receiver with such a fix, since many state
 /// a tenth of their errors: ground-augmented (RTK) 0.02 m, satellite-augmented 0.3 m, single 1.5 m,
 /// upwards twice that. What the receiver does not state is three times those.
 Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config);
+
+/// What a fix with such a covariance tells (1/m^2); nothing about its height, where that does not
+/// count.
+Eigen::Matrix3d fix_information(const Eigen::Matrix3d& covariance, bool height);
 
 /// How many independent fixes each of these counts as. A receiver's errors stay much the same for
 /// about `correlation` (s): a stretch of T seconds, however many fixes it has, knows its mean as

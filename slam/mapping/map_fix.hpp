@@ -51,7 +51,8 @@ struct MapFix {
   Geodetic place;
   /// East north up, m^2, as it counts: the receiver's, but not below what such a fix can have.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// The antenna at the fix's time, by the odometry, in the keyframe's axes, m.
+  /// The antenna when the fix was taken, by the odometry, in the keyframe's axes, m: at its stamp,
+  /// but where the run's end has found the receiver's delay.
   Eigen::Vector3d p_keyframe_antenna = Eigen::Vector3d::Zero();
   double path = 0.0;  ///< m, that the sensor has gone since the run began
   FixVerdict verdict = FixVerdict::waiting;
@@ -59,6 +60,9 @@ struct MapFix {
   /// shares with those beside it. Zero where it is not used.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   double chi2 = 0.0;  ///< of its distance from where the map has it, with `covariance`
+  /// The lidar then, by the odometry. A store does not keep it.
+  Eigen::Isometry3d T_keyframe_lidar = Eigen::Isometry3d::Identity();
+  Vector6d twist = Vector6d::Zero();  ///< as of TrackedMotion; not stored either
 };
 
 /// A fix that is used, for the graph.

@@ -51,6 +51,9 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                ? (result.T_map_lidar.translation() - last_pose_->pose.translation()).norm()
                : 0.0;
   last_pose_ = {.stamp = result.stamp, .pose = result.T_map_lidar};
+  if (has_receiver_) {
+    assembly_.world().add_pose(*last_pose_, restarted);
+  }
   ++report_.sweeps;
   return {.keyframe = open_->id, .T_map_lidar = assembly_.T_map_odom() * result.T_map_lidar};
 }
@@ -60,6 +63,7 @@ void Mapper::add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
     assembly_.world().count_without_position();
     return;
   }
+  has_receiver_ = true;
   const auto later = std::ranges::upper_bound(
       pending_, fix.stamp, {}, [](const PendingFix& pending) { return pending.fix.stamp; });
   pending_.insert(later, {.fix = fix, .p_lidar_antenna = p_lidar_antenna});
@@ -67,27 +71,29 @@ void Mapper::add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
 
 // Those between the sweep before and this one, which the keyframe that is open has seen.
 void Mapper::place_fixes(const SweepResult& next) {
-  constexpr double kLongestGap = 1.0;  // s
   const bool known = open_ && last_pose_ && next.state != OdometryState::restarted &&
-                     seconds(next.stamp - last_pose_->stamp) < kLongestGap;
+                     seconds(next.stamp - last_pose_->stamp) < kLongestInterpolation;
   for (; !pending_.empty() && pending_.front().fix.stamp < next.stamp; pending_.pop_front()) {
     const auto& [fix, p_lidar_antenna] = pending_.front();
     if (!known || fix.stamp < last_pose_->stamp) {
       assembly_.world().count_outside(1);
       continue;
     }
-    const Eigen::Isometry3d T_last_next = last_pose_->pose.inverse() * next.T_map_lidar;
+    const TrackedMotion lidar =
+        between(*last_pose_, {.stamp = next.stamp, .pose = next.T_map_lidar}, fix.stamp);
     const double part =
         seconds(fix.stamp - last_pose_->stamp) / seconds(next.stamp - last_pose_->stamp);
-    const Eigen::Isometry3d T_odom_lidar = last_pose_->pose * se3_exp(part * se3_log(T_last_next));
+    const Eigen::Isometry3d T_last_next = last_pose_->pose.inverse() * next.T_map_lidar;
     open_->fixes.push_back({.id = next_fix_++,
                             .keyframe = open_->id,
                             .stamp = fix.stamp,
                             .kind = fix.kind,
                             .place = {fix.latitude, fix.longitude, fix.altitude},
                             .covariance = fix_covariance(fix, config_.gnss),
-                            .p_keyframe_antenna = T_odom_lidar * p_lidar_antenna,
-                            .path = path_ + part * T_last_next.translation().norm()});
+                            .p_keyframe_antenna = lidar.T_odom_lidar * p_lidar_antenna,
+                            .path = path_ + part * T_last_next.translation().norm(),
+                            .T_keyframe_lidar = lidar.T_odom_lidar,
+                            .twist = lidar.twist});
   }
 }
 
@@ -114,6 +120,7 @@ void Mapper::freeze() {
   const SurfaceCloud cloud = make_surface_cloud(*context_, submap);
   for (MapFix& fix : open.fixes) {
     fix.p_keyframe_antenna = frozen.T_odom_keyframe.inverse() * fix.p_keyframe_antenna;
+    fix.T_keyframe_lidar = frozen.T_odom_keyframe.inverse() * fix.T_keyframe_lidar;
   }
   std::optional<PoseEdge> edge;
   if (last_ && !open.detached) {

@@ -77,7 +77,7 @@ class Mapper {
     NodeId id = 0;
     UncertainPose lidar;          ///< pose of its first sweep, in the odometry's frame
     bool detached = false;        ///< the odometry started anew with it
-    std::vector<MapFix> fixes{};  ///< p_keyframe_antenna in the odometry's frame as yet
+    std::vector<MapFix> fixes{};  ///< antenna and lidar in the odometry's frame as yet
   };
   struct PendingFix {
     GnssFix fix;
@@ -111,7 +111,8 @@ class Mapper {
   std::deque<PendingFix> pending_;  ///< in the order of their stamps
   /// The sweep before, for what is between it and the next.
   std::optional<StampedPose> last_pose_;
-  double path_ = 0.0;  ///< m, up to that sweep
+  double path_ = 0.0;          ///< m, up to that sweep
+  bool has_receiver_ = false;  ///< that has had a position
   int64_t next_fix_ = 1;
   Nanoseconds last_sweep_{0};  ///< its stamp
   MapReport report_;

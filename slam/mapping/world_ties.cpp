@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/graph_residuals.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
@@ -20,14 +19,10 @@ using Eigen::Vector3d;
 constexpr double kLeastTime = 0.5;  // s, between fixes that count, unless they are
 constexpr double kLeastWay = 1.0;   // m apart
 constexpr double kMoved = 0.5;      // m, while which a receiver does not repeat itself
-constexpr double kYawKnown = 1.0 * kDegree;
-constexpr double kLeastAgreement = 0.5;  // of the fixes that have been seen by then
 constexpr std::size_t kFewestFixes = 5;
 constexpr double kLeastExtent = 10.0;      // m, of the fixes that agree
 constexpr std::size_t kManyOutliers = 20;  // more than are used: the place is wrong
-constexpr double kFixGate = 11.34;         // chi squared of three directions, 99 %
-constexpr double kDrift = 0.01;      // of the way since the last fix that the map was fitted to
-constexpr double kShapeNoise = 0.1;  // m, of the map's own shape
+constexpr double kDrift = 0.01;  // of the way since the last fix that the map was fitted to
 constexpr std::size_t kNodesBetween = 20;  // optimisations, at the least
 constexpr int kMostRounds = 4;
 constexpr double kSlack = 1.5;  // of the gate, for what was used before, while more is to come
@@ -208,7 +203,7 @@ std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const s
 }
 
 // From all fixes so far; false: they do not tell it yet, or no better than it is known.
-bool WorldTies::find_place(PoseGraph& graph) {
+bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
   const std::vector<std::size_t> part = told_by(graph);
   tried_ = judged_;
   if (part.size() < kFewestFixes) {
@@ -233,9 +228,9 @@ bool WorldTies::find_place(PoseGraph& graph) {
     }
   }
   const bool known =
-      found->yaw_sigma < kYawKnown && agreeing.size() >= kFewestFixes &&
+      found->yaw_sigma < needs.yaw_sigma && agreeing.size() >= kFewestFixes &&
       box.sizes().norm() >= kLeastExtent &&
-      static_cast<double>(agreeing.size()) >= kLeastAgreement * static_cast<double>(part.size());
+      static_cast<double>(agreeing.size()) >= needs.agreement * static_cast<double>(part.size());
   const bool better = !frame_ || 2 * agreeing.size() >= 3 * count(FixVerdict::used);
   if (!known || !better) {
     return false;
@@ -270,16 +265,6 @@ void WorldTies::forget_place(PoseGraph& graph) {
   }
 }
 
-Matrix3d WorldTies::information_of(const MapFix& fix) const {
-  Matrix3d information = Matrix3d::Zero();
-  if (config_.height) {
-    information = fix.covariance.inverse();
-  } else {
-    information.topLeftCorner<2, 2>() = fix.covariance.topLeftCorner<2, 2>().inverse();
-  }
-  return 0.5 * (information + information.transpose());
-}
-
 void WorldTies::tie(PoseGraph& graph) {
   graph.clear_fixes();
   const FirstPart first(graph);
@@ -296,7 +281,7 @@ void WorldTies::tie(PoseGraph& graph) {
   const std::vector<double> shares = independent_shares(times, config_.correlation);
   for (std::size_t i = 0; i < used.size(); ++i) {
     MapFix& fix = fixes_[used[i]];
-    const Matrix3d information = shares[i] * information_of(fix);
+    const Matrix3d information = shares[i] * fix_information(fix.covariance, config_.height);
     if (fix.information != information) {
       fix.information = information;
       changed_.insert(used[i]);
@@ -309,6 +294,7 @@ void WorldTies::optimize(PoseGraph& graph) {
   tie(graph);
   const LoopOptimum optimum = optimize_with_loops(graph);
   ++report_.optimizations;
+  odometry_scale_ = optimum.odometry_scale;
   if (optimum.report.termination != Termination::failed) {
     graph.set_poses(optimum.poses);
     graph.set_T_world_map(optimum.T_world_map);
@@ -331,6 +317,16 @@ bool WorldTies::judge_again(const PoseGraph& graph, double gate_of_used) {
     changed |= fixes_[i].verdict != before;
   }
   return changed;
+}
+
+// Until no verdict changes.
+void WorldTies::settle(PoseGraph& graph) {
+  for (int round = 0; round < kMostRounds; ++round) {
+    optimize(graph);
+    if (!judge_again(graph, kFixGate)) {
+      break;
+    }
+  }
 }
 
 /// What is left of the used fixes, and how far all lie apart.
@@ -362,7 +358,8 @@ bool WorldTies::would_agree_exchanged(const PoseGraph& graph) {
   const WorldFrame frame(
       {.latitude = first.longitude, .longitude = first.latitude, .altitude = first.altitude});
   const std::optional<WorldFit> found = fit(graph, part, frame, true);
-  return found && found->yaw_sigma < kYawKnown && 10 * found->agreeing > 8 * part.size();
+  return found && found->yaw_sigma < PlaceNeeds{}.yaw_sigma &&
+         10 * found->agreeing > 8 * part.size();
 }
 
 WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, bool had_place) {
@@ -392,7 +389,7 @@ WorldTies::Change WorldTies::take_effect(PoseGraph& graph, NodeId keyframe, bool
   const bool wanted =
       frame_ ? used_since_ > 0 &&
                    nodes >= optimized_nodes_ + std::max(kNodesBetween, optimized_nodes_ / 10)
-             : judged_ > tried_ + tried_ / 10 && find_place(graph);
+             : judged_ > tried_ + tried_ / 10 && find_place(graph, {});
   if (wanted) {
     optimize(graph);
     judge_again(graph, kSlack * kFixGate);
@@ -409,18 +406,18 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
   if (is_contradicted()) {
     forget_place(graph);
   }
-  find_place(graph);
-  for (int round = 0; frame_ && may_optimize && round < kMostRounds; ++round) {
-    optimize(graph);
-    if (!judge_again(graph, kFixGate)) {
-      break;
-    }
+  find_place(graph, {});
+  if (frame_ && may_optimize) {
+    settle(graph);
   }
   if (is_contradicted()) {
     forget_place(graph);
     if (may_optimize) {
       optimize(graph);
     }
+  }
+  if (may_optimize) {
+    calibrate_antenna(graph);
   }
   report_.swapped = !frame_ && would_agree_exchanged(graph);
   measure(graph);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -10,11 +11,33 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/core/units.hpp"
+#include "adit/slam/mapping/antenna_calibration.hpp"
 #include "adit/slam/mapping/map_fix.hpp"
+#include "adit/slam/mapping/odometry_track.hpp"
 #include "adit/slam/mapping/world_fit.hpp"
 #include "adit/slam/mapping/world_frame.hpp"
 
 namespace adit {
+
+/// What fixes tell of where their antenna sits and of how late they are.
+struct AntennaReport {
+  bool estimated = false;  ///< false: too few fixes, or the map has no place in the world
+  /// The lever arm's error along the lidar's x, y and z (m), and the delay (s): beyond what the
+  /// settings have.
+  std::array<AntennaParameter, 4> parameters{};
+  bool corrected = false;    ///< what is significant is, and the map agrees better with the fixes
+  double cost_before = 0.0;  ///< sum of chi squared of graph and fixes, where it was tried
+  double cost_after = 0.0;
+  /// As it was given or is now, m, lidar axes.
+  Eigen::Vector3d p_lidar_antenna = Eigen::Vector3d::Zero();
+  double time_offset = 0.0;  ///< s, that stamps are corrected by: the setting's, or as it is now
+
+  /// One of the parameters is beyond doubt.
+  bool any_significant() const {
+    return std::ranges::any_of(parameters, &AntennaParameter::significant);
+  }
+};
 
 /// What has become of a run's GNSS fixes.
 struct GnssReport {
@@ -29,6 +52,7 @@ struct GnssReport {
   double vertical = 0.0;
   bool swapped = false;  ///< with latitude and longitude exchanged the fixes would agree
   std::size_t optimizations = 0;
+  AntennaReport antenna{};
 
   /// There was a receiver at all.
   bool any() const { return fixes + without_position + outside > 0; }
@@ -44,6 +68,8 @@ class WorldTies {
 
   /// Of a node that the graph will have, in the order of their times.
   void add(std::span<const MapFix> fixes);
+  /// Of the lidar in the odometry's frame, a sweep each; `anew` as of OdometryTrack.
+  void add_pose(const StampedPose& pose, bool anew) { track_.add(pose, anew); }
   void count_without_position() { ++report_.without_position; }
   void count_outside(std::size_t fixes) { report_.outside += fixes; }
 
@@ -68,18 +94,30 @@ class WorldTies {
   bool is_repeated(std::size_t fix) const;
   bool is_near_the_last(std::size_t fix) const;
   double distance2(const PoseGraph& graph, const MapFix& fix, double drift) const;
-  Eigen::Matrix3d information_of(const MapFix& fix) const;
   void judge_new(const PoseGraph& graph, NodeId last);
   bool judge_again(const PoseGraph& graph, double gate_of_used);
   std::vector<std::size_t> told_by(const PoseGraph& graph);
   std::optional<WorldFit> fit(const PoseGraph& graph, std::span<const std::size_t> part,
                               const WorldFrame& frame, bool swapped) const;
-  bool find_place(PoseGraph& graph);
+  /// What a place has to have for it to be known.
+  struct PlaceNeeds {
+    double agreement = 0.5;            ///< of the fixes that have been seen by then
+    double yaw_sigma = 1.0 * kDegree;  ///< rad
+  };
+  bool find_place(PoseGraph& graph, const PlaceNeeds& needs);
   bool is_contradicted() const;
   void forget_place(PoseGraph& graph);
   bool would_agree_exchanged(const PoseGraph& graph);
   void tie(PoseGraph& graph);
   void optimize(PoseGraph& graph);
+  void settle(PoseGraph& graph);
+  void calibrate_antenna(PoseGraph& graph);
+  std::optional<AntennaEstimate> antenna_estimate(const PoseGraph& graph);
+  std::optional<AntennaEstimate> correct_significant(PoseGraph& graph, AntennaEstimate estimate);
+  void correct_antenna(const AntennaError& error);
+  void judge_by(const AntennaEstimate& estimate, const PoseGraph& graph);
+  double cost(const PoseGraph& graph, double odometry_scale);
+  bool most_agree() const;
   void measure(const PoseGraph& graph);
   Change take_change(const PoseGraph& graph, bool moved, bool had_place);
 
@@ -93,6 +131,9 @@ class WorldTies {
   double optimized_path_ = 0.0;  ///< m, of the last used fix in the last optimisation
   std::size_t optimized_nodes_ = 0;
   std::size_t used_since_ = 0;
+  double odometry_scale_ = 1.0;  ///< of the last optimisation
+  OdometryTrack track_;
+  double delay_ = 0.0;  ///< s, of the stamps, that places of fixes are corrected by
   GnssReport report_;
 };
 

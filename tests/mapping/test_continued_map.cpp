@@ -18,6 +18,17 @@ using test::dump_of;
 
 constexpr NodeId kContinuedKeyframes = 6;
 
+/// The fix of a keyframe, whose antenna the end of a run may move.
+MapFix fix_of(NodeId keyframe, double antenna = 0.5) {
+  return {.id = keyframe + 1,
+          .keyframe = keyframe,
+          .stamp = Nanoseconds(1000 * keyframe),
+          .kind = GnssFixKind::single,
+          .place = {41.65, -0.88, 200.0},
+          .covariance = Eigen::Matrix3d::Identity(),
+          .p_keyframe_antenna = {antenna, 0.0, 0.0}};
+}
+
 /// A keyframe of so many sweeps, a second each ten of them.
 KeyframeRecord short_record(NodeId id, SessionId session, int sweeps = 10) {
   KeyframeRecord record = test::record(id, session);
@@ -31,11 +42,12 @@ KeyframeRecord short_record(NodeId id, SessionId session, int sweeps = 10) {
   }
   record.keyframe.stamp = submap.sweeps.front().stamp;
   record.submap = encode(submap);
+  record.fixes = {fix_of(id)};
   return record;
 }
 
 /// What a run does to its map: keyframes with their edges, then candidates, an edge that is taken
-/// back, and an end that moves all poses and adds a last keyframe.
+/// back, and an end that moves all poses and the last antenna and adds a last keyframe.
 void run_up_to(MapStore& store, SessionId session, NodeId keyframes) {
   for (NodeId id = 0; id < keyframes; ++id) {
     store.store(short_record(id, session));
@@ -58,6 +70,7 @@ void end_run(MapStore& store, SessionId session, NodeId keyframes, int sweeps = 
     revision.poses.push_back(
         {.id = id, .T_map_node = test::step(10.0 * static_cast<double>(id), 0.5)});
   }
+  revision.fixes = {fix_of(keyframes > 0 ? keyframes - 1 : 0, 0.9)};
   store.revise(revision);
 }
 

@@ -297,11 +297,11 @@ TEST(MapDatabase, RefusesANewerSchemaAndLeavesItAsItIs) {
   { MapDatabase map(file, MapAccess::write); }
   {
     const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
-    raw.execute("PRAGMA user_version = 7");
+    raw.execute("PRAGMA user_version = 8");
   }
   for (const MapAccess access : {MapAccess::read, MapAccess::write}) {
     const std::string error = test::error_of<FileError>([&] { MapDatabase map(file, access); });
-    EXPECT_NE(error.find("its schema is 7, this one knows up to 6"), std::string::npos) << error;
+    EXPECT_NE(error.find("its schema is 8, this one knows up to 7"), std::string::npos) << error;
   }
 }
 

@@ -42,6 +42,46 @@ TEST(GnssText, SaysWhereTheMapLies) {
   EXPECT_FALSE(json.contains("why_not"));
 }
 
+TEST(GnssText, SaysWhereTheAntennaReallySitsAndHowLateItsFixesAre) {
+  GnssReport gnss = report(40, FixVerdict::used);
+  gnss.georeference = north_west();
+  EXPECT_EQ(describe_antenna(gnss), "") << "nothing is known";
+  EXPECT_FALSE(to_json(gnss).contains("antenna"));
+
+  const AntennaParameter no{.value = 0.01, .sigma = 0.02, .observable = true};
+  const AntennaParameter unknown{.value = 70.0, .sigma = 300.0};
+  const AntennaParameter ahead{
+      .value = 0.42, .sigma = 0.04, .observable = true, .significant = true};
+  const AntennaParameter late{
+      .value = 0.12, .sigma = 0.01, .observable = true, .significant = true};
+  gnss.antenna = AntennaReport{.estimated = true, .parameters = {no, no, unknown, no}};
+  EXPECT_NE(describe_antenna(gnss).find("x 0.01 m (+- 0.02), y 0.01 m (+- 0.02), z not observable"),
+            std::string::npos)
+      << describe_antenna(gnss);
+  EXPECT_TRUE(to_json(gnss)["antenna"]["z_m"]["error"].is_null());
+  EXPECT_EQ(to_json(gnss)["antenna"]["x_m"]["sigma"], 0.02);
+
+  gnss.antenna = AntennaReport{.estimated = true,
+                               .parameters = {ahead, no, unknown, late},
+                               .corrected = true,
+                               .cost_before = 176.2,
+                               .cost_after = 74.1,
+                               .p_lidar_antenna = {0.22, 0.05, 0.35},
+                               .time_offset = -0.12};
+  for (const std::string_view part :
+       {"0.42 m (+- 0.04) along the lidar's x", "0.120 s (+- 0.010) late",
+        "gnss.antenna = [0.22, 0.05, 0.35]", "gnss.time_offset = -0.120",
+        "chi squared 74, it was 176", "z not observable"}) {
+    EXPECT_NE(describe_antenna(gnss).find(part), std::string::npos)
+        << part << " in: " << describe_antenna(gnss);
+  }
+  EXPECT_EQ(to_json(gnss)["antenna"]["delay_s"]["significant"], true);
+  EXPECT_EQ(to_json(gnss)["antenna"]["text"], describe_antenna(gnss));
+
+  gnss.antenna.corrected = false;
+  EXPECT_NE(describe_antenna(gnss).find("left as it is"), std::string::npos);
+}
+
 TEST(GnssText, SaysWhyAMapHasNoPlaceAndWhatToDo) {
   GnssReport swapped = report(30, FixVerdict::waiting);
   swapped.swapped = true;

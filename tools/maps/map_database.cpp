@@ -90,10 +90,13 @@ constexpr const char* kTablesOfTheWorld =
     " longitude REAL NOT NULL, altitude REAL NOT NULL, pose BLOB NOT NULL,"
     " covariance BLOB NOT NULL);"
     "CREATE TABLE end_fixes(id INTEGER PRIMARY KEY, verdict INTEGER NOT NULL, chi2 REAL NOT NULL,"
-    " information BLOB NOT NULL);"
+    " information BLOB NOT NULL, antenna BLOB);"
     "CREATE TABLE end_georeference(id INTEGER PRIMARY KEY, latitude REAL NOT NULL,"
     " longitude REAL NOT NULL, altitude REAL NOT NULL, pose BLOB NOT NULL,"
     " covariance BLOB NOT NULL);";
+
+// What the world's tables of schemas 5 and 6 lack: the end of a run may move antennas.
+constexpr const char* kEndToSchema7 = "ALTER TABLE end_fixes ADD COLUMN antenna BLOB;";
 
 int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement = database.prepare("PRAGMA " + name);
@@ -239,6 +242,8 @@ void MapDatabase::migrate() {
   if (schema < 5) {
     database_.execute(kToSchema5);
     database_.execute(kTablesOfTheWorld);
+  } else if (schema < 7) {
+    database_.execute(kEndToSchema7);
   }
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();

@@ -23,7 +23,7 @@
 namespace adit {
 
 /// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 6;
+inline constexpr int64_t kMapSchema = 7;
 /// "adit": the application that the file says it belongs to.
 inline constexpr int64_t kMapApplication = 0x61646974;
 

@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kRememberAll =
     "DELETE FROM end_keyframes; DELETE FROM end_edges; DELETE FROM end_candidates;"
     "DELETE FROM end_fixes; DELETE FROM end_georeference;"
-    "INSERT INTO end_fixes SELECT id, verdict, chi2, information FROM fixes;"
+    "INSERT INTO end_fixes SELECT id, verdict, chi2, information, antenna FROM fixes;"
     "INSERT INTO end_georeference SELECT * FROM georeference;"
     "INSERT INTO end_keyframes SELECT id, fixed, pose FROM keyframes;"
     "INSERT INTO end_edges SELECT id, status FROM edges;"
@@ -30,7 +30,8 @@ constexpr const char* kTakeBack =
     "DELETE FROM edges WHERE id NOT IN (SELECT id FROM end_edges);"
     "UPDATE edges SET status = was.status FROM end_edges AS was WHERE was.id = edges.id;"
     "DELETE FROM fixes WHERE id NOT IN (SELECT id FROM end_fixes);"
-    "UPDATE fixes SET verdict = was.verdict, chi2 = was.chi2, information = was.information"
+    "UPDATE fixes SET verdict = was.verdict, chi2 = was.chi2, information = was.information,"
+    " antenna = COALESCE(was.antenna, fixes.antenna)"
     " FROM end_fixes AS was WHERE was.id = fixes.id;"
     "DELETE FROM georeference; INSERT INTO georeference SELECT * FROM end_georeference;"
     "DELETE FROM places;"

@@ -47,7 +47,7 @@ constexpr std::array kShapes = {
     Shape{"end_keyframes", "nip", 3, false},
     Shape{"end_edges", "ni", 2, false},
     Shape{"end_candidates", "niiiprrrtrrrrri", 9, false},
-    Shape{"end_fixes", "nirs", 4, false},
+    Shape{"end_fixes", "nirsv", 4, false},
     Shape{"end_georeference", "nrrrpm", 6, false},
     // The index of places is made anew; its pages are no rows that have lost their tree.
     Shape{"places_rowid", "n*", 2, false},

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/gnss_text.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include <fmt/core.h>
 
@@ -52,7 +55,98 @@ std::string why_not(const GnssReport& gnss) {
       gnss.extent, gnss.yaw_sigma * 180.0 / std::numbers::pi);
 }
 
+constexpr std::array<std::string_view, 4> kAntennaParts{"x", "y", "z", "delay"};
+
+bool is_delay(std::size_t part) {
+  return part == kDelay;
+}
+
+/// "0.42 m (+- 0.04) along the lidar's x".
+std::string significant_text(const AntennaParameter& found, std::size_t part) {
+  return is_delay(part)
+             ? fmt::format("fixes are {:.3f} s (+- {:.3f}) {}", std::abs(found.value), found.sigma,
+                           found.value > 0.0 ? "late" : "early")
+             : fmt::format(
+                   "the antenna sits {:.2f} m (+- {:.2f}) along the lidar's {} from where "
+                   "it was taken to be",
+                   found.value, found.sigma, kAntennaParts[part]);
+}
+
+/// "x -0.01 m (+- 0.02)".
+std::string plain_text(const AntennaParameter& found, std::size_t part) {
+  if (!found.observable) {
+    return std::string(kAntennaParts[part]) + " not observable";
+  }
+  return is_delay(part) ? fmt::format("delay {:.3f} s (+- {:.3f})", found.value, found.sigma)
+                        : fmt::format("{} {:.2f} m (+- {:.2f})", kAntennaParts[part], found.value,
+                                      found.sigma);
+}
+
+/// The settings that have what was found.
+std::string antenna_settings(const AntennaReport& antenna) {
+  std::string text;
+  if (std::any_of(antenna.parameters.begin(), antenna.parameters.begin() + kDelay,
+                  [](const AntennaParameter& found) { return found.significant; })) {
+    text = fmt::format("gnss.antenna = [{:.2f}, {:.2f}, {:.2f}]", antenna.p_lidar_antenna.x(),
+                       antenna.p_lidar_antenna.y(), antenna.p_lidar_antenna.z());
+  }
+  if (antenna.parameters[kDelay].significant) {
+    text += (text.empty() ? "" : " and ") +
+            fmt::format("gnss.time_offset = {:.3f}", antenna.time_offset);
+  }
+  return text;
+}
+
+nlohmann::ordered_json to_json(const AntennaReport& antenna) {
+  nlohmann::ordered_json parts;
+  for (std::size_t i = 0; i < kAntennaParts.size(); ++i) {
+    const AntennaParameter& found = antenna.parameters[i];
+    const nlohmann::ordered_json unknown;
+    parts[std::string(kAntennaParts[i]) + (is_delay(i) ? "_s" : "_m")] = {
+        {"error", found.observable ? nlohmann::ordered_json(found.value) : unknown},
+        {"sigma", found.observable ? nlohmann::ordered_json(found.sigma) : unknown},
+        {"observable", found.observable},
+        {"significant", found.significant}};
+  }
+  parts["corrected"] = antenna.corrected;
+  parts["antenna_m"] = {antenna.p_lidar_antenna.x(), antenna.p_lidar_antenna.y(),
+                        antenna.p_lidar_antenna.z()};
+  parts["time_offset_s"] = antenna.time_offset;
+  return parts;
+}
+
 }  // namespace
+
+std::string describe_antenna(const GnssReport& gnss) {
+  if (!gnss.antenna.estimated) {
+    return "";
+  }
+  const auto& parameters = gnss.antenna.parameters;
+  std::string significant;
+  std::string others;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    std::string& text = parameters[i].significant ? significant : others;
+    text +=
+        (text.empty() ? "" : ", ") + (parameters[i].significant ? significant_text(parameters[i], i)
+                                                                : plain_text(parameters[i], i));
+  }
+  if (significant.empty()) {
+    return "no error of its place or its time is beyond doubt: " + others;
+  }
+  const std::string rest = others.empty() ? "" : "; " + others;
+  return gnss.antenna.corrected
+             ? significant +
+                   fmt::format(
+                       ": corrected here (chi squared {:.0f}, it was {:.0f}), and from the "
+                       "start by ",
+                       gnss.antenna.cost_after, gnss.antenna.cost_before) +
+                   antenna_settings(gnss.antenna) + rest
+             : significant +
+                   ", but so corrected the map agrees with them no better: it is left as it is; "
+                   "check the antenna's place, gnss.antenna, and the receiver's time, "
+                   "gnss.time_offset" +
+                   rest;
+}
 
 std::string describe(const GnssReport& gnss) {
   const std::size_t used = count(gnss, FixVerdict::used);
@@ -94,6 +188,10 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
     json["georeference"] = nullptr;
     json["why_not"] = why_not(gnss);
     return json;
+  }
+  if (gnss.antenna.estimated) {
+    json["antenna"] = to_json(gnss.antenna);
+    json["antenna"]["text"] = describe_antenna(gnss);
   }
   const Georeference& world = *gnss.georeference;
   const Eigen::Vector3d& t = world.T_world_map.translation();
