@@ -28,6 +28,13 @@ inline Eigen::Isometry3d step(double x, double yaw = 0.0) {
   return pose;
 }
 
+/// m upwards, and turned by rad.
+inline Eigen::Isometry3d up(double z, double yaw = 0.0) {
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  pose.translation().z() = z;
+  return pose;
+}
+
 /// Of a pose known to so many m and rad along and about each axis.
 inline Matrix6d diagonal_covariance(double translation, double rotation) {
   Vector6d variances;
