@@ -105,11 +105,11 @@ double odometry_scale(const PoseGraph& graph, const OnStep& on_step) {
 // are accepted: from far off, where much drift is to be corrected, the kernel would take it from
 // right ones, too.
 OptimizedGraph robust_optimum(PoseGraph graph, const OnStep& on_step) {
-  OptimizationSettings settings{.convention = ResidualConvention::rotation,
-                                .odometry_kernel = kOdometryKernel,
-                                .on_step = on_step};
+  OptimizationSettings settings = loop_kernels();
+  settings.on_step = on_step;
+  const RobustLoss against_wrong_ones = std::exchange(settings.loop_kernel, {});
   const OptimizedGraph all_believed = optimize_condensed(graph, settings);
-  settings.loop_kernel.kernel = Kernel::dcs;
+  settings.loop_kernel = against_wrong_ones;
   const double cost_before = graph_cost(graph, settings);
   if (all_believed.report.termination != Termination::failed) {
     graph.set_poses(all_believed.poses);
@@ -127,6 +127,12 @@ LoopOptimum at_scale(const PoseGraph& graph, double scale, const OnStep& on_step
 }
 
 }  // namespace
+
+OptimizationSettings loop_kernels() {
+  return {.convention = ResidualConvention::rotation,
+          .odometry_kernel = kOdometryKernel,
+          .loop_kernel = {.kernel = Kernel::dcs}};
+}
 
 LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
   LoopOptimum optimum = at_scale(graph, 1.0, on_step);

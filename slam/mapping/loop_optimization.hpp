@@ -14,6 +14,9 @@ namespace adit {
 /// are taken back.
 inline constexpr double kLoopReview = 22.5;
 
+/// The kernels of optimize_with_loops(): against the odometry's few large errors and wrong loops.
+OptimizationSettings loop_kernels();
+
 struct LoopOptimum : OptimizedGraph {
   /// The odometry's covariances counted so many times, 1 or more; chi squared and cost of its edges
   /// are with those.

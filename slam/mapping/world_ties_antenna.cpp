@@ -7,6 +7,7 @@
 
 #include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/graph_residuals.hpp"
+#include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/solver.hpp"
 #include "adit/slam/mapping/world_ties.hpp"
 
@@ -23,13 +24,6 @@ constexpr double kLeastGainShare = 0.1;
 constexpr double kFewAgree = 0.05;
 constexpr double kRoughYaw = 10.0 * kDegree;
 
-// As optimize_with_loops() has them.
-OptimizationSettings usual_kernels() {
-  return {.convention = ResidualConvention::rotation,
-          .odometry_kernel = {.kernel = Kernel::pseudo_huber, .width = 1.0},
-          .loop_kernel = {.kernel = Kernel::dcs}};
-}
-
 /// Without its fixes, and with the odometry's covariances counted so many times.
 PoseGraph without_fixes(const PoseGraph& graph, double odometry_scale) {
   PoseGraph scaled = graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
@@ -42,7 +36,7 @@ PoseGraph without_fixes(const PoseGraph& graph, double odometry_scale) {
 
 /// With what the kernels leave of each edge where the graph is.
 PoseGraph as_weighted(const PoseGraph& graph) {
-  const auto results = edge_results(graph, poses_of(graph), usual_kernels());
+  const auto results = edge_results(graph, poses_of(graph), loop_kernels());
   std::size_t i = 0;
   return graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
     const std::optional<EdgeResult>& result = results[i++];
@@ -108,7 +102,7 @@ void WorldTies::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph
 
 // Of edges, verticals and fixes where the graph is; outliers count as if they were at their gate.
 double WorldTies::cost(const PoseGraph& graph, double odometry_scale) {
-  double sum = graph_cost(without_fixes(graph, odometry_scale), usual_kernels());
+  double sum = graph_cost(without_fixes(graph, odometry_scale), loop_kernels());
   const std::vector<std::size_t> part = told_by(graph);
   std::vector<double> times;
   for (const std::size_t i : part) {

@@ -151,7 +151,7 @@ TEST_F(MapCommands, CheckFindsNothingInAWholeMapAndSaysWhereADamagedOneIs) {
   {
     std::fstream file(map_, std::ios::in | std::ios::out | std::ios::binary);
     const auto size = static_cast<std::streamoff>(fs::file_size(map_));
-    for (std::streamoff at = size / 4; at < size - size / 8; ++at) {
+    for (std::streamoff at = size / 2; at < size - size / 8; ++at) {
       file.seekp(at).put('\x5a');
     }
   }
