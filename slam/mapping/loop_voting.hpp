@@ -67,7 +67,7 @@ struct LoopVote {
   double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
   std::size_t voters = 1;      ///< later keyframes that agree, its own among them
   bool unexpected = false;     ///< not where the graph's covariances have it
-  bool far = false;            ///< more than position is believed alone: `grows_with_way()`
+  bool far = false;            ///< as far as position is believed only where a bundle's claims grow
   bool accepted = false;
 };
 
