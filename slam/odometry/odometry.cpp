@@ -255,7 +255,12 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
   } else {
     coasting.setZero();
   }
-  result.uncertainty = drift.update(result.T_map_lidar, local, joined);
+  Matrix6d walked = Matrix6d::Zero();
+  if (result.state == OdometryState::tracking && !result.inertial.nav) {
+    walked = unheld_motion.step({result.stamp, result.T_map_lidar},
+                                unheld_directions(result.registration));
+  }
+  result.uncertainty = drift.update(result.T_map_lidar, local, joined, walked);
   if (result.state == OdometryState::restarted || result.renewed) {
     result.uncertainty = drift.restart(local);
   }

@@ -6,6 +6,7 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/types.hpp"
+#include "adit/slam/registration/registration.hpp"
 
 namespace adit {
 
@@ -30,6 +31,27 @@ struct UncertainPose {
 /// is most of what two poses a moment apart lack of the submap.
 Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to);
 
+/// Projector onto the directions of [rho, phi], lidar axes, that no match held.
+Matrix6d unheld_directions(const RegistrationResult& alignment);
+
+/// What a sensor without an IMU may have moved by, and turned, along directions that no match
+/// holds: constant velocity is all there is, and a velocity that nothing measures walks away. Its
+/// error reverts within some seconds (who drives does not drive off for ever), so that the
+/// position's grows as time^1.5 at first and as its root in the long run (docs/theory/inertial.md,
+/// section 9).
+class UnheldMotion {
+ public:
+  /// From the last sweep to this one: covariance of [rho, phi], lidar axes, that the step has
+  /// added. `unheld`: projector onto the directions that no match held, in the same axes; zero
+  /// where all are held.
+  Matrix6d step(const StampedPose& T_map_lidar, const Matrix6d& unheld);
+
+ private:
+  std::optional<Nanoseconds> last_;
+  Matrix6d velocity_ = Matrix6d::Zero();  ///< its covariance, map axes; m/s and rad/s
+  Matrix6d mixed_ = Matrix6d::Zero();     ///< of the way made since with it, and the velocity
+};
+
 /// Follows what the submap drifts by. While its first clouds are in it, they hold the map; from
 /// then on each cloud that joins hands its error on to the sweeps that are aligned with it, which
 /// makes a random walk. So does what a lidar errs by in the same way with every sweep, over the way
@@ -39,8 +61,10 @@ class DriftModel {
   /// A model for a submap of that many clouds.
   explicit DriftModel(int clouds) : clouds_(clouds) {}
 
-  /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap.
-  PoseUncertainty update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local, bool joins);
+  /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap; `walked`:
+  /// what its step has added along what no match held (UnheldMotion).
+  PoseUncertainty update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local, bool joins,
+                         const Matrix6d& walked = Matrix6d::Zero());
 
   /// The first sweep, which holds the map, was bent by a velocity that was known to this: standard
   /// deviations of what its pose lacks, [rho, phi], m and rad, lidar axes.

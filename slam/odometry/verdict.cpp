@@ -137,8 +137,12 @@ void RunAssessor::look_for_unheld() {
   const auto unheld =
       std::ranges::count_if(window, [](const Seen& seen) { return seen.unheld || !seen.aligned; });
   const double share = static_cast<double>(unheld) / static_cast<double>(kWindow);
+  // Who seems to stop where nothing would show a motion may be moving on.
+  const bool goes_on = !inertial && !stretches_.empty() &&
+                       stretches_.back().cause == DoubtCause::unheld &&
+                       stretches_.back().last + 2 >= count_;
   if (share < (inertial ? kUnheldShareInertial : kUnheldShare) ||
-      moved < (inertial ? kMovedInertial : kMoved)) {
+      (!goes_on && moved < (inertial ? kMovedInertial : kMoved))) {
     return;
   }
   DoubtfulStretch& stretch = note(DoubtCause::unheld, kWindow);

@@ -49,6 +49,47 @@ TEST(PoseUncertainty, AnAttitudeThatDriftedMovesWhatIsFarAhead) {
   EXPECT_NEAR(there(0, 0), 0.0, 1e-4);
 }
 
+// A tunnel along x, where nothing else measures: as time^1.5, along x alone, and for good.
+TEST(PoseUncertainty, WhatNoMatchHoldsWalksAway) {
+  RegistrationResult tunnel;
+  for (ObservedDirection& direction : tunnel.translation) {
+    direction.localizability = Localizability::full;
+  }
+  for (ObservedDirection& direction : tunnel.rotation) {
+    direction.localizability = Localizability::full;
+  }
+  const Matrix6d held = unheld_directions(tunnel);
+  EXPECT_TRUE(held.isZero());
+  tunnel.translation[0] = {.axis = Eigen::Vector3d::UnitX(),
+                           .localizability = Localizability::none};
+  const Matrix6d unheld = unheld_directions(tunnel);
+
+  const auto sigmas = [&](double lasts, double turn) {
+    UnheldMotion motion;
+    DriftModel drift(5);
+    Matrix6d covariance = Matrix6d::Zero();
+    for (int i = 0; i <= 200; ++i) {
+      const StampedPose pose{nanoseconds(0.1 * i), ahead(0.1 * i, turn)};
+      const bool inside = 0.1 * i > 1e-9 && 0.1 * i < lasts + 1e-9;
+      // The tunnel's axis stays where it is, however the lidar is turned in it.
+      Matrix6d seen = inside ? unheld : held;
+      const Eigen::Matrix3d R = ahead(0.0, turn).linear();
+      seen.topLeftCorner<3, 3>() = (R.transpose() * seen.topLeftCorner<3, 3>() * R).eval();
+      covariance = drift.update(pose.pose, Matrix6d::Zero(), false, motion.step(pose, seen)).drift;
+    }
+    const Eigen::Matrix3d R = ahead(0.0, turn).linear();
+    return Eigen::Vector3d(
+        (R * covariance.topLeftCorner<3, 3>() * R.transpose()).diagonal().cwiseSqrt());
+  };
+  EXPECT_LT(sigmas(0.0, 0.0).x(), 0.01);
+  EXPECT_NEAR(sigmas(1.0, 0.0).x(), 1.0 / std::sqrt(3.0), 0.1);
+  EXPECT_NEAR(sigmas(2.0, 0.0).x() / sigmas(1.0, 0.0).x(), std::sqrt(8.0), 0.5);
+  EXPECT_GT(sigmas(10.0, 0.0).x(), 6.0);
+  EXPECT_LT(sigmas(10.0, 0.0).tail<2>().maxCoeff(), 0.05);
+  EXPECT_NEAR(sigmas(10.0, 0.7).x(), sigmas(10.0, 0.0).x(), 1e-4);
+  EXPECT_LT(sigmas(10.0, 0.7).tail<2>().maxCoeff(), 0.05);
+}
+
 // Errors that are a sensor's own, in no covariance of an alignment: a tenth of a degree in 25 m.
 TEST(PoseUncertainty, WaysAndTurnsLeaveWhatNoSweepTells) {
   const auto after = [](int steps, double turn) {
