@@ -255,12 +255,15 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
   } else {
     coasting.setZero();
   }
-  Matrix6d walked = Matrix6d::Zero();
+  Matrix6d besides = Matrix6d::Zero();
   if (result.state == OdometryState::tracking && !result.inertial.nav) {
-    walked = unheld_motion.step({result.stamp, result.T_map_lidar},
-                                unheld_directions(result.registration));
+    besides = unmeasured.step({result.stamp, result.T_map_lidar}, expected.steady,
+                              unheld_directions(result.registration));
+    result.leapt = unmeasured.leapt();
+  } else if (result.inertial.nav) {
+    unmeasured = {};
   }
-  result.uncertainty = drift.update(result.T_map_lidar, local, joined, walked);
+  result.uncertainty = drift.update(result.T_map_lidar, local, joined, besides);
   if (result.state == OdometryState::restarted || result.renewed) {
     result.uncertainty = drift.restart(local);
   }

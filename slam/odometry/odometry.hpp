@@ -58,6 +58,9 @@ struct SweepResult {
       registration;  ///< T_target_source is T_map_lidar; all default at the first sweep
   std::optional<Rejection> rejection;  ///< why an alignment is rejected
   bool searched = false;  ///< aligned a second time, from several places: the first fell short
+  /// Without an IMU: the step to here takes more acceleration than a sensor has, so that it or the
+  /// ones before are wrong.
+  bool leapt = false;
   bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
   int raw_points = 0;     ///< points of the sweep as it came
   int valid_points = 0;   ///< left after NaN, no-return and range clipping

@@ -81,7 +81,7 @@ struct Odometry::Impl {
   InertialTracker inertial;
   UsualFit usual_fit;
   DriftModel drift;
-  UnheldMotion unheld_motion;
+  UnmeasuredMotion unmeasured;
   Matrix6d coasting = Matrix6d::Zero();  ///< covariance of predictions in a row
   bool joined = false;                   ///< the last sweep's cloud, the submap
   std::optional<Begun> begun;            ///< a sweep that is on the device

@@ -25,6 +25,9 @@ constexpr double kRotationARadian = 0.001;     // rad
 constexpr double kAcceleration = 1.0;  // m/s^2 / sqrt(Hz)
 constexpr double kTurning = 0.3;       // rad/s^2 / sqrt(Hz)
 constexpr double kVelocityLasts = 5.0;
+// No sensor that is carried or driven accelerates by more.
+constexpr double kMostAcceleration = 15.0;  // m/s^2
+constexpr double kMostTurning = 20.0;       // rad/s^2
 
 // A covariance of T_map_a as one of T_map_b, where b moves with a.
 Matrix6d moved(const Matrix6d& covariance, const Eigen::Isometry3d& T_a_b) {
@@ -67,33 +70,60 @@ Matrix6d unheld_directions(const RegistrationResult& alignment) {
   return unheld;
 }
 
-Matrix6d UnheldMotion::step(const StampedPose& T_map_lidar, const Matrix6d& unheld) {
-  const double t = last_ ? seconds(T_map_lidar.stamp - *last_) : 0.0;
-  last_ = T_map_lidar.stamp;
-  Matrix6d R_map_lidar = Matrix6d::Zero();
-  R_map_lidar.topLeftCorner<3, 3>() = T_map_lidar.pose.linear();
-  R_map_lidar.bottomRightCorner<3, 3>() = T_map_lidar.pose.linear();
-  const Matrix6d held_out = R_map_lidar * unheld * R_map_lidar.transpose();
-  // What was not known of the velocity, and is now, has ended; its noise is along what is unheld.
-  velocity_ = (held_out * velocity_ * held_out).eval();
-  mixed_ = (mixed_ * held_out).eval();
+Matrix6d UnmeasuredMotion::step(const StampedPose& found, const Eigen::Isometry3d& steady,
+                                const Matrix6d& unheld) {
+  const double elapsed = last_ ? seconds(found.stamp - *last_) : 0.0;
+  last_ = found.stamp;
+  Matrix6d added = walk(found.pose.linear(), unheld, elapsed);
+  leapt_ = false;
+  if (step_ > 0.0) {
+    added += leap(steady.inverse() * found.pose, elapsed);
+  }
+  step_ = elapsed;
+  return added;
+}
+
+// Constant velocity is all there is along what no match holds, and a velocity that nothing measures
+// walks away. Its error reverts within some seconds (who drives does not drive off for ever), so
+// that the position's grows as time^1.5 at first and as its root in the long run.
+Matrix6d UnmeasuredMotion::walk(const Eigen::Matrix3d& R_map_lidar, const Matrix6d& unheld,
+                                double elapsed) {
+  Matrix6d R = Matrix6d::Zero();
+  R.topLeftCorner<3, 3>() = R_map_lidar;
+  R.bottomRightCorner<3, 3>() = R_map_lidar;
+  const Matrix6d open = R * unheld * R.transpose();
+  // What was not known of the velocity, and is now, has ended.
+  velocity_ = (open * velocity_ * open).eval();
+  mixed_ = (mixed_ * open).eval();
   Vector6d density;
   density << Eigen::Vector3d::Constant(kAcceleration * kAcceleration),
       Eigen::Vector3d::Constant(kTurning * kTurning);
-  const Matrix6d noise = held_out * density.asDiagonal() * held_out;
+  const Matrix6d noise = open * density.asDiagonal() * open;
+  const double t = elapsed;
   const Matrix6d grown =
       t * (mixed_ + mixed_.transpose()) + t * t * velocity_ + (t * t * t / 3.0) * noise;
   const double left = std::exp(-t / kVelocityLasts);
   mixed_ = (left * (mixed_ + t * velocity_ + 0.5 * t * t * noise)).eval();
   velocity_ = (left * left * velocity_ + t * noise).eval();
-  return R_map_lidar.transpose() * held_out * grown * held_out * R_map_lidar;
+  return R.transpose() * open * grown * open * R;
+}
+
+// Of a step that takes more acceleration than any sensor has, it or the ones before are wrong by as
+// much, and nothing tells which.
+Matrix6d UnmeasuredMotion::leap(const Eigen::Isometry3d& T_steady_found, double elapsed) {
+  const Vector6d off = se3_log(T_steady_found);
+  // The velocity is that of the middle of the step before.
+  const double lasts = 0.5 * elapsed * (elapsed + step_);
+  leapt_ = off.head<3>().norm() > kMostAcceleration * lasts ||
+           off.tail<3>().norm() > kMostTurning * lasts;
+  return leapt_ ? Matrix6d(off.cwiseAbs2().asDiagonal()) : Matrix6d(Matrix6d::Zero());
 }
 
 PoseUncertainty DriftModel::update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local,
-                                   bool joins, const Matrix6d& walked) {
+                                   bool joins, const Matrix6d& besides) {
   if (last_) {
     const Eigen::Isometry3d step = last_->inverse() * T_map_lidar;
-    drift_ = moved(drift_, step) + systematic(step) + walked;
+    drift_ = moved(drift_, step) + systematic(step) + besides;
   }
   last_ = T_map_lidar;
   const PoseUncertainty uncertainty{.local = local, .drift = drift_};

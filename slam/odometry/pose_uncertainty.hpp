@@ -34,22 +34,27 @@ Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to);
 /// Projector onto the directions of [rho, phi], lidar axes, that no match held.
 Matrix6d unheld_directions(const RegistrationResult& alignment);
 
-/// What a sensor without an IMU may have moved by, and turned, along directions that no match
-/// holds: constant velocity is all there is, and a velocity that nothing measures walks away. Its
-/// error reverts within some seconds (who drives does not drive off for ever), so that the
-/// position's grows as time^1.5 at first and as its root in the long run (docs/theory/inertial.md,
-/// section 9).
-class UnheldMotion {
+/// What a sensor without an IMU may have moved by, and turned, besides what its alignments say.
+/// Constant velocity is all that they can be held against (docs/theory/inertial.md, section 9).
+class UnmeasuredMotion {
  public:
-  /// From the last sweep to this one: covariance of [rho, phi], lidar axes, that the step has
-  /// added. `unheld`: projector onto the directions that no match held, in the same axes; zero
-  /// where all are held.
-  Matrix6d step(const StampedPose& T_map_lidar, const Matrix6d& unheld);
+  /// From the last sweep that was aligned to this one: covariance of [rho, phi], lidar axes, that
+  /// the step has added. `steady`: where constant velocity led. `unheld`: projector onto the
+  /// directions that no match held, in the same axes; zero where all are held.
+  Matrix6d step(const StampedPose& found, const Eigen::Isometry3d& steady, const Matrix6d& unheld);
+
+  /// The last step was one that no sensor makes.
+  bool leapt() const { return leapt_; }
 
  private:
+  Matrix6d walk(const Eigen::Matrix3d& R_map_lidar, const Matrix6d& unheld, double elapsed);
+  Matrix6d leap(const Eigen::Isometry3d& T_steady_found, double elapsed);
+
   std::optional<Nanoseconds> last_;
+  double step_ = 0.0;                     ///< s, between the two before it; 0: there are none
   Matrix6d velocity_ = Matrix6d::Zero();  ///< its covariance, map axes; m/s and rad/s
   Matrix6d mixed_ = Matrix6d::Zero();     ///< of the way made since with it, and the velocity
+  bool leapt_ = false;
 };
 
 /// Follows what the submap drifts by. While its first clouds are in it, they hold the map; from
@@ -61,10 +66,10 @@ class DriftModel {
   /// A model for a submap of that many clouds.
   explicit DriftModel(int clouds) : clouds_(clouds) {}
 
-  /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap; `walked`:
-  /// what its step has added along what no match held (UnheldMotion).
+  /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap; `besides`:
+  /// what its step has added, too (UnmeasuredMotion).
   PoseUncertainty update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local, bool joins,
-                         const Matrix6d& walked = Matrix6d::Zero());
+                         const Matrix6d& besides = Matrix6d::Zero());
 
   /// The first sweep, which holds the map, was bent by a velocity that was known to this: standard
   /// deviations of what its pose lacks, [rho, phi], m and rad, lidar axes.

@@ -31,6 +31,7 @@ constexpr double kMovedInertial = 1.0;  // m
 constexpr double kCarriedShare = 0.003;
 constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
 constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
+constexpr size_t kLeaps = 2;             // in the long window: one may be a jolt
 // A prediction alone is good for so long.
 constexpr double kAlone = 1.0;          // s
 constexpr double kAloneInertial = 2.0;  // s
@@ -86,6 +87,7 @@ void RunAssessor::add(const SweepResult& result) {
       .stamp = result.stamp, .T_map_lidar = result.T_map_lidar, .uncertainty = result.uncertainty};
   seen.aligned = result.state == OdometryState::tracking;
   seen.inertial = result.inertial.nav.has_value();
+  seen.leapt = result.leapt;
   const RegistrationResult& alignment = result.registration;
   if (seen.aligned) {
     // Turns are held by an inertial sensor itself.
@@ -122,6 +124,7 @@ void RunAssessor::add(const SweepResult& result) {
   look_for_unheld();
   look_for_prediction();
   look_for_contradiction();
+  look_for_leaps();
 }
 
 void RunAssessor::look_for_unheld() {
@@ -175,6 +178,13 @@ void RunAssessor::look_for_contradiction() {
   if (*middle > kContradiction) {
     DoubtfulStretch& stretch = note(DoubtCause::contradicted, kLongWindow);
     stretch.innovation = std::max(stretch.innovation, *middle);
+  }
+}
+
+void RunAssessor::look_for_leaps() {
+  const auto leaps = static_cast<size_t>(std::ranges::count_if(recent_, &Seen::leapt));
+  if (recent_.back().leapt && leaps >= kLeaps) {
+    note(DoubtCause::contradicted, recent_.size());
   }
 }
 

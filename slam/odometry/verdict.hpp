@@ -22,10 +22,12 @@ std::string_view to_string(Trust trust);
 
 /// Why a stretch is not reliable.
 enum class DoubtCause {
-  unheld,        ///< the sensor moved along, or turned about, what no match held
-  predicted,     ///< no sweep could be aligned for too long
-  contradicted,  ///< alignments and inertial predictions contradict each other, one after another
-  new_start,     ///< the map began anew: how its pieces lie to each other inertia tells, or nothing
+  unheld,     ///< the sensor moved along, or turned about, what no match held
+  predicted,  ///< no sweep could be aligned for too long
+  /// Alignments and inertial predictions contradict each other, one after another; without an IMU,
+  /// alignments alone: steps that no sensor makes.
+  contradicted,
+  new_start,  ///< the map began anew: how its pieces lie to each other inertia tells, or nothing
 };
 /// The enumerator's name.
 std::string_view to_string(DoubtCause cause);
@@ -46,7 +48,8 @@ struct DoubtfulStretch {
   /// unheld: the direction of translation that was held least, map frame, unit; zero where it was a
   /// turn alone.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  /// contradicted: the median of the squared innovations per degree of freedom; about 1 is right.
+  /// contradicted: the median of the squared innovations per degree of freedom; about 1 is right. 0
+  /// without an IMU.
   double innovation = 0.0;
 
   /// An inertial sensor was fused in most of it.
@@ -78,6 +81,7 @@ class RunAssessor {
     bool aligned = false;
     bool unheld = false;
     bool inertial = false;
+    bool leapt = false;
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unheld, map frame
     double innovation = 0.0;  ///< squared, per degree of freedom; negative: none
   };
@@ -85,6 +89,7 @@ class RunAssessor {
   static UncertainPose pose_of(const Seen& seen);
   void look_for_unheld();
   void look_for_contradiction();
+  void look_for_leaps();
   void look_for_prediction();
   /// The last `sweeps` of them are doubtful: a new stretch, or more of the last one of that cause.
   DoubtfulStretch& note(DoubtCause cause, size_t sweeps);

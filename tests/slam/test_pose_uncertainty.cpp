@@ -65,7 +65,7 @@ TEST(PoseUncertainty, WhatNoMatchHoldsWalksAway) {
   const Matrix6d unheld = unheld_directions(tunnel);
 
   const auto sigmas = [&](double lasts, double turn) {
-    UnheldMotion motion;
+    UnmeasuredMotion motion;
     DriftModel drift(5);
     Matrix6d covariance = Matrix6d::Zero();
     for (int i = 0; i <= 200; ++i) {
@@ -75,7 +75,9 @@ TEST(PoseUncertainty, WhatNoMatchHoldsWalksAway) {
       Matrix6d seen = inside ? unheld : held;
       const Eigen::Matrix3d R = ahead(0.0, turn).linear();
       seen.topLeftCorner<3, 3>() = (R.transpose() * seen.topLeftCorner<3, 3>() * R).eval();
-      covariance = drift.update(pose.pose, Matrix6d::Zero(), false, motion.step(pose, seen)).drift;
+      covariance =
+          drift.update(pose.pose, Matrix6d::Zero(), false, motion.step(pose, pose.pose, seen))
+              .drift;
     }
     const Eigen::Matrix3d R = ahead(0.0, turn).linear();
     return Eigen::Vector3d(
@@ -88,6 +90,35 @@ TEST(PoseUncertainty, WhatNoMatchHoldsWalksAway) {
   EXPECT_LT(sigmas(10.0, 0.0).tail<2>().maxCoeff(), 0.05);
   EXPECT_NEAR(sigmas(10.0, 0.7).x(), sigmas(10.0, 0.0).x(), 1e-4);
   EXPECT_LT(sigmas(10.0, 0.7).tail<2>().maxCoeff(), 0.05);
+}
+
+// Who turns by 3 rad/s, and within the next tenth of a second the other way, was not seen turning.
+TEST(PoseUncertainty, StepsThatNoSensorMakesAreNotBelieved) {
+  const auto added = [](double elapsed, double distance, double turn) {
+    UnmeasuredMotion motion;
+    Matrix6d covariance = Matrix6d::Zero();
+    for (int i = 0; i < 3; ++i) {
+      covariance =
+          motion.step({nanoseconds(0.1 * i), ahead(0.1 * i)}, ahead(0.1 * i), Matrix6d::Zero());
+      EXPECT_TRUE(covariance.isZero());
+      EXPECT_FALSE(motion.leapt());
+    }
+    const Eigen::Isometry3d steady = ahead(0.2 + elapsed);
+    covariance = motion.step({nanoseconds(0.2 + elapsed), steady * ahead(distance, turn)}, steady,
+                             Matrix6d::Zero());
+    EXPECT_EQ(motion.leapt(), !covariance.isZero());
+    return covariance;
+  };
+  EXPECT_TRUE(added(0.1, 0.1, 0.15).isZero());  // fast hands
+  EXPECT_TRUE(added(0.2, 0.3, 0.5).isZero());   // past a sweep that was not aligned
+  const Matrix6d leapt = added(0.1, 1.3, 0.9);
+  EXPECT_NEAR(leapt(5, 5), 0.81, 1e-9);
+  EXPECT_NEAR(leapt(0, 0), 1.69, 1e-9);
+  EXPECT_NEAR(leapt(3, 3), 0.0, 1e-12);
+  // The second step is held against nothing: how fast the sensor is, is not known yet.
+  UnmeasuredMotion begins;
+  begins.step({nanoseconds(0.0), ahead(0.0)}, ahead(0.0), Matrix6d::Zero());
+  EXPECT_TRUE(begins.step({nanoseconds(0.1), ahead(2.0)}, ahead(0.0), Matrix6d::Zero()).isZero());
 }
 
 // Errors that are a sensor's own, in no covariance of an alignment: a tenth of a degree in 25 m.

@@ -253,6 +253,22 @@ TEST(Verdict, AlignmentsAndInertiaThatContradictEachOtherAreTold) {
   EXPECT_NEAR(verdict.stretches[0].innovation, 40.0, 1e-9);
 }
 
+TEST(Verdict, StepsThatNoSensorMakesAreTold) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 60; ++i) {
+    SweepResult result = run.next();
+    result.leapt = i == 10 || i == 40 || i == 43;
+    assessor.add(result);
+    EXPECT_EQ(assessor.verdict().trust, i < 43 ? Trust::reliable : Trust::doubtful) << i;
+  }
+  ASSERT_EQ(assessor.verdict().stretches.size(), 1U);
+  const DoubtfulStretch stretch = assessor.verdict().stretches.front();
+  EXPECT_EQ(stretch.cause, DoubtCause::contradicted);
+  EXPECT_FALSE(stretch.inertial());
+  EXPECT_GE(stretch.last, 43U);
+}
+
 TEST(Verdict, WhereNoSweepCouldBeAlignedAllIsLost) {
   Ride run;
   RunAssessor assessor;

@@ -34,6 +34,11 @@ std::string cause_text(const DoubtfulStretch& stretch) {
              (stretch.inertial() ? "the IMU alone carried it" : "its last velocity carried it on") +
              "; `adit inspect` tells whether the recording is damaged there";
     case DoubtCause::contradicted:
+      if (!stretch.inertial()) {
+        return "alignments contradict each other, with steps that no sensor makes: it turned or "
+               "moved faster than they can follow, or matched the wrong place; fuse an IMU, or "
+               "move more slowly";
+      }
       return fmt::format(
           "alignments and IMU contradict each other, innovations squared are {:.0f} times what "
           "they should be; `adit inspect` holds the IMU's clock, mounting and units against the "
