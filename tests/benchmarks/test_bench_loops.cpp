@@ -64,7 +64,7 @@ TEST(LoopCatalogue, NamesWhatTheSimulatorKnowsAndSharesRecordings) {
   }
   EXPECT_EQ(scenes, (std::set<std::string>{"city", "forest", "mine", "office"}));
   EXPECT_EQ(quick, 1U);
-  EXPECT_EQ(shared, 2U);
+  EXPECT_EQ(shared, 4U);
 }
 
 /// A system that closes one loop rightly and one 2 m off: the truth where it has corrected, 1.1
