@@ -91,6 +91,28 @@ std::optional<Uncertain> cycle(Ways& ways, const LoopHypothesis& a, const LoopHy
                           : std::nullopt;
 }
 
+/// A loop claims a height that the odometry is not believed to drift by, and bears it out in all
+/// else: a floor that is built like the one above or below. What drifts is off elsewhere, too.
+bool is_another_floor(Ways& ways, const PoseGraph& graph, const LoopHypothesis& loop,
+                      const LoopVotingSettings& settings) {
+  const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
+  if (!known) {
+    return false;
+  }
+  const ClaimedClimb claim = claimed_climb(graph, loop.from, loop.to, loop.T_from_to);
+  if (std::abs(claim.climb) <= settings.near.least_distance + settings.near.height * claim.length) {
+    return false;
+  }
+  const Uncertain error = *known * measured(loop);
+  const Eigen::Matrix3d R_map_to = graph.nodes()[graph.index_of(loop.to)].T_map_node.linear();
+  Eigen::Matrix<double, 5, 6> but_height = Eigen::Matrix<double, 5, 6>::Zero();
+  but_height.topLeftCorner<2, 3>() = R_map_to.topRows<2>();
+  but_height.bottomRightCorner<3, 3>().setIdentity();
+  const Eigen::Matrix<double, 5, 1> off = but_height * se3_log(error.pose);
+  const Eigen::Matrix<double, 5, 5> spread = but_height * error.covariance * but_height.transpose();
+  return off.dot(spread.ldlt().solve(off)) <= settings.contradiction;
+}
+
 double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
   const std::optional<Uncertain> error = cycle(ways, a, b);
   return error ? chi2(*error) : kNever;
@@ -220,6 +242,10 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
   const auto climbs_as_shown = [&] {
     return before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
   };
+  // Once the odometry is known to climb, that tells.
+  const auto is_twin_floor = [&] {
+    return !joins && !before.climb.is_steady() && is_another_floor(far_ways, graph, loop, settings);
+  };
   const auto is_explained = [&] {
     if (joins) {
       return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
@@ -235,9 +261,10 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
              (before.far_off || vote.odometry_chi2 > settings.most_by_position ||
               !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.near));
   const bool is_possible =
-      vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
-                      // Drift may have brought a floor to where the one below was.
-                      : !before.climb.is_steady() || climbs_as_shown();
+      !is_twin_floor() &&
+      (vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
+                       // Drift may have brought a floor to where the one below was.
+                       : !before.climb.is_steady() || climbs_as_shown());
   if (!is_possible) {
     vote.objection = LoopObjection::odometry;
     return vote;

@@ -265,11 +265,10 @@ std::size_t accepted_twins(const Walk& walk, bool remember) {
 
 TEST(LoopsByAppearance, AFloorLikeTheOneBelowIsNoPlaceSeenAgain) {
   for (const bool around : {false, true}) {
-    EXPECT_EQ(accepted_twins(two_floors(around), true), 0U) << around;
+    for (const bool remembers : {false, true}) {
+      EXPECT_EQ(accepted_twins(two_floors(around), remembers), 0U) << around << remembers;
+    }
   }
-  EXPECT_GT(accepted_twins(two_floors(false), false), 0U)
-      << "on the way back, what was claimed at the head of the stairs has to be remembered";
-  EXPECT_EQ(accepted_twins(two_floors(true), false), 0U) << "in the same direction it shows";
 }
 
 TEST(LoopsByAppearance, NeitherAParallelCorridorNorAnEqualBlockIs) {

@@ -126,6 +126,27 @@ TEST(LoopVoting, WrongOnesThatAgreeButContradictTheOdometryGiveNothing) {
   }
 }
 
+// An odometry that does not know its height to a storey, and is right: all that speaks for the
+// floor below is that it is built like this one.
+TEST(LoopVoting, AFloorThatTheOdometryBearsOutInAllButItsHeightStaysAnotherFloor) {
+  const Round round = round_trip(0.0, 0.3);
+  const auto votes = [&](double height) {
+    std::vector<LoopHypothesis> all;
+    for (NodeId i = 0; i < 5; ++i) {
+      all.push_back(loop(round, 2 + i, kRound + 2 + i));
+      all.back().T_from_to = test::up(height) * all.back().T_from_to;
+      EXPECT_LT(odometry_disagreement(round.graph, all.back()), 16.81) << "it is borne out";
+    }
+    return vote(round.graph, all, {}, true, {});
+  };
+  for (const LoopVote& one : votes(3.4)) {
+    EXPECT_EQ(one.objection, LoopObjection::odometry);
+  }
+  for (const LoopVote& one : votes(1.0)) {  // 1 % of 96 m
+    EXPECT_TRUE(one.accepted);
+  }
+}
+
 TEST(LoopVoting, AKeyframeHasOneVoteHoweverManyNeighboursItMatches) {
   const Round round = round_trip(0.0, 0.1);
   std::vector<LoopHypothesis> all;
@@ -149,7 +170,7 @@ TEST(LoopVoting, WhatContradictsAcceptedLoopsStaysOut) {
       loop(round, 0, kRound + 1), loop(round, 1, kRound + 2), loop(round, 2, kRound + 3)};
   std::vector<LoopHypothesis> wrong;
   Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
-  shift.translation().z() = 1.5;
+  shift.translation().y() = 1.5;
   for (NodeId i = 4; i < 8; ++i) {
     LoopHypothesis one = loop(round, i, kRound + i);
     one.T_from_to = round.truth[static_cast<std::size_t>(i)].inverse() * shift *
