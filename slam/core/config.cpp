@@ -201,6 +201,7 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
     unused("imu.accel_walk", imu.accel_walk, usual.accel_walk);
   }
   checks.between("imu.gravity_walk", imu.gravity_walk, 1e-9, 1.0, "rad/sqrt(s)");
+  checks.between("imu.gravity_walk_way", imu.gravity_walk_way, 0.0, 1.0, "rad/sqrt(m)");
   checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
   checks.between("imu.max_rate", imu.max_rate, 1.0, 1e6, "rad/s");
   checks.between("imu.max_acceleration", imu.max_acceleration, 1.0, 1e6, "m/s^2");

@@ -53,6 +53,7 @@ struct ImuConfig {
   double gyro_walk = 3e-5;           ///< rad/s²/√Hz
   double accel_walk = 1e-3;          ///< m/s³/√Hz
   double gravity_walk = 1e-4;        ///< rad/√s
+  double gravity_walk_way = 3.5e-4;  ///< rad/√m
   double max_gap = 0.15;             ///< s
   double max_rate = 5000.0;          ///< rad/s
   double max_acceleration = 2000.0;  ///< m/s²
@@ -82,6 +83,8 @@ struct ImuConfig {
           "random walk of the bias, of a custom sensor");
     field("gravity_walk", self.gravity_walk, "rad/sqrt(s)",
           "how fast the direction of gravity may wander in the map, as the map drifts");
+    field("gravity_walk_way", self.gravity_walk_way, "rad/sqrt(m)",
+          "and how much of that is by the way made");
     field(
         "max_gap", self.max_gap, "s",
         "a longer time without readings is not bridged: the lidar goes on alone; one of more than "

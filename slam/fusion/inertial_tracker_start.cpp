@@ -147,6 +147,7 @@ void InertialTracker::start(const SensorStart& start) {
   history_.fused = start.state;
   state_ = Fused{.motion = FusedMotion({.noise = noise_,
                                         .gravity_walk = config_.gravity_walk,
+                                        .gravity_walk_way = config_.gravity_walk_way,
                                         .lag = config_.lag,
                                         .reset = config_.reset},
                                        start)};

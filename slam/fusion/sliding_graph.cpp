@@ -3,6 +3,7 @@
 #include "adit/slam/fusion/sliding_graph.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -31,7 +32,11 @@ void SlidingGraph::start(const StatePrior& prior) {
   prior_ = prior;
   nodes_.clear();
   chain_ = {};
-  append({.state = prior.origin, .measurement = {}, .readings = {}, .between = {}});
+  append({.state = prior.origin,
+          .measurement = {},
+          .readings = {},
+          .between = {},
+          .gravity_sigma = {}});
   marginal_ = chain_.states.front();
 }
 
@@ -56,8 +61,9 @@ GraphEstimate SlidingGraph::predict(const std::vector<ImuSample>& readings) cons
     return latest_estimate();
   }
   LinkQuadratic link = quadratic(imu_factor(between, latest(), prediction.state));
-  link += quadratic(walk_factor(settings_.noise, settings_.gravity_walk, between.duration, latest(),
-                                prediction.state));
+  link += quadratic(walk_factor(settings_.noise,
+                                gravity_sigma(latest(), prediction.state, between.duration),
+                                between.duration, latest(), prediction.state));
   const std::optional<StateQuadratic> left = eliminated(marginal_, link);
   if (!left) {
     return GraphFailure::undetermined;
@@ -73,6 +79,7 @@ GraphEstimate SlidingGraph::add(std::vector<ImuSample> readings,
     throw std::logic_error("a new state of the sliding graph needs readings of some duration");
   }
   node.state = adit::predict(latest(), node.between);
+  node.gravity_sigma = gravity_sigma(latest(), node.state, node.between.duration);
   node.state.stamp = readings.back().stamp;
   node.readings = std::move(readings);
   node.measurement = measurement;
@@ -100,6 +107,13 @@ std::vector<NavState> SlidingGraph::states() const {
   return result;
 }
 
+double SlidingGraph::gravity_sigma(const NavState& from, const NavState& to,
+                                   double duration) const {
+  const double metres = (to.T_map_body.translation() - from.T_map_body.translation()).norm();
+  return std::sqrt(std::pow(settings_.gravity_walk, 2) * duration +
+                   std::pow(settings_.gravity_walk_way, 2) * metres);
+}
+
 StateQuadratic SlidingGraph::state_quadratic(size_t i, const NavState& state) const {
   StateQuadratic sum;
   if (i == 0) {
@@ -116,8 +130,8 @@ LinkQuadratic SlidingGraph::link_quadratic(size_t to, const NavState& from_state
                                            const NavState& to_state) const {
   const Preintegration& between = nodes_[to].between;
   LinkQuadratic sum = quadratic(imu_factor(between, from_state, to_state));
-  sum += quadratic(
-      walk_factor(settings_.noise, settings_.gravity_walk, between.duration, from_state, to_state));
+  sum += quadratic(walk_factor(settings_.noise, nodes_[to].gravity_sigma, between.duration,
+                               from_state, to_state));
   return sum;
 }
 

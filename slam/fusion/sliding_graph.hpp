@@ -21,6 +21,8 @@ struct GraphSettings {
   ImuNoise noise;
   /// Random walk of gravity's direction in the map, as the map drifts: rad/√s.
   double gravity_walk = 1e-4;
+  /// And by the way made: rad/√m.
+  double gravity_walk_way = 0.0;
   /// Fixed lag: the oldest state is marginalised once there are more than this.
   int lag = 20;
   /// Greater than 0, instead of the lag: once there are this many, all but the newest are
@@ -59,8 +61,10 @@ class SlidingGraph {
     std::optional<PoseMeasurement> measurement;
     std::vector<ImuSample> readings;  ///< from the node before; empty for the first
     Preintegration between;           ///< their preintegration
+    double gravity_sigma = 0.0;       ///< of what gravity's direction has walked meanwhile, rad
   };
 
+  double gravity_sigma(const NavState& from, const NavState& to, double duration) const;
   StateQuadratic state_quadratic(size_t i, const NavState& state) const;
   LinkQuadratic link_quadratic(size_t to, const NavState& from_state,
                                const NavState& to_state) const;

@@ -14,12 +14,12 @@ Eigen::Matrix<double, 3, 2> by_turn(const Eigen::Vector3d& unit) {
 
 }  // namespace
 
-LinkFactor<9> walk_factor(const ImuNoise& noise, double gravity_walk, double duration,
+LinkFactor<9> walk_factor(const ImuNoise& noise, double gravity_sigma, double duration,
                           const NavState& from, const NavState& to) {
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(noise.gyro_walk), Eigen::Vector3d::Constant(noise.accel_walk);
   const Vector6d weight = (std::sqrt(duration) * sigma).cwiseInverse();
-  const double gravity_weight = 1.0 / (std::sqrt(duration) * gravity_walk);
+  const double gravity_weight = 1.0 / gravity_sigma;
   const Eigen::Vector3d down_from = from.gravity_map.normalized();
   const Eigen::Vector3d down_to = to.gravity_map.normalized();
   Vector6d change;

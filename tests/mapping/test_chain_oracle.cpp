@@ -99,7 +99,9 @@ struct LinkResidual {
     const NavState second = at(to, y);
     Eigen::Map<Eigen::Matrix<double, 18, 1>>{residual}
         << imu_factor(between, first, second).residual,
-        walk_factor(kNoise, kGravityWalk, between.duration, first, second).residual;
+        walk_factor(kNoise, kGravityWalk * std::sqrt(between.duration), between.duration, first,
+                    second)
+            .residual;
     return true;
   }
 };

@@ -85,6 +85,7 @@ std::vector<BadSetting> bad_settings() {
       {"imu.gyro_walk", [](Config& c) { c.imu.gyro_walk = 0.01; }, "set imu.sensor=custom"},
       {"imu.accel_walk", [](Config& c) { c.imu.accel_walk = 0.01; }, "set imu.sensor=custom"},
       {"imu.gravity_walk", [](Config& c) { c.imu.gravity_walk = 0.0; }, "rad/sqrt(s)"},
+      {"imu.gravity_walk_way", [](Config& c) { c.imu.gravity_walk_way = -1.0; }, "rad/sqrt(m)"},
       {"imu.max_gap", [](Config& c) { c.imu.max_gap = 10.0; }, "and 1 s"},
       {"imu.max_rate", [](Config& c) { c.imu.max_rate = 0.0; }, "rad/s"},
       {"imu.max_acceleration", [](Config& c) { c.imu.max_acceleration = 0.0; }, "m/s^2"},

@@ -95,25 +95,25 @@ TEST(InertialFactors, AnImuFactorOfASingleStepIsRegular) {
 
 TEST(InertialFactors, WalkJacobiansEqualNumericalDifferentiation) {
   RandomStates random;
-  constexpr double kGravityWalk = 1e-3;
+  constexpr double kGravitySigma = 1e-3;
   const NavState from = retract(NavState{}, random.tangent(1.0, 1.0, 0.1));
   const NavState to = retract(NavState{}, random.tangent(1.0, 1.0, 0.1));
-  const LinkFactor<9> factor = walk_factor(kFactorNoise, kGravityWalk, 0.1, from, to);
+  const LinkFactor<9> factor = walk_factor(kFactorNoise, kGravitySigma, 0.1, from, to);
   EXPECT_NEAR(factor.residual[1],
               (to.bias.gyro - from.bias.gyro).y() / (kFactorNoise.gyro_walk * std::sqrt(0.1)),
               1e-9);
   NavState tilted = from;
   tilted.gravity_map = turned(from.gravity_map, {0.001, 0.0});
-  EXPECT_NEAR(walk_factor(kFactorNoise, kGravityWalk, 1.0, from, tilted).residual.tail<3>().norm(),
+  EXPECT_NEAR(walk_factor(kFactorNoise, kGravitySigma, 1.0, from, tilted).residual.tail<3>().norm(),
               1.0, 1e-6);
   expect_same<Eigen::Matrix<double, 9, kStateSize>>(
       factor.by_from, test::numerical_jacobian<9, kStateSize>([&](const StateVector& d) {
-        return walk_factor(kFactorNoise, kGravityWalk, 0.1, retract(from, d), to).residual;
+        return walk_factor(kFactorNoise, kGravitySigma, 0.1, retract(from, d), to).residual;
       }),
       "walk by from");
   expect_same<Eigen::Matrix<double, 9, kStateSize>>(
       factor.by_to, test::numerical_jacobian<9, kStateSize>([&](const StateVector& d) {
-        return walk_factor(kFactorNoise, kGravityWalk, 0.1, from, retract(to, d)).residual;
+        return walk_factor(kFactorNoise, kGravitySigma, 0.1, from, retract(to, d)).residual;
       }),
       "walk by to");
 }
