@@ -27,12 +27,6 @@ constexpr int kMostRounds = 8;
 // Against the odometry: as many as a bundle has.
 constexpr std::size_t kFewestBelieved = 3;
 
-PoseGraph scaled(const PoseGraph& graph, double scale) {
-  return graph.with_information([scale](const PoseEdge& edge) -> Matrix6d {
-    return edge.kind == EdgeKind::odometry ? Matrix6d(edge.information / scale) : edge.information;
-  });
-}
-
 /// Chi squared of the median odometry edge between the ends of loops; 0 where there is none.
 double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
   const std::vector<bool> in_a_loop = within_loops(graph);
@@ -86,7 +80,7 @@ double odometry_scale(const PoseGraph& graph, const OnStep& on_step) {
                                      .on_step = on_step};
   double scale = 1.0;
   for (int round = 0; round < kMostRounds; ++round) {
-    const PoseGraph trial = scaled(graph, scale);
+    const PoseGraph trial = graph.with_odometry_scaled(scale);
     const OptimizationReport report = optimize_condensed(trial, squared).report;
     if (report.termination == Termination::failed) {
       break;
@@ -121,7 +115,8 @@ OptimizedGraph robust_optimum(PoseGraph graph, const OnStep& on_step) {
 }
 
 LoopOptimum at_scale(const PoseGraph& graph, double scale, const OnStep& on_step) {
-  LoopOptimum optimum{robust_optimum(scale > 1.0 ? scaled(graph, scale) : graph, on_step)};
+  LoopOptimum optimum{
+      robust_optimum(scale > 1.0 ? graph.with_odometry_scaled(scale) : graph, on_step)};
   optimum.odometry_scale = scale;
   return optimum;
 }

@@ -158,6 +158,12 @@ void PoseGraph::set_poses(std::span<const Eigen::Isometry3d> poses) {
   }
 }
 
+PoseGraph PoseGraph::with_odometry_scaled(double scale) const {
+  return with_information([scale](const PoseEdge& edge) -> Matrix6d {
+    return edge.kind == EdgeKind::odometry ? Matrix6d(edge.information / scale) : edge.information;
+  });
+}
+
 bool PoseGraph::contains(NodeId id) const {
   const auto at = std::ranges::lower_bound(nodes_, id, {}, &PoseNode::id);
   return at != nodes_.end() && at->id == id;

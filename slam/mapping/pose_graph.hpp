@@ -135,6 +135,9 @@ class PoseGraph {
     return result;
   }
 
+  /// The same with the odometry's covariances counted so many times.
+  PoseGraph with_odometry_scaled(double scale) const;
+
   /// Positions in edges() of those that touch the node, whatever their status, as they were added.
   std::span<const std::size_t> edges_of(NodeId id) const { return edges_of_[index_of(id)]; }
   /// There is a node of that id.

@@ -26,10 +26,7 @@ constexpr double kRoughYaw = 10.0 * kDegree;
 
 /// Without its fixes, and with the odometry's covariances counted so many times.
 PoseGraph without_fixes(const PoseGraph& graph, double odometry_scale) {
-  PoseGraph scaled = graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
-    return edge.kind == EdgeKind::odometry ? Matrix6d(edge.information / odometry_scale)
-                                           : edge.information;
-  });
+  PoseGraph scaled = graph.with_odometry_scaled(odometry_scale);
   scaled.clear_fixes();
   return scaled;
 }

@@ -34,7 +34,7 @@ std::string cause_text(const DoubtfulStretch& stretch) {
              (stretch.inertial() ? "the IMU alone carried it" : "its last velocity carried it on") +
              "; `adit inspect` tells whether the recording is damaged there";
     case DoubtCause::contradicted:
-      if (!stretch.inertial()) {
+      if (stretch.innovation <= 0.0) {
         return "alignments contradict each other, with steps that no sensor makes: it turned or "
                "moved faster than they can follow, or matched the wrong place; fuse an IMU, or "
                "move more slowly";
