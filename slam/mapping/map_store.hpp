@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/slam/mapping/ground_control.hpp"
 #include "adit/slam/mapping/map_fix.hpp"
 #include "adit/slam/mapping/pose_graph.hpp"
 #include "adit/slam/mapping/vertical.hpp"
@@ -122,6 +123,7 @@ struct MapRevision {
   std::vector<MapFix> fixes{};                                 ///< in place of those stored
   std::optional<Georeference> georeference{};                  ///< in place of that stored
   bool drops_georeference = false;                             ///< the map has no place any more
+  std::optional<std::vector<ControlPoint>> control{};          ///< in place of all those stored
 };
 
 /// A place where a map is kept: maps/map_database.hpp is one.
@@ -145,7 +147,7 @@ class MapStore {
   virtual std::vector<MapKeyframe> keyframes() const = 0;
   /// Edges in the order in which they were stored: MapRevision::statuses counts them so. Tied to
   /// the world by the verticals of keyframes and, where the map has its place there, by the fixes
-  /// used.
+  /// used and its control points.
   virtual PoseGraph graph() const = 0;
   /// In order of their ids.
   virtual std::vector<LoopCandidate> candidates() const = 0;

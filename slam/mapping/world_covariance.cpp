@@ -35,4 +35,17 @@ std::vector<Eigen::Matrix3d> world_covariances(const PoseGraph& graph,
   return covariances;
 }
 
+Matrix6d covariance_of_world(const PoseGraph& graph) {
+  Matrix6d information = 1e-8 * Matrix6d::Identity();
+  const auto add = [&](const auto& tie) { information += tie.by_world.transpose() * tie.by_world; };
+  const auto pose = [&](NodeId node) { return graph.nodes()[graph.index_of(node)].T_map_node; };
+  for (const PositionFix& fix : graph.fixes()) {
+    add(FixResidual(fix).linearized(graph.T_world_map(), pose(fix.node)));
+  }
+  for (const LevelledNode& level : graph.levels()) {
+    add(LevelResidual(level).linearized(graph.T_world_map(), pose(level.node)));
+  }
+  return symmetric_inverse(information);
+}
+
 }  // namespace adit

@@ -15,4 +15,7 @@ namespace adit {
 std::vector<Eigen::Matrix3d> world_covariances(const PoseGraph& graph,
                                                std::span<const NodeId> nodes);
 
+/// Of T_world_map, [rho, phi], with the map's own shape taken as known.
+Matrix6d covariance_of_world(const PoseGraph& graph);
+
 }  // namespace adit

@@ -9,6 +9,7 @@
 #include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/graph_residuals.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
+#include "adit/slam/mapping/world_covariance.hpp"
 
 namespace adit {
 namespace {
@@ -66,20 +67,6 @@ class FirstPart {
   const PoseGraph* graph_;
   std::vector<std::size_t> component_of_;
 };
-
-/// Of T_world_map, with the map's own shape taken as known.
-Matrix6d covariance_of_world(const PoseGraph& graph) {
-  Matrix6d information = 1e-8 * Matrix6d::Identity();
-  const auto add = [&](const auto& tie) { information += tie.by_world.transpose() * tie.by_world; };
-  const auto pose = [&](NodeId node) { return graph.nodes()[graph.index_of(node)].T_map_node; };
-  for (const PositionFix& fix : graph.fixes()) {
-    add(FixResidual(fix).linearized(graph.T_world_map(), pose(fix.node)));
-  }
-  for (const LevelledNode& level : graph.levels()) {
-    add(LevelResidual(level).linearized(graph.T_world_map(), pose(level.node)));
-  }
-  return symmetric_inverse(information);
-}
 
 }  // namespace
 

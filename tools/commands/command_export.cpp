@@ -51,10 +51,6 @@ void check_heights(const ExportCommandOptions& options) {
     throw UsageError("--geoid and --frame " + options.frame +
                      " exclude each other: heights there are the map's own.");
   }
-  if (options.report && (options.crs || options.geoid)) {
-    throw UsageError((options.crs ? "--crs" : "--geoid") +
-                     std::string(": a report is in UTM, with heights above the ellipsoid."));
-  }
 }
 
 void check_frames(const ExportCommandOptions& options) {

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <fstream>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,7 +13,6 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/mapping/condensation.hpp"
@@ -22,6 +20,9 @@
 #include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/optimize_report.hpp"
+#include "adit/tools/commands/wanted_system.hpp"
+#include "adit/tools/maps/control_points.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/support/stop_signal.hpp"
@@ -32,33 +33,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t kWorstEdges = 5;
-constexpr std::size_t kComponentsTold = 5;
 constexpr int kSignalExit = 128;
 // Chordal poses of larger graphs take some of the time that is saved.
 constexpr std::size_t kMostNodesTriedTwice = 20'000;
-
-/// What `adit optimize` has done, for the report.
-struct Outcome {
-  G2oFile file;
-  bool is_map = false;     ///< its graph and the numbers of its edges stand in `file`
-  double file_cost = 0.0;  ///< where the file has the nodes
-  InitialPoses initial = InitialPoses::file;  ///< what it started from
-  OptimizedGraph optimized;
-  std::optional<double> odometry_scale{};  ///< of a map's own model (LoopOptimum)
-  bool moved = false;  ///< a node, or the map in the world, is not where the file has it
-  std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
-};
-
-std::string convention_text(ResidualConvention convention, bool planar) {
-  switch (convention) {
-    case ResidualConvention::quaternion:
-      return planar ? "(t, yaw), as g2o has it" : "(t, q_vec), as g2o has it";
-    case ResidualConvention::rotation:
-      return planar ? "(t, yaw)" : "(t, Log R)";
-    default:
-      return planar ? "Log of SE(2)" : "Log of SE(3)";
-  }
-}
 
 /// Says how far the work is, at most once a second, and ends it after a signal.
 class IterationProgress {
@@ -115,15 +92,13 @@ G2oFile graph_of_map(const std::filesystem::path& file) {
   return read;
 }
 
-/// For a map it is the convention that its information belongs to.
-ResidualConvention convention_of(const OptimizeCommandOptions& options, const Outcome& outcome) {
-  return outcome.is_map ? ResidualConvention::rotation
-                        : options.convention.value_or(ResidualConvention::quaternion);
+int most_iterations(const OptimizeCommandOptions& options) {
+  return options.max_iterations.value_or(OptimizationSettings{}.max_iterations);
 }
 
 /// Gives the graph the poses to start from. Returns which they are.
-InitialPoses begin(PoseGraph& graph, const OptimizationSettings& settings, const Outcome& outcome,
-                   InitialPoses wanted) {
+InitialPoses begin(PoseGraph& graph, const OptimizationSettings& settings,
+                   const OptimizeOutcome& outcome, InitialPoses wanted) {
   if (wanted == InitialPoses::better) {
     if (outcome.is_map || graph.nodes().size() > kMostNodesTriedTwice) {
       return InitialPoses::file;
@@ -165,10 +140,6 @@ bool is_as_its_run(const OptimizeCommandOptions& options, bool map) {
   return map && !options.loop_kernel && !options.initial && !options.direct;
 }
 
-int most_iterations(const OptimizeCommandOptions& options) {
-  return options.max_iterations.value_or(OptimizationSettings{}.max_iterations);
-}
-
 /// Throws UsageError for what would have no effect.
 void check_options(const OptimizeCommandOptions& options, bool map) {
   std::error_code ignored;
@@ -183,6 +154,18 @@ void check_options(const OptimizeCommandOptions& options, bool map) {
   if (options.kernel_width && options.loop_kernel.value_or(Kernel::none) == Kernel::none) {
     throw UsageError("--kernel-width needs --loop-kernel pseudo-huber or dcs.");
   }
+  if (options.control && (!map || options.output || !is_as_its_run(options, map))) {
+    throw UsageError(
+        !map ? "--control: a graph in g2o's format has no places of points; name a map."
+             : "--control: a map is adjusted as its run optimises it, and keeps the points itself; "
+               "leave --output, --loop-kernel, --initial and --direct out.");
+  }
+  if (!options.control && (options.utm || options.crs || options.geoid)) {
+    throw UsageError("--utm, --crs and --geoid say what the places of --control are in.");
+  }
+  if (options.utm && options.crs) {
+    throw UsageError("--utm and --crs both say what places are in: leave one of the two out.");
+  }
   if (map && options.convention) {
     throw UsageError("--convention: a map has one of its own, angle; leave it out.");
   }
@@ -193,8 +176,8 @@ void check_options(const OptimizeCommandOptions& options, bool map) {
   }
 }
 
-Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
-  Outcome outcome;
+OptimizeOutcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) {
+  OptimizeOutcome outcome;
   outcome.is_map = is_map(options.input);
   outcome.file = outcome.is_map ? graph_of_map(options.input) : read_g2o(options.input);
   PoseGraph& graph = outcome.file.graph;
@@ -209,7 +192,14 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   settings.on_step = IterationProgress(err);
   outcome.file_cost = graph_cost(graph, settings);
   const PoseGraph before = graph;
-  if (is_as_its_run(options, outcome.is_map)) {
+  if (options.control) {
+    outcome.control =
+        adjust_to_control(MapDatabase(options.input, MapAccess::read), *options.control,
+                          wanted_system(options.utm, options.crs, options.geoid), settings.on_step);
+    graph = outcome.control->found.graph;
+    outcome.odometry_scale = outcome.control->found.optimum.odometry_scale;
+    outcome.optimized = outcome.control->found.optimum;
+  } else if (is_as_its_run(options, outcome.is_map)) {
     LoopOptimum optimum = optimize_with_loops(graph, settings.on_step);
     outcome.odometry_scale = optimum.odometry_scale;
     outcome.file_cost = optimum.report.cost_before;
@@ -227,135 +217,6 @@ Outcome optimize_file(const OptimizeCommandOptions& options, std::ostream& err) 
   return outcome;
 }
 
-std::size_t loops_in(const PoseGraph& graph) {
-  return static_cast<std::size_t>(
-      std::ranges::count(graph.edges(), EdgeKind::loop, &PoseEdge::kind));
-}
-
-std::string initial_text(InitialPoses initial) {
-  return initial == InitialPoses::file   ? "file"
-         : initial == InitialPoses::tree ? "tree"
-                                         : "chordal";
-}
-
-/// Components beyond the first ones are counted only.
-std::string describe_components(const OptimizationReport& report) {
-  const std::vector<GraphComponent>& components = report.components.components;
-  if (components.size() < 2) {
-    return report.held.empty() ? std::string()
-                               : "held         node " + std::to_string(report.held.front()) +
-                                     ", since none is fixed\n";
-  }
-  std::string text =
-      "components   " + std::to_string(components.size()) +
-      ", without an edge between them; their places relative to each other mean nothing\n";
-  for (std::size_t i = 0; i < std::min(components.size(), kComponentsTold); ++i) {
-    const GraphComponent& component = components[i];
-    text += "             from node " + std::to_string(component.first) + ": " +
-            std::to_string(component.nodes) + " nodes, " + std::to_string(component.edges) +
-            " edges" + (component.has_fixed_node ? "" : ", held at its first node") + "\n";
-  }
-  if (components.size() > kComponentsTold) {
-    text += "             and " + std::to_string(components.size() - kComponentsTold) + " more\n";
-  }
-  return text;
-}
-
-std::string describe(const OptimizeCommandOptions& options, const Outcome& outcome) {
-  const PoseGraph& graph = outcome.file.graph;
-  const OptimizationReport& report = outcome.optimized.report;
-  const std::size_t loops = loops_in(graph);
-  std::string text =
-      fmt::format("graph        {} nodes, {} edges ({} loops), SE({})\n", graph.nodes().size(),
-                  graph.edges().size(), loops, graph.planar() ? 2 : 3);
-  text += describe_components(report);
-  if (outcome.file.parameter_lines > 0) {
-    text +=
-        fmt::format("left out     {} lines with parameters, which edges between poses do not use\n",
-                    outcome.file.parameter_lines);
-  }
-  if (!outcome.file.indefinite_lines.empty()) {
-    text += fmt::format(
-        "information  of {} edges has negative eigenvalues, which count as zero (line {} first)\n",
-        outcome.file.indefinite_lines.size(), outcome.file.indefinite_lines.front());
-  }
-  if (!graph.levels().empty() || !graph.fixes().empty()) {
-    text += fmt::format("world        {} verticals and {} GNSS fixes are in the cost as well\n",
-                        graph.levels().size(), graph.fixes().size());
-  }
-  text += "residual     " + convention_text(convention_of(options, outcome), graph.planar()) + "\n";
-  if (outcome.odometry_scale) {
-    text += "model        as in its run: loops under a kernel that takes influence from wrong ones";
-    text +=
-        *outcome.odometry_scale > 1.0
-            ? fmt::format(", the odometry's covariances times {:.3g}\n", *outcome.odometry_scale)
-            : "\n";
-  }
-  text += fmt::format("cost         {:.10g} in the file", outcome.file_cost);
-  if (outcome.initial != InitialPoses::file) {
-    text += fmt::format(", {:.10g} at the start ({})", report.cost_before,
-                        initial_text(outcome.initial));
-  }
-  text += fmt::format(", {:.10g} optimized\n", report.cost_after);
-  text += fmt::format("iterations   {}, {:.2f} s{}: {}\n", report.iterations, report.seconds,
-                      report.restarted ? ", begun again with a small trust region" : "",
-                      std::string(to_string(report.termination)));
-  for (const std::size_t i : outcome.worst) {
-    const PoseEdge& edge = graph.edges()[i];
-    const EdgeResult& result = *report.edges[i];
-    text += fmt::format("{}  {} to {}: chi squared {:.6g}",
-                        i == outcome.worst.front() ? "worst edges" : "           ", edge.from,
-                        edge.to, result.chi2);
-    text += result.weight < 1.0 ? fmt::format(", weight {:.3g}", result.weight) : "";
-    text += fmt::format(" ({} {})\n", outcome.is_map ? "edge" : "line", outcome.file.edge_lines[i]);
-  }
-  return text;
-}
-
-std::string to_json(const OptimizeCommandOptions& options, const Outcome& outcome) {
-  const PoseGraph& graph = outcome.file.graph;
-  const OptimizationReport& report = outcome.optimized.report;
-  nlohmann::ordered_json json;
-  json["schema"] = "optimize/1";
-  json["file"] = options.input.string();
-  json["nodes"] = graph.nodes().size();
-  json["edges"] = graph.edges().size();
-  json["loops"] = loops_in(graph);
-  json["planar"] = graph.planar();
-  json["verticals"] = graph.levels().size();
-  json["fixes"] = graph.fixes().size();
-  json["indefinite_edges"] = outcome.file.indefinite_lines.size();
-  json["residual"] = convention_text(convention_of(options, outcome), graph.planar());
-  json["initial"] = initial_text(outcome.initial);
-  json["odometry_scale"] = outcome.odometry_scale ? nlohmann::ordered_json(*outcome.odometry_scale)
-                                                  : nlohmann::ordered_json(nullptr);
-  json["cost_file"] = outcome.file_cost;
-  json["cost_before"] = report.cost_before;
-  json["cost_after"] = report.cost_after;
-  json["iterations"] = report.iterations;
-  json["seconds"] = report.seconds;
-  json["termination"] = to_string(report.termination);
-  json["message"] = report.message;
-  json["restarted"] = report.restarted;
-  json["held"] = report.held;
-  json["components"] = nlohmann::ordered_json::array();
-  for (const GraphComponent& component : report.components.components) {
-    json["components"].push_back({{"first", component.first},
-                                  {"nodes", component.nodes},
-                                  {"edges", component.edges},
-                                  {"has_fixed_node", component.has_fixed_node}});
-  }
-  json["worst_edges"] = nlohmann::ordered_json::array();
-  for (const std::size_t i : outcome.worst) {
-    json["worst_edges"].push_back({{"from", graph.edges()[i].from},
-                                   {"to", graph.edges()[i].to},
-                                   {"line", outcome.file.edge_lines[i]},
-                                   {"chi2", report.edges[i]->chi2},
-                                   {"weight", report.edges[i]->weight}});
-  }
-  return json.dump(2) + "\n";
-}
-
 bool has_open_run(const MapDatabase& map) {
   return std::ranges::any_of(map.sessions(), [&](const MapSession& session) {
     const SessionProgress run = map.progress(session.id);
@@ -366,14 +227,15 @@ bool has_open_run(const MapDatabase& map) {
 int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options, is_map(options.input));
   const StopSignal stop;
-  const Outcome outcome = optimize_file(options, err);
+  const OptimizeOutcome outcome = optimize_file(options, err);
   const Termination termination = outcome.optimized.report.termination;
   if (StopSignal::received() != 0) {
     err << "adit optimize: stopped; nothing was written" << std::endl;
     return kSignalExit + StopSignal::received();
   }
   const bool failed = termination == Termination::failed;
-  const bool revises = outcome.is_map && !options.output && !failed && outcome.moved;
+  const bool revises =
+      outcome.is_map && !options.output && !failed && (outcome.moved || outcome.control);
   if (options.output && !failed) {
     write_g2o(*options.output, outcome.file.graph);
   } else if (revises) {
@@ -383,14 +245,21 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
              "can no longer go on with it"
           << std::endl;
     }
-    map.revise({.poses = outcome.file.graph.nodes(),
-                .georeference = placed(map.georeference(), outcome.file.graph.T_world_map())});
+    MapRevision revision{
+        .poses = outcome.file.graph.nodes(),
+        .georeference = placed(map.georeference(), outcome.file.graph.T_world_map())};
+    if (outcome.control) {
+      revision.georeference = outcome.control->found.georeference;
+      revision.control = outcome.control->table.points;
+    }
+    map.revise(revision);
   }
   out << (options.json ? to_json(options, outcome) : describe(options, outcome));
   if (options.output && !failed && !options.json) {
     out << "wrote        " << options.output->string() << "\n";
   } else if (revises && !options.json) {
-    out << "wrote        the poses of " << options.input.string() << "\n";
+    out << "wrote        the poses of " << options.input.string()
+        << (outcome.control ? ", its place on the Earth and the points\n" : "\n");
   } else if (outcome.is_map && !options.output && !failed && !options.json) {
     out << "wrote        nothing: the poses are at the minimum\n";
   }
@@ -428,6 +297,7 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
       "Examples:\n"
       "  adit optimize sphere2500.g2o -o optimized.g2o\n"
       "  adit optimize out/map.adit\n"
+      "  adit optimize out/map.adit --control points.csv --utm 32N\n"
       "  adit optimize torus3D.g2o --initial chordal --convention angle --json\n\n"
       "Exit codes: 0 converged, 1 failed or not converged, 2 usage.");
   command.option("graph", options->input, "The graph").required().value_name("GRAPH");
@@ -466,6 +336,20 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
       .value_name("N");
   command.flag("--direct", options->direct,
                "Large graphs too are optimised as they are, without condensing their chains");
+  command
+      .option("--control", options->control,
+              "Adjust a map to surveyed points (docs/georeferencing.md), which it keeps")
+      .value_name("POINTS.csv");
+  command.option("--utm", options->utm, "The zone of UTM that the points are in, such as 32N")
+      .value_name("ZONE");
+  command
+      .option("--crs", options->crs,
+              "The projected system that the points are in, by its name in PROJ")
+      .value_name("EPSG:25832");
+  command
+      .option("--geoid", options->geoid,
+              "The points' heights are above the sea: GeographicLib's file of the geoid")
+      .value_name("FILE.pgm");
   command.flag("--json", options->json, "Report as JSON");
   command.action([options, done = std::move(done)] {
     done(optimize_command(*options, std::cout, std::cerr));

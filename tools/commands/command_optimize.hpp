@@ -8,6 +8,7 @@
 #include <functional>
 #include <iosfwd>
 #include <optional>
+#include <string>
 
 #include "adit/slam/mapping/solver.hpp"
 
@@ -29,6 +30,11 @@ struct OptimizeCommandOptions {
   std::optional<double> kernel_width{};            ///< standard deviations
   std::optional<int> max_iterations{};             ///< none: OptimizationSettings' own
   bool direct = false;  ///< without condensing the chains of large graphs first
+  /// Surveyed points that a map is adjusted to, and the system that their places are in.
+  std::optional<std::filesystem::path> control{};
+  std::optional<std::string> utm{};              ///< a zone, such as 32N
+  std::optional<std::string> crs{};              ///< a projected system, such as EPSG:25832
+  std::optional<std::filesystem::path> geoid{};  ///< their heights are above it
   bool json = false;
 };
 

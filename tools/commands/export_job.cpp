@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/commands/wanted_system.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -21,20 +22,8 @@ namespace {
 [[noreturn]] void fail_georeference(const std::string& wanted) {
   throw UsageError(wanted +
                    ": the map is not georeferenced. Place it by hand with --origin "
-                   "LAT,LON,ALT[,YAW], or map a recording with GNSS.");
-}
-
-std::optional<Geoid> geoid_of(const ExportCommandOptions& options) {
-  if (!options.geoid) {
-    return std::nullopt;
-  }
-  try {
-    return Geoid(*options.geoid);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError("--geoid " + options.geoid->string() + ": it cannot be used (" + error.what() +
-                     "). Expected a file of GeographicLib's, such as egm2008-1.pgm "
-                     "(geographiclib-get-geoids fetches them).");
-  }
+                   "LAT,LON,ALT[,YAW], by surveyed points with adit optimize --control, or map a "
+                   "recording with GNSS.");
 }
 
 /// Formats that name a coordinate reference system by its number alone.
@@ -45,19 +34,8 @@ bool numbers_its_system(const ExportCommandOptions& options) {
 
 ProductCoordinates coordinates_in(const ExportJob& job, ProductFrame frame) {
   const ExportCommandOptions& options = *job.options;
-  ProductSystem system;
-  if (options.utm) {
-    system.zone = parse_utm_zone(*options.utm);
-    if (!system.zone) {
-      throw UsageError("--utm " + *options.utm +
-                       ": expected a zone from 1 to 60 and N or S, such as 30N.");
-    }
-  }
+  const ProductSystem system = wanted_system(options.utm, options.crs, options.geoid);
   try {
-    if (options.crs) {
-      system.named.emplace(*options.crs);
-    }
-    system.geoid = geoid_of(options);
     ProductCoordinates coordinates(*job.georeference, frame, system);
     if (frame == ProductFrame::named && !coordinates.epsg() && numbers_its_system(options)) {
       throw UsageError("--crs " + *options.crs +

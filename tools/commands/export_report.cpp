@@ -3,8 +3,10 @@
 #include "adit/tools/commands/export_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -15,6 +17,7 @@
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/maps/cloud_raster.hpp"
+#include "adit/tools/maps/control_points.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/maps/tiled_cloud.hpp"
 #include "adit/tools/maps/trajectory_products.hpp"
@@ -32,8 +35,9 @@ class Facts {
   void add(std::string_view name, const std::string& value) {
     html_ += "<dt>" + escape_markup(name) + "</dt><dd>" + escape_markup(value) + "</dd>\n";
   }
+  std::string list() const { return "<dl>\n" + html_ + "</dl>\n"; }
   std::string section(std::string_view title) const {
-    return "<h2>" + escape_markup(title) + "</h2>\n<dl>\n" + html_ + "</dl>\n";
+    return "<h2>" + escape_markup(title) + "</h2>\n" + list();
   }
 
  private:
@@ -58,24 +62,33 @@ std::string place_section(const ExportJob& job) {
     facts.add("georeference", "none: coordinates are those of the map's own frame");
     return facts.section("Coordinates");
   }
-  const ProductCoordinates utm = coordinates_of(job, true);
+  const ProductCoordinates coordinates = coordinates_of(job, true);
   const Geodetic& origin = job.georeference->origin;
-  const PlaceOnEarth begin = utm.place(Eigen::Vector3d::Zero());
-  facts.add("coordinate reference system", utm.name());
-  facts.add("datum, heights", "WGS 84; above the ellipsoid, no geoid applied");
+  facts.add("coordinate reference system", coordinates.name());
+  facts.add("heights", coordinates.has_geoid()
+                           ? "above the geoid of " + job.options->geoid->filename().string()
+                           : "above the ellipsoid, no geoid applied");
   facts.add("origin", fmt::format("{:.9f}, {:.9f} degrees, {:.3f} m", origin.latitude,
                                   origin.longitude, origin.altitude));
-  facts.add("map's origin in UTM",
-            fmt::format("{:.3f} E, {:.3f} N, {:.3f} m, zone {}", begin.utm.easting,
-                        begin.utm.northing, begin.geodetic.altitude, to_string(utm.zone())));
-  facts.add("convergence, scale there",
-            fmt::format("{:.6f} degrees from true to grid north, {:.8f}",
-                        begin.utm.convergence * kDegreesPerRadian, begin.utm.scale));
+  const Eigen::Vector3d begin = coordinates.from_map(Eigen::Vector3d(Eigen::Vector3d::Zero()));
+  facts.add("map's origin",
+            fmt::format("{:.3f} E, {:.3f} N, {:.3f} m", begin.x(), begin.y(), begin.z()));
+  if (coordinates.frame() == ProductFrame::utm) {
+    const UtmPosition there = coordinates.place(Eigen::Vector3d::Zero()).utm;
+    facts.add("convergence, scale there",
+              fmt::format("{:.6f} degrees from true to grid north, {:.8f}",
+                          there.convergence * kDegreesPerRadian, there.scale));
+  }
   if (job.options->origin) {
     facts.add("placed", "by hand (--origin): its accuracy is not known");
   } else {
     const Matrix6d& covariance = job.georeference->covariance;
-    facts.add("placed", "by GNSS");
+    const bool has_control = std::ranges::any_of(
+        job.map->control_points(),
+        [](const ControlPoint& point) { return point.role == ControlRole::control; });
+    facts.add("placed", !has_control               ? "by GNSS"
+                        : job.map->fixes().empty() ? "by ground control"
+                                                   : "by GNSS and ground control");
     facts.add("standard deviation",
               deviations(covariance, 0, 1.0, "m along the map's x, y, z; ") +
                   deviations(covariance, 3, kDegreesPerRadian, "degrees about them"));
@@ -145,6 +158,68 @@ std::string coverage_section(const ExportJob& job, const ProductCoordinates& coo
   }
   facts.add("of the extent", coordinates.name());
   return facts.section("Coverage");
+}
+
+std::string gnss_section(const MapDatabase& map) {
+  const std::vector<MapFix> fixes = map.fixes();
+  if (fixes.empty()) {
+    return "";
+  }
+  constexpr std::array kKinds = {"none", "single", "satellite-augmented", "ground-augmented (RTK)"};
+  std::map<GnssFixKind, std::pair<std::size_t, std::size_t>> kinds;  // all, used
+  std::map<FixVerdict, std::size_t> verdicts;
+  for (const MapFix& fix : fixes) {
+    auto& [all, used] = kinds[fix.kind];
+    ++all;
+    used += fix.verdict == FixVerdict::used ? 1U : 0U;
+    ++verdicts[fix.verdict];
+  }
+  Facts facts;
+  for (const auto& [kind, counts] : kinds) {
+    const auto& [all, used] = counts;
+    facts.add(
+        kKinds.at(static_cast<std::size_t>(kind)),
+        fmt::format("{} fixes, {:.0f} % of all, of which {} are used", all,
+                    100.0 * static_cast<double>(all) / static_cast<double>(fixes.size()), used));
+  }
+  for (const auto& [verdict, count] : verdicts) {
+    facts.add(to_string(verdict), std::to_string(count));
+  }
+  return facts.section("GNSS");
+}
+
+std::string control_section(const MapDatabase& map, const ProductCoordinates& coordinates) {
+  const ControlTable table = control_table(map);
+  if (table.points.empty() || coordinates.frame() == ProductFrame::map) {
+    return "";
+  }
+  std::string html =
+      "<h2>Ground control</h2>\n<p>Where the map has each point less where it was surveyed. "
+      "The map was adjusted to control points; check points it was only measured "
+      "against. Places are in " +
+      escape_markup(coordinates.name()) +
+      ", m.</p>\n<table><tr><th>point</th><th>role</th><th>easting</th><th>northing</th>"
+      "<th>height</th><th>east off</th><th>north off</th><th>up off</th></tr>\n";
+  for (std::size_t i = 0; i < table.points.size(); ++i) {
+    const ControlPoint& point = table.points[i];
+    const Eigen::Vector3d& error = table.errors[i];
+    const Eigen::Vector3d place = coordinates.from_geodetic(point.place);
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.3f}</td><td>{:.3f}</td><td>{:.3f}</td>"
+        "<td>{:.3f}</td><td>{:.3f}</td></tr>\n",
+        escape_markup(point.name), to_string(point.role), place.x(), place.y(), place.z(),
+        error.x(), error.y(), error.z());
+  }
+  html += "</table>\n";
+  Facts facts;
+  for (const ControlRole role : {ControlRole::control, ControlRole::check}) {
+    const auto spread = spread_of(table, role);
+    facts.add(std::string(to_string(role)) + " points",
+              spread ? fmt::format("{}; rmse level {:.3f} m, up {:.3f} m; largest {:.3f} m",
+                                   spread->count, spread->level, spread->up, spread->largest)
+                     : "none: nothing independent says how good the map is");
+  }
+  return html + facts.list();
 }
 
 std::string graph_section(const MapDatabase& map) {
@@ -238,6 +313,7 @@ std::string export_report(const ExportJob& job) {
   made.add("report by", "adit " + std::string(version()));
   std::string body =
       "<h1>" + escape_markup(title) + "</h1>\n" + warnings(job, path) + place_section(job) +
+      control_section(*job.map, coordinates) + gnss_section(*job.map) +
       coverage_section(job, coordinates, path) + "<h2>From above</h2>\n" +
       drawing_of(job, picture,
                  job.georeference ? "North is up; m east and north of the origin"

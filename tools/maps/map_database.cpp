@@ -98,6 +98,13 @@ constexpr const char* kTablesOfTheWorld =
 // What the world's tables of schemas 5 and 6 lack: the end of a run may move antennas.
 constexpr const char* kEndToSchema7 = "ALTER TABLE end_fixes ADD COLUMN antenna BLOB;";
 
+// What schema 7 lacks.
+constexpr const char* kTableOfControl =
+    "CREATE TABLE control(id INTEGER PRIMARY KEY, name TEXT NOT NULL, role INTEGER NOT NULL,"
+    " keyframe INTEGER NOT NULL REFERENCES keyframes(id), point BLOB NOT NULL,"
+    " marked BLOB NOT NULL, latitude REAL NOT NULL, longitude REAL NOT NULL,"
+    " altitude REAL NOT NULL, sigma BLOB NOT NULL);";
+
 int64_t pragma(const SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement = database.prepare("PRAGMA " + name);
   return statement.step() ? statement.integer(0) : 0;
@@ -215,6 +222,7 @@ void MapDatabase::create_tables() {
   database_.execute(kTables);
   database_.execute(kTablesOfTheEnd);
   database_.execute(kTablesOfTheWorld);
+  database_.execute(kTableOfControl);
   database_.execute("PRAGMA application_id = " + std::to_string(kMapApplication));
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
@@ -245,6 +253,7 @@ void MapDatabase::migrate() {
   } else if (schema < 7) {
     database_.execute(kEndToSchema7);
   }
+  database_.execute(kTableOfControl);
   database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
   transaction.commit();
 }
@@ -322,6 +331,12 @@ void MapDatabase::revise(const MapRevision& revision) {
   }
   for (const MapFix& fix : revision.fixes) {
     insert(fix);
+  }
+  if (revision.control) {
+    database_.execute("DELETE FROM control");
+    for (const ControlPoint& point : *revision.control) {
+      insert(point);
+    }
   }
   if (revision.drops_georeference) {
     database_.execute("DELETE FROM georeference");
@@ -410,6 +425,23 @@ void MapDatabase::insert(const MapFix& fix) {
       .bind(11, static_cast<int64_t>(fix.verdict))
       .bind(12, fix.chi2)
       .bind(13, as_bytes(square_numbers(fix.information)))
+      .step();
+}
+
+void MapDatabase::insert(const ControlPoint& point) {
+  database_
+      .prepare(
+          "INSERT INTO control(name, role, keyframe, point, marked, latitude, longitude, altitude,"
+          " sigma) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(1, point.name)
+      .bind(2, static_cast<int64_t>(point.role))
+      .bind(3, point.keyframe)
+      .bind(4, as_bytes(vector_numbers(point.p_keyframe)))
+      .bind(5, as_bytes(vector_numbers(point.p_marked)))
+      .bind(6, point.place.latitude)
+      .bind(7, point.place.longitude)
+      .bind(8, point.place.altitude)
+      .bind(9, as_bytes(vector_numbers(point.sigma)))
       .step();
 }
 

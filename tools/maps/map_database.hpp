@@ -23,7 +23,7 @@
 namespace adit {
 
 /// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 7;
+inline constexpr int64_t kMapSchema = 8;
 /// "adit": the application that the file says it belongs to.
 inline constexpr int64_t kMapApplication = 0x61646974;
 
@@ -101,6 +101,8 @@ class MapDatabase final : public MapStore {
   std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                      const Eigen::Vector3d& upper) const override;
 
+  /// Surveyed points, in the order in which they were given.
+  std::vector<ControlPoint> control_points() const;
   /// The boxes around submaps, map frame, m, as the index of places has them.
   std::map<NodeId, Eigen::AlignedBox3d> boxes() const;
 
@@ -114,6 +116,8 @@ class MapDatabase final : public MapStore {
   std::optional<LoopCandidate> candidate(int64_t id) const;
   /// As above.
   std::optional<MapFix> fix(int64_t id) const;
+  /// As above.
+  std::optional<ControlPoint> control_point(int64_t id) const;
 
   /// What is wrong with the map, for people; empty: it is whole. Reads everything.
   std::vector<std::string> check() const;
@@ -128,6 +132,7 @@ class MapDatabase final : public MapStore {
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void insert(const MapFix& fix);
+  void insert(const ControlPoint& point);
   void insert(const Georeference& georeference);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
   void prepare_step();
@@ -138,6 +143,7 @@ class MapDatabase final : public MapStore {
   PoseEdge edge_at(const SqliteStatement& row) const;
   LoopCandidate candidate_at(const SqliteStatement& row) const;
   MapFix fix_at(const SqliteStatement& row) const;
+  ControlPoint control_point_at(const SqliteStatement& row) const;
 
   std::optional<WriterLock> lock_;
   SqliteDatabase database_;

@@ -121,8 +121,9 @@ std::vector<std::string> MapDatabase::check() const {
   const bool nodes_read = attempt("table keyframes", [&] { static_cast<void>(keyframes()); });
   const bool edges_read = attempt("table edges", [&] { static_cast<void>(edges()); });
   const bool fixes_read = attempt("table fixes", [&] { static_cast<void>(fixes()); });
+  const bool control_read = attempt("table control", [&] { static_cast<void>(control_points()); });
   const bool world_read = attempt("table georeference", [&] { static_cast<void>(georeference()); });
-  if (nodes_read && edges_read && fixes_read && world_read) {
+  if (nodes_read && edges_read && fixes_read && control_read && world_read) {
     attempt("the graph", [&] { static_cast<void>(graph()); });
   }
   attempt("table candidates", [&] { static_cast<void>(candidates()); });

@@ -64,6 +64,9 @@ constexpr const char* kSessions = "SELECT id, name, configuration FROM sessions"
 constexpr const char* kFixes =
     "SELECT id, keyframe, stamp_ns, kind, latitude, longitude, altitude, covariance, antenna, "
     "path, verdict, chi2, information FROM fixes";
+constexpr const char* kControl =
+    "SELECT id, name, role, keyframe, point, marked, latitude, longitude, altitude, sigma FROM "
+    "control";
 constexpr const char* kEdges =
     "SELECT id, node_from, node_to, kind, status, pose, information FROM edges";
 int64_t schema_of(const SqliteDatabase& database) {
@@ -73,6 +76,7 @@ int64_t schema_of(const SqliteDatabase& database) {
 
 // Columns that older schemas lack are 0, and so are their tables' rows.
 constexpr int64_t kFirstWithWorld = 5;
+constexpr int64_t kFirstWithControl = 8;
 std::string keyframes_of(const SqliteDatabase& database) {
   return std::string("SELECT id, session, stamp_ns, fixed, pose, covariance, ") +
          (schema_of(database) < kFirstWithWorld ? "0" : "vertical") + " FROM keyframes";
@@ -232,6 +236,33 @@ std::optional<LoopCandidate> MapDatabase::candidate(int64_t id) const {
                  [&](const auto& row) { return candidate_at(row); });
 }
 
+ControlPoint MapDatabase::control_point_at(const SqliteStatement& row) const {
+  const auto& file = database_.path();
+  const int64_t id = row.integer(0);
+  ControlPoint point;
+  point.name = row.text(1);
+  point.role = enumerator(row.integer(2), ControlRole::check, file, "the role of control point");
+  point.keyframe = row.integer(3);
+  point.p_keyframe = vector_from(numbers<3>(row.blob(4), file, "the point of control point", id));
+  point.p_marked = vector_from(numbers<3>(row.blob(5), file, "the mark of control point", id));
+  point.place = {row.real(6), row.real(7), row.real(8)};
+  point.sigma = vector_from(numbers<3>(row.blob(9), file, "the deviations of control point", id));
+  return point;
+}
+
+std::vector<ControlPoint> MapDatabase::control_points() const {
+  if (schema_of(database_) < kFirstWithControl) {
+    return {};
+  }
+  return all_rows(database_, kControl, [&](const auto& row) { return control_point_at(row); });
+}
+std::optional<ControlPoint> MapDatabase::control_point(int64_t id) const {
+  if (schema_of(database_) < kFirstWithControl) {
+    return std::nullopt;
+  }
+  return one_row(database_, kControl, id, [&](const auto& row) { return control_point_at(row); });
+}
+
 std::vector<MapFix> MapDatabase::fixes() const {
   if (schema_of(database_) < kFirstWithWorld) {
     return {};
@@ -280,6 +311,11 @@ PoseGraph MapDatabase::graph() const {
       for (const MapFix& fix : fixes()) {
         if (fix.verdict == FixVerdict::used) {
           graph.add_fix(as_measured(fix, frame));
+        }
+      }
+      for (const ControlPoint& point : control_points()) {
+        if (point.role == ControlRole::control) {
+          graph.add_fix(as_measured(point, frame));
         }
       }
       graph.set_T_world_map(world->T_world_map);
@@ -418,6 +454,17 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
     append_all(text, "figures", std::array{fix.path, fix.chi2});
     append_all(text, "information", square_numbers(fix.information));
     line(text + " verdict " + std::string(to_string(fix.verdict)));
+  }
+  for (const ControlPoint& point : control_points()) {
+    std::string text = "control " + in_one_line(point.name) + " role " +
+                       std::string(to_string(point.role)) + " keyframe " +
+                       std::to_string(point.keyframe);
+    append_all(text, "point", vector_numbers(point.p_keyframe));
+    append_all(text, "marked", vector_numbers(point.p_marked));
+    append_all(text, "place",
+               std::array{point.place.latitude, point.place.longitude, point.place.altitude});
+    append_all(text, "sigma", vector_numbers(point.sigma));
+    line(text);
   }
   if (const std::optional<Georeference> world = georeference()) {
     std::string text = "georeference";

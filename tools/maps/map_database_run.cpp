@@ -35,6 +35,7 @@ constexpr const char* kTakeBack =
     " FROM end_fixes AS was WHERE was.id = fixes.id;"
     "DELETE FROM georeference; INSERT INTO georeference SELECT * FROM end_georeference;"
     "DELETE FROM places;"
+    "DELETE FROM control WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"
     "DELETE FROM chunks WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"
     "DELETE FROM submaps WHERE keyframe NOT IN (SELECT id FROM end_keyframes);"
     "DELETE FROM keyframes WHERE id NOT IN (SELECT id FROM end_keyframes);"

@@ -129,6 +129,7 @@ class Recovery {
     const auto lost_edges = each("edges", [&](int64_t id) { take_edge(id); });
     const auto lost_candidates = each("candidates", [&](int64_t id) { take_candidate(id); });
     const auto lost_fixes = each("fixes", [&](int64_t id) { take_fix(id); });
+    const auto lost_control = each("control", [&](int64_t id) { take_control_point(id); });
     done_.edges = revision_.edges.size();
     done_.candidates = revision_.candidates.size();
     done_.fixes = revision_.fixes.size();
@@ -143,6 +144,7 @@ class Recovery {
     tell_lost("edges", lost_edges, done_.lost_edges);
     tell_lost("candidates", lost_candidates, done_.lost_candidates);
     tell_lost("fixes", lost_fixes, done_.lost_fixes);
+    tell_lost("control", lost_control, done_.lost_control);
     tell_unknown();
     return std::move(done_);
   }
@@ -286,6 +288,17 @@ class Recovery {
     }
   }
 
+  void take_control_point(int64_t id) {
+    if (const std::optional<ControlPoint> point = source_.control_point(id)) {
+      known_keyframes_.insert(point->keyframe);
+      require(keyframes_.contains(point->keyframe));
+      if (!revision_.control) {
+        revision_.control.emplace();
+      }
+      revision_.control->push_back(*point);
+    }
+  }
+
   /// Submaps, edges and fixes tell which keyframes there were.
   void tell_lost_keyframes() {
     for (const char* table : {"keyframes", "submaps", "end_keyframes"}) {
@@ -328,7 +341,7 @@ class Recovery {
     auto& tables = salvage_.tables;
     // Each keyframe has a submap: a whole table of those names them all.
     tables["keyframes"].may_lack_more &= tables["submaps"].may_lack_more;
-    for (const char* table : {"sessions", "keyframes", "edges", "candidates", "fixes",
+    for (const char* table : {"sessions", "keyframes", "edges", "candidates", "fixes", "control",
                               "georeference", "anchors", "provenance"}) {
       if (tables[table].may_lack_more) {
         done_.problems.push_back(std::string(table) +

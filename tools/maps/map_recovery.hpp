@@ -24,6 +24,7 @@ struct MapRecovery {
   std::size_t lost_edges = 0;
   std::size_t lost_candidates = 0;
   std::size_t lost_fixes = 0;
+  std::size_t lost_control = 0;
   bool may_lack_more = false;              ///< of which nothing tells
   std::vector<std::string> damaged_pages;  ///< for people: what could not be read
   std::vector<std::string> problems;       ///< for people: what is lost by that

@@ -43,6 +43,7 @@ constexpr std::array kShapes = {
     Shape{"candidates", "niiiprrrtrrrrri", 9, true},
     Shape{"fixes", "niiirrrsvrirs", 13, true},
     Shape{"georeference", "nrrrpm", 6, true},
+    Shape{"control", "ntiivvrrrv", 10, true},
     Shape{"anchors", "np", 2, true},
     Shape{"end_keyframes", "nip", 3, false},
     Shape{"end_edges", "ni", 2, false},

@@ -14,8 +14,9 @@
 namespace adit {
 namespace {
 
-constexpr double kMargin = 3.0;  // degrees beyond its area of use that a system still serves
-constexpr double kFar = 1e-5;    // degrees, from where a place comes back to: not covered
+constexpr double kAreaMargin = 3.0;     // degrees beyond its area of use that a system still serves
+constexpr double kFar = 1e-5;           // degrees, from where a place comes back to: not covered
+constexpr double kSamePosition = 1e-3;  // m
 
 constexpr const char* kNotInstalled =
     "coordinate reference systems by name need PROJ, which is not installed (Debian: apt install "
@@ -183,11 +184,11 @@ struct ProjectedSystem::State {
     const auto& [west, south, east, north] = *area;
     // How far east of the western edge, within one turn: areas may lie across 180 degrees.
     const auto eastward = [from = west](double longitude) {
-      return longitude - from - 360.0 * std::floor((longitude - from + kMargin) / 360.0);
+      return longitude - from - 360.0 * std::floor((longitude - from + kAreaMargin) / 360.0);
     };
     const double width = east < west ? east + 360.0 - west : east - west;
-    return place.latitude >= south - kMargin && place.latitude <= north + kMargin &&
-           eastward(place.longitude) <= width + kMargin;
+    return place.latitude >= south - kAreaMargin && place.latitude <= north + kAreaMargin &&
+           eastward(place.longitude) <= width + kAreaMargin;
   }
 };
 
@@ -221,6 +222,18 @@ Eigen::Vector2d ProjectedSystem::position_of(const Geodetic& place) const {
                                    state_->name, place.latitude, place.longitude));
   }
   return {found.v[0], found.v[1]};
+}
+
+Geodetic ProjectedSystem::place_of(const Eigen::Vector2d& position, double altitude) const {
+  const PJ_COORD asked = {{position.x(), position.y(), altitude, HUGE_VAL}};
+  const PJ_COORD found = state_->calls.trans(state_->to_system.get(), PJ_INV, asked);
+  const Geodetic place{.latitude = found.v[1], .longitude = found.v[0], .altitude = altitude};
+  const bool is_place = std::isfinite(place.latitude) && std::isfinite(place.longitude);
+  if (!is_place || !((position_of(place) - position).norm() < kSamePosition)) {
+    throw NoSuchSystem(fmt::format("'{}' does not cover {:.3f} east, {:.3f} north", state_->name,
+                                   position.x(), position.y()));
+  }
+  return place;
 }
 
 }  // namespace adit

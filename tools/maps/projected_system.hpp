@@ -38,6 +38,8 @@ class ProjectedSystem {
 
   /// East and north, m. Throws NoSuchSystem where it does not cover the place.
   Eigen::Vector2d position_of(const Geodetic& place) const;
+  /// And back; `altitude` is above the ellipsoid. Throws NoSuchSystem likewise.
+  Geodetic place_of(const Eigen::Vector2d& position, double altitude) const;
 
  private:
   struct State;

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/commands/wanted_system.hpp"
+
+#include <stdexcept>
+
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+Geoid geoid_of(const std::filesystem::path& file) {
+  try {
+    return Geoid(file);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError("--geoid " + file.string() + ": it cannot be used (" + error.what() +
+                     "). Expected a file of GeographicLib's, such as egm2008-1.pgm "
+                     "(geographiclib-get-geoids fetches them).");
+  }
+}
+
+}  // namespace
+
+ProductSystem wanted_system(const std::optional<std::string>& utm,
+                            const std::optional<std::string>& crs,
+                            const std::optional<std::filesystem::path>& geoid) {
+  ProductSystem system;
+  if (utm) {
+    system.zone = parse_utm_zone(*utm);
+    if (!system.zone) {
+      throw UsageError("--utm " + *utm + ": expected a zone from 1 to 60 and N or S, such as 30N.");
+    }
+  }
+  try {
+    if (crs) {
+      system.named.emplace(*crs);
+    }
+  } catch (const NoSuchSystem& error) {
+    throw UsageError("--crs " + *crs + ": " + error.what() + ".");
+  }
+  if (geoid) {
+    system.geoid = geoid_of(*geoid);
+  }
+  return system;
+}
+
+}  // namespace adit
