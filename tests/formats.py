@@ -28,8 +28,10 @@ COMMANDS = {
     "adit evaluate --json": [["evaluate", "json/trajectory.tum", "drive.truth.tum", "--json"]],
     "adit align --json": [["align", "drive.mcap@0", "drive.mcap@9", "--json"],
                           ["align", "drive.mcap@0", "drive.mcap@9", "--guess", "0", "0", "0", "5", "--json"]],
-    "adit info, check, loops and optimize --json": [[verb, "json/map.adit", "--json"]
-                                                    for verb in ("info", "check", "loops", "optimize")],
+    "adit info, check, loops and optimize --json": [
+        *[[verb, "json/map.adit", "--json"] for verb in ("info", "check", "loops", "optimize")],
+        ["optimize", "json/map.adit", "--control", "points.csv", "--utm", "32N", "--json"],
+        ["info", "json/map.adit", "--json"]],
     "adit devices --json": [["devices", "--json"]],
 }
 SCHEMAS = PAGE.parent / "schemas"
@@ -118,6 +120,7 @@ def check(adit, folder, page):
     if simulated.returncode != 0:
         yield f"adit simulate: {simulated.stderr}"
         return
+    shutil.copy(pathlib.Path(__file__).resolve().parent / "support" / "points.csv", folder)
     used = set()
     for heading, commands in COMMANDS.items():
         written = set()

@@ -8,13 +8,14 @@ anything is.
 
 A block of commands is a fenced block marked `sh` (one command a line) or `console` (commands behind "$ ", then what
 they print: numbers may differ, a line "..." stands for any lines). The blocks of a page run one after the other in an
-empty folder that holds only drive.mcap and its ground truth. What cannot run here is listed in NOT_RUN. Of these
+empty folder that holds only drive.mcap, its ground truth and points.csv. What cannot run here is listed in NOT_RUN. Of these
 commands, and of those within sentences, verbs and options must exist.
 """
 
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -115,6 +116,7 @@ class Program:
 
     def prepare(self, folder):
         subprocess.run([self.adit, *PREPARED], cwd=folder, check=True, capture_output=True, timeout=LIMIT_S)
+        shutil.copy(ROOT / "tests" / "support" / "points.csv", folder)
 
     def run(self, command, folder):
         path = f"{pathlib.Path(self.adit).parent}:{os.environ['PATH']}"

@@ -9,6 +9,7 @@
 #include "adit/tests/support/error_text.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_export.hpp"
+#include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/maps/map_recovery.hpp"
 #include "adit/tools/support/input_error.hpp"
@@ -129,6 +130,11 @@ TEST(ControlPoints, TheCommandAdjustsAMapAndTheReportShowsIt) {
   for (const char* part : {"Ground control", "by ground control", "<td>C0</td><td>control</td>",
                            "check points</dt><dd>4; rmse"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  const test::Ran info = test::ran(info_command, InfoCommandOptions{.map = map});
+  for (const char* part : {"place      46.49", "control    5 points, rms level 0.0",
+                           "check      4 points, rms level 0.0"}) {
+    EXPECT_NE(info.out.find(part), std::string::npos) << part << " in " << info.out;
   }
   const MapRecovery recovered = recover_map(map, folder / "recovered.adit");
   EXPECT_TRUE(recovered.problems.empty());

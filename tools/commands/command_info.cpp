@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/maps/control_points.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 
@@ -32,6 +34,10 @@ struct Figures {
   std::size_t revoked = 0;
   std::size_t candidates = 0;
   std::size_t components = 0;
+  std::optional<Georeference> georeference;
+  std::size_t fixes = 0;
+  std::size_t fixes_used = 0;
+  ControlTable control;
   std::map<std::string, std::size_t> verticals;  ///< keyframes by what the vertical comes from
   double length = 0.0;                           ///< m, along the sweeps
   double seconds = 0.0;                          ///< from the first sweep to the last
@@ -55,6 +61,12 @@ Figures figures_of(const std::filesystem::path& file) {
                                           : figures.edges);
   }
   figures.candidates = map.candidates().size();
+  figures.georeference = map.georeference();
+  figures.control = control_table(map);
+  for (const MapFix& fix : map.fixes()) {
+    ++figures.fixes;
+    figures.fixes_used += fix.verdict == FixVerdict::used ? 1U : 0U;
+  }
   for (const PoseNode& node : graph.nodes()) {
     const KeyframeSubmap submap = load_sweeps(map, node.id, file);
     ++figures.verticals[std::string(to_string(submap.vertical))];
@@ -87,6 +99,26 @@ std::string text_of(const SessionProgress& run, const std::filesystem::path& map
          map.filename().string() + "-wal, too, where it is";
 }
 
+/// Where the map lies on the Earth, and by what; nothing where it does not.
+std::string place_text(const Figures& figures) {
+  std::string text;
+  if (figures.georeference) {
+    const Geodetic& origin = figures.georeference->origin;
+    text += fmt::format("place      {:.8f}, {:.8f} degrees, {:.3f} m\n", origin.latitude,
+                        origin.longitude, origin.altitude);
+  }
+  if (figures.fixes > 0) {
+    text += fmt::format("fixes      {}, of which {} are used\n", figures.fixes, figures.fixes_used);
+  }
+  for (const ControlRole role : {ControlRole::control, ControlRole::check}) {
+    if (const auto spread = spread_of(figures.control, role)) {
+      text += fmt::format("{:<10} {} points, rms level {:.3f} m, up {:.3f} m\n", to_string(role),
+                          spread->count, spread->level, spread->up);
+    }
+  }
+  return text;
+}
+
 std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
   std::string text = fmt::format("map        {}, {:.1f} MiB\n", options.map.string(),
                                  static_cast<double>(figures.bytes) / (1024.0 * 1024.0));
@@ -105,6 +137,7 @@ std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
     text += fmt::format("\nedges      {} of the odometry, {} loops, {} revoked; {} candidates\n",
                         figures.edges, figures.loops, figures.revoked, figures.candidates);
   }
+  text += place_text(figures);
   if (figures.components > 1) {
     text += fmt::format(
         "parts      {}, without an edge between them: how they lie to each other is a guess{}\n",
@@ -138,7 +171,23 @@ std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
                                  {"revoked", figures.revoked},
                                  {"candidates", figures.candidates},
                                  {"components", figures.components},
-                                 {"verticals", figures.verticals}};
+                                 {"verticals", figures.verticals},
+                                 {"fixes", figures.fixes},
+                                 {"fixes_used", figures.fixes_used}};
+  if (figures.georeference) {
+    const Geodetic& origin = figures.georeference->origin;
+    json["origin"] = {{"latitude", origin.latitude},
+                      {"longitude", origin.longitude},
+                      {"altitude_m", origin.altitude}};
+  }
+  for (const ControlRole role : {ControlRole::control, ControlRole::check}) {
+    if (const auto spread = spread_of(figures.control, role)) {
+      json[std::string(to_string(role))] = {{"count", spread->count},
+                                            {"horizontal_rmse_m", spread->level},
+                                            {"vertical_rmse_m", spread->up},
+                                            {"largest_m", spread->largest}};
+    }
+  }
   json["sessions"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < figures.sessions.size(); ++i) {
     const MapSession& session = figures.sessions[i];

@@ -188,8 +188,9 @@ std::string gnss_section(const MapDatabase& map) {
   return facts.section("GNSS");
 }
 
-std::string control_section(const MapDatabase& map, const ProductCoordinates& coordinates) {
-  const ControlTable table = control_table(map);
+/// Nothing of a map that is placed elsewhere by hand.
+std::string control_section(const ExportJob& job, const ProductCoordinates& coordinates) {
+  const ControlTable table = job.options->origin ? ControlTable() : control_table(*job.map);
   if (table.points.empty() || coordinates.frame() == ProductFrame::map) {
     return "";
   }
@@ -313,7 +314,7 @@ std::string export_report(const ExportJob& job) {
   made.add("report by", "adit " + std::string(version()));
   std::string body =
       "<h1>" + escape_markup(title) + "</h1>\n" + warnings(job, path) + place_section(job) +
-      control_section(*job.map, coordinates) + gnss_section(*job.map) +
+      control_section(job, coordinates) + gnss_section(*job.map) +
       coverage_section(job, coordinates, path) + "<h2>From above</h2>\n" +
       drawing_of(job, picture,
                  job.georeference ? "North is up; m east and north of the origin"
