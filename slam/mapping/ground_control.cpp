@@ -113,12 +113,14 @@ GroundControl adjust_to_control(PoseGraph graph, const std::optional<Georeferenc
         std::to_string(controls));
   }
   GroundControl result;
+  // A place that only earlier control points gave is given anew, also if that was a wrong one.
+  const bool places = controls >= kFewestToPlace && graph.fixes().empty();
   result.georeference.origin =
-      georeference ? georeference->origin : std::ranges::find_if(points, is_control)->place;
+      places ? std::ranges::find_if(points, is_control)->place : georeference->origin;
   const WorldFrame frame(result.georeference.origin);
   if (controls >= kFewestToPlace) {  // fewer cannot contradict each other
     const Eigen::Isometry3d T_world_map = place_by_control(graph, points, frame);
-    if (!georeference) {
+    if (places) {
       graph.set_T_world_map(T_world_map);
     }
   }
