@@ -13,30 +13,10 @@
 
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/table_cells.hpp"
 
 namespace adit {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '#'; };
-  while (!text.empty() && blank(text.front())) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && blank(text.back())) {
-    text.remove_suffix(1);
-  }
-  return text;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return cells;
-}
 
 /// What the columns are called: ours, the simulator's, EuRoC's and those of common exporters.
 struct ColumnNames {
@@ -65,7 +45,7 @@ struct Columns {
 
 /// "p_RS_R_x [m]" without its unit.
 std::string_view bare_name(std::string_view name) {
-  return trimmed(name.substr(0, name.find('[')));
+  return trimmed_cell(name.substr(0, name.find('[')));
 }
 
 Columns find_columns(const std::filesystem::path& file, uint64_t line, std::string_view header) {
@@ -149,7 +129,7 @@ Trajectory read_pose_table(const std::filesystem::path& file, std::string_view t
   const Columns columns = find_columns(file, 1, lines.next().value_or(""));
   while (const std::optional<std::string_view> line = lines.next()) {
     const std::vector<std::string_view> cells = cells_of(*line);
-    if (trimmed(*line).empty()) {
+    if (trimmed_cell(*line).empty()) {
       continue;
     }
     if (cells.size() != columns.count) {

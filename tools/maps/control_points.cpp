@@ -13,6 +13,7 @@
 
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/table_cells.hpp"
 
 namespace adit {
 namespace {
@@ -23,27 +24,6 @@ constexpr const char* kRemedy =
 constexpr std::array kInDegrees = {"latitude_deg", "longitude_deg", "altitude_m"};
 constexpr std::array kInMetres = {"easting_m", "northing_m", "height_m"};
 constexpr double kDoubtful = 3.29;  // standard deviations: 99.9 %
-
-std::string_view trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && is_blank(text.front())) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && is_blank(text.back())) {
-    text.remove_suffix(1);
-  }
-  return text;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return cells;
-}
 
 /// A table whose columns have names.
 class ControlReader {
@@ -58,7 +38,7 @@ class ControlReader {
     std::set<std::string> names;
     while (const auto line = lines.next()) {
       line_ = lines.number();
-      const std::string_view content = trimmed(without_comment(*line));
+      const std::string_view content = trimmed_cell(without_comment(*line));
       if (content.empty()) {
         continue;
       }
