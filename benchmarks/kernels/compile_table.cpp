@@ -12,6 +12,7 @@
 
 #include "adit/engine/context.hpp"
 #include "adit/engine/kernels/deskew.hpp"
+#include "adit/engine/kernels/free_space.hpp"
 #include "adit/engine/kernels/limit_probes.hpp"
 #include "adit/engine/kernels/places.hpp"
 #include "adit/engine/kernels/preprocess.hpp"
@@ -53,6 +54,7 @@ void make_kernels(engine::Context& context) {
     const engine::RegistrationKernels alignment(context, options);
   }
   const engine::SubmapMerge merge(context);
+  const engine::FreeSpaceVotes votes(context);
   const engine::PlaceKernels places(context);
 }
 

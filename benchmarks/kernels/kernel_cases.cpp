@@ -16,6 +16,7 @@
 #include "adit/benchmarks/kernels/inputs.hpp"
 #include "adit/benchmarks/kernels/kernel_work.hpp"
 #include "adit/benchmarks/reference/deskew.hpp"
+#include "adit/benchmarks/verify/free_space.hpp"
 #include "adit/benchmarks/verify/registration_methods.hpp"
 
 namespace adit::bench {
@@ -237,6 +238,30 @@ Work submap_surfaces(Bench& bench, int points) {
   return work;
 }
 
+/// Both clouds as submaps, in the tile around the first.
+Work free_space(Bench& bench, int points) {
+  constexpr double kEdge = 0.25;  // m
+  std::vector<PlacedSubmap> submaps;
+  for (const reference::CloudToMerge& cloud : two_clouds(bench.alignment(points))) {
+    submaps.push_back(test::placed_sweep(cloud.points, cloud.T_submap_lidar));
+  }
+  const test::FreeSpaceCase made = test::free_space_case({.across = 256}, kEdge, submaps);
+  const auto run = std::make_shared<test::FreeSpaceRun>(bench.context(), made);
+  run->run();
+  Work work{.problem = first_problem(test::verify_votes(made, run->table())),
+            .verified_by = "double-precision twin",
+            .items = made.rays()};
+  work.run = [run] { return sample_of(run->run(), "votes"); };
+  // A point asks for seven voxels, a sample for one: 14 whole-number operations and a read each.
+  const auto asked = 7.0 * static_cast<double>(made.rays()) + static_cast<double>(made.samples());
+  work.cost = {.bytes = sizeof(gpu::SpaceRay) * 2.0 * static_cast<double>(made.rays()),
+               .flop = 14.0 * asked,
+               .reads = asked,
+               .dispatches = 4.0};
+  work.figures["samples"] = static_cast<double>(made.samples());
+  return work;
+}
+
 struct Linearization {
   engine::RegistrationKernels kernels;
   test::DeviceCloud source;
@@ -315,6 +340,7 @@ std::vector<Case> kernel_cases() {
        .make = [](Bench& b, int n) { return preprocess(b, n, "preprocess"); }},
       {.name = "submap/merge", .make = submap_merge},
       {.name = "submap/surfaces", .make = submap_surfaces},
+      {.name = "free-space", .item = "ray", .make = free_space},
       {.name = "voxel-map/add", .make = voxel_map_add},
       {.name = "voxel-map/finish", .item = "slot", .make = voxel_map_finish},
   };

@@ -6,10 +6,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
 #include "adit/engine/context.hpp"
+#include "adit/engine/kernels/free_space.hpp"
 #include "adit/engine/kernels/submap_merge.hpp"
 #include "adit/shaders/shared/gaussian_cell.h"
 
@@ -249,13 +251,81 @@ std::vector<SelfTestCase> test_surfaces(Context& context, const SubmapMerge& ker
                std::to_string(wrong) + " wrong, normals within " + std::to_string(worst)}};
 }
 
+/// Rays along x through voxels 1 to 7 of a row, which ends with one that is hit at 8; the voxels 3
+/// and 5 hold a plane, along which the rays pass and which they cross.
+std::vector<SelfTestCase> test_free_space(Context& context) {
+  constexpr uint32_t kRow = 9;
+  constexpr uint32_t kUnit = 1U << gpu::kSpaceBits;
+  constexpr uint32_t kAlongX = gpu::kDirectionSteps;
+  constexpr uint32_t kAlongY = kAlongX << gpu::kDirectionBits;
+  const auto key = [](uint32_t x) {
+    return (((x + gpu::kVoxelsSideways + 1U) << 21U) | ((gpu::kVoxelsSideways + 1U) << 10U) |
+            (gpu::kVoxelsUpwards + 1U)) +
+           1U;
+  };
+  const auto mixed = [](uint32_t h) {
+    h = (h ^ (h >> 16U)) * 0x85ebca6bU;
+    h = (h ^ (h >> 13U)) * 0xc2b2ae35U;
+    return h ^ (h >> 16U);
+  };
+  std::vector<gpu::SpaceVoxel> table(32);
+  for (uint32_t x = 1; x < kRow; ++x) {
+    uint32_t slot = mixed(key(x)) % 32U;
+    while (table[slot].key != gpu::kFree) {
+      slot = (slot + 1U) % 32U;
+    }
+    table[slot].key = key(x);
+    table[slot].normal = x == 3 ? kAlongY : x == 5 ? kAlongX : 0U;
+  }
+  const std::vector<gpu::SpaceRay> rays(100, {.hit_x = 8,
+                                              .hit_y = 0,
+                                              .hit_z = 0,
+                                              .from_x = kUnit / 2,
+                                              .from_y = kUnit / 2,
+                                              .from_z = kUnit / 2,
+                                              .step_x = kUnit,
+                                              .step_y = 0,
+                                              .step_z = 0,
+                                              .samples = 8,
+                                              .direction = kAlongX});
+  const Buffer input = uploaded(context, rays);
+  const Buffer empty = uploaded(context, table);
+  const Buffer voxels = context.make_buffer(empty.size(), Memory::device, "self-test's voxels");
+  const Buffer back = context.make_buffer(empty.size(), Memory::readback, "voxels back");
+  const FreeSpaceVotes kernels(context);
+  Recorder recorder = context.make_recorder();
+  recorder.copy(empty, voxels);
+  recorder.barrier();
+  for (uint32_t submap = 1; submap <= 2; ++submap) {
+    kernels.record_votes(recorder, voxels,
+                         {.rays = input, .count = 100, .submap = submap, .most_samples = 8});
+  }
+  recorder.copy(voxels, back);
+  context.submit(std::move(recorder)).wait();
+  uint64_t wrong_seen = 0;
+  uint64_t wrong_through = 0;
+  for (const gpu::SpaceVoxel& voxel : read<gpu::SpaceVoxel>(back)) {
+    for (uint32_t x = 1; x < kRow; ++x) {
+      const bool this_one = voxel.key == key(x);
+      wrong_seen += this_one && voxel.seen != (x >= 7 ? 2U : 0U) ? 1U : 0U;
+      wrong_through += this_one && voxel.through != (x >= 7 || x == 3 ? 0U : 2U) ? 1U : 0U;
+    }
+  }
+  return {{"free_space_hits", wrong_seen == 0,
+           "expected two submaps that see the end of a row of voxels, found " +
+               std::to_string(wrong_seen) + " voxels wrong"},
+          {"free_space_rays", wrong_through == 0,
+           "expected two submaps that see through all before it but one, found " +
+               std::to_string(wrong_through) + " voxels wrong"}};
+}
+
 }  // namespace
 
 std::vector<SelfTestCase> test_submap(Context& context) {
   const SubmapMerge kernels(context);
   std::vector<SelfTestCase> cases = {test_merge(context, kernels)};
-  for (SelfTestCase& one : test_surfaces(context, kernels)) {
-    cases.push_back(std::move(one));
+  for (auto some : {test_surfaces(context, kernels), test_free_space(context)}) {
+    std::ranges::move(some, std::back_inserter(cases));
   }
   return cases;
 }

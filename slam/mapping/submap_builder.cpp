@@ -10,6 +10,7 @@
 #include "adit/engine/context.hpp"
 #include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/slam/mapping/ground_plane.hpp"
+#include "adit/slam/mapping/voxel_key.hpp"
 #include "adit/slam/registration/registration.hpp"
 
 namespace adit {
@@ -25,22 +26,6 @@ std::size_t most_sweeps(double r_submap, double r_input) {
   const double edge = std::ceil(std::sqrt(3.0) * r_submap / r_input) + 1.0;
   return static_cast<std::size_t>(std::clamp(gpu::kMostCellPoints / (edge * edge * edge), 1.0,
                                              static_cast<double>(engine::kMostMergedSweeps)));
-}
-
-// As shaders/include/hash.glsl has it.
-uint32_t mix32(uint32_t h) {
-  h ^= h >> 16U;
-  h *= 0x85ebca6bU;
-  h ^= h >> 13U;
-  h *= 0xc2b2ae35U;
-  h ^= h >> 16U;
-  return h;
-}
-Eigen::Vector3d unpack_voxel(uint32_t key) {
-  const uint32_t packed = key - 1;
-  return {static_cast<double>(packed >> 21U) - 1024.0,
-          static_cast<double>((packed >> 10U) & 2047U) - 1024.0,
-          static_cast<double>(packed & 1023U) - 512.0};
 }
 
 void insert(std::span<gpu::MergeCell> table, const gpu::MergeCell& cell) {
@@ -195,7 +180,7 @@ std::vector<SubmapBuilder::Merged> SubmapBuilder::merged() {
     const Eigen::Vector3d offset =
         crowded ? Eigen::Vector3d::Constant(0.5)
                 : Eigen::Vector3d((sum.array() / cell.count + 0.5) / kOffsetSteps);
-    const Eigen::Vector3d p = (unpack_voxel(cell.key) + offset) * settings_.r_input;
+    const Eigen::Vector3d p = (unpack_voxel(cell.key).cast<double>() + offset) * settings_.r_input;
     points.push_back(
         {.key = cell.key,
          .p = p.cast<float>(),

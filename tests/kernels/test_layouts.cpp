@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/shaders/shared/deskew.h"
+#include "adit/shaders/shared/free_space.h"
 #include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/shaders/shared/limit_probes.h"
 #include "adit/shaders/shared/preprocess.h"
@@ -100,6 +101,33 @@ TEST(KernelLayouts, VoxelMapStructsAreTheSameInCppAndGlsl) {
                                   {"table_mask", offsetof(VoxelMapAddPush, table_mask)},
                                   {"point_count", offsetof(VoxelMapAddPush, point_count)},
                                   {"sign", offsetof(VoxelMapAddPush, sign)}});
+}
+
+TEST(KernelLayouts, FreeSpaceStructsAreTheSameInCppAndGlsl) {
+  using gpu::SpaceVoxel;
+  expect_layout<SpaceVoxel>("SpaceVoxel", {{"key", offsetof(SpaceVoxel, key)},
+                                           {"normal", offsetof(SpaceVoxel, normal)},
+                                           {"seen", offsetof(SpaceVoxel, seen)},
+                                           {"through", offsetof(SpaceVoxel, through)},
+                                           {"seen_by", offsetof(SpaceVoxel, seen_by)},
+                                           {"through_by", offsetof(SpaceVoxel, through_by)}});
+  using gpu::SpaceRay;
+  expect_layout<SpaceRay>("SpaceRay", {{"hit_x", offsetof(SpaceRay, hit_x)},
+                                       {"hit_y", offsetof(SpaceRay, hit_y)},
+                                       {"hit_z", offsetof(SpaceRay, hit_z)},
+                                       {"from_x", offsetof(SpaceRay, from_x)},
+                                       {"from_y", offsetof(SpaceRay, from_y)},
+                                       {"from_z", offsetof(SpaceRay, from_z)},
+                                       {"step_x", offsetof(SpaceRay, step_x)},
+                                       {"step_y", offsetof(SpaceRay, step_y)},
+                                       {"step_z", offsetof(SpaceRay, step_z)},
+                                       {"samples", offsetof(SpaceRay, samples)},
+                                       {"direction", offsetof(SpaceRay, direction)}});
+  using gpu::SpacePush;
+  expect_layout<SpacePush>("SpacePush", {{"begin", offsetof(SpacePush, begin)},
+                                         {"ray_count", offsetof(SpacePush, ray_count)},
+                                         {"submap", offsetof(SpacePush, submap)},
+                                         {"table_mask", offsetof(SpacePush, table_mask)}});
 }
 
 TEST(KernelLayouts, RegistrationStructsAreTheSameInCppAndGlsl) {

@@ -453,6 +453,7 @@ TEST_F(MapProducts, SayWhatCannotBe) {
   refuses({.cloud = "ply", .box = "1,2,0,4"}, "X0 < X1");
   refuses({.cloud = "ply", .sessions = {7}}, "no such session");
   refuses({.graph = "g2o", .without_moving = true}, "are for points");
+  refuses({.graph = "g2o", .find_moving = true}, "--find-moving is for points, grids and reports");
   refuses({.output = folder_ / "r.jpg", .raster = "height"}, "*.tif or *.png");
   refuses({.output = folder_ / "g.png", .grid = true}, "*.yaml");
   refuses({.output = folder_ / "g.yaml", .grid = true, .heights = "1,0"}, "LOW < HIGH");

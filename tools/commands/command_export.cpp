@@ -8,10 +8,12 @@
 #include <iostream>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "adit/slam/core/text.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
@@ -20,8 +22,10 @@
 #include "adit/tools/commands/export_poses.hpp"
 #include "adit/tools/commands/export_raster.hpp"
 #include "adit/tools/commands/export_report.hpp"
+#include "adit/tools/maps/moved_space_map.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/progress.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -103,10 +107,17 @@ void check_selection(const ExportCommandOptions& options) {
         "--box, --polygon and --without-moving are for points: --cloud, --dense, "
         "--tiles, --raster.");
   }
-  if (options.without_moving && options.cloud.empty() && !options.tiles) {
+  if (options.find_moving && !points && !options.grid && !options.report) {
     throw UsageError(
-        "--without-moving is for --cloud and --tiles: rasters leave out what moves anyway, and of "
-        "single returns it is not known.");
+        "--find-moving is for points, grids and reports: --cloud, --dense, --tiles, --raster, "
+        "--grid, --report.");
+  }
+  if (options.without_moving && !options.raster.empty()) {
+    throw UsageError("--without-moving: rasters leave out what moves anyway.");
+  }
+  if (options.without_moving && !options.dense.empty() && !options.find_moving) {
+    throw UsageError(
+        "--without-moving: of single returns it is not known, unless --find-moving looks for it.");
   }
   if (options.from && options.until && *options.from > *options.until) {
     throw UsageError("--from is later than --until: nothing is between them.");
@@ -245,6 +256,31 @@ std::string write(const ExportJob& job) {
   return options.tiles ? export_tiles(job) : export_cloud(job);
 }
 
+/// Looks for what has moved, and says what it has found.
+std::shared_ptr<const MovedSpace> find_moving(const ExportJob& job, std::ostream& out) {
+  DeviceOptions wanted = job.options->device;
+  wanted.notes = job.err;
+  DeviceSession device(wanted);
+  std::optional<Progress> progress;
+  MovedSpace moved =
+      find_moved_space(*job.map, device.context(), job.memory->submap_bytes(),
+                       [&](std::size_t done, std::size_t total) {
+                         if (!progress) {
+                           progress.emplace(*job.err, progress_style_of_stderr(), "moving", total,
+                                            Progress::Clock::now(), "tiles");
+                         }
+                         progress->update(done, 0);
+                         require_within(job);
+                       });
+  if (progress) {
+    progress->finish();
+  }
+  device.require_no_complaints();
+  out << fmt::format("moving {} voxels of {} m hold what other submaps saw through\n",
+                     moved.voxels(), shortest(moved.edge()));
+  return std::make_shared<const MovedSpace>(std::move(moved));
+}
+
 int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
   const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
@@ -268,6 +304,9 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   }
   std::string wrote;
   try {
+    if (options.find_moving) {
+      job.moved = find_moving(job, out);
+    }
     wrote = write(job);
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("the map reaches beyond the projection: ") + error.what() +
@@ -300,6 +339,7 @@ void add_export_command(Command app, std::function<void(int)> done) {
       "  adit export out/map.adit --graph g2o -o graph.g2o\n"
       "  adit export out/map.adit --cloud pcd --resolution 0.1 -o cloud.pcd\n"
       "  adit export out/map.adit --cloud las --origin 48.1,11.5,520,90 -o cloud.las\n"
+      "  adit export out/map.adit --cloud las --find-moving --without-moving -o static.las\n"
       "  adit export out/map.adit --dense ply -o dense.ply\n"
       "  adit export out/map.adit --tiles 20 -o autoware\n"
       "  adit export out/map.adit --raster height --cell 0.5 -o height.tif\n"
@@ -391,6 +431,10 @@ void add_export_command(Command app, std::function<void(int)> done) {
       .value_name("S");
   command.flag("--without-moving", options->without_moving,
                "Without points that other sweeps saw through; LAS files have them as class 64");
+  command.flag("--find-moving", options->find_moving,
+               "Looks for what has moved from one submap to the next, too, on the device: some "
+               "tenths of a second a keyframe in software");
+  add_device_options(command, options->device);
   add_max_ram_option(command, options->max_ram_bytes);
   command.flag(
       "--picture", options->picture,

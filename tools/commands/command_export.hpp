@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "adit/tools/run/device_session.hpp"
+
 namespace adit {
 
 class Command;
@@ -43,11 +45,13 @@ struct ExportCommandOptions {
   std::optional<double> from{};     ///< s, stamps
   std::optional<double> until{};
   bool without_moving = false;
+  bool find_moving = false;      ///< by the rays of all submaps, on the device
   std::string raster{};          ///< height, intensity
   bool report = false;           ///< a page for whoever takes delivery
   bool grid = false;             ///< occupancy grid of ROS map_server
   std::optional<double> cell{};  ///< m, of rasters and grids
   std::string heights{};         ///< "LOW,HIGH", m above the sensor: what stands in the way
+  DeviceOptions device{};        ///< for find_moving
 };
 
 /// Returns the exit code: 0 done, 1 the map cannot be read or the file not written, 2 usage.

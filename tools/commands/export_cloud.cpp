@@ -143,6 +143,7 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
     std::vector<CloudPoint> points = placed_points(sweep, *stretch);
     const MapSweep& known = *std::ranges::lower_bound(sweeps, sweep.stamp, {}, &MapSweep::stamp);
     for (CloudPoint& point : points) {
+      point.moving = has_moved(selection, point.position);
       point.position = coordinates.from_map(point.position);
       point.keyframe = known.keyframe;
       point.session = known.session;

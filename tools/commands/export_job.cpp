@@ -212,6 +212,7 @@ CloudSelection selection_of(const ExportJob& job, const ProductCoordinates& coor
   const ExportCommandOptions& options = *job.options;
   CloudSelection selection;
   selection.without_moving = options.without_moving;
+  selection.moved = job.moved;
   for (const int64_t id : options.sessions) {
     if (!job.map->session(id)) {
       throw UsageError(

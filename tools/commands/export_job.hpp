@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,7 @@ struct ExportJob {
   const ExportCommandOptions* options = nullptr;
   std::filesystem::path file;                  ///< to write; it takes the place of the output later
   std::optional<Georeference> georeference{};  ///< of the map, or placed by hand
+  std::shared_ptr<const MovedSpace> moved{};   ///< null: it was not looked for
   const MemoryLimit* memory = nullptr;
   std::ostream* err = nullptr;
 };

@@ -86,7 +86,8 @@ std::string export_grid(const ExportJob& job) {
   OccupancyGrid grid(config);
   for (const MapKeyframe& keyframe : job.map->keyframes()) {
     if (is_wanted(selection, keyframe.session, keyframe.stamp)) {
-      grid.add(keyframe, load_submap(*job.map, keyframe.id, job.map->file()), coordinates);
+      grid.add(keyframe, load_submap(*job.map, keyframe.id, job.map->file()), coordinates,
+               selection);
       require_within(job);
     }
   }

@@ -129,7 +129,7 @@ std::string coverage_section(const ExportJob& job, const ProductCoordinates& coo
   uint64_t points = 0;
   uint64_t moving = 0;
   Eigen::AlignedBox3d box;
-  visit_cloud(*job.map, coordinates, {}, [&](std::span<const CloudPoint> some) {
+  visit_cloud(*job.map, coordinates, {.moved = job.moved}, [&](std::span<const CloudPoint> some) {
     raster.add(some);
     points += some.size();
     for (const CloudPoint& point : some) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/maps/cloud_selection.hpp"
 
+#include "adit/slam/mapping/moved_space.hpp"
+
 namespace adit {
 
 bool is_within(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& point) {
@@ -15,6 +17,10 @@ bool is_within(std::span<const Eigen::Vector2d> polygon, const Eigen::Vector2d& 
     }
   }
   return inside;
+}
+
+bool has_moved(const CloudSelection& selection, const Eigen::Vector3d& point) {
+  return selection.moved && selection.moved->contains(point);
 }
 
 bool is_wanted(const CloudSelection& selection, SessionId session, Nanoseconds stamp) {

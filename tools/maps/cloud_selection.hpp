@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -16,6 +17,8 @@
 
 namespace adit {
 
+class MovedSpace;
+
 /// A point with what is known of it. Submaps keep neither intensity nor ring: 0.
 struct CloudPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, in the product's coordinates
@@ -25,7 +28,7 @@ struct CloudPoint {
   uint16_t ring = 0;       ///< beam
   NodeId keyframe = 0;
   SessionId session = 0;
-  bool moving = false;  ///< other sweeps saw through it
+  bool moving = false;  ///< other sweeps or submaps saw through it
 };
 using TakeCloud = std::function<void(std::span<const CloudPoint>)>;
 
@@ -37,8 +40,12 @@ struct CloudSelection {
   /// Corners in the product's coordinates, m, in either sense; empty: everywhere.
   std::vector<Eigen::Vector2d> polygon{};
   bool without_moving = false;
+  /// Map frame: what is in it is moving, besides what each submap knows. Null: not looked for.
+  std::shared_ptr<const MovedSpace> moved{};
 };
 
+/// Whether the point of the map (m) has moved, as far as was looked.
+bool has_moved(const CloudSelection& selection, const Eigen::Vector3d& point);
 /// By session and time: a keyframe or sweep as a whole.
 bool is_wanted(const CloudSelection& selection, SessionId session, Nanoseconds stamp);
 bool is_wanted(const CloudSelection& selection, const CloudPoint& point);

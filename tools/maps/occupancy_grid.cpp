@@ -42,7 +42,7 @@ void OccupancyGrid::mark_free_between(const Eigen::Vector3d& sensor, const Eigen
 }
 
 void OccupancyGrid::add(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
-                        const ProductCoordinates& coordinates) {
+                        const ProductCoordinates& coordinates, const CloudSelection& selection) {
   std::vector<Eigen::Vector3d> sensors;
   for (const SubmapSweep& sweep : submap.sweeps) {
     sensors.push_back(coordinates.from_map(
@@ -53,8 +53,11 @@ void OccupancyGrid::add(const MapKeyframe& keyframe, const KeyframeSubmap& subma
     if (measured.seen_through || measured.sweep >= sensors.size()) {
       continue;
     }
-    const Eigen::Vector3d p =
-        coordinates.from_map(Eigen::Vector3d(keyframe.T_map_keyframe * measured.position()));
+    const Eigen::Vector3d position = keyframe.T_map_keyframe * measured.position();
+    if (has_moved(selection, position)) {
+      continue;
+    }
+    const Eigen::Vector3d p = coordinates.from_map(position);
     const Eigen::Vector3d& sensor = sensors[measured.sweep];
     const double height = p.z() - sensor.z();
     const Grid::Index index = grid_.index_of(p.head<2>());

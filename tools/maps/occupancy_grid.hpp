@@ -12,6 +12,7 @@
 
 #include "adit/slam/mapping/keyframe_submap.hpp"
 #include "adit/tools/maps/cell_grid.hpp"
+#include "adit/tools/maps/cloud_selection.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/product_coordinates.hpp"
 
@@ -30,8 +31,9 @@ class OccupancyGrid {
  public:
   explicit OccupancyGrid(const OccupancyGridConfig& config) : config_(config), grid_(config.cell) {}
 
+  /// Of the selection only what has moved matters: it stands in nobody's way.
   void add(const MapKeyframe& keyframe, const KeyframeSubmap& submap,
-           const ProductCoordinates& coordinates);
+           const ProductCoordinates& coordinates, const CloudSelection& selection);
 
   bool empty() const { return grid_.empty(); }
   int64_t columns() const { return grid_.columns(); }

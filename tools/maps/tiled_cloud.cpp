@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/tools/maps/map_tiles.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/results/map_thinning.hpp"
 
@@ -20,11 +21,6 @@ namespace {
 constexpr double kVoxelsAcross = 512.0;
 constexpr double kNarrowest = 16.0;  // m
 constexpr double kWidest = 256.0;    // m
-// The index of places is in single precision, and rounds outwards; in coordinates that are turned
-// and scaled a box is no box any more, by less than this share of it.
-constexpr double kMargin = 1e-3;  // m
-constexpr double kMarginShare = 1e-3;
-
 // m: points of a square of that side are in memory at a time.
 constexpr double kFilledAtATime = 64.0;
 
@@ -33,77 +29,7 @@ int64_t voxels_across(double resolution) {
   return std::max(int64_t{1}, std::lround(width / resolution));
 }
 
-int64_t floor_divided(int64_t number, int64_t by) {
-  return number / by - static_cast<int64_t>(number % by < 0);
-}
-
-// Beyond this a box is no box of what a sensor has seen.
-constexpr double kFarthest = 1e8;  // m
-constexpr double kLargest = 1e4;   // m
-
-bool is_possible(const Eigen::AlignedBox3d& box) {
-  return (box.min().array().abs() < kFarthest).all() &&
-         (box.max().array().abs() < kFarthest).all() && (box.sizes().array() < kLargest).all();
-}
-
-Eigen::AlignedBox2d box_in(const ProductCoordinates& coordinates, const Eigen::AlignedBox3d& box) {
-  Eigen::AlignedBox2d plane;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto type = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
-    plane.extend(
-        Eigen::Vector2d(coordinates.from_map(Eigen::Vector3d(box.corner(type))).head<2>()));
-  }
-  const double margin =
-      kMargin +
-      (coordinates.frame() == ProductFrame::map ? 0.0 : kMarginShare * plane.sizes().maxCoeff());
-  return {plane.min() - Eigen::Vector2d::Constant(margin),
-          plane.max() + Eigen::Vector2d::Constant(margin)};
-}
-
-/// Squares of `across` cells of `cell` m: a voxel is never in two of them.
-struct Grid {
-  double cell = 1.0;  ///< m
-  int64_t across = 1;
-
-  int64_t number(double coordinate) const {
-    return floor_divided(static_cast<int64_t>(std::floor(coordinate / cell)), across);
-  }
-  TileNumber tile_of(const Eigen::Vector2d& p) const {
-    return {.y = number(p.y()), .x = number(p.x())};
-  }
-};
-
-/// Keyframes whose submaps may reach into each tile, in the order of ids.
-std::map<TileNumber, std::vector<MapKeyframe>> keyframes_by_tile(
-    const MapDatabase& map, const ProductCoordinates& coordinates, const CloudSelection& selection,
-    const Grid& grid) {
-  std::map<TileNumber, std::vector<MapKeyframe>> tiles;
-  const std::map<NodeId, Eigen::AlignedBox3d> boxes = map.boxes();
-  for (const MapKeyframe& keyframe : map.keyframes()) {
-    const auto box = boxes.find(keyframe.id);
-    if (box == boxes.end() || !is_possible(box->second)) {
-      throw InputError(map.file(), {},
-                       "submap " + std::to_string(keyframe.id) +
-                           " has no place, or none that is "
-                           "possible",
-                       "`adit check` says what else is wrong");
-    }
-    if (!selection.sessions.empty() && !selection.sessions.contains(keyframe.session)) {
-      continue;
-    }
-    const Eigen::AlignedBox2d plane = box_in(coordinates, box->second);
-    const TileNumber first = grid.tile_of(plane.min());
-    const TileNumber last = grid.tile_of(plane.max());
-    for (TileNumber tile = first; tile.y <= last.y; ++tile.y) {
-      for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
-        tiles[tile].push_back(keyframe);
-      }
-    }
-  }
-  return tiles;
-}
-
-void visit(const MapDatabase& map, const ProductCoordinates& coordinates, const Grid& grid,
+void visit(const MapDatabase& map, const ProductCoordinates& coordinates, const TileGrid& grid,
            const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take) {
   SubmapCache cache(map, submap_bytes);
   std::vector<CloudPoint> chosen;
@@ -142,12 +68,12 @@ std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
     const Nanoseconds time = measured.sweep < submap.sweeps.size()
                                  ? submap.sweeps[measured.sweep].stamp
                                  : keyframe.stamp;
-    const CloudPoint point{.position = coordinates.from_map(
-                               Eigen::Vector3d(keyframe.T_map_keyframe * measured.position())),
+    const Eigen::Vector3d position = keyframe.T_map_keyframe * measured.position();
+    const CloudPoint point{.position = coordinates.from_map(position),
                            .time = time,
                            .keyframe = keyframe.id,
                            .session = keyframe.session,
-                           .moving = measured.seen_through};
+                           .moving = measured.seen_through || has_moved(selection, position)};
     if (is_wanted(selection, point)) {
       points.push_back(point);
     }
@@ -170,7 +96,7 @@ void visit_tiles(const MapDatabase& map, const ProductCoordinates& coordinates,
                  const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take) {
   // A submap reaches into dozens of small tiles: several are filled at a time.
   const auto across = static_cast<int64_t>(std::max(1.0, std::floor(kFilledAtATime / wanted.size)));
-  const Grid tiles{.cell = wanted.size, .across = 1};
+  const TileGrid tiles{.cell = wanted.size, .across = 1};
   std::map<TileNumber, std::vector<CloudPoint>> filled;
   TileNumber square;
   const auto empty_out = [&] {

@@ -5,7 +5,6 @@
 // needs, whatever the map's size.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "adit/slam/mapping/keyframe_submap.hpp"
 #include "adit/tools/maps/cloud_selection.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_tiles.hpp"
 #include "adit/tools/maps/product_coordinates.hpp"
 
 namespace adit {
@@ -30,12 +30,6 @@ std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
                                            const ProductCoordinates& coordinates,
                                            const CloudSelection& selection);
 
-/// A square of a plane, compared row by row: from size * (x, y) to size * (x + 1, y + 1).
-struct TileNumber {
-  int64_t y = 0;
-  int64_t x = 0;
-  auto operator<=>(const TileNumber&) const = default;
-};
 using TakeTile = std::function<void(const TileNumber&, std::span<const CloudPoint>)>;
 
 struct TiledCloud {
