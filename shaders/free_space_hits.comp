@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Which of a tile's voxels a submap sees something in, or in one that shares a face: where a
-// surface is, points fall now into one, now into its neighbour. One thread takes points strided over
-// all threads.
+// surface is, points fall now into one, now into its neighbour. One thread takes points strided
+// over all threads.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require

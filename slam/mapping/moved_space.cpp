@@ -24,7 +24,7 @@ constexpr double kMarginShare = 0.02;
 constexpr double kReach = 60.0;  // m
 // Normals of one plane agree: the length of their mean.
 constexpr double kPlane = 0.6;
-constexpr uint32_t kLeastThrough = 2;            // submaps
+constexpr uint32_t kLeastThrough = 2;         // submaps
 constexpr std::size_t kMostRays = 1U << 17U;  // rays; then they go to the device
 
 VoxelIndex voxel_of(const Eigen::Vector3d& p, double edge) {
