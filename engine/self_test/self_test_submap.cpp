@@ -13,6 +13,7 @@
 #include "adit/engine/context.hpp"
 #include "adit/engine/kernels/free_space.hpp"
 #include "adit/engine/kernels/submap_merge.hpp"
+#include "adit/engine/kernels/voxel_key.hpp"
 #include "adit/shaders/shared/gaussian_cell.h"
 
 namespace adit::engine {
@@ -110,10 +111,7 @@ SelfTestCase check_merge(const KnownFloor& floor, const std::vector<gpu::MergeCe
       continue;
     }
     ++found;
-    const uint32_t biased = cell.key - 1U;
-    const std::array corner = {static_cast<int>(biased >> 21U) - 1024,
-                               static_cast<int>((biased >> 10U) & 2047U) - 1024,
-                               static_cast<int>(biased & 1023U) - 512};
+    const std::array corner = unpack_voxel(cell.key);
     const auto known = std::ranges::find(floor.cells, corner, &KnownCell::corner);
     if (known == floor.cells.end() || cell.count != 4) {
       ++wrong;
@@ -254,27 +252,18 @@ std::vector<SelfTestCase> test_surfaces(Context& context, const SubmapMerge& ker
 /// Rays along x through voxels 1 to 7 of a row, which ends with one that is hit at 8; the voxels 3
 /// and 5 hold a plane, along which the rays pass and which they cross.
 std::vector<SelfTestCase> test_free_space(Context& context) {
-  constexpr uint32_t kRow = 9;
+  constexpr int kRow = 9;
   constexpr uint32_t kUnit = 1U << gpu::kSpaceBits;
   constexpr uint32_t kAlongX = gpu::kDirectionSteps;
   constexpr uint32_t kAlongY = kAlongX << gpu::kDirectionBits;
-  const auto key = [](uint32_t x) {
-    return (((x + gpu::kVoxelsSideways + 1U) << 21U) | ((gpu::kVoxelsSideways + 1U) << 10U) |
-            (gpu::kVoxelsUpwards + 1U)) +
-           1U;
-  };
-  const auto mixed = [](uint32_t h) {
-    h = (h ^ (h >> 16U)) * 0x85ebca6bU;
-    h = (h ^ (h >> 13U)) * 0xc2b2ae35U;
-    return h ^ (h >> 16U);
-  };
   std::vector<gpu::SpaceVoxel> table(32);
-  for (uint32_t x = 1; x < kRow; ++x) {
-    uint32_t slot = mixed(key(x)) % 32U;
+  for (int x = 1; x < kRow; ++x) {
+    const uint32_t key = pack_voxel(x, 0, 0);
+    uint32_t slot = mix32(key) % 32U;
     while (table[slot].key != gpu::kFree) {
       slot = (slot + 1U) % 32U;
     }
-    table[slot].key = key(x);
+    table[slot].key = key;
     table[slot].normal = x == 3 ? kAlongY : x == 5 ? kAlongX : 0U;
   }
   const std::vector<gpu::SpaceRay> rays(100, {.hit_x = 8,
@@ -305,8 +294,8 @@ std::vector<SelfTestCase> test_free_space(Context& context) {
   uint64_t wrong_seen = 0;
   uint64_t wrong_through = 0;
   for (const gpu::SpaceVoxel& voxel : read<gpu::SpaceVoxel>(back)) {
-    for (uint32_t x = 1; x < kRow; ++x) {
-      const bool this_one = voxel.key == key(x);
+    for (int x = 1; x < kRow; ++x) {
+      const bool this_one = voxel.key == pack_voxel(x, 0, 0);
       wrong_seen += this_one && voxel.seen != (x >= 7 ? 2U : 0U) ? 1U : 0U;
       wrong_through += this_one && voxel.through != (x >= 7 || x == 3 ? 0U : 2U) ? 1U : 0U;
     }

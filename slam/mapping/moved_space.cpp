@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "adit/engine/context.hpp"
-#include "adit/slam/mapping/voxel_key.hpp"
+#include "adit/engine/kernels/voxel_key.hpp"
 
 namespace adit {
 namespace {
@@ -114,7 +114,8 @@ std::vector<gpu::SpaceVoxel> space_table(const SpaceTile& tile, double edge, std
     for (const SubmapPoint& point : placed.submap->points) {
       const Eigen::Vector3i voxel =
           in_tile_of(tile, voxel_of(placed.T_map_keyframe * point.position(), edge));
-      const uint32_t key = is_in(tile, voxel) ? pack_voxel(voxel) : gpu::kFree;
+      const uint32_t key =
+          is_in(tile, voxel) ? engine::pack_voxel(voxel.x(), voxel.y(), voxel.z()) : gpu::kFree;
       if (key == gpu::kFree) {
         continue;
       }
@@ -131,7 +132,7 @@ std::vector<gpu::SpaceVoxel> space_table(const SpaceTile& tile, double edge, std
   std::vector<gpu::SpaceVoxel> table(std::bit_ceil(2 * held.size()));
   const auto mask = static_cast<uint32_t>(table.size() - 1);
   for (const auto& [key, one] : held) {
-    uint32_t slot = mix32(key) & mask;
+    uint32_t slot = engine::mix32(key) & mask;
     while (table[slot].key != gpu::kFree) {
       slot = (slot + 1) & mask;
     }
@@ -266,7 +267,8 @@ std::vector<VoxelIndex> MovedSpaceSearch::in_tile(
   }
   for (const gpu::SpaceVoxel& voxel : count_votes(std::move(table), tile, submaps, submap)) {
     if (voxel.through >= kLeastThrough && 2 * voxel.through > 3 * voxel.seen) {
-      moved.emplace_back(tile.centre + unpack_voxel(voxel.key).cast<int64_t>());
+      const std::array at = engine::unpack_voxel(voxel.key);
+      moved.emplace_back(tile.centre + VoxelIndex(at[0], at[1], at[2]));
     }
   }
   return moved;

@@ -3,14 +3,15 @@
 #include "adit/slam/mapping/submap_builder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <utility>
 
 #include "adit/engine/context.hpp"
+#include "adit/engine/kernels/voxel_key.hpp"
 #include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/slam/mapping/ground_plane.hpp"
-#include "adit/slam/mapping/voxel_key.hpp"
 #include "adit/slam/registration/registration.hpp"
 
 namespace adit {
@@ -30,7 +31,7 @@ std::size_t most_sweeps(double r_submap, double r_input) {
 
 void insert(std::span<gpu::MergeCell> table, const gpu::MergeCell& cell) {
   const auto mask = static_cast<uint32_t>(table.size() - 1);
-  uint32_t slot = mix32(cell.key) & mask;
+  uint32_t slot = engine::mix32(cell.key) & mask;
   while (table[slot].key != gpu::kFree) {
     slot = (slot + 1) & mask;
   }
@@ -180,7 +181,9 @@ std::vector<SubmapBuilder::Merged> SubmapBuilder::merged() {
     const Eigen::Vector3d offset =
         crowded ? Eigen::Vector3d::Constant(0.5)
                 : Eigen::Vector3d((sum.array() / cell.count + 0.5) / kOffsetSteps);
-    const Eigen::Vector3d p = (unpack_voxel(cell.key).cast<double>() + offset) * settings_.r_input;
+    const std::array corner = engine::unpack_voxel(cell.key);
+    const Eigen::Vector3d p =
+        (Eigen::Vector3d(corner[0], corner[1], corner[2]) + offset) * settings_.r_input;
     points.push_back(
         {.key = cell.key,
          .p = p.cast<float>(),
