@@ -36,11 +36,12 @@ struct MergedCell {
 struct MergedClouds {
   std::map<Cell, MergedCell> cells;
   std::set<Cell> near_a_border;  ///< cells that such points may have been taken for
+  double border = 0.0;           ///< by how much of a cell float32 may be off
 };
 
 /// One mean a cell of `edge` (m). Points nearer to a border than `border` (cells) are not certain.
 inline MergedClouds merge(std::span<const CloudToMerge> clouds, double edge, double border) {
-  MergedClouds merged;
+  MergedClouds merged{.cells = {}, .near_a_border = {}, .border = border};
   std::map<Cell, double> nearest;  // m
   std::map<Cell, double> second;   // m, of another cloud
   for (std::size_t number = 0; number < clouds.size(); ++number) {

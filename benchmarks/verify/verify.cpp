@@ -231,7 +231,7 @@ Verdict verify_merged(const reference::MergedClouds& expected,
       complaints.add("cells", "two have the key ", cell.key);
     }
   }
-  const double error = 2.0 * kMovedPointError;
+  const double error = expected.border;
   for (const auto& [at, cell] : expected.cells) {
     const auto place = found.find(at);
     if (!cell.certain) {

@@ -66,9 +66,10 @@ inline constexpr double kCovarianceError = 3e-5;
 inline constexpr double kPackingError = 1.5e-4;  ///< rad
 
 /// Same cells and counts, but for points so near a border that rounding of the moved point decides
-/// (kMovedPointError cells, twice over for a sum of rounded products of metres far away); means
-/// within 1/65536 of a cell, rounded down, and that error; the nearest sweep where no other was
-/// as near, within 2 / gpu::kRangeSteps m.
+/// (MergedClouds::border: kMovedPointError cells, twice over for a sum of rounded products of
+/// metres far away; more where cells are finer than 0.25 m); means within 1/65536 of a cell,
+/// rounded down, and that error; the nearest sweep where no other was as near, within
+/// 2 / gpu::kRangeSteps m.
 Verdict verify_merged(const reference::MergedClouds& expected,
                       std::span<const gpu::MergeCell> cells);
 
