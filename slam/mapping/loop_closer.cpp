@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -239,6 +240,10 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
     }
     std::ranges::move(alike, std::back_inserter(found));
   }
+  for (PendingLoop& one : found) {
+    const auto& way = known[graph.index_of(one.loop.from)];
+    one.loop.without_heading = way && std::sqrt(way->covariance(5, 5)) > voting_.heading_sigma;
+  }
   report_.search_ms.push_back(
       std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
   return found;
@@ -270,8 +275,9 @@ LoopCloser::Change LoopCloser::finish(PoseGraph& graph) {
   return change;
 }
 
-// Loops that tie parts of the graph wait longer, as they need more that speaks for them, and say
-// nothing of the others. What others have tied meanwhile is a loop like any other.
+// Loops that tie parts of the graph, or whose heading it does not know, wait longer, as they need
+// more that speaks for them, and say nothing of the others. What others have tied meanwhile is a
+// loop like any other.
 void LoopCloser::sort_by_parts(const PoseGraph& graph) {
   if (joining_.empty() && queue_.empty()) {
     return;
@@ -286,7 +292,7 @@ void LoopCloser::sort_by_parts(const PoseGraph& graph) {
   for (PendingLoop& one : all) {
     const bool is_tied =
         part_of[graph.index_of(one.loop.from)] == part_of[graph.index_of(one.loop.to)];
-    (is_tied ? queue_ : joining_).push_back(std::move(one));
+    (is_tied && !one.loop.without_heading ? queue_ : joining_).push_back(std::move(one));
   }
 }
 

@@ -231,6 +231,11 @@ struct Poll {
   Table table;             ///< disagreements
 };
 
+bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSettings& settings) {
+  const std::optional<Uncertain> known = ways.between(loop.from, loop.to);
+  return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
+}
+
 /// Whether the odometry and the loops before object.
 LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts,
                       const LoopHypothesis& loop, const EarlierLoops& before,
@@ -239,6 +244,7 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
   LoopVote vote{.odometry_chi2 =
                     joins ? gap_disagreement(far_ways, graph, parts, loop, settings.gap_sigma)
                           : odometry_disagreement(far_ways, loop)};
+  vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
   const auto climbs_as_shown = [&] {
     return before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
   };
@@ -298,7 +304,7 @@ std::optional<Bundle> best_bundle(const Poll& poll, std::vector<LoopVote>& votes
 std::optional<Bundle> single_crossing(const Poll& poll, const std::vector<LoopVote>& votes,
                                       std::size_t most_voters, double contradiction) {
   const auto alone = [&](std::size_t k) {
-    return poll.open[k] && !votes[k].unexpected && poll.all[k].strong &&
+    return poll.open[k] && !votes[k].unexpected && !votes[k].blind && poll.all[k].strong &&
            poll.all[k].to == poll.all.front().to && votes[k].voters == most_voters;
   };
   const auto disputed = [&](std::size_t k) {
@@ -336,6 +342,31 @@ bool is_wide(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
              rotation_angle(way.linear()) >= settings.least_turned;
     });
   });
+}
+
+/// Whether later keyframes of a bundle do not lie on one line: seen along the line, a place may be
+/// like itself turned by half.
+bool is_broad(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
+              const LoopVotingSettings& settings) {
+  std::vector<Eigen::Vector2d> places;
+  for (const std::size_t k : bundle.members) {
+    places.emplace_back(
+        graph.nodes()[graph.index_of(poll.all[k].to)].T_map_node.translation().head<2>());
+  }
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& a : places) {
+    for (const Eigen::Vector2d& b : places) {
+      along = (b - a).norm() > along.norm() ? Eigen::Vector2d(b - a) : along;
+    }
+  }
+  const Eigen::Vector2d across = Eigen::Vector2d(-along.y(), along.x()).normalized();
+  double lowest = kNever;
+  double highest = -kNever;
+  for (const Eigen::Vector2d& place : places) {
+    lowest = std::min(lowest, across.dot(place));
+    highest = std::max(highest, across.dot(place));
+  }
+  return highest - lowest >= settings.least_aside;
 }
 
 /// Loops that are far off have a voice only where the largest bundle has some of them and grows.
@@ -430,6 +461,10 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
   if (best && best->members.size() < settings.least_voters) {
     best = last_chance ? single_crossing(poll, votes, best->members.size(), settings.contradiction)
                        : std::nullopt;
+  }
+  if (best && std::ranges::any_of(best->members, [&](std::size_t k) { return votes[k].blind; }) &&
+      !is_broad(graph, poll, *best, settings)) {
+    best = std::nullopt;
   }
   if (!best) {
     leave_what_does_not_grow(graph, poll, votes, settings);

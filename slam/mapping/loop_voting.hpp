@@ -26,6 +26,8 @@ struct LoopHypothesis {
   Matrix6d covariance = Matrix6d::Identity();  ///< its covariance, right perturbation
   bool strong = false;  ///< may be accepted alone: all directions constrained, much in common
   LoopSource source = LoopSource::position;
+  /// When it was found, the graph did not know how the two are turned to each other.
+  bool without_heading = false;
 };
 
 struct LoopVotingSettings {
@@ -39,10 +41,12 @@ struct LoopVotingSettings {
   /// that, it may be a place like the one that is believed, unless what a bundle claims grows as
   /// its ways do.
   double most_by_position = 100.0;
-  double gap = 11.34;         ///< chi squared of what is claimed of a gap, 3 directions: 99 %
-  double gap_sigma = 0.2;     ///< m, besides what is known of the ways to its ends
-  double least_apart = 10.0;  ///< m, between two later keyframes that tie parts of a map, or
-  double least_turned = 1.0;  ///< rad
+  double gap = 11.34;          ///< chi squared of what is claimed of a gap, 3 directions: 99 %
+  double gap_sigma = 0.2;      ///< m, besides what is known of the ways to its ends
+  double least_apart = 10.0;   ///< m, between two later keyframes that tie parts of a map, or
+  double least_turned = 1.0;   ///< rad
+  double heading_sigma = 1.0;  ///< rad, from where on the graph does not know a heading
+  double least_aside = 3.0;  ///< m, from the line of a bundle's later keyframes, where it does not
   DriftLimits drift{};
   /// And what position has found may have drifted by, unless what a bundle claims grows: 4 m
   /// between floors that are built alike pass for drift on a way of 30 m, and by lidar alone for
@@ -68,6 +72,7 @@ struct LoopVote {
   std::size_t voters = 1;      ///< later keyframes that agree, its own among them
   bool unexpected = false;     ///< not where the graph's covariances have it
   bool far = false;            ///< as far as position is believed only where a bundle's claims grow
+  bool blind = false;          ///< the graph does not know its heading
   bool accepted = false;
 };
 
@@ -92,7 +97,10 @@ struct EarlierLoops {
 /// nothing that the graph bears out contradicts them, nor another such bundle. So are those that
 /// tie parts of the graph, as far as the gaps between the parts allow it; later keyframes of such a
 /// bundle lie `least_apart`, or have turned by `least_turned`: who stands in one corridor has seen
-/// nothing that a corridor like it would not have shown.
+/// nothing that a corridor like it would not have shown. Where the graph does not know how two
+/// keyframes are turned to each other (a track that was lost in a turn, and no IMU), it bears out
+/// whatever is found, and a corridor walked back looks like the same one walked on: such loops are
+/// accepted where their later keyframes do not lie on one line.
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings);

@@ -190,6 +190,56 @@ TEST(LoopVoting, WhatContradictsAcceptedLoopsStaysOut) {
       << "those that agree with them come in";
 }
 
+/// Keyframes along a way, the same way again, and between the two a track that was lost for a
+/// while.
+struct TwiceAlong {
+  PoseGraph graph;
+  std::vector<LoopHypothesis> loops;  ///< of each keyframe of the second time with the first time's
+};
+
+TwiceAlong twice_along(double corner, double lost_rotation) {
+  constexpr NodeId kOnce = 12;
+  TwiceAlong made;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (NodeId id = 0; id < 2 * kOnce; ++id) {
+    const bool is_lost = id == kOnce;
+    Eigen::Isometry3d way = step(2.0, id % kOnce == 6 ? corner : 0.0);
+    if (id == 0 || is_lost) {
+      way = pose.inverse();  // back to the beginning
+    }
+    pose = pose * way;
+    made.graph.add_node({.id = id, .T_map_node = pose});
+    if (id > 0) {
+      PoseEdge tie = edge(id - 1, id, way);
+      tie.information = (is_lost ? test::diagonal_covariance(9.0, lost_rotation)
+                                 : test::diagonal_covariance(0.01, 0.001))
+                            .inverse();
+      made.graph.add_edge(tie);
+    }
+    if (id >= kOnce) {
+      made.loops.push_back({.id = id,
+                            .from = id - kOnce,
+                            .to = id,
+                            .covariance = kLoopCovariance,
+                            .without_heading = true});
+    }
+  }
+  return made;
+}
+
+TEST(LoopVoting, AlongOneLineNothingTellsAWayFromTheSameWayBack) {
+  const auto count = [](const TwiceAlong& made) {
+    std::size_t accepted = 0;
+    for (const LoopVote& one : vote(made.graph, made.loops, {}, true, {})) {
+      accepted += one.accepted ? 1U : 0U;
+    }
+    return accepted;
+  };
+  EXPECT_EQ(count(twice_along(0.0, 1.2)), 0U) << "a corridor, and no heading";
+  EXPECT_EQ(count(twice_along(1.5, 1.2)), 12U) << "round a corner";
+  EXPECT_EQ(count(twice_along(0.0, 0.1)), 12U) << "the heading is known by now";
+}
+
 TEST(LoopVoting, ASingleCrossingComesInAtItsLastChanceIfItIsStrongAndUndisputed) {
   const Round round = round_trip(0.002, 0.15);
   std::vector<LoopHypothesis> one = {loop(round, 2, kRound + 2)};
