@@ -231,6 +231,7 @@ struct Poll {
   Table table;             ///< disagreements
 };
 
+/// How the two keyframes are turned to each other, whatever else the graph knows of them.
 bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSettings& settings) {
   const std::optional<Uncertain> known = ways.between(loop.from, loop.to);
   return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
@@ -462,13 +463,19 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
     best = last_chance ? single_crossing(poll, votes, best->members.size(), settings.contradiction)
                        : std::nullopt;
   }
-  if (best && std::ranges::any_of(best->members, [&](std::size_t k) { return votes[k].blind; }) &&
-      !is_broad(graph, poll, *best, settings)) {
-    best = std::nullopt;
+  const auto may_be_turned = [&](const Bundle& bundle) {
+    return std::ranges::any_of(bundle.members, [&](std::size_t k) { return votes[k].blind; }) &&
+           !is_broad(graph, poll, bundle, settings);
+  };
+  if (best && may_be_turned(*best)) {
+    best.reset();
   }
   if (!best) {
     leave_what_does_not_grow(graph, poll, votes, settings);
     best = unexpected_bundle(graph, parts, poll, votes, settings);
+    if (best && may_be_turned(*best)) {
+      best.reset();
+    }
   }
   const Bundle chosen = best.value_or(Bundle());
   for (const std::size_t k : chosen.members) {

@@ -140,6 +140,8 @@ TEST_F(MovingProducts, NeedADevice) {
   const Ran done = run(options);
   EXPECT_EQ(done.code, 2);
   EXPECT_NE(done.err.find("no such device"), std::string::npos) << done.err;
+  options.find_moving = false;
+  EXPECT_EQ(run(options).code, 2) << "a device that nothing is done on";
   EXPECT_FALSE(fs::exists(folder_ / "out.las"));
 }
 

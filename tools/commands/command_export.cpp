@@ -112,6 +112,10 @@ void check_selection(const ExportCommandOptions& options) {
         "--find-moving is for points, grids and reports: --cloud, --dense, --tiles, --raster, "
         "--grid, --report.");
   }
+  if (!options.find_moving && (!options.device.device.empty() || options.device.validation ||
+                               options.device.max_vram_bytes > 0)) {
+    throw UsageError("--device, --max-vram and --validation need --find-moving.");
+  }
   if (options.without_moving && !options.raster.empty()) {
     throw UsageError("--without-moving: rasters leave out what moves anyway.");
   }
