@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tools/drawing/svg.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {
@@ -46,6 +47,24 @@ TEST(MapPicture, KeyframesAndLoopsAreDrawnAndNamed) {
     EXPECT_EQ(count(plain, word), 0U) << word;
   }
   EXPECT_EQ(count(picture, "<circle"), count(plain, "<circle") + 4) << "and one in the legend";
+}
+
+TEST(MapPicture, AnArrowPointsToNorthWhereYIsNorth) {
+  const std::vector<StampedPose> path(3);
+  EXPECT_EQ(count(map_picture({}, path, "A map", {.north_up = true}), ">N</text>"), 1U);
+  EXPECT_EQ(count(map_picture({}, path, "A map"), ">N</text>"), 0U);
+}
+
+TEST(MapPicture, LinesOfTheGridMeetTheTicks) {
+  std::vector<StampedPose> path(2);
+  path[1].pose.translation() = Eigen::Vector3d(100.0, 40.0, 0.0);
+  const std::string picture = map_picture({}, path);
+  // 0, 10, to 100, and 0 to 40: a line, a tick and a label each.
+  const auto lines_of = [&](std::string_view color) {
+    return count(picture, "stroke=\"" + std::string(color) + "\" stroke-width=\"1.00\"/>\n<");
+  };
+  EXPECT_EQ(lines_of(kGridColor), 16U) << picture;
+  EXPECT_EQ(lines_of(kAxisColor), 16U + 1U) << "and the frame";
 }
 
 TEST(MapPicture, HasTitleLegendAxesScaleAndFollowsTheReadersGround) {

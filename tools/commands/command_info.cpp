@@ -182,10 +182,7 @@ std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
   }
   for (const ControlRole role : {ControlRole::control, ControlRole::check}) {
     if (const auto spread = spread_of(figures.control, role)) {
-      json[std::string(to_string(role))] = {{"count", spread->count},
-                                            {"horizontal_rmse_m", spread->level},
-                                            {"vertical_rmse_m", spread->up},
-                                            {"largest_m", spread->largest}};
+      json[std::string(to_string(role))] = to_json(*spread);
     }
   }
   json["sessions"] = nlohmann::ordered_json::array();

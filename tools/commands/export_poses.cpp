@@ -76,6 +76,7 @@ std::string drawing_of(const ExportJob& job, const ProductCoordinates& coordinat
   const MapDatabase& map = *job.map;
   std::vector<Point> points;
   PictureGraph drawn;
+  drawn.north_up = coordinates.frame() == ProductFrame::local;
   const auto place = [&](const Eigen::Isometry3d& pose) -> Eigen::Vector2d {
     return coordinates.from_map(Eigen::Vector3d(pose.translation())).head<2>();
   };

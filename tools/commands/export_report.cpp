@@ -19,6 +19,7 @@
 #include "adit/tools/maps/cloud_raster.hpp"
 #include "adit/tools/maps/control_points.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/maps/odometry_chain.hpp"
 #include "adit/tools/maps/tiled_cloud.hpp"
 #include "adit/tools/maps/trajectory_products.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -160,6 +161,33 @@ std::string coverage_section(const ExportJob& job, const ProductCoordinates& coo
   return facts.section("Coverage");
 }
 
+std::string text_of(const PlaceSpread& spread) {
+  return fmt::format("rmse level {:.3f} m, up {:.3f} m; largest {:.3f} m", spread.level, spread.up,
+                     spread.largest);
+}
+
+/// What of fixes is used: where the map has the antenna less where the receiver had it.
+std::map<GnssFixKind, std::vector<Eigen::Vector3d>> fix_residuals(
+    const MapDatabase& map, const std::vector<MapFix>& fixes) {
+  std::map<GnssFixKind, std::vector<Eigen::Vector3d>> residuals;
+  const std::optional<Georeference> world = map.georeference();
+  if (!world) {
+    return residuals;
+  }
+  const WorldFrame frame(world->origin);
+  const PoseGraph graph = map.graph();
+  for (const MapFix& fix : fixes) {
+    if (fix.verdict == FixVerdict::used) {
+      const Eigen::Isometry3d& T_map_keyframe =
+          graph.nodes()[graph.index_of(fix.keyframe)].T_map_node;
+      const Eigen::Vector3d antenna =
+          world->T_world_map * (T_map_keyframe * fix.p_keyframe_antenna);
+      residuals[fix.kind].push_back(antenna - frame.position_of(fix.place));
+    }
+  }
+  return residuals;
+}
+
 std::string gnss_section(const MapDatabase& map) {
   const std::vector<MapFix> fixes = map.fixes();
   if (fixes.empty()) {
@@ -184,6 +212,10 @@ std::string gnss_section(const MapDatabase& map) {
   }
   for (const auto& [verdict, count] : verdicts) {
     facts.add(to_string(verdict), std::to_string(count));
+  }
+  for (const auto& [kind, errors] : fix_residuals(map, fixes)) {
+    facts.add(fmt::format("map less fixes, {}", kKinds.at(static_cast<std::size_t>(kind))),
+              text_of(*spread_of(errors)));
   }
   return facts.section("GNSS");
 }
@@ -216,8 +248,7 @@ std::string control_section(const ExportJob& job, const ProductCoordinates& coor
   for (const ControlRole role : {ControlRole::control, ControlRole::check}) {
     const auto spread = spread_of(table, role);
     facts.add(std::string(to_string(role)) + " points",
-              spread ? fmt::format("{}; rmse level {:.3f} m, up {:.3f} m; largest {:.3f} m",
-                                   spread->count, spread->level, spread->up, spread->largest)
+              spread ? fmt::format("{}; {}", spread->count, text_of(*spread))
                      : "none: nothing independent says how good the map is");
   }
   return html + facts.list();
@@ -253,6 +284,17 @@ std::string graph_section(const MapDatabase& map) {
     facts.add("largest correction by a loop",
               fmt::format("{:.3f} m, {:.3f} degrees", correction, turn * kDegreesPerRadian));
   }
+  const std::vector<MapKeyframe> placed = map.keyframes();
+  const std::vector<Eigen::Isometry3d> alone = odometry_chain(placed, graph);
+  double farthest = 0.0;
+  double last = 0.0;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    last = (placed[i].T_map_keyframe.translation() - alone[i].translation()).norm();
+    farthest = std::max(farthest, last);
+  }
+  facts.add("the odometry alone",
+            fmt::format("from the first keyframe on up to {:.3f} m elsewhere, {:.3f} m at the end",
+                        farthest, last));
   for (const auto& [reason, count] : reasons) {
     facts.add("candidates not taken: " + reason, std::to_string(count));
   }

@@ -131,31 +131,57 @@ std::vector<CellRuns> runs_of(const Raster& raster, std::pair<float, float> heig
   return colors;
 }
 
-void draw_axes(Canvas& canvas, const Raster& raster, const Layout& layout) {
-  const Eigen::Vector2d high =
-      raster.low + raster.cell * Eigen::Vector2d(static_cast<double>(raster.columns),
-                                                 static_cast<double>(raster.rows));
-  const Eigen::Vector2d end = layout.corner + layout.size;
-  const double longest = (high - raster.low).maxCoeff();
-  const std::vector<double> steps = round_ticks(0.0, longest, layout.size.x() < 400.0 ? 4 : 8);
-  const double step = steps.size() > 1 ? steps[1] - steps[0] : 1.0;
-  const auto each = [&](int axis, auto&& draw) {
-    for (double at = std::ceil(raster.low[axis] / step) * step; at <= high[axis]; at += step) {
-      draw(at);
+/// A round coordinate, and where it lies on its axis, px.
+struct Tick {
+  double at = 0.0;  ///< m
+  double px = 0.0;
+};
+
+struct Ticks {
+  Ticks(const Raster& raster, const Layout& layout) {
+    const Eigen::Vector2d high =
+        raster.low + raster.cell * Eigen::Vector2d(static_cast<double>(raster.columns),
+                                                   static_cast<double>(raster.rows));
+    const double longest = (high - raster.low).maxCoeff();
+    const std::vector<double> steps = round_ticks(0.0, longest, layout.size.x() < 400.0 ? 4 : 8);
+    step = steps.size() > 1 ? steps[1] - steps[0] : 1.0;
+    for (int axis = 0; axis < 2; ++axis) {
+      Eigen::Vector2d place = raster.low;
+      const double first = std::ceil(raster.low[axis] / step);
+      for (int i = 0; (place[axis] = (first + i) * step) <= high[axis]; ++i) {
+        along.at(static_cast<std::size_t>(axis))
+            .push_back({.at = place[axis], .px = layout(raster.place(place))[axis]});
+      }
     }
-  };
-  each(0, [&](double x) {
-    const double px = layout(raster.place({x, raster.low.y()})).x();
-    canvas.line({px, end.y()}, {px, end.y() + 5.0}, {.color = kAxisColor});
-    canvas.text({px, end.y() + 21.0}, tick_label(x, step),
+  }
+
+  double step = 1.0;  ///< m
+  std::array<std::vector<Tick>, 2> along;
+};
+
+/// Lines of round coordinates, for the ground of the picture.
+void draw_grid(Canvas& canvas, const Ticks& ticks, const Layout& layout) {
+  const Eigen::Vector2d end = layout.corner + layout.size;
+  for (const Tick& x : ticks.along[0]) {
+    canvas.line({x.px, layout.corner.y()}, {x.px, end.y()}, {.color = kGridColor});
+  }
+  for (const Tick& y : ticks.along[1]) {
+    canvas.line({layout.corner.x(), y.px}, {end.x(), y.px}, {.color = kGridColor});
+  }
+}
+
+void draw_axes(Canvas& canvas, const Ticks& ticks, const Layout& layout) {
+  const Eigen::Vector2d end = layout.corner + layout.size;
+  for (const Tick& x : ticks.along[0]) {
+    canvas.line({x.px, end.y()}, {x.px, end.y() + 5.0}, {.color = kAxisColor});
+    canvas.text({x.px, end.y() + 21.0}, tick_label(x.at, ticks.step),
                 {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
-  });
-  each(1, [&](double y) {
-    const double py = layout(raster.place({raster.low.x(), y})).y();
-    canvas.line({layout.corner.x() - 5.0, py}, {layout.corner.x(), py}, {.color = kAxisColor});
-    canvas.text({layout.corner.x() - 9.0, py + 4.0}, tick_label(y, step),
+  }
+  for (const Tick& y : ticks.along[1]) {
+    canvas.line({layout.corner.x() - 5.0, y.px}, {layout.corner.x(), y.px}, {.color = kAxisColor});
+    canvas.text({layout.corner.x() - 9.0, y.px + 4.0}, tick_label(y.at, ticks.step),
                 {.size = 14.0, .color = kAxisColor, .anchor = SvgAnchor::end});
-  });
+  }
   canvas.rectangle(layout.corner, layout.size, {.color = kAxisColor});
   canvas.text({0.5 * (layout.corner.x() + end.x()), end.y() + 46.0}, "x (m)",
               {.size = 15.0, .color = kAxisColor, .anchor = SvgAnchor::middle});
@@ -255,12 +281,26 @@ void draw_scale_bar(Canvas& canvas, const Raster& raster, const Layout& layout) 
               {.size = 14.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
 }
 
+/// In the corner above on the right.
+void draw_north_arrow(Canvas& canvas, const Layout& layout) {
+  const Eigen::Vector2d tip = layout.corner + Eigen::Vector2d(layout.size.x() - 22.0, 12.0);
+  const std::array<Eigen::Vector2d, 3> head = {tip + Eigen::Vector2d(-7.0, 12.0), tip,
+                                               tip + Eigen::Vector2d(7.0, 12.0)};
+  for (const auto& [color, width] : {std::pair{"#ffffff", 6.0}, std::pair{"#000000", 2.0}}) {
+    canvas.line(tip, tip + Eigen::Vector2d(0.0, 36.0), {.color = color, .width = width});
+    canvas.polyline(head, {.color = color, .width = width});
+  }
+  canvas.text(tip + Eigen::Vector2d(0.0, 54.0), "N",
+              {.size = 16.0, .anchor = SvgAnchor::middle, .bold = true, .halo = true});
+}
+
 }  // namespace
 
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
                         const std::string& title, const PictureGraph& graph, PictureFormat format) {
   const Raster raster = rasterize(points, path);
   const Layout layout(raster);
+  const Ticks ticks(raster, layout);
   const std::pair<float, float> heights = height_range(raster);
   const double width =
       std::max(kLeft + layout.size.x() + kRight, graph.keyframes.empty() ? 480.0 : 700.0);
@@ -268,11 +308,15 @@ std::string map_picture(std::span<const Point> points, std::span<const StampedPo
   const auto draw = [&](Canvas& canvas) {
     canvas.text({kLeft, 28.0}, title, {.size = 18.0, .bold = true});
     draw_legend(canvas, points.empty() ? std::nullopt : std::optional(heights), graph);
+    draw_grid(canvas, ticks, layout);
     canvas.cells(runs_of(raster, heights), layout.corner, layout.scale);
-    draw_axes(canvas, raster, layout);
+    draw_axes(canvas, ticks, layout);
     draw_path(canvas, raster, layout, path);
     draw_graph(canvas, raster, layout, graph);
     draw_scale_bar(canvas, raster, layout);
+    if (graph.north_up) {
+      draw_north_arrow(canvas, layout);
+    }
   };
   if (format == PictureFormat::png) {
     ImageCanvas image(width, height);

@@ -21,13 +21,14 @@ struct PictureGraph {
   };
   std::vector<Eigen::Vector2d> keyframes{};
   std::vector<Link> loops{};
+  bool north_up = false;  ///< y is north, and an arrow says so
 };
 
 enum class PictureFormat { svg, png };
 
 /// A map seen from above as a file of that format: each cell coloured by the highest point in it,
-/// the path and the graph over it, title, legend, axes and scale bar; an SVG is light or dark as
-/// the reader prefers. x to the right, y up. At most a few hundred cells a side, so the file is
+/// the path and the graph over it, title, legend, grid, axes and scale bar; an SVG is light or dark
+/// as the reader prefers. x to the right, y up. At most a few hundred cells a side, so the file is
 /// small whatever the map.
 std::string map_picture(std::span<const Point> points, std::span<const StampedPose> path,
                         const std::string& title = "Map from above", const PictureGraph& graph = {},

@@ -225,7 +225,7 @@ PoseGraph without_control(const MapDatabase& map) {
 }
 
 std::string spread_text(const ControlTable& table, ControlRole role) {
-  const std::optional<ControlSpread> spread = spread_of(table, role);
+  const std::optional<PlaceSpread> spread = spread_of(table, role);
   return spread ? fmt::format("level {:.3f} m, up {:.3f} m", spread->level, spread->up) : "";
 }
 
@@ -246,22 +246,29 @@ ControlTable control_table(const MapDatabase& map) {
   return table;
 }
 
-std::optional<ControlSpread> spread_of(const ControlTable& table, ControlRole role) {
-  ControlSpread spread;
-  for (std::size_t i = 0; i < table.points.size(); ++i) {
-    if (table.points[i].role == role) {
-      ++spread.count;
-      spread.level += table.errors[i].head<2>().squaredNorm();
-      spread.up += table.errors[i].z() * table.errors[i].z();
-      spread.largest = std::max(spread.largest, table.errors[i].norm());
-    }
-  }
-  if (spread.count == 0) {
+std::optional<PlaceSpread> spread_of(std::span<const Eigen::Vector3d> errors) {
+  if (errors.empty()) {
     return std::nullopt;
+  }
+  PlaceSpread spread{.count = errors.size()};
+  for (const Eigen::Vector3d& error : errors) {
+    spread.level += error.head<2>().squaredNorm();
+    spread.up += error.z() * error.z();
+    spread.largest = std::max(spread.largest, error.norm());
   }
   spread.level = std::sqrt(spread.level / static_cast<double>(spread.count));
   spread.up = std::sqrt(spread.up / static_cast<double>(spread.count));
   return spread;
+}
+
+std::optional<PlaceSpread> spread_of(const ControlTable& table, ControlRole role) {
+  std::vector<Eigen::Vector3d> errors;
+  for (std::size_t i = 0; i < table.points.size(); ++i) {
+    if (table.points[i].role == role) {
+      errors.push_back(table.errors[i]);
+    }
+  }
+  return spread_of(errors);
 }
 
 ControlAdjustment adjust_to_control(const MapDatabase& map, const std::filesystem::path& table,
@@ -322,6 +329,13 @@ std::string describe(const ControlAdjustment& adjustment) {
   return text;
 }
 
+nlohmann::ordered_json to_json(const PlaceSpread& spread) {
+  return {{"count", spread.count},
+          {"horizontal_rmse_m", spread.level},
+          {"vertical_rmse_m", spread.up},
+          {"largest_m", spread.largest}};
+}
+
 nlohmann::ordered_json to_json(const ControlAdjustment& adjustment) {
   const ControlTable& now = adjustment.table;
   const ControlTable then{.points = now.points, .errors = adjustment.before};
@@ -341,10 +355,7 @@ nlohmann::ordered_json to_json(const ControlAdjustment& adjustment) {
     nlohmann::ordered_json& of_role = json[std::string(to_string(role))];
     for (const auto& [name, table] : {std::pair("after", &now), std::pair("before", &then)}) {
       if (const auto spread = spread_of(*table, role)) {
-        of_role[name] = {{"count", spread->count},
-                         {"horizontal_rmse_m", spread->level},
-                         {"vertical_rmse_m", spread->up},
-                         {"largest_m", spread->largest}};
+        of_role[name] = to_json(*spread);
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,14 +44,18 @@ struct ControlTable {
 /// Of the points that a map keeps; none of a map without a place.
 ControlTable control_table(const MapDatabase& map);
 
-/// Root mean square of the errors of one role, level and upwards; nothing where there are none.
-struct ControlSpread {
+/// How far places lie off, root mean square level and upwards.
+struct PlaceSpread {
   std::size_t count = 0;
   double level = 0.0;    ///< m
   double up = 0.0;       ///< m
   double largest = 0.0;  ///< m, in space
 };
-std::optional<ControlSpread> spread_of(const ControlTable& table, ControlRole role);
+/// Of errors east, north and up, m; nothing where there are none.
+std::optional<PlaceSpread> spread_of(std::span<const Eigen::Vector3d> errors);
+/// Of the points of one role.
+std::optional<PlaceSpread> spread_of(const ControlTable& table, ControlRole role);
+nlohmann::ordered_json to_json(const PlaceSpread& spread);
 
 /// What a map becomes with the points of a table in place of those that it had.
 struct ControlAdjustment {
