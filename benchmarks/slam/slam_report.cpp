@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "bench-slam/1";
+constexpr const char* kSlamSchema = "bench-slam/1";
 
 Json to_json(const SlamErrors& errors) {
   return {{"ate_rmse_m", errors.ate},
@@ -126,7 +126,7 @@ SlamTotals totals_of(const SlamReport& report) {
 }
 
 Json to_json(const SlamReport& report) {
-  Json json = {{"schema", kSchema},
+  Json json = {{"schema", kSlamSchema},
                {"setting", to_json(report.setting)},
                {"limits",
                 {{"error_share_of_path", report.limits.error_share},

@@ -95,7 +95,7 @@ TEST(ControlPoints, WhatIsWrongIsNamedWithItsLine) {
   }
 }
 
-test::Ran optimized(const OptimizeCommandOptions& options) {
+test::Ran adjusted(const OptimizeCommandOptions& options) {
   return test::ran(optimize_command, options);
 }
 
@@ -104,7 +104,7 @@ TEST(ControlPoints, TheCommandAdjustsAMapAndTheReportShowsIt) {
   const auto map = folder / "map.adit";
   test::store_surveyed(map);
   const auto table = folder.write("points.csv", test::Survey().table());
-  const test::Ran ran = optimized({.input = map, .control = table, .json = true});
+  const test::Ran ran = adjusted({.input = map, .control = table, .json = true});
   ASSERT_EQ(ran.code, 0) << ran.err;
   const auto json = nlohmann::json::parse(ran.out);
   EXPECT_FALSE(json.at("/control/was_placed"_json_pointer).get<bool>());
@@ -115,8 +115,8 @@ TEST(ControlPoints, TheCommandAdjustsAMapAndTheReportShowsIt) {
 
   // Once adjusted it stays so, also for whoever optimises it without the table, or with it again:
   // marks are of the map as it was.
-  EXPECT_EQ(optimized({.input = map}).code, 0);
-  const test::Ran again = optimized({.input = map, .control = table, .json = true});
+  EXPECT_EQ(adjusted({.input = map}).code, 0);
+  const test::Ran again = adjusted({.input = map, .control = table, .json = true});
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_NEAR(
       nlohmann::json::parse(again.out).at("/control/check/after/horizontal_rmse_m"_json_pointer),
@@ -148,7 +148,7 @@ TEST(ControlPoints, TheCommandTellsPeople) {
   test::Survey survey;
   survey.marks.resize(5);  // no check points
   const auto table = folder.write("points.csv", survey.table());
-  const test::Ran ran = optimized({.input = map, .control = table});
+  const test::Ran ran = adjusted({.input = map, .control = table});
   ASSERT_EQ(ran.code, 0) << ran.err;
   for (const char* part : {"the map had no place on the Earth", "of 5 control points: level 0.0",
                            "there are no check points", "its place on the Earth and the points"}) {
@@ -157,21 +157,21 @@ TEST(ControlPoints, TheCommandTellsPeople) {
   survey.marks[1].mistake = {30.0, 0.0, 0.0};
   const std::string before = test::dump_of(MapDatabase(map, MapAccess::read));
   const test::Ran wrong =
-      optimized({.input = map, .control = folder.write("wrong.csv", survey.table())});
+      adjusted({.input = map, .control = folder.write("wrong.csv", survey.table())});
   EXPECT_EQ(wrong.code, 1);
   EXPECT_NE(wrong.err.find("the others do not agree with C5"), std::string::npos) << wrong.err;
   EXPECT_EQ(test::dump_of(MapDatabase(map, MapAccess::read)), before);
   const test::Ran nowhere =
-      optimized({.input = map,
-                 .control = folder.write(
-                     "far.csv", std::string(kHead) + "A,control,1,900,0,46.5,8.25,1200\n")});
+      adjusted({.input = map,
+                .control = folder.write(
+                    "far.csv", std::string(kHead) + "A,control,1,900,0,46.5,8.25,1200\n")});
   EXPECT_EQ(nowhere.code, 1);
   EXPECT_NE(nowhere.err.find("far.csv, line 2: the map has nothing at 1.000, 900.000, 0.000"),
             std::string::npos)
       << nowhere.err;
-  EXPECT_EQ(optimized({.input = map, .utm = "32N"}).code, 2);
-  EXPECT_EQ(optimized({.input = map, .control = table, .utm = "99N"}).code, 2);
-  EXPECT_EQ(optimized({.input = map, .output = folder / "o.g2o", .control = table}).code, 2);
+  EXPECT_EQ(adjusted({.input = map, .utm = "32N"}).code, 2);
+  EXPECT_EQ(adjusted({.input = map, .control = table, .utm = "99N"}).code, 2);
+  EXPECT_EQ(adjusted({.input = map, .output = folder / "o.g2o", .control = table}).code, 2);
 }
 
 }  // namespace

@@ -147,8 +147,10 @@ struct Ticks {
     step = steps.size() > 1 ? steps[1] - steps[0] : 1.0;
     for (int axis = 0; axis < 2; ++axis) {
       Eigen::Vector2d place = raster.low;
-      const double first = std::ceil(raster.low[axis] / step);
-      for (int i = 0; (place[axis] = (first + i) * step) <= high[axis]; ++i) {
+      const auto first = static_cast<long>(std::ceil(raster.low[axis] / step));
+      const auto last = static_cast<long>(std::floor(high[axis] / step));
+      for (long i = first; i <= last; ++i) {
+        place[axis] = static_cast<double>(i) * step;
         along.at(static_cast<std::size_t>(axis))
             .push_back({.at = place[axis], .px = layout(raster.place(place))[axis]});
       }
