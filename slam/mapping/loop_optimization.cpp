@@ -11,6 +11,8 @@
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/drift_claim.hpp"
+#include "adit/slam/mapping/graph_residuals.hpp"
+#include "adit/slam/mapping/level_drift.hpp"
 
 namespace adit {
 namespace {
@@ -61,16 +63,21 @@ PoseGraph fitting_part(PoseGraph graph, const OptimizedGraph& optimum) {
   return graph;
 }
 
+std::size_t loops_that_do_not_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
+  std::size_t loops = 0;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    loops += is_loop_that_does_not_fit(graph, optimum, i) ? 1U : 0U;
+  }
+  return loops;
+}
+
 /// Fewer than a bundle are not believed against the odometry.
 bool most_loops_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
   std::size_t loops = 0;
-  std::size_t others = 0;
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-    const bool counts = graph.edges()[i].kind == EdgeKind::loop && optimum.report.edges[i];
-    loops += counts ? 1U : 0U;
-    others += is_loop_that_does_not_fit(graph, optimum, i) ? 1U : 0U;
+    loops += graph.edges()[i].kind == EdgeKind::loop && optimum.report.edges[i] ? 1U : 0U;
   }
-  return loops < kFewestBelieved || 2 * others <= loops;
+  return loops < kFewestBelieved || 2 * loops_that_do_not_fit(graph, optimum) <= loops;
 }
 
 // A scale that is too small leaves part of the drift to the loops, so that edges seem better than
@@ -121,15 +128,7 @@ LoopOptimum at_scale(const PoseGraph& graph, double scale, const OnStep& on_step
   return optimum;
 }
 
-}  // namespace
-
-OptimizationSettings loop_kernels() {
-  return {.convention = ResidualConvention::rotation,
-          .odometry_kernel = kOdometryKernel,
-          .loop_kernel = {.kernel = Kernel::dcs}};
-}
-
-LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
+LoopOptimum of_loops(const PoseGraph& graph, const OnStep& on_step) {
   LoopOptimum optimum = at_scale(graph, 1.0, on_step);
   const bool fits = most_loops_fit(graph, optimum);
   const double scale = odometry_scale(fitting_part(graph, optimum), on_step);
@@ -143,6 +142,50 @@ LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
     }
   }
   return optimum;
+}
+
+bool has_ended_well(const OptimizationReport& report) {
+  return report.termination != Termination::failed && report.termination != Termination::stopped;
+}
+
+}  // namespace
+
+OptimizationSettings loop_kernels() {
+  return {.convention = ResidualConvention::rotation,
+          .odometry_kernel = kOdometryKernel,
+          .loop_kernel = {.kernel = Kernel::dcs}};
+}
+
+PoseGraph as_weighted(const PoseGraph& graph) {
+  const auto results = edge_results(graph, poses_of(graph), loop_kernels());
+  std::size_t i = 0;
+  return graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
+    const std::optional<EdgeResult>& result = results[i++];
+    return result ? Matrix6d(result->weight * edge.information) : edge.information;
+  });
+}
+
+LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
+  LoopOptimum optimum = of_loops(graph, on_step);
+  if (graph.fixes().empty() || !has_ended_well(optimum.report)) {
+    return optimum;
+  }
+  PoseGraph placed = graph.with_odometry_scaled(optimum.odometry_scale);
+  placed.set_poses(optimum.poses);
+  placed.set_T_world_map(optimum.T_world_map);
+  const double drift = level_drift(placed).smallest;
+  if (drift == 1.0) {
+    return optimum;
+  }
+  LoopOptimum again{robust_optimum(with_level_drift(placed, drift), on_step)};
+  if (!has_ended_well(again.report) ||
+      loops_that_do_not_fit(graph, again) > loops_that_do_not_fit(graph, optimum)) {
+    return optimum;
+  }
+  again.odometry_scale = optimum.odometry_scale;
+  again.level_drift_scale = drift;
+  again.report.cost_before = optimum.report.cost_before;
+  return again;
 }
 
 }  // namespace adit

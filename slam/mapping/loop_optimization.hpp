@@ -17,10 +17,14 @@ inline constexpr double kLoopReview = 22.5;
 /// The kernels of optimize_with_loops(): against the odometry's few large errors and wrong loops.
 OptimizationSettings loop_kernels();
 
+/// With what these leave of each edge where the graph is.
+PoseGraph as_weighted(const PoseGraph& graph);
+
 struct LoopOptimum : OptimizedGraph {
   /// The odometry's covariances counted so many times, 1 or more; chi squared and cost of its edges
   /// are with those.
   double odometry_scale = 1.0;
+  double level_drift_scale = 1.0;  ///< and its level drift's so many times, by fixes (LevelDrift)
 };
 
 /// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong
@@ -32,6 +36,9 @@ struct LoopOptimum : OptimizedGraph {
 /// that: they take what the loops correct. Where most of three or more do not fit, all of them say
 /// it, if most fit then: the kernel takes all influence from many right ones sooner than it bends
 /// the odometry by many of its standard deviations.
+///
+/// Where there are fixes, these and the loops tell how far the odometry drifts in the level
+/// (level_drift()), unless fewer loops fit then.
 ///
 /// `on_step` is asked after each iteration; false ends the work (Termination::stopped).
 LoopOptimum optimize_with_loops(const PoseGraph& graph,

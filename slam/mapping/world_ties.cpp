@@ -282,6 +282,7 @@ void WorldTies::optimize(PoseGraph& graph) {
   const LoopOptimum optimum = optimize_with_loops(graph);
   ++report_.optimizations;
   odometry_scale_ = optimum.odometry_scale;
+  report_.level_drift_scale = optimum.level_drift_scale;
   if (optimum.report.termination != Termination::failed) {
     graph.set_poses(optimum.poses);
     graph.set_T_world_map(optimum.T_world_map);

@@ -52,6 +52,7 @@ struct GnssReport {
   double vertical = 0.0;
   bool swapped = false;  ///< with latitude and longitude exchanged the fixes would agree
   std::size_t optimizations = 0;
+  double level_drift_scale = 1.0;  ///< of the last one (LoopOptimum)
   AntennaReport antenna{};
 
   /// There was a receiver at all.

@@ -31,16 +31,6 @@ PoseGraph without_fixes(const PoseGraph& graph, double odometry_scale) {
   return scaled;
 }
 
-/// With what the kernels leave of each edge where the graph is.
-PoseGraph as_weighted(const PoseGraph& graph) {
-  const auto results = edge_results(graph, poses_of(graph), loop_kernels());
-  std::size_t i = 0;
-  return graph.with_information([&](const PoseEdge& edge) -> Matrix6d {
-    const std::optional<EdgeResult>& result = results[i++];
-    return result ? Matrix6d(result->weight * edge.information) : edge.information;
-  });
-}
-
 /// Which entries of an AntennaError are corrected.
 using Corrected = Eigen::Array<bool, 4, 1>;
 

@@ -198,10 +198,12 @@ OptimizeOutcome optimize_file(const OptimizeCommandOptions& options, std::ostrea
                           wanted_system(options.utm, options.crs, options.geoid), settings.on_step);
     graph = outcome.control->found.graph;
     outcome.odometry_scale = outcome.control->found.optimum.odometry_scale;
+    outcome.level_drift_scale = outcome.control->found.optimum.level_drift_scale;
     outcome.optimized = outcome.control->found.optimum;
   } else if (is_as_its_run(options, outcome.is_map)) {
     LoopOptimum optimum = optimize_with_loops(graph, settings.on_step);
     outcome.odometry_scale = optimum.odometry_scale;
+    outcome.level_drift_scale = optimum.level_drift_scale;
     outcome.file_cost = optimum.report.cost_before;
     outcome.optimized = std::move(optimum);
   } else {

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "adit/slam/core/median.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
 #include "adit/tools/commands/export_poses.hpp"
@@ -95,6 +97,48 @@ std::string place_section(const ExportJob& job) {
                   deviations(covariance, 3, kDegreesPerRadian, "degrees about them"));
   }
   return facts.section("Coordinates");
+}
+
+/// Times a second, by the median of the time between stamps in order; nothing of fewer than two.
+std::string rate_of(const std::vector<Nanoseconds>& stamps) {
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    gaps.push_back(seconds(stamps[i] - stamps[i - 1]));
+  }
+  const double gap = gaps.empty() ? 0.0 : median(std::move(gaps));
+  return gap > 0.0 ? fmt::format(", {:.1f} Hz", 1.0 / gap) : std::string();
+}
+
+using Verticals = std::map<Vertical, std::size_t>;
+
+/// How many keyframes know their vertical by what.
+Verticals verticals_of(const MapDatabase& map, const std::vector<MapKeyframe>& keyframes) {
+  Verticals verticals;
+  for (const MapKeyframe& keyframe : keyframes) {
+    ++verticals[load_sweeps(map, keyframe.id, map.file()).vertical];
+  }
+  return verticals;
+}
+
+/// What the map was measured with, as far as it shows that.
+std::string sensors_section(const MapDatabase& map, const MapPath& path) {
+  std::vector<Nanoseconds> sweeps;
+  std::ranges::transform(path.sweeps, std::back_inserter(sweeps), &MapSweep::stamp);
+  std::vector<Nanoseconds> fixes;
+  std::ranges::transform(map.fixes(), std::back_inserter(fixes), &MapFix::stamp);
+  const std::vector<MapKeyframe> keyframes = map.keyframes();
+  Verticals verticals = verticals_of(map, keyframes);
+  const std::size_t levelled = verticals[Vertical::gravity];
+  Facts facts;
+  facts.add("range sensor", fmt::format("{} sweeps{}", sweeps.size(), rate_of(sweeps)));
+  facts.add("inertial sensor", levelled + verticals[Vertical::rough_gravity] == 0
+                                   ? "none was used"
+                                   : fmt::format("gravity levels {} of {} keyframes by it",
+                                                 levelled, keyframes.size()));
+  facts.add("GNSS receiver", fixes.empty()
+                                 ? std::string("none was used")
+                                 : fmt::format("{} fixes{}", fixes.size(), rate_of(fixes)));
+  return facts.section("Sensors");
 }
 
 std::string sessions_section(const ExportJob& job, const MapPath& path) {
@@ -324,15 +368,10 @@ std::string warnings(const ExportJob& job, const MapPath& path) {
       html += finding(fmt::format("Session {} was edited after its run.", session.id));
     }
   }
-  std::size_t level = 0;
   const std::vector<MapKeyframe> keyframes = job.map->keyframes();
-  for (const MapKeyframe& keyframe : keyframes) {
-    level +=
-        load_sweeps(*job.map, keyframe.id, job.map->file()).vertical == Vertical::unknown ? 0U : 1U;
-  }
-  if (level < keyframes.size()) {
+  if (const std::size_t unknown = verticals_of(*job.map, keyframes)[Vertical::unknown]) {
     html += finding(fmt::format("{} of {} keyframes have nothing that tells which way is up.",
-                                keyframes.size() - level, keyframes.size()));
+                                unknown, keyframes.size()));
   }
   if (!std::ranges::all_of(path.sweeps,
                            [](const MapSweep& sweep) { return is_unix_time(sweep.stamp); })) {
@@ -356,7 +395,7 @@ std::string export_report(const ExportJob& job) {
   made.add("report by", "adit " + std::string(version()));
   std::string body =
       "<h1>" + escape_markup(title) + "</h1>\n" + warnings(job, path) + place_section(job) +
-      control_section(job, coordinates) + gnss_section(*job.map) +
+      control_section(job, coordinates) + sensors_section(*job.map, path) + gnss_section(*job.map) +
       coverage_section(job, coordinates, path) + "<h2>From above</h2>\n" +
       drawing_of(job, picture,
                  job.georeference ? "North is up; m east and north of the origin"

@@ -91,10 +91,13 @@ std::string describe(const OptimizeCommandOptions& options, const OptimizeOutcom
   text += "residual     " + convention_text(convention_of(options, outcome), graph.planar()) + "\n";
   if (outcome.odometry_scale) {
     text += "model        as in its run: loops under a kernel that takes influence from wrong ones";
-    text +=
-        *outcome.odometry_scale > 1.0
-            ? fmt::format(", the odometry's covariances times {:.3g}\n", *outcome.odometry_scale)
-            : "\n";
+    if (*outcome.odometry_scale > 1.0) {
+      text += fmt::format(", the odometry's covariances times {:.3g}", *outcome.odometry_scale);
+    }
+    if (outcome.level_drift_scale != 1.0) {
+      text += fmt::format(", those of its level drift times {:.3g}", outcome.level_drift_scale);
+    }
+    text += "\n";
   }
   text += outcome.control ? describe(*outcome.control) : std::string();
   text += fmt::format("cost         {:.10g} in the file", outcome.file_cost);
@@ -135,6 +138,7 @@ std::string to_json(const OptimizeCommandOptions& options, const OptimizeOutcome
   json["initial"] = initial_text(outcome.initial);
   json["odometry_scale"] = outcome.odometry_scale ? nlohmann::ordered_json(*outcome.odometry_scale)
                                                   : nlohmann::ordered_json(nullptr);
+  json["level_drift_scale"] = outcome.level_drift_scale;
   json["cost_file"] = outcome.file_cost;
   json["cost_before"] = report.cost_before;
   json["cost_after"] = report.cost_after;

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/slam/mapping/level_drift.hpp"
 #include "adit/slam/mapping/world_covariance.hpp"
 #include "adit/tools/evaluation/evaluate_association.hpp"
 #include "adit/tools/maps/map_database.hpp"
@@ -37,6 +38,11 @@ JudgedKeyframes chosen(const std::vector<MapKeyframe>& keyframes) {
     judged.poses.push_back({.stamp = keyframes[i].stamp, .pose = keyframes[i].T_map_keyframe});
   }
   return judged;
+}
+
+/// With the odometry's covariances as far as the fixes do not rule them out.
+PoseGraph as_drifted(const PoseGraph& graph) {
+  return with_level_drift(graph, level_drift(graph).largest);
 }
 
 }  // namespace
@@ -74,7 +80,8 @@ WorldError world_error(const std::filesystem::path& map, const Trajectory& truth
 
   const JudgedKeyframes judged = chosen(database.keyframes());
   const Trajectory keyframes = stamped(map, judged.poses);
-  const std::vector<Eigen::Matrix3d> covariances = world_covariances(database.graph(), judged.ids);
+  const std::vector<Eigen::Matrix3d> covariances =
+      world_covariances(as_drifted(database.graph()), judged.ids);
   for (const MatchedPair& pair : associate(keyframes, truth, tolerance).pairs) {
     if (!covariances.empty()) {
       const Eigen::Vector3d error = error_of(keyframes.poses[pair.estimate], pair.truth);

@@ -183,7 +183,8 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
                                  {"without_position", gnss.without_position},
                                  {"outside", gnss.outside},
                                  {"verdicts", verdicts},
-                                 {"optimizations", gnss.optimizations}};
+                                 {"optimizations", gnss.optimizations},
+                                 {"level_drift_scale", gnss.level_drift_scale}};
   if (!gnss.georeference) {
     json["georeference"] = nullptr;
     json["why_not"] = why_not(gnss);
