@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -25,7 +28,9 @@ constexpr int kMostStep = 4;    //
 // Of twice the logarithm of the likelihood's ratio, which is distributed as chi squared.
 constexpr double kOneSigma = 1.0;
 constexpr double kRuledOut = 3.84;
-constexpr double kUsual = 9.0;  // times the usual variance
+constexpr std::size_t kFewestPlaced = 3;  // nodes: two places have no shape
+constexpr double kTellsNothing = 1e-3;    // by which it differs at the most
+constexpr double kUsual = 9.0;            // times the usual variance
 
 /// The world's vertical in the later node's axes, which an edge's information has.
 Vector3d up_of(const PoseGraph& graph, const PoseEdge& edge) {
@@ -68,7 +73,7 @@ struct Quadratic {
 
 std::optional<Quadratic> quadratic(const GraphInformation& information) {
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(information.matrix());
-  if (solver.info() != Eigen::Success || solver.vectorD().minCoeff() <= 0.0) {
+  if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0.0)) {
     return std::nullopt;
   }
   const Eigen::VectorXd& gradient = information.gradient();
@@ -138,19 +143,25 @@ PoseGraph with_level_drift(const PoseGraph& graph, double scale) {
 }
 
 LevelDrift level_drift(const PoseGraph& graph) {
-  if (graph.fixes().empty() || graph.levels().empty()) {
+  std::set<NodeId> placed;
+  std::ranges::transform(graph.fixes(), std::inserter(placed, placed.end()), &PositionFix::node);
+  if (placed.size() < kFewestPlaced || graph.levels().empty()) {
     return {};
   }
   const PoseGraph weighted = as_weighted(graph);
   std::vector<double> found;
   for (int step = kLeastStep; step <= kMostStep; ++step) {
     const std::optional<double> value = unlikeliness(weighted, step_scale(step));
-    if (!value) {
+    if (!value || !std::isfinite(*value)) {
       return {};
     }
     found.push_back(*value);
   }
-  const double least = *std::ranges::min_element(found);
+  const auto [least_at, most_at] = std::ranges::minmax_element(found);
+  const double least = *least_at;
+  if (*most_at - least < kTellsNothing) {
+    return {};
+  }
   const auto within = [&](double more) {
     return [=](double value) { return value <= least + more; };
   };

@@ -63,21 +63,28 @@ PoseGraph fitting_part(PoseGraph graph, const OptimizedGraph& optimum) {
   return graph;
 }
 
-std::size_t loops_that_do_not_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
-  std::size_t loops = 0;
-  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-    loops += is_loop_that_does_not_fit(graph, optimum, i) ? 1U : 0U;
-  }
-  return loops;
-}
-
 /// Fewer than a bundle are not believed against the odometry.
 bool most_loops_fit(const PoseGraph& graph, const OptimizedGraph& optimum) {
   std::size_t loops = 0;
+  std::size_t others = 0;
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-    loops += graph.edges()[i].kind == EdgeKind::loop && optimum.report.edges[i] ? 1U : 0U;
+    const bool counts = graph.edges()[i].kind == EdgeKind::loop && optimum.report.edges[i];
+    loops += counts ? 1U : 0U;
+    others += is_loop_that_does_not_fit(graph, optimum, i) ? 1U : 0U;
   }
-  return loops < kFewestBelieved || 2 * loops_that_do_not_fit(graph, optimum) <= loops;
+  return loops < kFewestBelieved || 2 * others <= loops;
+}
+
+/// Every loop that fitted the other optimum fits this one.
+bool fits_as_well(const PoseGraph& graph, const OptimizedGraph& optimum,
+                  const OptimizedGraph& other) {
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    if (is_loop_that_does_not_fit(graph, optimum, i) &&
+        !is_loop_that_does_not_fit(graph, other, i)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 // A scale that is too small leaves part of the drift to the loops, so that edges seem better than
@@ -177,14 +184,19 @@ LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
   if (drift == 1.0) {
     return optimum;
   }
-  LoopOptimum again{robust_optimum(with_level_drift(placed, drift), on_step)};
-  if (!has_ended_well(again.report) ||
-      loops_that_do_not_fit(graph, again) > loops_that_do_not_fit(graph, optimum)) {
+  PoseGraph scaled = with_level_drift(placed, drift);
+  LoopOptimum again{robust_optimum(scaled, on_step)};
+  if (again.report.termination == Termination::stopped) {
+    optimum.report.termination = Termination::stopped;
+  }
+  if (again.report.termination != Termination::converged || !fits_as_well(graph, again, optimum)) {
     return optimum;
   }
   again.odometry_scale = optimum.odometry_scale;
   again.level_drift_scale = drift;
-  again.report.cost_before = optimum.report.cost_before;
+  scaled.set_poses(poses_of(graph));
+  scaled.set_T_world_map(graph.T_world_map());
+  again.report.cost_before = graph_cost(scaled, loop_kernels());
   return again;
 }
 

@@ -38,7 +38,7 @@ struct LoopOptimum : OptimizedGraph {
 /// the odometry by many of its standard deviations.
 ///
 /// Where there are fixes, these and the loops tell how far the odometry drifts in the level
-/// (level_drift()), unless fewer loops fit then.
+/// (level_drift()), unless a loop that fits would not fit then.
 ///
 /// `on_step` is asked after each iteration; false ends the work (Termination::stopped).
 LoopOptimum optimize_with_loops(const PoseGraph& graph,

@@ -281,7 +281,7 @@ void WorldTies::optimize(PoseGraph& graph) {
   tie(graph);
   const LoopOptimum optimum = optimize_with_loops(graph);
   ++report_.optimizations;
-  odometry_scale_ = optimum.odometry_scale;
+  odometry_scales_ = {.all = optimum.odometry_scale, .level_drift = optimum.level_drift_scale};
   report_.level_drift_scale = optimum.level_drift_scale;
   if (optimum.report.termination != Termination::failed) {
     graph.set_poses(optimum.poses);

@@ -117,7 +117,12 @@ class WorldTies {
   std::optional<AntennaEstimate> correct_significant(PoseGraph& graph, AntennaEstimate estimate);
   void correct_antenna(const AntennaError& error);
   void judge_by(const AntennaEstimate& estimate, const PoseGraph& graph);
-  double cost(const PoseGraph& graph, double odometry_scale);
+  /// What the odometry's covariances count times, as in LoopOptimum.
+  struct OdometryScales {
+    double all = 1.0;
+    double level_drift = 1.0;
+  };
+  double cost(const PoseGraph& graph, const OdometryScales& scales);
   bool most_agree() const;
   void measure(const PoseGraph& graph);
   Change take_change(const PoseGraph& graph, bool moved, bool had_place);
@@ -132,7 +137,7 @@ class WorldTies {
   double optimized_path_ = 0.0;  ///< m, of the last used fix in the last optimisation
   std::size_t optimized_nodes_ = 0;
   std::size_t used_since_ = 0;
-  double odometry_scale_ = 1.0;  ///< of the last optimisation
+  OdometryScales odometry_scales_;  ///< of the last optimisation
   OdometryTrack track_;
   double delay_ = 0.0;  ///< s, of the stamps, that places of fixes are corrected by
   GnssReport report_;

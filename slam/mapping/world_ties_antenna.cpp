@@ -7,6 +7,7 @@
 
 #include "adit/slam/mapping/gnss_noise.hpp"
 #include "adit/slam/mapping/graph_residuals.hpp"
+#include "adit/slam/mapping/level_drift.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/solver.hpp"
 #include "adit/slam/mapping/world_ties.hpp"
@@ -55,7 +56,7 @@ std::optional<AntennaEstimate> WorldTies::antenna_estimate(const PoseGraph& grap
                          .covariance = fix.covariance,
                          .time = seconds(fix.stamp - fixes_.front().stamp)});
   }
-  return estimate_antenna(as_weighted(without_fixes(graph, odometry_scale_)), sightings,
+  return estimate_antenna(as_weighted(without_fixes(graph, odometry_scales_.all)), sightings,
                           {.correlation = config_.correlation, .height = config_.height});
 }
 
@@ -88,8 +89,9 @@ void WorldTies::judge_by(const AntennaEstimate& estimate, const PoseGraph& graph
 }
 
 // Of edges, verticals and fixes where the graph is; outliers count as if they were at their gate.
-double WorldTies::cost(const PoseGraph& graph, double odometry_scale) {
-  double sum = graph_cost(without_fixes(graph, odometry_scale), loop_kernels());
+double WorldTies::cost(const PoseGraph& graph, const OdometryScales& scales) {
+  double sum = graph_cost(with_level_drift(without_fixes(graph, scales.all), scales.level_drift),
+                          loop_kernels());
   const std::vector<std::size_t> part = told_by(graph);
   std::vector<double> times;
   for (const std::size_t i : part) {
@@ -165,8 +167,8 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
            .time_offset = config_.time_offset};
   AntennaReport left_alone = found;
   if (found.any_significant()) {
-    const double scale = trial.odometry_scale_;
-    found.cost_before = trial.cost(moved, scale);
+    const OdometryScales scales = trial.odometry_scales_;
+    found.cost_before = trial.cost(moved, scales);
     const std::optional<AntennaEstimate> corrected = trial.correct_significant(moved, *first);
     bool known = corrected.has_value();
     if (known && !frame_) {  // as well as any place has to be
@@ -178,7 +180,7 @@ void WorldTies::calibrate_antenna(PoseGraph& graph) {
     }
     if (known) {
       found.parameters = left_alone.parameters = judged(*corrected);
-      found.cost_after = trial.cost(moved, scale);
+      found.cost_after = trial.cost(moved, scales);
       const double gain = found.cost_before - found.cost_after;
       found.corrected =
           trial.most_agree() && gain > std::max(kLeastGain, kLeastGainShare * found.cost_before);

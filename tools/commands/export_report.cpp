@@ -112,31 +112,29 @@ std::string rate_of(const std::vector<Nanoseconds>& stamps) {
 using Verticals = std::map<Vertical, std::size_t>;
 
 /// How many keyframes know their vertical by what.
-Verticals verticals_of(const MapDatabase& map, const std::vector<MapKeyframe>& keyframes) {
+Verticals verticals_of(const MapDatabase& map) {
   Verticals verticals;
-  for (const MapKeyframe& keyframe : keyframes) {
+  for (const MapKeyframe& keyframe : map.keyframes()) {
     ++verticals[load_sweeps(map, keyframe.id, map.file()).vertical];
   }
   return verticals;
 }
 
 /// What the map was measured with, as far as it shows that.
-std::string sensors_section(const MapDatabase& map, const MapPath& path) {
+std::string sensors_section(const MapDatabase& map, const MapPath& path, Verticals verticals) {
   std::vector<Nanoseconds> sweeps;
   std::ranges::transform(path.sweeps, std::back_inserter(sweeps), &MapSweep::stamp);
   std::vector<Nanoseconds> fixes;
   std::ranges::transform(map.fixes(), std::back_inserter(fixes), &MapFix::stamp);
-  const std::vector<MapKeyframe> keyframes = map.keyframes();
-  Verticals verticals = verticals_of(map, keyframes);
   const std::size_t levelled = verticals[Vertical::gravity];
   Facts facts;
   facts.add("range sensor", fmt::format("{} sweeps{}", sweeps.size(), rate_of(sweeps)));
   facts.add("inertial sensor", levelled + verticals[Vertical::rough_gravity] == 0
-                                   ? "none was used"
-                                   : fmt::format("gravity levels {} of {} keyframes by it",
-                                                 levelled, keyframes.size()));
+                                   ? "no keyframe is levelled by one"
+                                   : fmt::format("{} of {} keyframes are levelled by it", levelled,
+                                                 map.keyframes().size()));
   facts.add("GNSS receiver", fixes.empty()
-                                 ? std::string("none was used")
+                                 ? std::string("no fixes")
                                  : fmt::format("{} fixes{}", fixes.size(), rate_of(fixes)));
   return facts.section("Sensors");
 }
@@ -345,7 +343,7 @@ std::string graph_section(const MapDatabase& map) {
   return facts.section("Pose graph");
 }
 
-std::string warnings(const ExportJob& job, const MapPath& path) {
+std::string warnings(const ExportJob& job, const MapPath& path, Verticals verticals) {
   std::string html;
   if (!job.georeference) {
     html += finding("The map has no place on the Earth.");
@@ -368,10 +366,9 @@ std::string warnings(const ExportJob& job, const MapPath& path) {
       html += finding(fmt::format("Session {} was edited after its run.", session.id));
     }
   }
-  const std::vector<MapKeyframe> keyframes = job.map->keyframes();
-  if (const std::size_t unknown = verticals_of(*job.map, keyframes)[Vertical::unknown]) {
+  if (const std::size_t unknown = verticals[Vertical::unknown]) {
     html += finding(fmt::format("{} of {} keyframes have nothing that tells which way is up.",
-                                unknown, keyframes.size()));
+                                unknown, job.map->keyframes().size()));
   }
   if (!std::ranges::all_of(path.sweeps,
                            [](const MapSweep& sweep) { return is_unix_time(sweep.stamp); })) {
@@ -390,18 +387,20 @@ std::string export_report(const ExportJob& job) {
                        : ProductCoordinates();
   const std::string name = job.options->map.filename().string();
   const std::string title = "Report on " + name;
+  const Verticals verticals = verticals_of(*job.map);
   Facts made;
   made.add("map", name);
   made.add("report by", "adit " + std::string(version()));
-  std::string body =
-      "<h1>" + escape_markup(title) + "</h1>\n" + warnings(job, path) + place_section(job) +
-      control_section(job, coordinates) + sensors_section(*job.map, path) + gnss_section(*job.map) +
-      coverage_section(job, coordinates, path) + "<h2>From above</h2>\n" +
-      drawing_of(job, picture,
-                 job.georeference ? "North is up; m east and north of the origin"
-                                  : "In the map's frame, m",
-                 PictureFormat::svg) +
-      graph_section(*job.map) + sessions_section(job, path) + made.section("Made by");
+  std::string body = "<h1>" + escape_markup(title) + "</h1>\n" + warnings(job, path, verticals) +
+                     place_section(job) + control_section(job, coordinates) +
+                     sensors_section(*job.map, path, verticals) + gnss_section(*job.map) +
+                     coverage_section(job, coordinates, path) + "<h2>From above</h2>\n" +
+                     drawing_of(job, picture,
+                                job.georeference ? "North is up; m east and north of the origin"
+                                                 : "In the map's frame, m",
+                                PictureFormat::svg) +
+                     graph_section(*job.map) + sessions_section(job, path) +
+                     made.section("Made by");
   write_text_file(job.file, html_page(title, body));
   return "a page for printing" + in_coordinates(coordinates);
 }
