@@ -8,6 +8,7 @@
 #include <iterator>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -23,8 +24,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kLeastStep = -4;  // half decades
-constexpr int kMostStep = 4;    //
+// Of scales, in half decades.
+constexpr int kLeastStep = -4;
+constexpr int kMostStep = 4;
 // Of twice the logarithm of the likelihood's ratio, which is distributed as chi squared.
 constexpr double kOneSigma = 1.0;
 constexpr double kRuledOut = 3.84;
