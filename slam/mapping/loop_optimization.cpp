@@ -109,12 +109,31 @@ double odometry_scale(const PoseGraph& graph, const OnStep& on_step) {
   return scale;
 }
 
+/// An edge of the odometry is off by more than an odometry drifts by on its way.
+bool has_jump(const PoseGraph& graph, const OptimizedGraph& optimum) {
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const PoseEdge& edge = graph.edges()[i];
+    if (edge.kind != EdgeKind::odometry || !optimum.report.edges[i]) {
+      continue;
+    }
+    const Eigen::Isometry3d way =
+        optimum.poses[graph.index_of(edge.from)].inverse() * optimum.poses[graph.index_of(edge.to)];
+    if (!is_possible_drift(way * edge.T_from_to.inverse(), edge.T_from_to.translation().norm())) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // Of all loops under a kernel that takes all influence from wrong ones, looked for from where all
 // are accepted: from far off, where much drift is to be corrected, the kernel would take it from
 // right ones, too.
-OptimizedGraph robust_optimum(PoseGraph graph, const OnStep& on_step) {
+OptimizedGraph robust_optimum(PoseGraph graph, bool all_drift, const OnStep& on_step) {
   OptimizationSettings settings = loop_kernels();
   settings.on_step = on_step;
+  if (all_drift) {
+    settings.odometry_kernel = {};
+  }
   const RobustLoss against_wrong_ones = std::exchange(settings.loop_kernel, {});
   const OptimizedGraph all_believed = optimize_condensed(graph, settings);
   settings.loop_kernel = against_wrong_ones;
@@ -128,31 +147,48 @@ OptimizedGraph robust_optimum(PoseGraph graph, const OnStep& on_step) {
   return optimum;
 }
 
-LoopOptimum at_scale(const PoseGraph& graph, double scale, const OnStep& on_step) {
+LoopOptimum at_scale(const PoseGraph& graph, double scale, bool all_drift, const OnStep& on_step) {
   LoopOptimum optimum{
-      robust_optimum(scale > 1.0 ? graph.with_odometry_scaled(scale) : graph, on_step)};
+      robust_optimum(scale > 1.0 ? graph.with_odometry_scaled(scale) : graph, all_drift, on_step)};
   optimum.odometry_scale = scale;
-  return optimum;
-}
-
-LoopOptimum of_loops(const PoseGraph& graph, const OnStep& on_step) {
-  LoopOptimum optimum = at_scale(graph, 1.0, on_step);
-  const bool fits = most_loops_fit(graph, optimum);
-  const double scale = odometry_scale(fitting_part(graph, optimum), on_step);
-  if (scale > 1.0) {
-    optimum = at_scale(graph, scale, on_step);
-  }
-  if (!fits && !most_loops_fit(graph, optimum)) {
-    LoopOptimum believed = at_scale(graph, odometry_scale(graph, on_step), on_step);
-    if (most_loops_fit(graph, believed)) {
-      return believed;
-    }
-  }
+  optimum.all_drift = all_drift;
   return optimum;
 }
 
 bool has_ended_well(const OptimizationReport& report) {
   return report.termination != Termination::failed && report.termination != Termination::stopped;
+}
+
+// The scale is one that the loops which fit have shown with drift left to them: some may need more.
+LoopOptimum shared_out(const PoseGraph& graph, LoopOptimum optimum, const OnStep& on_step) {
+  if (optimum.odometry_scale == 1.0 || !has_ended_well(optimum.report) ||
+      !has_jump(graph, optimum)) {
+    return optimum;
+  }
+  for (const double more : {1.0, 4.0, 16.0}) {
+    LoopOptimum shared = at_scale(graph, more * optimum.odometry_scale, true, on_step);
+    if (has_ended_well(shared.report) && !has_jump(graph, shared) &&
+        fits_as_well(graph, shared, optimum)) {
+      return shared;
+    }
+  }
+  return optimum;
+}
+
+LoopOptimum of_loops(const PoseGraph& graph, const OnStep& on_step) {
+  LoopOptimum optimum = at_scale(graph, 1.0, false, on_step);
+  const bool fits = most_loops_fit(graph, optimum);
+  const double scale = odometry_scale(fitting_part(graph, optimum), on_step);
+  if (scale > 1.0) {
+    optimum = shared_out(graph, at_scale(graph, scale, false, on_step), on_step);
+  }
+  if (!fits && !most_loops_fit(graph, optimum)) {
+    LoopOptimum believed = at_scale(graph, odometry_scale(graph, on_step), false, on_step);
+    if (most_loops_fit(graph, believed)) {
+      return shared_out(graph, std::move(believed), on_step);
+    }
+  }
+  return optimum;
 }
 
 }  // namespace
@@ -185,7 +221,7 @@ LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
     return optimum;
   }
   PoseGraph scaled = with_level_drift(placed, drift);
-  LoopOptimum again{robust_optimum(scaled, on_step)};
+  LoopOptimum again{robust_optimum(scaled, optimum.all_drift, on_step)};
   if (again.report.termination == Termination::stopped) {
     optimum.report.termination = Termination::stopped;
   }
@@ -194,6 +230,7 @@ LoopOptimum optimize_with_loops(const PoseGraph& graph, const OnStep& on_step) {
   }
   again.odometry_scale = optimum.odometry_scale;
   again.level_drift_scale = drift;
+  again.all_drift = optimum.all_drift;
   scaled.set_poses(poses_of(graph));
   scaled.set_T_world_map(graph.T_world_map());
   again.report.cost_before = graph_cost(scaled, loop_kernels());

@@ -25,6 +25,7 @@ struct LoopOptimum : OptimizedGraph {
   /// are with those.
   double odometry_scale = 1.0;
   double level_drift_scale = 1.0;  ///< and its level drift's so many times, by fixes (LevelDrift)
+  bool all_drift = false;  ///< the odometry's edges count squared, since all of them are off
 };
 
 /// The minimum of a map's graph with its loops under a kernel that takes all influence from wrong
@@ -36,6 +37,10 @@ struct LoopOptimum : OptimizedGraph {
 /// that: they take what the loops correct. Where most of three or more do not fit, all of them say
 /// it, if most fit then: the kernel takes all influence from many right ones sooner than it bends
 /// the odometry by many of its standard deviations.
+///
+/// Where all edges drift, no few of them stand out, and the kernel that forgives a few would have
+/// these carry all of it. So where an edge had to jump by more than an odometry drifts by
+/// (is_possible_drift()), they count squared, if none jumps then and the loops fit as well.
 ///
 /// Where there are fixes, these and the loops tell how far the odometry drifts in the level
 /// (level_drift()), unless a loop that fits would not fit then.

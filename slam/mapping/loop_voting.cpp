@@ -129,9 +129,11 @@ bool joins_parts(const PoseGraph& graph, const Parts& parts, const LoopHypothesi
 }
 
 /// By how much a loop between parts claims that more way was gone in a gap than can have been: the
-/// worst chi squared of the gaps between the two. Keyframes know which way is up.
+/// worst chi squared of the gaps between the two. Keyframes know which way is up. Infinite where it
+/// claims a height that no odometry is believed to drift by, however little it knows it: a floor
+/// that is built like the one above or below.
 double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
-                        const LoopHypothesis& loop, double sigma) {
+                        const LoopHypothesis& loop, const LoopVotingSettings& settings) {
   const std::size_t from_part = parts.part_of[graph.index_of(loop.from)];
   const std::size_t to_part = parts.part_of[graph.index_of(loop.to)];
   double worst = 0.0;
@@ -147,12 +149,18 @@ double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
         *before * (forward ? measured(loop) : inverse(measured(loop))) * *after;
     const Eigen::Vector3d gone = crossed.pose.translation();
     const double aside = gone.head<2>().norm();
+    const double climbed = gone.z() - gap.rise;
     Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
     beyond.head<2>() = gone.head<2>() * (std::max(0.0, aside - gap.reach) / std::max(aside, 1e-9));
-    beyond.z() = std::copysign(std::max(0.0, std::abs(gone.z()) - gap.climb), gone.z());
+    beyond.z() = std::copysign(std::max(0.0, std::abs(climbed) - gap.climb), climbed);
+    if (std::abs(beyond.z()) >
+        settings.near.least_distance + settings.near.height * (crossed.path + gap.between)) {
+      return kNever;
+    }
     const Eigen::Matrix3d R = crossed.pose.linear();
-    const Eigen::Matrix3d spread = R * crossed.covariance.topLeftCorner<3, 3>() * R.transpose() +
-                                   sigma * sigma * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d spread =
+        R * crossed.covariance.topLeftCorner<3, 3>() * R.transpose() +
+        settings.gap_sigma * settings.gap_sigma * Eigen::Matrix3d::Identity();
     worst = std::max(worst, beyond.dot(spread.ldlt().solve(beyond)));
   }
   return worst;
@@ -242,9 +250,8 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
                       const LoopHypothesis& loop, const EarlierLoops& before,
                       const LoopVotingSettings& settings) {
   const bool joins = joins_parts(graph, parts, loop);
-  LoopVote vote{.odometry_chi2 =
-                    joins ? gap_disagreement(far_ways, graph, parts, loop, settings.gap_sigma)
-                          : odometry_disagreement(far_ways, loop)};
+  LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
+                                       : odometry_disagreement(far_ways, loop)};
   vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
   const auto climbs_as_shown = [&] {
     return before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));

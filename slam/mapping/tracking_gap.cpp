@@ -57,28 +57,27 @@ std::vector<GapCrossing> gap_crossings(const PoseGraph& graph, std::span<const s
   const std::vector<PoseNode>& nodes = graph.nodes();
   std::vector<GapCrossing> crossings;
   const Stretch* before = nullptr;  // the last one of the two parts
-  double reach = 0.0;               // since then
-  double climb = 0.0;
+  GapCrossing since;
   const std::vector<Stretch> stretches = stretches_of(graph, part_of, gaps);
   for (const Stretch& stretch : stretches) {
-    reach += stretch.reach;
-    climb += stretch.climb;
+    since.reach += stretch.reach;
+    since.climb += stretch.climb;
     if (stretch.part != one_part && stretch.part != other_part) {
-      const Eigen::Vector3d way = nodes[stretch.last].T_map_node.translation() -
-                                  nodes[stretch.first].T_map_node.translation();
-      reach += way.head<2>().norm();
-      climb += std::abs(way.z());
+      const Eigen::Vector3d way =
+          (nodes[stretch.first].T_map_node.inverse() * nodes[stretch.last].T_map_node)
+              .translation();
+      since.reach += way.head<2>().norm();
+      since.between += way.head<2>().norm();
+      since.rise += way.z();
       continue;
     }
-    if (before != nullptr && before->part != stretch.part && std::isfinite(reach)) {
-      crossings.push_back({.last = nodes[before->last].id,
-                           .first = nodes[stretch.first].id,
-                           .reach = reach,
-                           .climb = climb});
+    if (before != nullptr && before->part != stretch.part && std::isfinite(since.reach)) {
+      since.last = nodes[before->last].id;
+      since.first = nodes[stretch.first].id;
+      crossings.push_back(since);
     }
     before = &stretch;
-    reach = 0.0;
-    climb = 0.0;
+    since = {};
   }
   return crossings;
 }

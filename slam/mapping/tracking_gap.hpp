@@ -29,8 +29,10 @@ TrackingGap tracking_gap(NodeId after, double seconds, double speed);
 struct GapCrossing {
   NodeId last = 0;
   NodeId first = 0;
-  double reach = 0.0;  ///< m, between the two, horizontally
-  double climb = 0.0;  ///< m, likewise
+  double reach = 0.0;    ///< m, between the two, horizontally
+  double climb = 0.0;    ///< m, up or down in the gaps themselves
+  double rise = 0.0;     ///< m, that the parts between climb: how they are turned, nothing says
+  double between = 0.0;  ///< m, that they go horizontally
 };
 
 /// Where, in the order of the nodes, one passes from the part of one of the two to the part of the

@@ -26,22 +26,22 @@ constexpr NodeId kLost = 60;      // the keyframe with which the odometry starts
 struct PartedWalk {
   std::vector<Eigen::Isometry3d> truth{};
   PoseGraph graph{};
-  TrackingGap gap = tracking_gap(kLost, 1.0, 1.3);
+  TrackingGap gap{};
 };
 
-PartedWalk parted_walk(bool above) {
-  PartedWalk walk;
+PartedWalk parted_walk(bool above, NodeId lost = kLost) {
+  PartedWalk walk{.gap = tracking_gap(lost, 1.0, 1.3)};
   const Eigen::Isometry3d begun_anew = step(-30.0, 2.0);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (NodeId id = 0; id < 3 * kCorridor; ++id) {
     walk.truth.push_back(pose);
-    const bool is_lost = id >= kLost;
+    const bool is_lost = id >= lost;
     walk.graph.add_node(
         {.id = id,
          .T_map_node =
-             is_lost ? begun_anew * walk.truth[static_cast<std::size_t>(kLost)].inverse() * pose
+             is_lost ? begun_anew * walk.truth[static_cast<std::size_t>(lost)].inverse() * pose
                      : pose});
-    if (id > 0 && id != kLost) {
+    if (id > 0 && id != lost) {
       const Eigen::Isometry3d way = walk.truth[static_cast<std::size_t>(id) - 1].inverse() * pose;
       PoseEdge tied = edge(id - 1, id, way);
       tied.information.diagonal() << 1e4, 1e4, 1e4, 1e6, 1e6, 1e6;
@@ -113,6 +113,38 @@ TEST(LoopsBetweenParts, AFloorLikeTheOneBelowIsFartherThanTheGap) {
   }
 }
 
+// Without an inertial sensor an odometry may know its height so badly that its covariances bear out
+// a whole floor.
+TEST(LoopsBetweenParts, AFloorIsAnotherHoweverLittleTheHeightIsKnown) {
+  const auto height_unknown = [](PartedWalk walk) {
+    walk.graph = walk.graph.with_information([](const PoseEdge& edge) {
+      Matrix6d information = edge.information;
+      information(2, 2) = 25.0;  // 0.2 m a metre
+      return information;
+    });
+    return walk;
+  };
+  const PartedWalk below = height_unknown(parted_walk(false));
+  EXPECT_EQ(joined(below, found_again(below, 5, 18, 0.0)), 14U);
+  EXPECT_EQ(joined(below, found_again(below, 5, 18, 0.9)), 14U) << "as much is drift";
+  const PartedWalk above = height_unknown(parted_walk(true));
+  EXPECT_EQ(joined(above, found_again(above, 5, 18, 3.4)), 0U);
+}
+
+// The odometry starts anew before the stairs and after them: what lies between tells the floors.
+TEST(LoopsBetweenParts, WhatThePartBetweenHasClimbedCounts) {
+  const auto joined_over_two_gaps = [](bool above) {
+    PartedWalk walk = parted_walk(above, kCorridor);
+    walk.graph.set_status(static_cast<std::size_t>(2 * kCorridor) - 2, EdgeStatus::revoked);
+    const std::vector<TrackingGap> gaps = {walk.gap, tracking_gap(2 * kCorridor, 1.0, 1.3)};
+    const std::vector<LoopVote> votes =
+        vote(walk.graph, found_again(walk, 5, 18, above ? 3.4 : 0.0), {.gaps = gaps}, true, {});
+    return std::ranges::count_if(votes, &LoopVote::accepted);
+  };
+  EXPECT_EQ(joined_over_two_gaps(false), 14);
+  EXPECT_EQ(joined_over_two_gaps(true), 0);
+}
+
 TEST(LoopsBetweenParts, APlaceThatCouldNotBeReachedMeanwhileIsAnother) {
   const PartedWalk walk = parted_walk(false);
   std::vector<LoopHypothesis> elsewhere = found_again(walk, 5, 18, 0.0);
@@ -158,6 +190,8 @@ TEST(TrackingGaps, AddUpWithThePartsBetweenThem) {
   EXPECT_EQ(crossings[0].first, 20);
   EXPECT_NEAR(crossings[0].reach, 14.0, 1e-12);
   EXPECT_NEAR(crossings[0].climb, 1.2, 1e-12);
+  EXPECT_NEAR(crossings[0].between, 9.0, 1e-12);
+  EXPECT_NEAR(crossings[0].rise, 0.0, 1e-12);
   EXPECT_EQ(gap_crossings(graph, parts.component_of, gaps, 0, 1).size(), 1U);
   EXPECT_TRUE(gap_crossings(graph, parts.component_of, std::span(gaps).first(1), 0, 2).empty())
       << "one of them is not known";

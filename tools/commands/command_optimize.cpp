@@ -199,11 +199,13 @@ OptimizeOutcome optimize_file(const OptimizeCommandOptions& options, std::ostrea
     graph = outcome.control->found.graph;
     outcome.odometry_scale = outcome.control->found.optimum.odometry_scale;
     outcome.level_drift_scale = outcome.control->found.optimum.level_drift_scale;
+    outcome.all_drift = outcome.control->found.optimum.all_drift;
     outcome.optimized = outcome.control->found.optimum;
   } else if (is_as_its_run(options, outcome.is_map)) {
     LoopOptimum optimum = optimize_with_loops(graph, settings.on_step);
     outcome.odometry_scale = optimum.odometry_scale;
     outcome.level_drift_scale = optimum.level_drift_scale;
+    outcome.all_drift = optimum.all_drift;
     outcome.file_cost = optimum.report.cost_before;
     outcome.optimized = std::move(optimum);
   } else {

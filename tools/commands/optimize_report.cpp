@@ -94,6 +94,9 @@ std::string describe(const OptimizeCommandOptions& options, const OptimizeOutcom
     if (*outcome.odometry_scale > 1.0) {
       text += fmt::format(", the odometry's covariances times {:.3g}", *outcome.odometry_scale);
     }
+    if (outcome.all_drift) {
+      text += ", all its edges squared";
+    }
     if (outcome.level_drift_scale != 1.0) {
       text += fmt::format(", those of its level drift times {:.3g}", outcome.level_drift_scale);
     }
@@ -139,6 +142,7 @@ std::string to_json(const OptimizeCommandOptions& options, const OptimizeOutcome
   json["odometry_scale"] = outcome.odometry_scale ? nlohmann::ordered_json(*outcome.odometry_scale)
                                                   : nlohmann::ordered_json(nullptr);
   json["level_drift_scale"] = outcome.level_drift_scale;
+  json["all_drift"] = outcome.all_drift;
   json["cost_file"] = outcome.file_cost;
   json["cost_before"] = report.cost_before;
   json["cost_after"] = report.cost_after;

@@ -24,6 +24,7 @@ struct OptimizeOutcome {
   OptimizedGraph optimized;
   std::optional<double> odometry_scale{};      ///< of a map's own model (LoopOptimum)
   double level_drift_scale = 1.0;              ///< the same
+  bool all_drift = false;                      ///< the same
   std::optional<ControlAdjustment> control{};  ///< asked for
   bool moved = false;  ///< a node, or the map in the world, is not where the file has it
   std::vector<std::size_t> worst;  ///< edges with the largest chi squared, that one first
