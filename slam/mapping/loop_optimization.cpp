@@ -109,11 +109,12 @@ double odometry_scale(const PoseGraph& graph, const OnStep& on_step) {
   return scale;
 }
 
-/// An edge of the odometry is off by more than an odometry drifts by on its way.
+/// An edge of the odometry is off by more than an odometry drifts by on its way, and than it says.
 bool has_jump(const PoseGraph& graph, const OptimizedGraph& optimum) {
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
     const PoseEdge& edge = graph.edges()[i];
-    if (edge.kind != EdgeKind::odometry || !optimum.report.edges[i]) {
+    const std::optional<EdgeResult>& result = optimum.report.edges[i];
+    if (edge.kind != EdgeKind::odometry || !result || result->chi2 <= kLoopReview) {
       continue;
     }
     const Eigen::Isometry3d way =
