@@ -38,7 +38,8 @@ constexpr double kSteadyClimb = 0.25;
 constexpr double kGrowingClaims = 0.25;
 
 struct Way {
-  double length = std::numeric_limits<double>::infinity();  ///< m; infinite: there is none
+  Eigen::Isometry3d T_start_end = Eigen::Isometry3d::Identity();  ///< as its edges measured it
+  double length = std::numeric_limits<double>::infinity();        ///< m; infinite: there is none
   double uncorrected = 0.0;  ///< m that no loop has corrected, from the far end to the start
 };
 
@@ -66,7 +67,9 @@ Way shortest_way(const PoseGraph& graph, const std::vector<bool>& corrected, std
       const double length = edge.T_from_to.translation().norm();
       if (edge.status == EdgeStatus::active && way + length < ways[next].length) {
         const bool counts = edge.kind == EdgeKind::odometry && !corrected[std::min(at, next)];
-        ways[next] = {.length = way + length,
+        ways[next] = {.T_start_end = ways[at].T_start_end *
+                                     (edge.from == id ? edge.T_from_to : edge.T_from_to.inverse()),
+                      .length = way + length,
                       .uncorrected = ways[at].uncorrected + (!counts     ? 0.0
                                                              : next < at ? length
                                                                          : -length)};
@@ -89,69 +92,6 @@ const PoseEdge* edge_before(const PoseGraph& graph, std::size_t at) {
   return nullptr;
 }
 
-/// m between a node and the one before it, by an active edge; infinite: there is none.
-double step_before(const PoseGraph& graph, std::size_t at) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::size_t index : graph.edges_of(graph.nodes()[at].id)) {
-    const PoseEdge& edge = graph.edges()[index];
-    const auto [first, last] = std::minmax({graph.index_of(edge.from), graph.index_of(edge.to)});
-    if (edge.status == EdgeStatus::active && last == at && first + 1 == at) {
-      least = std::min(least, edge.T_from_to.translation().norm());
-    }
-  }
-  return least;
-}
-
-/// The way between two nodes that go backwards together. A step can shorten it by no more than both
-/// have moved, so that it is looked for again only where what is left of the last one does not
-/// tell: else a long parallel stretch would cost a search of the graph a keyframe.
-class FollowedWay {
- public:
-  FollowedWay(const PoseGraph& graph, std::size_t later, std::size_t earlier)
-      : graph_(graph), corrected_(graph.nodes().size()), later_(later), earlier_(earlier) {
-    measure();
-  }
-
-  double least() const { return least_; }  ///< m; before it has moved, its length
-
-  void move_to(std::size_t later, std::size_t earlier) {
-    constexpr double kRounding = 1e-9;  // m a step
-    for (; later_ > later; --later_) {
-      least_ -= step_before(graph_, later_) + kRounding;
-    }
-    for (; earlier_ > earlier; --earlier_) {
-      least_ -= step_before(graph_, earlier_) + kRounding;
-    }
-    exact_ = false;
-  }
-
-  /// Whether `statement` holds for its length: one that holds for all longer ways as well.
-  template <class Statement>
-  bool holds(const Statement& statement) {
-    if (statement(least_)) {
-      return true;
-    }
-    if (exact_) {
-      return false;
-    }
-    measure();
-    return statement(least_);
-  }
-
- private:
-  void measure() {
-    least_ = shortest_way(graph_, corrected_, later_, earlier_).length;
-    exact_ = true;
-  }
-
-  const PoseGraph& graph_;
-  std::vector<bool> corrected_;
-  std::size_t later_;
-  std::size_t earlier_;
-  double least_ = 0.0;  ///< m, no way is shorter
-  bool exact_ = false;  ///< it is the way's length
-};
-
 double angle_about_z(const Eigen::Matrix3d& rotation) {
   return std::abs(std::atan2(rotation(1, 0), rotation(0, 0)));
 }
@@ -173,48 +113,58 @@ bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
 
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
                     const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
-  const std::vector<PoseNode>& nodes = graph.nodes();
   std::size_t earlier = graph.index_of(from);
   std::size_t later = graph.index_of(to);
   if (is_tilted(T_from_to, limits)) {
     return false;
   }
-  FollowedWay way(graph, later, earlier);
-  if (std::isinf(way.least())) {
+  const std::vector<bool> corrected(graph.nodes().size());
+  Way way = shortest_way(graph, corrected, earlier, later);
+  if (std::isinf(way.length)) {
     return true;
   }
-  const Eigen::Isometry3d T_claimed_map =
-      nodes[earlier].T_map_node * T_from_to * nodes[later].T_map_node.inverse();
-  // What was believed of the pair, against what is claimed.
-  const auto is_possible = [&](double length) {
-    const Eigen::Isometry3d error = T_claimed_map.inverse() * nodes[earlier].T_map_node;
-    return is_possible_drift(nodes[earlier].T_map_node.inverse() * error, length, limits);
+  Eigen::Isometry3d T_claimed = T_from_to;  // from the earlier place of the pair to the later one
+  const auto is_possible = [&] {
+    return is_possible_drift(way.T_start_end * T_claimed.inverse(), way.length, limits);
   };
-  if (!way.holds(is_possible)) {
+  if (!is_possible()) {
     return false;
   }
-  while (later-- > 0) {
+  while (later > 0) {
+    const PoseEdge* const back = edge_before(graph, later);
+    if (back == nullptr) {
+      return true;
+    }
+    --later;
+    T_claimed = T_claimed * back->T_from_to.inverse();
     // The earlier stretch's keyframe where this one of the later stretch is claimed to be.
-    const Eigen::Isometry3d claimed = T_claimed_map * nodes[later].T_map_node;
     std::optional<std::size_t> same;
+    Eigen::Isometry3d T_same_claimed = T_claimed;
     double nearest = kSamePlace;
-    const std::size_t first = earlier - std::min(earlier, kNeighbours);
-    for (std::size_t i = first; i <= earlier && i < later; ++i) {
-      const double apart = (nodes[i].T_map_node.translation() - claimed.translation()).norm();
-      if (apart < nearest) {
+    Eigen::Isometry3d T_i_claimed = T_claimed;
+    for (std::size_t i = earlier, steps = 0;; --i, ++steps) {
+      const double apart = T_i_claimed.translation().norm();
+      if (i < later && apart < nearest) {
         nearest = apart;
         same = i;
+        T_same_claimed = T_i_claimed;
       }
+      const PoseEdge* const edge = i > 0 && steps < kNeighbours ? edge_before(graph, i) : nullptr;
+      if (edge == nullptr) {
+        break;
+      }
+      T_i_claimed = edge->T_from_to * T_i_claimed;
     }
     if (!same) {
       return true;  // the stretches part here
     }
     earlier = *same;
-    way.move_to(later, earlier);
-    if (!way.holds([](double length) { return length > kSamePlace; })) {
+    T_claimed = T_same_claimed;
+    way = shortest_way(graph, corrected, earlier, later);
+    if (way.length <= kSamePlace) {
       return true;  // loops that were accepted tie them from here on backwards
     }
-    if (!way.holds(is_possible)) {
+    if (!is_possible()) {
       return false;
     }
   }

@@ -35,8 +35,9 @@ bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {
 /// one, as far back as the two lie together and no accepted loop ties them: the drift has to be
 /// possible for each such pair. (On the way back the stretches are followed no farther: drift grows
 /// along them, and how, no loop says.) Paths are the shortest along the graph's edges, loops
-/// included: drift since then is what is claimed. True where there is none between the two
-/// keyframes.
+/// included: drift since then is what is claimed, of what these edges have measured, since an
+/// optimisation may have bent some of them for a loop far away. True where there is none between
+/// the two keyframes.
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
                     const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {});
 

@@ -126,6 +126,13 @@ bool has_jump(const PoseGraph& graph, const OptimizedGraph& optimum) {
   return false;
 }
 
+/// A node that knows its vertical leans by more than an odometry with an inertial sensor may.
+bool leans(const PoseGraph& graph, const OptimizedGraph& optimum) {
+  return std::ranges::any_of(graph.levels(), [&](const LevelledNode& level) {
+    return is_tilted(optimum.T_world_map * optimum.poses[graph.index_of(level.node)]);
+  });
+}
+
 // Of all loops under a kernel that takes all influence from wrong ones, looked for from where all
 // are accepted: from far off, where much drift is to be corrected, the kernel would take it from
 // right ones, too.
@@ -161,19 +168,27 @@ bool has_ended_well(const OptimizationReport& report) {
 }
 
 // The scale is one that the loops which fit have shown with drift left to them: some may need more.
+// So may verticals, which bear what is left: a climb is cheaper where all of the way leans.
 LoopOptimum shared_out(const PoseGraph& graph, LoopOptimum optimum, const OnStep& on_step) {
   if (optimum.odometry_scale == 1.0 || !has_ended_well(optimum.report) ||
-      !has_jump(graph, optimum)) {
+      !(has_jump(graph, optimum) || leans(graph, optimum))) {
     return optimum;
   }
-  for (const double more : {1.0, 4.0, 16.0}) {
+  std::optional<LoopOptimum> leaning;
+  for (const double more : {1.0, 4.0, 16.0, 64.0, 256.0}) {
     LoopOptimum shared = at_scale(graph, more * optimum.odometry_scale, true, on_step);
-    if (has_ended_well(shared.report) && !has_jump(graph, shared) &&
-        fits_as_well(graph, shared, optimum)) {
+    if (!has_ended_well(shared.report) || has_jump(graph, shared) ||
+        !fits_as_well(graph, shared, optimum)) {
+      continue;
+    }
+    if (!leans(graph, shared)) {
       return shared;
     }
+    if (!leaning) {
+      leaning = std::move(shared);
+    }
   }
-  return optimum;
+  return leaning ? std::move(*leaning) : std::move(optimum);
 }
 
 LoopOptimum of_loops(const PoseGraph& graph, const OnStep& on_step) {

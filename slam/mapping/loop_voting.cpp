@@ -51,11 +51,16 @@ Uncertain drifting(Uncertain error, const DriftLimits& drift) {
   return error;
 }
 
+/// Whose word counts for a relative pose: the edges' of the way there, or the graph's, which may
+/// have bent some of them for loops far away.
+enum class Poses { measured, optimized };
+
 /// Relative poses that the graph knows; paths from a node are looked for once.
 class Ways {
  public:
-  Ways(const PoseGraph& graph, const RelativeCovariances& covariances, double lumps = 1.0)
-      : graph_(graph), covariances_(covariances), lumps_(lumps) {}
+  Ways(const PoseGraph& graph, const RelativeCovariances& covariances, Poses poses,
+       double lumps = 1.0)
+      : graph_(graph), covariances_(covariances), poses_(poses), lumps_(lumps) {}
 
   std::optional<Uncertain> between(NodeId from, NodeId to) {
     auto paths = paths_.find(from);
@@ -66,14 +71,17 @@ class Ways {
     if (!place) {
       return std::nullopt;
     }
-    return Uncertain{graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
-                         graph_.nodes()[graph_.index_of(to)].T_map_node,
-                     place->covariance, place->path};
+    const Eigen::Isometry3d pose =
+        poses_ == Poses::measured ? place->T_start_node
+                                  : graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
+                                        graph_.nodes()[graph_.index_of(to)].T_map_node;
+    return Uncertain{pose, place->covariance, place->path};
   }
 
  private:
   const PoseGraph& graph_;
   const RelativeCovariances& covariances_;
+  Poses poses_;
   double lumps_;
   std::map<NodeId, LeastUncertainPaths> paths_;
 };
@@ -208,24 +216,27 @@ Bundle bundle_of(std::size_t seed, std::span<const LoopHypothesis> all, const Ta
   return bundle;
 }
 
-/// The worst disagreement with an accepted loop, where too many of them contradict; else nothing.
-/// What is unexpected is held against what drift may have done on the cycle's ways.
-std::optional<double> contradicted(Ways& ways, const LoopHypothesis& loop, bool unexpected,
-                                   std::span<const LoopHypothesis> accepted,
+/// The worst disagreement with an accepted loop, where too many of them contradict, by what was
+/// measured and by what the graph has made of it; else nothing. What is unexpected is held against
+/// what drift may have done on the cycle's ways.
+std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const LoopHypothesis& loop,
+                                   bool unexpected, std::span<const LoopHypothesis> accepted,
                                    const LoopVotingSettings& settings) {
+  const auto contradicts = [&](const Uncertain& error) {
+    return unexpected ? !is_possible_drift(error.pose, error.path, settings.drift)
+                      : chi2(error) > settings.contradiction;
+  };
   const auto asked = accepted.last(std::min(accepted.size(), settings.most_asked));
   std::size_t contradicting = 0;
   double worst = 0.0;
   for (const LoopHypothesis& other : asked) {
-    const std::optional<Uncertain> error = cycle(ways, loop, other);
-    if (!error) {
+    const std::optional<Uncertain> error = cycle(far_ways, loop, other);
+    if (!error || !contradicts(*error)) {
       continue;  // loops of other parts of the map say nothing
     }
-    const double value = chi2(*error);
-    if (unexpected ? !is_possible_drift(error->pose, error->path, settings.drift)
-                   : value > settings.contradiction) {
+    if (contradicts(*cycle(measured_ways, loop, other))) {
       ++contradicting;
-      worst = std::max(worst, value);
+      worst = std::max(worst, chi2(*error));
     }
   }
   const double most = settings.most_contradicting * static_cast<double>(asked.size());
@@ -246,8 +257,8 @@ bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSetti
 }
 
 /// Whether the odometry and the loops before object.
-LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts,
-                      const LoopHypothesis& loop, const EarlierLoops& before,
+LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& graph,
+                      const Parts& parts, const LoopHypothesis& loop, const EarlierLoops& before,
                       const LoopVotingSettings& settings) {
   const bool joins = joins_parts(graph, parts, loop);
   LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
@@ -283,7 +294,8 @@ LoopVote first_judged(Ways& far_ways, const PoseGraph& graph, const Parts& parts
     vote.objection = LoopObjection::odometry;
     return vote;
   }
-  if (const auto worst = contradicted(far_ways, loop, vote.unexpected, before.accepted, settings)) {
+  if (const auto worst =
+          contradicted(far_ways, measured_ways, loop, vote.unexpected, before.accepted, settings)) {
     vote.objection = LoopObjection::loops;
     vote.worst_chi2 = *worst;
   }
@@ -431,13 +443,13 @@ std::optional<Bundle> unexpected_bundle(const PoseGraph& graph, const Parts& par
 
 double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances);
+  Ways ways(graph, covariances, Poses::measured);
   return disagreement(ways, a, b);
 }
 
 double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances);
+  Ways ways(graph, covariances, Poses::optimized);
   return odometry_disagreement(ways, loop);
 }
 
@@ -445,13 +457,14 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings) {
   const RelativeCovariances covariances(graph);
-  Ways ways(graph, covariances);                      // between neighbours
-  Ways far_ways(graph, covariances, settings.lumps);  // whole rounds
+  Ways ways(graph, covariances, Poses::measured);                       // between neighbours
+  Ways far_ways(graph, covariances, Poses::optimized, settings.lumps);  // whole rounds
+  Ways measured_ways(graph, covariances, Poses::measured, settings.lumps);
   const Parts parts{.part_of = connected_components(graph).component_of, .gaps = before.gaps};
   std::vector<LoopVote> votes;
   Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
   for (const LoopHypothesis& loop : hypotheses) {
-    votes.push_back(first_judged(far_ways, graph, parts, loop, before, settings));
+    votes.push_back(first_judged(far_ways, measured_ways, graph, parts, loop, before, settings));
     poll.open.push_back(votes.back().objection == LoopObjection::voters);
   }
   for (std::size_t a = 0; a < hypotheses.size(); ++a) {

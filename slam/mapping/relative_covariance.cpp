@@ -117,10 +117,12 @@ RelativePlace RelativeCovariances::extended(const RelativePlace& place, std::siz
   const PoseEdge& step = graph_->edges()[edge];
   const bool forward = graph_->index_of(step.to) == next;
   const Matrix6d own = known(edge, lumps);
-  return {.covariance = forward ? compounded(place.covariance, step.T_from_to, own)
-                                : compounded(place.covariance, step.T_from_to.inverse(),
-                                             inverted(step.T_from_to, own)),
-          .path = place.path + step.T_from_to.translation().norm()};
+  return {
+      .T_start_node = place.T_start_node * (forward ? step.T_from_to : step.T_from_to.inverse()),
+      .covariance = forward ? compounded(place.covariance, step.T_from_to, own)
+                            : compounded(place.covariance, step.T_from_to.inverse(),
+                                         inverted(step.T_from_to, own)),
+      .path = place.path + step.T_from_to.translation().norm()};
 }
 
 std::optional<RelativePlace> RelativeCovariances::place(const LeastUncertainPaths& paths,

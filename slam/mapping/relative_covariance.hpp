@@ -17,6 +17,8 @@ namespace adit {
 
 /// A node as it is seen from the one that was asked for.
 struct RelativePlace {
+  /// As the edges of the path have measured it, whatever an optimisation has made of them.
+  Eigen::Isometry3d T_start_node = Eigen::Isometry3d::Identity();
   /// Covariance of its pose in that one's frame: right perturbation [rho, phi], its own axes.
   Matrix6d covariance = Matrix6d::Zero();
   double path = 0.0;  ///< m, along the edges of the path

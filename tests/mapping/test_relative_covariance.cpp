@@ -111,6 +111,7 @@ TEST(RelativeCovariance, TakesTheLeastUncertainPathAndItsLength) {
   graph.add_edge(known_edge(0, 2, step(2.0), test::diagonal_covariance(1.0, 0.2)));
   const auto places = relative_places(graph, 2);
   EXPECT_NEAR(places[0]->path, 2.0, 1e-12);
+  EXPECT_LT((places[0]->T_start_node.translation() + 2.0 * Eigen::Vector3d::UnitX()).norm(), 1e-12);
   EXPECT_LT(places[0]->covariance(0, 0), 0.1);
   graph.set_status(0, EdgeStatus::revoked);
   EXPECT_GT(relative_places(graph, 2)[0]->covariance(0, 0), 0.9) << "by the other way";
