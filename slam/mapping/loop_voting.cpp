@@ -181,10 +181,8 @@ std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const Lo
   double worst = 0.0;
   for (const LoopHypothesis& other : asked) {
     const std::optional<Uncertain> error = cycle(far_ways, loop, other);
-    if (!error || !contradicts(*error)) {
-      continue;  // loops of other parts of the map say nothing
-    }
-    if (contradicts(*cycle(measured_ways, loop, other))) {
+    // Loops of other parts of the map say nothing.
+    if (error && contradicts(*error) && contradicts(*cycle(measured_ways, loop, other))) {
       ++contradicting;
       worst = std::max(worst, chi2(*error));
     }
