@@ -149,11 +149,13 @@ void offer_wrong_pairs(engine::Context& context, const Options& options) {
   const Config config = parse_config(map.sessions().front().configuration, map.file());
   const Places places = places_of(map, read_trajectory(options.truth));
   const std::vector<Offer> offers = wrong_pairs(context, map, places, options);
+  const double usual = usual_rms(context, config, map);
   std::map<std::string, std::size_t> counted;
   std::vector<LoopHypothesis> wrong;
   for (const Offer& offer : offers) {
-    const LoopVerification found = verify_by_hand(
-        context, config, map, {.from = offer.from, .to = offer.to, .guess = offer.T_from_to});
+    const LoopVerification found =
+        verify_by_hand(context, config, map,
+                       {.from = offer.from, .to = offer.to, .guess = offer.T_from_to}, usual);
     const LoopError error = loop_error(found.T_from_to, places.T_world_keyframe.at(offer.from),
                                        places.T_world_keyframe.at(offer.to));
     const bool validated = found.reason == LoopReason::none;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/slam/mapping/loop_verification.hpp"
 #include "adit/slam/mapping/map_assembly.hpp"
 #include "adit/slam/mapping/submap_cache.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
@@ -90,6 +91,17 @@ double ate_of(const std::vector<StampedPose>& poses, const Trajectory& truth) {
   return evaluate(estimate, truth, {}).ate.rmse;
 }
 
+/// As a run has it of the alignment that tied the two.
+void add_usual_rms(MapAssembly& assembly, LoopVerifier& verifier, const KeyframeSubmap& from,
+                   const KeyframeSubmap& to, const SurfaceCloud& cloud, const PoseEdge& way) {
+  const LoopQuestion question{
+      .from = &from, .T_from_to = way.T_from_to, .covariance = symmetric_inverse(way.information)};
+  const LoopVerification found = verifier.verify(to, cloud, std::span(&question, 1), 0.0).front();
+  if (found.reason == LoopReason::poor_fit) {  // it is aligned, and held against nothing
+    assembly.add_expected_rms(found.rms);
+  }
+}
+
 void replay(engine::Context& context, const MapDatabase& map, const Options& options) {
   const Trajectory truth = read_trajectory(options.truth);
   const Recorded input = recorded(map, options);
@@ -106,6 +118,8 @@ void replay(engine::Context& context, const MapDatabase& map, const Options& opt
     MapDatabase out(options.replayed, MapAccess::write);
     const SessionId session = out.add_session({.name = "replay"});
     MapAssembly assembly(context, config, out, {});
+    LoopVerifier verifier(context, config);
+    std::optional<KeyframeSubmap> before;
     Eigen::Isometry3d T_odom_keyframe = input.keyframes.front().T_map_keyframe;
     for (const MapKeyframe& stored : input.keyframes) {
       const KeyframeSubmap submap = decode(map.submap(stored.id));
@@ -120,6 +134,10 @@ void replay(engine::Context& context, const MapDatabase& map, const Options& opt
       T_keyframe_lidar.push_back(T_lidar);
       MapKeyframe keyframe = stored;
       keyframe.session = session;
+      if (tied && before) {
+        add_usual_rms(assembly, verifier, *before, submap, cloud, edge->second);
+      }
+      before = submap;
       const auto begun = Clock::now();
       assembly.add({.keyframe = keyframe,
                     .T_odom_keyframe = T_odom_keyframe,

@@ -98,9 +98,15 @@ double angle_about_z(const Eigen::Matrix3d& rotation) {
 
 }  // namespace
 
-bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits) {
-  const double turn = angle_about_z(error.linear());
+bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits,
+                       bool levelled) {
+  const double turn = levelled ? angle_about_z(error.linear()) : rotation_angle(error.linear());
   const Eigen::Vector3d& off = error.translation();
+  if (!levelled) {
+    return turn <= limits.least_turn + limits.turn * path &&
+           off.norm() <=
+               limits.least_distance + (std::max(limits.aside, limits.height) + turn) * path;
+  }
   // A turn on the way moves what comes after it aside.
   return turn <= limits.least_turn + limits.turn * path &&
          off.head<2>().norm() <= limits.least_distance + (limits.aside + turn) * path &&
@@ -112,10 +118,10 @@ bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
 }
 
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
-                    const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
+                    const Eigen::Isometry3d& T_from_to, const DriftLimits& limits, bool levelled) {
   std::size_t earlier = graph.index_of(from);
   std::size_t later = graph.index_of(to);
-  if (is_tilted(T_from_to, limits)) {
+  if (levelled && is_tilted(T_from_to, limits)) {
     return false;
   }
   const std::vector<bool> corrected(graph.nodes().size());
@@ -125,7 +131,7 @@ bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
   }
   Eigen::Isometry3d T_claimed = T_from_to;  // from the earlier place of the pair to the later one
   const auto is_possible = [&] {
-    return is_possible_drift(way.T_start_end * T_claimed.inverse(), way.length, limits);
+    return is_possible_drift(way.T_start_end * T_claimed.inverse(), way.length, limits, levelled);
   };
   if (!is_possible()) {
     return false;

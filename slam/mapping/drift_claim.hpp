@@ -24,22 +24,27 @@ struct DriftLimits {
   double least_turn = 0.05;     ///< rad
 };
 
-/// `error` is what the poses of two places, a path of so many m apart, would have drifted by; its
-/// first frame has z up. Its tilt does not count: an optimisation may have put it there.
-bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits = {});
+/// `error` is what the poses of two places, a path of so many m apart, would have drifted by.
+/// `levelled`: its first frame has z up. Its tilt does not count then: an optimisation may have put
+/// it there. Else nobody knows what height is: the larger limit counts in all directions, and the
+/// whole turn.
+bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits = {},
+                       bool levelled = true);
 
 /// Between two places that know their vertical there is more tilt than an alignment may err by.
 bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {});
 
 /// A loop claims that the stretch that led to the later keyframe is the one that led to the earlier
 /// one, as far back as the two lie together and no accepted loop ties them: the drift has to be
-/// possible for each such pair. (On the way back the stretches are followed no farther: drift grows
+/// possible for each such pair, and where both know their vertical (`levelled`), nothing explains a
+/// tilt. (On the way back the stretches are followed no farther: drift grows
 /// along them, and how, no loop says.) Paths are the shortest along the graph's edges, loops
 /// included: drift since then is what is claimed, of what these edges have measured, since an
 /// optimisation may have bent some of them for a loop far away. True where there is none between
 /// the two keyframes.
 bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
-                    const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {});
+                    const Eigen::Isometry3d& T_from_to, const DriftLimits& limits = {},
+                    bool levelled = true);
 
 /// For each node, in the graph's order: whether an active loop goes from it or one before it to one
 /// behind it, so that the odometry's edge to the next is one that loops have corrected.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/loop_by_hand.hpp"
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "adit/slam/core/units.hpp"
@@ -36,17 +38,10 @@ Matrix6d covariance_by_hand() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-}  // namespace
-
-LoopVerification verify_by_hand(engine::Context& context, const Config& config,
-                                const MapStore& store, const LoopByHand& loop) {
-  LoopQuestion question = loop.guess ? LoopQuestion{.T_from_to = *loop.guess}
-                                     : asked_of(store.graph(), loop.from, loop.to);
-  // A person is no more certain than that, whatever the graph says.
-  question.covariance =
-      loop.guess ? covariance_by_hand() : Matrix6d(question.covariance + covariance_by_hand());
-  const KeyframeSubmap from = decode(store.submap(loop.from));
-  const KeyframeSubmap to = decode(store.submap(loop.to));
+LoopVerification verified(engine::Context& context, const Config& config, const MapStore& store,
+                          NodeId earlier, NodeId later, LoopQuestion question, double rms) {
+  const KeyframeSubmap from = decode(store.submap(earlier));
+  const KeyframeSubmap to = decode(store.submap(later));
   question.from = &from;
   // The configuration may leave lengths to the first sweep; submaps have theirs.
   Config known = config;
@@ -56,7 +51,43 @@ LoopVerification verify_by_hand(engine::Context& context, const Config& config,
   known = with_lengths(known, known.preprocess.r_input);
   LoopVerifier verifier(context, known);
   const SurfaceCloud cloud = make_surface_cloud(context, to);
-  return verifier.verify(to, cloud, std::span(&question, 1), kFirstRms).front();
+  return verifier.verify(to, cloud, std::span(&question, 1), rms).front();
+}
+
+}  // namespace
+
+double usual_rms(engine::Context& context, const Config& config, const MapStore& store) {
+  constexpr std::size_t kAsked = 9;
+  const PoseGraph graph = store.graph();
+  std::vector<const PoseEdge*> ways;
+  for (const PoseEdge& edge : graph.edges()) {
+    if (edge.kind == EdgeKind::odometry) {
+      ways.push_back(&edge);
+    }
+  }
+  std::vector<double> rms;
+  const std::size_t asked = std::min(ways.size(), kAsked);
+  for (std::size_t i = 0; i < asked; ++i) {
+    const PoseEdge& way = *ways[(2 * i + 1) * ways.size() / (2 * asked)];
+    const LoopQuestion question{.T_from_to = way.T_from_to,
+                                .covariance = symmetric_inverse(way.information)};
+    const LoopVerification found =
+        verified(context, config, store, way.from, way.to, question, 0.0);
+    if (found.reason == LoopReason::poor_fit) {  // it is aligned, and held against nothing
+      rms.push_back(found.rms);
+    }
+  }
+  return usual_rms(std::move(rms));
+}
+
+LoopVerification verify_by_hand(engine::Context& context, const Config& config,
+                                const MapStore& store, const LoopByHand& loop, double usual) {
+  LoopQuestion question = loop.guess ? LoopQuestion{.T_from_to = *loop.guess}
+                                     : asked_of(store.graph(), loop.from, loop.to);
+  // A person is no more certain than that, whatever the graph says.
+  question.covariance =
+      loop.guess ? covariance_by_hand() : Matrix6d(question.covariance + covariance_by_hand());
+  return verified(context, config, store, loop.from, loop.to, question, usual);
 }
 
 }  // namespace adit

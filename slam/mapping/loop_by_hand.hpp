@@ -25,10 +25,14 @@ class NoGuess : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Verifies it as those are verified that were found (docs/theory/loops.md); it does not vote.
-/// `config` is that of the keyframes' session. Throws NoGuess, what the store throws, SubmapDamaged
-/// and engine::OutOfMemory.
+/// What alignments of consecutive submaps of a map leave, the median of up to nine, as a run has it
+/// of all: rms, m. Throws what verify_by_hand() throws, but no NoGuess.
+double usual_rms(engine::Context& context, const Config& config, const MapStore& store);
+
+/// Verifies it as those are verified that were found (docs/theory/loops.md), held against the
+/// `usual` rms; it does not vote. `config` is that of the keyframes' session. Throws NoGuess, what
+/// the store throws, SubmapDamaged and engine::OutOfMemory.
 LoopVerification verify_by_hand(engine::Context& context, const Config& config,
-                                const MapStore& store, const LoopByHand& loop);
+                                const MapStore& store, const LoopByHand& loop, double usual);
 
 }  // namespace adit

@@ -5,6 +5,8 @@
 #include <array>
 #include <deque>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "adit/slam/mapping/loop_search.hpp"
@@ -31,14 +33,19 @@ struct LoopReport {
   std::vector<float> search_ms;     ///< host time per keyframe, with its waits for the device
 };
 
-/// What alignments of submaps are expected to leave, where none has shown it yet: rms, m.
-inline constexpr double kFirstRms = 0.05;
+/// What alignments of submaps are expected to leave (rms, m) after those of consecutive ones.
+double usual_rms(std::vector<double> consecutive);
 
 /// A candidate on its way to a verdict.
 struct PendingLoop {
   LoopHypothesis loop;
   LoopCandidate record;
   bool expected = true;  ///< it is where the graph had it
+  // Once it has been accepted:
+  std::size_t votes = 0;
+  double odometry_chi2 = 0.0;           ///< LoopVote::odometry_chi2
+  std::optional<ClaimedClimb> climb{};  ///< of the odometry, that it shows
+  bool tried_again = false;             ///< it was taken back once
 };
 
 /// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
@@ -64,10 +71,10 @@ class LoopCloser {
 
   /// What a step has changed.
   struct Change {
-    std::vector<LoopCandidate> records;  ///< for the store
-    std::vector<PoseEdge> edges;         ///< that the graph has got
-    std::vector<std::size_t> revoked;    ///< edges of the graph that are revoked now
-    bool moved = false;                  ///< the graph has other poses
+    std::vector<LoopCandidate> records;                        ///< for the store
+    std::vector<PoseEdge> edges;                               ///< that the graph has got
+    std::vector<std::pair<std::size_t, EdgeStatus>> statuses;  ///< new ones of the graph's edges
+    bool moved = false;                                        ///< the graph has other poses
   };
   /// What was found for `keyframe` takes effect: it joins the queue, whose loops vote; the graph
   /// gets those that are accepted, and is optimised.
@@ -83,13 +90,20 @@ class LoopCloser {
   PendingLoop judged(const LoopPlace& place, NodeId newest, const LoopVerification& verdict);
   void note_gap(const PoseGraph& graph, const KeyframeSubmap& submap);
   void sort_by_parts(const PoseGraph& graph);
-  void leave(const PoseGraph& graph, std::deque<PendingLoop>& queue, NodeId oldest, Change& change);
+  void leave(const PoseGraph& graph, std::deque<PendingLoop>& queue,
+             std::span<const LoopVote> votes, Change& change);
   void review_joins(PoseGraph& graph, Change& change);
   void settle(PoseGraph& graph, NodeId oldest, Change& change);
-  /// Ids of those that were accepted.
-  std::vector<int64_t> let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, bool last_chance,
-                              Change& change);
-  void optimize_and_review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
+  std::vector<LoopVote> voted(const PoseGraph& graph, const std::deque<PendingLoop>& queue,
+                              bool last_chance) const;
+  bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
+              Change& change);
+  void optimize_and_review(PoseGraph& graph, std::vector<int64_t> let_in, Change& change);
+  bool review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
+  bool let_in_again(PoseGraph& graph, std::vector<int64_t>& let_in, Change& change);
+  void note_correction(const PoseGraph& graph, std::span<const Eigen::Isometry3d> poses);
+  void accept(PendingLoop pending, std::size_t votes);
+  void forget_revoked();
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
   void take_back(PendingLoop& accepted, LoopReason reason, double figure, Change& change);
 
@@ -101,6 +115,7 @@ class LoopCloser {
   LoopVotingSettings voting_;
   LoopVerifier verifier_;
   std::vector<double> reaches_;  ///< m, in the order of the graph's nodes
+  std::vector<bool> levelled_;   ///< they know their vertical, in the same order
   std::vector<double> rms_;      ///< m, of alignments of consecutive submaps
   std::vector<TrackingGap> gaps_;
   std::vector<double> speeds_;       ///< m/s, from keyframe to keyframe
@@ -109,10 +124,9 @@ class LoopCloser {
   std::deque<PendingLoop> queue_;    ///< in the order of their later keyframes
   std::deque<PendingLoop> joining_;  ///< the same, of those that tie parts of the graph
   std::vector<PendingLoop> accepted_;
+  std::vector<PendingLoop> doubted_;     ///< that a review has taken back
   std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
-  ShownClimb climb_;                     ///< that the accepted loops have shown
-  bool far_off_ = false;                 ///< EarlierLoops::far_off
   SearchPauses pauses_;                  ///< of the search by appearance
   int64_t next_id_ = 1;
   int64_t reviewed_ = 0;  ///< the opposing loop up to which joins have been reviewed

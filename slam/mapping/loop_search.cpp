@@ -114,12 +114,12 @@ std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIn
   std::ranges::sort(guesses, [](const PlaceGuess& a, const PlaceGuess& b) {
     return std::tuple(b.likeness, a.place) < std::tuple(a.likeness, b.place);
   });
-  guesses.resize(std::min(guesses.size(), settings.most));
   std::erase_if(guesses, [&](const PlaceGuess& guess) {
     const auto& way = known[guess.place];
     return way && way->path < settings.min_path +
                                   settings.detour * guess.T_place_newest.translation().norm();
   });
+  guesses.resize(std::min(guesses.size(), settings.most));
   std::vector<LoopPlace> places;
   for (const PlaceGuess& guess : guesses) {
     places.push_back({.node = graph.nodes()[guess.place].id,

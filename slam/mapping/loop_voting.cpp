@@ -54,7 +54,7 @@ std::optional<Uncertain> cycle(Ways& ways, const LoopHypothesis& a, const LoopHy
 bool is_another_floor(Ways& ways, const PoseGraph& graph, const LoopHypothesis& loop,
                       const LoopVotingSettings& settings) {
   const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
-  if (!known) {
+  if (!known || !loop.levelled) {
     return false;
   }
   const ClaimedClimb claim = claimed_climb(graph, loop.from, loop.to, loop.T_from_to);
@@ -87,9 +87,9 @@ bool joins_parts(const PoseGraph& graph, const Parts& parts, const LoopHypothesi
 }
 
 /// By how much a loop between parts claims that more way was gone in a gap than can have been: the
-/// worst chi squared of the gaps between the two. Keyframes know which way is up. Infinite where it
-/// claims a height that no odometry is believed to drift by, however little it knows it: a floor
-/// that is built like the one above or below.
+/// worst chi squared of the gaps between the two. Keyframes know which way is up, as only
+/// appearance finds such loops. Infinite where it claims a height that no odometry is believed to
+/// drift by, however little it knows it: a floor that is built like the one above or below.
 double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
                         const LoopHypothesis& loop, const LoopVotingSettings& settings) {
   const std::size_t from_part = parts.part_of[graph.index_of(loop.from)];
@@ -172,22 +172,27 @@ Bundle bundle_of(std::size_t seed, std::span<const LoopHypothesis> all, const Ta
 std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const LoopHypothesis& loop,
                                    bool unexpected, std::span<const LoopHypothesis> accepted,
                                    const LoopVotingSettings& settings) {
-  const auto contradicts = [&](const Uncertain& error) {
-    return unexpected ? !is_possible_drift(error.pose, error.path, settings.drift)
-                      : chi2(error) > settings.contradiction;
-  };
   const auto asked = accepted.last(std::min(accepted.size(), settings.most_asked));
+  std::size_t speaking = 0;
   std::size_t contradicting = 0;
   double worst = 0.0;
   for (const LoopHypothesis& other : asked) {
     const std::optional<Uncertain> error = cycle(far_ways, loop, other);
-    // Loops of other parts of the map say nothing.
-    if (error && contradicts(*error) && contradicts(*cycle(measured_ways, loop, other))) {
+    if (!error) {
+      continue;  // loops of other parts of the map say nothing
+    }
+    ++speaking;
+    const auto contradicts = [&](const Uncertain& one) {
+      return unexpected ? !is_possible_drift(one.pose, one.path, settings.drift,
+                                             loop.levelled && other.levelled)
+                        : chi2(one) > settings.contradiction;
+    };
+    if (contradicts(*error) && contradicts(*cycle(measured_ways, loop, other))) {
       ++contradicting;
       worst = std::max(worst, chi2(*error));
     }
   }
-  const double most = settings.most_contradicting * static_cast<double>(asked.size());
+  const double most = settings.most_contradicting * static_cast<double>(speaking);
   return static_cast<double>(contradicting) > most ? std::optional(worst) : std::nullopt;
 }
 
@@ -213,7 +218,8 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
                                        : odometry_disagreement(far_ways, loop)};
   vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
   const auto climbs_as_shown = [&] {
-    return before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+    return !loop.levelled ||
+           before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
   };
   // Once the odometry is known to climb, that tells.
   const auto is_twin_floor = [&] {
@@ -223,16 +229,18 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
     if (joins) {
       return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
     }
-    return drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift) &&
+    return drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift,
+                          loop.levelled) &&
            climbs_as_shown();
   };
   const auto claims_the_same = [&](const LoopHypothesis& other) {
     return disagreement(far_ways, loop, other) <= settings.agreement;
   };
   vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
-  vote.far = vote.unexpected && !joins && loop.source == LoopSource::position &&
-             (before.far_off || vote.odometry_chi2 > settings.most_by_position ||
-              !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.near));
+  vote.far =
+      vote.unexpected && !joins && loop.source == LoopSource::position &&
+      (before.far_off || vote.odometry_chi2 > settings.most_by_position ||
+       !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.near, loop.levelled));
   const bool is_possible =
       !is_twin_floor() &&
       (vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)

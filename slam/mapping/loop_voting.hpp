@@ -28,13 +28,16 @@ struct LoopHypothesis {
   LoopSource source = LoopSource::position;
   /// When it was found, the graph did not know how the two are turned to each other.
   bool without_heading = false;
+  bool levelled = true;  ///< both know their vertical: tilts and heights tell something
 };
 
 struct LoopVotingSettings {
   double agreement = 12.59;  ///< chi squared of 6 directions that two loops agree within: 95 %
   double contradiction =
-      16.81;           ///< and beyond which odometry or an accepted loop contradicts: 99 %
-  double lumps = 1.0;  ///< see relative_places(): of ways over odometry that are no neighbours
+      16.81;  ///< and beyond which odometry or an accepted loop contradicts: 99 %
+  /// See relative_places(): of ways over odometry that are no neighbours. Measured on the simulated
+  /// office's odometry, over 20 to 40 edges (docs/theory/loops.md).
+  double lumps = 4.0;
   std::size_t least_voters = 3;      ///< distinct later keyframes
   std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
   /// Chi squared against the graph of what position has found: where the odometry is as far off as

@@ -120,12 +120,9 @@ void MapAssembly::take_effect(NodeId until) {
 
 // What loops have changed, for the store and for what came after the last node with an edge.
 void MapAssembly::close_loops(const LoopCloser::Change& change, std::size_t last_tied) {
-  MapRevision revision{.edges = change.edges, .candidates = change.records};
-  for (const std::size_t edge : change.revoked) {
-    revision.statuses.emplace_back(edge, EdgeStatus::revoked);
-  }
-  if (!revision.edges.empty() || !revision.candidates.empty()) {
-    store_->revise(revision);
+  if (!change.edges.empty() || !change.records.empty()) {
+    store_->revise(
+        {.edges = change.edges, .candidates = change.records, .statuses = change.statuses});
   }
   if (change.moved && last_tied < graph_.nodes().size()) {
     follow(last_tied);

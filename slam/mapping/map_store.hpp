@@ -79,10 +79,13 @@ constexpr std::string_view to_string(CandidateVerdict verdict) {
 enum class LoopSource {
   position,    ///< by where the graph has it
   appearance,  ///< by what it looks like
+  hand,        ///< somebody knew of it
 };
 /// The enumerator's name.
 constexpr std::string_view to_string(LoopSource source) {
-  return source == LoopSource::position ? "position" : "appearance";
+  return source == LoopSource::position     ? "position"
+         : source == LoopSource::appearance ? "appearance"
+                                            : "hand";
 }
 
 /// A place that might have been seen before, and what became of that.

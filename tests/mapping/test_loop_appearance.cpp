@@ -312,6 +312,27 @@ TEST(DriftClaim, NothingExplainsATilt) {
   EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
   one.T_from_to.linear() *= Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
   EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
+  EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to, {}, false))
+      << "held otherwise, by somebody who does not know which way is up";
+  one.T_from_to.linear() *= Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to, {}, false));
+}
+
+// On a way out and back known to a centimetre, six degrees of tilt.
+TEST(LoopsByPosition, TellNothingByTiltsWhereNobodyKnowsTheVertical) {
+  Walk walk = drifting_round(false, 0.01);
+  std::vector<LoopHypothesis> loops;
+  for (NodeId i = 1; i <= 5; ++i) {
+    LoopHypothesis one = loop(walk, i, kRoundOfWalk + i);
+    one.T_from_to.linear() *= Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    loops.push_back(one);
+  }
+  const auto objection = [&] { return vote(walk.graph, loops, {}, true, {})[0].objection; };
+  EXPECT_EQ(objection(), LoopObjection::odometry);
+  for (LoopHypothesis& one : loops) {
+    one.levelled = false;
+  }
+  EXPECT_NE(objection(), LoopObjection::odometry);
 }
 
 // The odometry climbs 10 cm a metre, as loops have shown; a floor lower, 34 m on, the graph has the

@@ -170,7 +170,7 @@ TEST(LoopVoting, WhatContradictsAcceptedLoopsStaysOut) {
       loop(round, 0, kRound + 1), loop(round, 1, kRound + 2), loop(round, 2, kRound + 3)};
   std::vector<LoopHypothesis> wrong;
   Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
-  shift.translation().y() = 1.5;
+  shift.translation().y() = 3.2;
   for (NodeId i = 4; i < 8; ++i) {
     LoopHypothesis one = loop(round, i, kRound + i);
     one.T_from_to = round.truth[static_cast<std::size_t>(i)].inverse() * shift *
@@ -181,6 +181,15 @@ TEST(LoopVoting, WhatContradictsAcceptedLoopsStaysOut) {
   EXPECT_TRUE(accepted(round, wrong, before).empty());
   EXPECT_EQ(vote(round.graph, wrong, {.accepted = before}, true, {})[0].objection,
             LoopObjection::loops);
+  PoseGraph with_another_part = round.graph;
+  std::vector<LoopHypothesis> with_others = before;
+  for (NodeId id = 1000; id < 1020; ++id) {
+    with_another_part.add_node({.id = id});
+    with_others.push_back({.id = id, .from = 1000, .to = id});
+  }
+  EXPECT_EQ(vote(with_another_part, wrong, {.accepted = with_others}, true, {})[0].objection,
+            LoopObjection::loops)
+      << "those of another part have no say";
   EXPECT_EQ(
       accepted(round,
                {loop(round, 4, kRound + 4), loop(round, 5, kRound + 5), loop(round, 6, kRound + 6)},

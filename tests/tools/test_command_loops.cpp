@@ -8,6 +8,7 @@
 #include <sstream>
 #include <vector>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -234,6 +235,71 @@ TEST_F(LoopsCommand, RevokesALoopAndRestoresIt) {
   EXPECT_EQ(test::ran(loops_command, {.map = map_, .revoke = 1}).code, 0) << "and again";
   EXPECT_EQ(test::ran(loops_command, {.map = map_, .restore = 1}).code, 0);
   EXPECT_NEAR(x_of_last(), with_loop, 1e-6);
+}
+
+TEST_F(LoopsCommand, WhatCannotBeShownOrWrittenChangesNothing) {
+  const std::string before = test::dump_of(MapDatabase(map_, MapAccess::read));
+  LoopsCommandOptions options{.map = map_, .revoke = 1};
+  options.html = folder_ / "loops.html";
+  options.show = {99};
+  const Ran unknown = test::ran(loops_command, options);
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.err.find("--show: the map has no loop 99"), std::string::npos) << unknown.err;
+  options.show.clear();
+  options.html = folder_ / "none/loops.html";
+  const Ran nowhere = test::ran(loops_command, options);
+  EXPECT_EQ(nowhere.code, 1);
+  EXPECT_NE(nowhere.err.find("loops.html"), std::string::npos) << nowhere.err;
+  EXPECT_EQ(test::dump_of(MapDatabase(map_, MapAccess::read)), before);
+}
+
+TEST_F(LoopsCommand, RestoringGivesTheVotesBack) {
+  EXPECT_EQ(test::ran(loops_command, {.map = map_, .revoke = 1}).code, 0);
+  const auto json = nlohmann::json::parse(
+      test::ran(loops_command, {.map = map_, .restore = 1, .json = true}).out);
+  EXPECT_EQ(json.at("loops")[0].at("votes"), 3);
+}
+
+// A map whose frame leans, as one may that nothing has placed: what its verticals cost is nothing
+// that a loop changes.
+TEST_F(LoopsCommand, TheCostsAreThoseOfTheChange) {
+  const auto leaning_map = [](const fs::path& file, double tilt) {
+    const Eigen::Isometry3d lean(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()));
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 6; ++id) {
+      KeyframeRecord record = test::record(id, session);
+      record.keyframe.T_map_keyframe = lean * record.keyframe.T_map_keyframe;
+      record.keyframe.vertical = Vertical::gravity;
+      map.store(record);
+    }
+    map.revise(test::loops_of_six());
+    return file;
+  };
+  std::vector<double> costs;
+  for (const double tilt : {0.0, 0.1}) {
+    const fs::path file = leaning_map(folder_ / fmt::format("{}.adit", tilt), tilt);
+    const auto json = nlohmann::json::parse(
+        test::ran(loops_command, {.map = file, .revoke = 1, .json = true}).out);
+    costs.push_back(json.at("changed").at("cost_before").get<double>());
+  }
+  EXPECT_GT(costs[0], 1.0);
+  EXPECT_NEAR(costs[1], costs[0], 1e-3 * costs[0]);
+}
+
+TEST_F(LoopsCommand, WhatAReviewHasTakenBackComesInWithoutVotes) {
+  {
+    MapDatabase map(map_, MapAccess::write);
+    std::vector<LoopCandidate> candidates = map.candidates();
+    candidates.front().verdict = CandidateVerdict::revoked;
+    candidates.front().reason = "review";
+    candidates.front().figure = 35.2;
+    const std::size_t edge = map.graph().edges().size() - 1;
+    map.revise({.candidates = candidates, .statuses = {{edge, EdgeStatus::revoked}}});
+  }
+  const auto json = nlohmann::json::parse(
+      test::ran(loops_command, {.map = map_, .restore = 1, .json = true}).out);
+  EXPECT_TRUE(json.at("loops")[0].at("votes").is_null()) << json.at("loops")[0].dump();
 }
 
 TEST_F(LoopsCommand, SaysWhatCannotBeDone) {

@@ -66,6 +66,11 @@ TEST_F(LoopsAdd, WhatHoldsIsLetInListedAndCanBeRevoked) {
   EXPECT_EQ(again.code, 2);
   EXPECT_NE(again.err.find("loop 1 is between the two, and accepted"), std::string::npos);
   EXPECT_EQ(test::ran(loops_command, {.map = options_.map, .revoke = 1}).code, 0);
+  const Ran restored = test::ran(loops_command, {.map = options_.map, .restore = 1, .json = true});
+  EXPECT_EQ(restored.code, 0) << restored.err;
+  const auto loop = nlohmann::json::parse(restored.out).at("loops")[0];
+  EXPECT_EQ(loop.at("found_by"), "hand");
+  EXPECT_EQ(loop.at("reason"), "added_by_hand");
 }
 
 TEST_F(LoopsAdd, AGuessMayComeFromEitherEnd) {

@@ -82,26 +82,22 @@ std::string reason_of(const LoopCandidate& candidate) {
 
 /// "appearance 0.72": how alike the two places are.
 std::string finding_of(const LoopCandidate& candidate) {
-  if (candidate.reason == to_string(LoopReason::added_by_hand)) {
-    return "hand";
-  }
+  const std::string source(to_string(candidate.source));
   return candidate.source == LoopSource::appearance
-             ? fmt::format("appearance {:.2f}", candidate.score)
-             : "position";
+             ? fmt::format("{} {:.2f}", source, candidate.score)
+             : source;
 }
 
 /// Where the pose comes from that the correction is of.
 std::string correction_from(const LoopCandidate& candidate) {
-  return candidate.reason == to_string(LoopReason::added_by_hand) ? "hand"
-         : candidate.source == LoopSource::appearance             ? "appearance"
-                                                                  : "graph";
+  return candidate.source == LoopSource::position ? "graph"
+                                                  : std::string(to_string(candidate.source));
 }
 
 /// Later keyframes that agree; known of what the vote has let in.
 std::optional<int> votes_of(const LoopCandidate& candidate) {
   const bool voted = candidate.verdict == CandidateVerdict::accepted &&
-                     candidate.reason != to_string(LoopReason::added_by_hand) &&
-                     candidate.figure > 0.0;
+                     candidate.source != LoopSource::hand && candidate.figure > 0.0;
   return voted ? std::optional(static_cast<int>(std::lround(candidate.figure))) : std::nullopt;
 }
 
@@ -209,14 +205,18 @@ std::string json_of(const LoopsCommandOptions& options, const MapDatabase& map,
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string page_of(const MapDatabase& map, const std::vector<LoopCandidate>& candidates,
-                    const std::vector<int64_t>& shown) {
+/// Throws UsageError where the map has none of these.
+void check_shown(const std::filesystem::path& file, const std::vector<int64_t>& shown) {
+  const std::vector<LoopCandidate> candidates = MapDatabase(file, MapAccess::read).candidates();
   for (const int64_t id : shown) {
     if (std::ranges::count(candidates, id, &LoopCandidate::id) == 0) {
       throw UsageError("--show: the map has no loop " + std::to_string(id) +
                        ". `adit loops MAP` lists those it has.");
     }
   }
+}
+
+std::string page_of(const MapDatabase& map, const std::vector<int64_t>& shown) {
   try {
     return loops_page(map, shown);
   } catch (const SubmapDamaged& damage) {
@@ -237,6 +237,13 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
   if (!options.show.empty() && !options.html) {
     throw UsageError("--show needs --html.");
   }
+  // What cannot be shown or written is told before anything is changed.
+  check_shown(options.map, options.show);
+  std::optional<Draft> page;
+  if (options.html) {
+    page.emplace(*options.html);
+    write_text_file(page->path(), "");
+  }
   std::optional<LoopChange> changed;
   if (options.revoke || options.restore || adds) {
     // A writer would make the file where there is none.
@@ -248,8 +255,9 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
   }
   const MapDatabase map(options.map, MapAccess::read);
   const std::vector<LoopCandidate> candidates = map.candidates();
-  if (options.html) {
-    write_text_file(*options.html, page_of(map, candidates, options.show));
+  if (page) {
+    write_text_file(page->path(), page_of(map, options.show));
+    page->take_its_place();
   }
   out << (options.json ? json_of(options, map, candidates, changed)
                        : text_of(options, candidates, changed));

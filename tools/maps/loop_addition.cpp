@@ -88,7 +88,7 @@ LoopChange add_loop(const std::filesystem::path& file, LoopByHand wanted,
   if (verdict.reason != LoopReason::none) {
     refuse(file, std::string(to_string(verdict.reason)) + fmt::format(" {:.3g}", verdict.figure));
   }
-  PoseGraph graph = map.graph();
+  PoseGraph graph = settled(map.graph(), file);
   const PoseEdge edge{.from = loop.from,
                       .to = loop.to,
                       .T_from_to = verdict.T_from_to,
@@ -107,6 +107,7 @@ LoopChange add_loop(const std::filesystem::path& file, LoopByHand wanted,
                         .from = loop.from,
                         .to = loop.to,
                         .T_from_to = verdict.T_from_to,
+                        .source = LoopSource::hand,
                         .overlap = verdict.overlap,
                         .verdict = CandidateVerdict::accepted,
                         .reason = std::string(to_string(LoopReason::added_by_hand)),

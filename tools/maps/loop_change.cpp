@@ -41,6 +41,22 @@ std::size_t edge_of(const PoseGraph& graph, const LoopCandidate& candidate,
   return static_cast<std::size_t>(found - graph.edges().begin());
 }
 
+LoopCandidate revoked(LoopCandidate loop) {
+  loop.verdict = CandidateVerdict::revoked;
+  loop.reason = to_string(LoopReason::by_hand);
+  return loop;
+}
+
+LoopCandidate restored(LoopCandidate loop) {
+  if (loop.reason != to_string(LoopReason::by_hand)) {
+    loop.figure = 0.0;  // of a reason that is gone; no votes
+  }
+  loop.verdict = CandidateVerdict::accepted;
+  loop.reason =
+      to_string(loop.source == LoopSource::hand ? LoopReason::added_by_hand : LoopReason::none);
+  return loop;
+}
+
 }  // namespace
 
 std::vector<LoopCandidate> with_residuals(std::vector<LoopCandidate> candidates,
@@ -73,6 +89,13 @@ OptimizedGraph optimized_map(const PoseGraph& graph, const std::filesystem::path
   return optimized;
 }
 
+PoseGraph settled(PoseGraph graph, const std::filesystem::path& map) {
+  const OptimizedGraph optimized = optimized_map(graph, map);
+  graph.set_poses(optimized.poses);
+  graph.set_T_world_map(optimized.T_world_map);
+  return graph;
+}
+
 LoopChange change_loop(const std::filesystem::path& file, int64_t id, LoopAction action) {
   const bool revoke = action == LoopAction::revoke;
   const EdgeStatus status = revoke ? EdgeStatus::revoked : EdgeStatus::active;
@@ -83,12 +106,10 @@ LoopChange change_loop(const std::filesystem::path& file, int64_t id, LoopAction
   std::vector<LoopCandidate> candidates = map.candidates();
   LoopCandidate& candidate =
       find(candidates, id, revoke ? CandidateVerdict::accepted : CandidateVerdict::revoked);
-  candidate.verdict = revoke ? CandidateVerdict::revoked : CandidateVerdict::accepted;
-  candidate.reason = to_string(revoke ? LoopReason::by_hand : LoopReason::none);
+  candidate = revoke ? revoked(candidate) : restored(candidate);
 
-  PoseGraph graph = map.graph();
+  PoseGraph graph = settled(map.graph(), file);
   const std::size_t edge = edge_of(graph, candidate, file);
-  graph.set_poses(optimized_map(graph, file).poses);  // what moves from here, the loop moves
   graph.set_status(edge, status);
   const OptimizedGraph optimized = optimized_map(graph, file);
   const std::optional<EdgeResult>& residual = optimized.report.edges[edge];

@@ -34,6 +34,10 @@ enum class LoopAction {
 /// optimised; LockedError: another program writes to it; OutputError.
 LoopChange change_loop(const std::filesystem::path& map, int64_t id, LoopAction action);
 
+/// The graph where an optimisation with its loops has it: what moves from here, a change moves.
+/// Throws InputError where that fails.
+PoseGraph settled(PoseGraph graph, const std::filesystem::path& map);
+
 /// The graph optimised with its loops. `map` is for messages. Throws InputError where that fails.
 OptimizedGraph optimized_map(const PoseGraph& graph, const std::filesystem::path& map);
 

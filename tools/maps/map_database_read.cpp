@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "adit/slam/mapping/loop_reason.hpp"
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_records.hpp"
@@ -181,8 +182,11 @@ LoopCandidate MapDatabase::candidate_at(const SqliteStatement& row) const {
   candidate.turn = row.real(11);
   candidate.through = row.real(12);
   candidate.figure = row.real(13);
-  candidate.source = enumerator(row.integer(14), LoopSource::appearance, database_.path(),
-                                "the source of a candidate");
+  candidate.source =
+      enumerator(row.integer(14), LoopSource::hand, database_.path(), "the source of a candidate");
+  if (candidate.reason == to_string(LoopReason::added_by_hand)) {
+    candidate.source = LoopSource::hand;  // maps of before it was a source of its own
+  }
   return candidate;
 }
 

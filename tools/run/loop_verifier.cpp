@@ -15,7 +15,8 @@ VerifyLoop loop_verifier(const DeviceOptions& device) {
         keyframe ? map.session(keyframe->session) : std::nullopt;
     const Config config = session ? parse_config(session->configuration, map.file()) : Config{};
     DeviceSession opened(device);
-    auto verified = verify_by_hand(opened.context(), config, map, loop);
+    engine::Context& context = opened.context();
+    auto verified = verify_by_hand(context, config, map, loop, usual_rms(context, config, map));
     opened.require_no_complaints();
     return verified;
   };
