@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "adit/slam/core/median.hpp"
+#include "adit/slam/core/text.hpp"
 #include "adit/slam/mapping/world_covariance.hpp"
 #include "adit/slam/mapping/world_fit.hpp"
 
@@ -19,6 +20,8 @@ constexpr double kDriftLevel = 0.01;  // of the distance between the points fart
 constexpr double kDriftUp = 0.03;
 constexpr double kMapNoise = 0.05;  // m
 constexpr double kGate = 3.29;      // 99.9 %
+// What fixes may have in common that no map shows: where the antenna sits, the datum. m.
+constexpr double kFixNoise = 0.3;
 
 Eigen::Vector3d p_map(const ControlPoint& point, const PoseGraph& graph) {
   return graph.nodes()[graph.index_of(point.keyframe)].T_map_node * point.p_keyframe;
@@ -81,6 +84,59 @@ Eigen::Isometry3d place_by_control(const PoseGraph& graph, std::span<const Contr
   return fit->T_world_map;
 }
 
+/// Of nodes that a fix ties to the world, by edges.
+std::vector<bool> are_tied(const PoseGraph& graph) {
+  const GraphComponents components = connected_components(graph);
+  std::vector<bool> tied(components.components.size(), false);
+  for (const PositionFix& fix : graph.fixes()) {
+    tied[components.component_of[graph.index_of(fix.node)]] = true;
+  }
+  std::vector<bool> of_nodes;
+  for (const std::size_t component : components.component_of) {
+    of_nodes.push_back(tied[component]);
+  }
+  return of_nodes;
+}
+
+/// Where the fixes alone have the map, its control points must lie, to within what these, the fixes
+/// and the way between leave open.
+void hold_against_fixes(PoseGraph graph, std::span<const ControlPoint> points,
+                        const WorldFrame& frame,
+                        const std::function<bool(const OptimizationStep&)>& on_step) {
+  const LoopOptimum optimum = optimize_with_loops(graph, on_step);
+  if (optimum.report.termination == Termination::stopped) {
+    return;
+  }
+  graph.set_poses(optimum.poses);
+  graph.set_T_world_map(optimum.T_world_map);
+  std::vector<NodeId> nodes;
+  for (const ControlPoint& point : points) {
+    nodes.push_back(point.keyframe);
+  }
+  const std::vector<Eigen::Matrix3d> covariances = world_covariances(graph, nodes);
+  const std::vector<Eigen::Vector3d> errors = control_errors(points, graph, frame);
+  const std::vector<bool> tied = are_tied(graph);
+  std::string odd;
+  for (std::size_t i = 0; i < covariances.size(); ++i) {
+    const ControlPoint& point = points[i];
+    const Eigen::Vector3d variance = covariances[i].diagonal() + point.sigma.cwiseAbs2();
+    const double reach = point.p_keyframe.norm();
+    const double level = errors[i].head<2>().norm();
+    const double up = std::abs(errors[i].z());
+    if (is_control(point) && tied[graph.index_of(point.keyframe)] &&
+        (level > kGate * std::hypot(std::sqrt(variance.head<2>().maxCoeff()), kDriftLevel * reach,
+                                    kFixNoise) ||
+         up > kGate * std::hypot(std::sqrt(variance.z()), kDriftUp * reach, kFixNoise))) {
+      odd += (odd.empty() ? "" : ", ") + point.name + " (" + with_decimals(level, 2) +
+             " m level, " + with_decimals(up, 2) + " m up)";
+    }
+  }
+  if (!odd.empty()) {
+    throw ControlError("the GNSS fixes do not agree with " + odd +
+                       "; three control points that agree with each other would count for more");
+  }
+}
+
 }  // namespace
 
 PositionFix as_measured(const ControlPoint& point, const WorldFrame& frame) {
@@ -123,6 +179,8 @@ GroundControl adjust_to_control(PoseGraph graph, const std::optional<Georeferenc
     if (places) {
       graph.set_T_world_map(T_world_map);
     }
+  } else if (!graph.fixes().empty()) {
+    hold_against_fixes(graph, points, frame, on_step);
   }
   result.before = control_errors(points, graph, frame);
   for (const ControlPoint& point : points) {

@@ -67,7 +67,8 @@ struct GroundControl {
 /// Adjusts a graph to its control points, besides whatever else holds it: edges, verticals and
 /// GNSS fixes, under the same kernels as loops. A map without a place gets one: three control
 /// points or more say it. Throws ControlError: too few, all at one place, or one of them (a
-/// mistake, or two exchanged) does not fit the others as a map that has drifted by 1 % would.
+/// mistake, or two exchanged) does not fit the others as a map that has drifted by 1 % would; of
+/// one or two, which do not fit the fixes.
 GroundControl adjust_to_control(PoseGraph graph, const std::optional<Georeference>& georeference,
                                 std::span<const ControlPoint> points,
                                 const std::function<bool(const OptimizationStep&)>& on_step = {});

@@ -13,6 +13,8 @@ namespace adit {
 
 /// Of the origin of a world frame, degrees north or south.
 inline constexpr double kMostLatitude = 84.0;
+/// Of a place that somebody has been to, m above or below the ellipsoid.
+inline constexpr double kMostAltitude = 20e3;
 
 /// A frame of metres that lies on the WGS 84 ellipsoid: x east and y north at its origin, z up.
 ///

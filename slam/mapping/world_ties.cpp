@@ -31,7 +31,7 @@ constexpr double kSlack = 1.5;  // of the gate, for what was used before, while 
 bool is_possible(const MapFix& fix) {
   const Geodetic& place = fix.place;
   return std::isfinite(place.altitude) && std::abs(place.latitude) < kMostLatitude &&
-         std::abs(place.longitude) <= 180.0 && std::abs(place.altitude) < 20e3 &&
+         std::abs(place.longitude) <= 180.0 && std::abs(place.altitude) < kMostAltitude &&
          !(place.latitude == 0.0 && place.longitude == 0.0);
 }
 

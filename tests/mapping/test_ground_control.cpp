@@ -102,6 +102,39 @@ TEST(GroundControl, AMapWithoutAPlaceNeedsThree) {
             "none of the points is control");
 }
 
+TEST(GroundControl, OneOrTwoAreHeldAgainstTheFixes) {
+  test::Survey survey;
+  const Georeference there{.origin = survey.frame.origin(),
+                           .T_world_map = test::Survey::T_world_keyframe(0)};
+  PoseGraph graph = surveyed_graph();
+  graph.set_T_world_map(there.T_world_map);
+  for (NodeId id = 0; id < test::kSurveyed; ++id) {
+    const Eigen::Vector3d antenna(0.0, id % 2 == 0 ? 1.0 : -1.0, 1.0);  // tells the roll, too
+    graph.add_fix({.node = id,
+                   .p_node = antenna,
+                   .p_world = test::Survey::T_world_keyframe(id) * antenna,
+                   .information = 2500.0 * Eigen::Matrix3d::Identity()});
+  }
+  for (const std::size_t count : {1U, 2U}) {
+    for (const Eigen::Vector3d& mistake :
+         {Eigen::Vector3d(0.0, 11.1, 0.0), Eigen::Vector3d(0.0, 0.0, -48.0)}) {
+      survey.marks = test::Survey().marks;
+      survey.marks.resize(count);
+      const GroundControl right = adjust_to_control(graph, there, survey.points());
+      EXPECT_LT(rms(right.after, survey.points(), ControlRole::control), 0.05);
+      survey.marks.back().mistake = mistake;
+      const std::string error = test::error_of<ControlError>(
+          [&] { static_cast<void>(adjust_to_control(graph, there, survey.points())); });
+      EXPECT_EQ(error.find("the GNSS fixes do not agree with " + survey.marks.back().name + " ("),
+                0U)
+          << error;
+      survey.marks.back().role = ControlRole::check;  // a mistake in a check point moves nothing
+      survey.marks.push_back({.name = "C20", .keyframe = 20});
+      EXPECT_NO_THROW(static_cast<void>(adjust_to_control(graph, there, survey.points())));
+    }
+  }
+}
+
 TEST(GroundControl, AMapKeepsItsPoints) {
   const test::TemporaryFolder folder;
   const auto file = folder / "map.adit";
