@@ -22,7 +22,11 @@ namespace {
 
 constexpr std::size_t kMostBehind = 4;
 
-/// For the map, s.
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Of sweeps and fixes for the map while they come, s.
 struct Waits {
   double sum = 0.0;
   double longest = 0.0;
@@ -33,17 +37,12 @@ class Waiting {
  public:
   explicit Waiting(Waits& waits) : waits_(waits) {}
   ~Waiting() {
-    const double wait = seconds();
+    const double wait = seconds_since(start_);
     waits_.sum += wait;
     waits_.longest = std::max(waits_.longest, wait);
   }
   Waiting(const Waiting&) = delete;
   Waiting& operator=(const Waiting&) = delete;
-
-  /// By now.
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
 
  private:
   Waits& waits_;
@@ -105,7 +104,7 @@ class OfflineSlam final : public Slam {
       } else if (std::optional<Measurement> due = feed_.next()) {
         take_or_fail(std::move(*due));
         if (!map_beside_) {
-          settle();
+          wait_for_map();
         }
       } else if (results_.empty() || !flushing_) {
         return std::nullopt;
@@ -115,10 +114,7 @@ class OfflineSlam final : public Slam {
     }
   }
 
-  void settle() override {
-    const Waiting waiting(other_waits_);
-    wait_for_map();
-  }
+  void settle() override { wait_until_behind(0); }
 
   std::optional<Mounting> mounting() const override { return mounting_; }
 
@@ -129,15 +125,14 @@ class OfflineSlam final : public Slam {
       return std::nullopt;
     }
     settle();
-    const Waiting waiting(other_waits_);
     if (map_error_ && !std::exchange(map_error_told_, true)) {
       std::rethrow_exception(map_error_);
     }
     begin_map();
     mapper_->finish();
     MapReport report = mapper_->report();
-    report.waited_s = sweep_waits_.sum + other_waits_.sum + waiting.seconds();
-    report.longest_wait_s = sweep_waits_.longest;
+    report.waited_s = waits_.sum;
+    report.longest_wait_s = waits_.longest;
     return report;
   }
 
@@ -177,10 +172,16 @@ class OfflineSlam final : public Slam {
   }
 
   /// Until the map is at most so many sweeps behind.
-  void wait_for_map(std::size_t behind = 0) {
-    for (; behind_.size() > behind; behind_.pop_front()) {
+  void wait_until_behind(std::size_t sweeps) {
+    for (; behind_.size() > sweeps; behind_.pop_front()) {
       behind_.front().wait();
     }
+  }
+
+  /// As the run goes on, which the report tells.
+  void wait_for_map(std::size_t behind = 0) {
+    const Waiting waiting(waits_);
+    wait_until_behind(behind);
   }
 
   /// What fails is told behind what was known before it.
@@ -216,7 +217,7 @@ class OfflineSlam final : public Slam {
       before_map_fixes_.push_back(fix);
       return;
     }
-    settle();
+    wait_for_map();
     if (!map_error_) {
       mapper_->add(fix, antenna());
     }
@@ -267,16 +268,10 @@ class OfflineSlam final : public Slam {
   }
 
   void add_to_map(SweepPlaced placed) {
-    const double waited = sweep_waits_.sum + other_waits_.sum;
-    if (!mapper_) {
-      const Waiting waiting(other_waits_);
-      begin_map();
-    }
-    {
-      const Waiting waiting(sweep_waits_);
-      wait_for_map(kMostBehind - 1);
-    }
-    placed.map_ms = 1e3 * (sweep_waits_.sum + other_waits_.sum - waited);
+    const auto start = std::chrono::steady_clock::now();
+    begin_map();
+    wait_for_map(kMostBehind - 1);
+    placed.map_ms = 1e3 * seconds_since(start);
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
     in_map->mapped = worker_.run([this, given = in_map.get()] { return map_sweep(*given); });
@@ -337,8 +332,7 @@ class OfflineSlam final : public Slam {
   SessionId session_;
   MapMemory map_memory_;
   bool map_beside_;
-  Waits sweep_waits_;
-  Waits other_waits_;  ///< at the map's beginning and end
+  Waits waits_;
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
   std::vector<GnssFix> before_map_fixes_;

@@ -38,8 +38,9 @@ struct MapReport {
   uint64_t lost_points = 0;         ///< lay too far from their keyframe for its cells
   uint64_t crowded_cells = 0;       ///< of submaps: the mean of their points is lost
   std::vector<float> keyframe_ms;   ///< host time per keyframe, with its waits for the device
-  double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's
-  double longest_wait_s = 0.0;      ///< of one sweep, once the map has begun
+  double waited_s = 0.0;            ///< that sweeps have waited for the map in all; the executor's.
+                                    ///< Without its set-up before the first and its end
+  double longest_wait_s = 0.0;      ///< of one sweep
   std::optional<LoopReport> loops;  ///< none: not looked for
   GnssReport gnss;                  ///< what became of fixes
 };

@@ -82,6 +82,11 @@ TEST_F(MapperTest, EverySweepBelongsToExactlyOneKeyframe) {
   EXPECT_LT(mapped.report->keyframes, 20U);
   EXPECT_GT(mapped.report->longest_wait_s, 0.0);
   EXPECT_LT(mapped.report->longest_wait_s, mapped.report->waited_s) << "of one sweep among many";
+  double waited_ms = 0.0;
+  for (const SweepPlaced& placed : mapped.sweeps) {
+    waited_ms += placed.map_ms;
+  }
+  EXPECT_LE(mapped.report->waited_s, 1e-3 * waited_ms) << "the map's end is no sweep's wait";
 }
 
 TEST_F(MapperTest, TheOdometryIsTheSameWithAndWithoutAMap) {
