@@ -28,5 +28,38 @@ TEST(RecordingFindings, DepthImagesThatAreNoSweepsAreNamed) {
   EXPECT_TRUE(kinds({read, colours}).empty());
 }
 
+TEST(RecordingFindings, TopicsWithoutASweepAreAProblemUnlessAnotherHasSome) {
+  const Topic none{"/points", "sensor_msgs/PointCloud2", TopicKind::sweeps, 0};
+  const Topic some{"/rear", "sensor_msgs/PointCloud2", TopicKind::sweeps, 1};
+  const std::vector<Finding> found = find_in_recording({none});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].severity, Severity::problem);
+  EXPECT_EQ(found[0].topic + " " + found[0].kind, "/points no_sweeps");
+  EXPECT_TRUE(kinds({none, some}).empty());
+}
+
+std::vector<Finding> found_of(const std::vector<int>& stamps_ms) {
+  const Topic topic{"/points", "sensor_msgs/PointCloud2", TopicKind::sweeps, stamps_ms.size()};
+  TopicStatistics statistics;
+  for (const int ms : stamps_ms) {
+    Sweep sweep;
+    sweep.stamp = std::chrono::milliseconds(ms);
+    sweep.points = {{1.0F, 0.0F, 0.0F, 0.0F}};
+    sweep.times = {0.0F};
+    statistics.add({.topic = 0, .received = sweep.stamp, .value = std::move(sweep)});
+  }
+  return find_in_topic(topic, statistics, {});
+}
+
+TEST(RecordingFindings, AGapIsFoundAmongFewSweepsToo) {
+  EXPECT_TRUE(found_of({0, 100, 200, 300, 400}).empty());
+  const std::vector<Finding> found = found_of({0, 100, 200, 29900, 30000});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, "gaps");
+  EXPECT_NE(found[0].found.find("1 gap, the longest of 29.700 s"), std::string::npos)
+      << found[0].found;
+  EXPECT_TRUE(found_of({0, 100, 29900}).empty()) << "nothing tells which of the two is usual";
+}
+
 }  // namespace
 }  // namespace adit

@@ -74,7 +74,7 @@ void check_stamps(const TopicStatistics& topic, const StampStatistics& s,
   // A leap of the clock is no gap.
   const bool leaps = leap > 0.0 && std::abs(s.largest_interval - leap) < 1.0;
   const uint64_t gaps = s.gaps() - (leaps ? 1U : 0U);
-  if (gaps > 0 && s.intervals.count() >= 10) {
+  if (gaps > 0 && s.tells_gaps()) {
     const std::chrono::duration<double> at = s.largest_interval_at - topic.stamps->begin;
     add("gaps",
         std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + ", the longest of " +
@@ -339,10 +339,18 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
 
 std::vector<Finding> find_in_recording(const std::vector<Topic>& topics) {
   std::vector<Finding> findings;
-  if (std::ranges::find(topics, TopicKind::sweeps, &Topic::kind) == topics.end()) {
+  const auto sweeps = std::ranges::find(topics, TopicKind::sweeps, &Topic::kind);
+  if (sweeps == topics.end()) {
     findings.push_back(
         {Severity::problem, "no_sweeps", "", "there are no sweeps of a range sensor in it",
          "there is nothing to map with", "Record a topic of sensor_msgs/PointCloud2"});
+  } else if (std::ranges::all_of(topics, [](const Topic& topic) {
+               return topic.kind != TopicKind::sweeps || topic.messages == 0U;
+             })) {
+    findings.push_back({Severity::problem, "no_sweeps", sweeps->name, "it holds no sweep",
+                        "there is nothing to map with",
+                        "Check the sensor and its driver; of a recording that was cut to a part, "
+                        "take a longer one"});
   }
   if (has_simulated_time(topics)) {
     findings.push_back({Severity::notice, "simulated_time", "",

@@ -30,6 +30,10 @@ std::vector<std::string> topics_not_read(const Inspection& inspection) {
   return names;
 }
 
+bool is_mapped_with(TopicKind kind) {
+  return kind == TopicKind::sweeps || kind == TopicKind::imu || kind == TopicKind::gnss;
+}
+
 /// Why the turns of an IMU were not compared with the sweeps'; empty where they were.
 std::string why_not_compared(const Inspection& inspection, std::size_t imu_topic) {
   const auto check = std::ranges::find_if(
@@ -66,6 +70,10 @@ std::vector<std::string> unchecked(const Inspection& inspection) {
     }
     if (topic.kind == TopicKind::sweeps && statistics.sweeps.with_times == 0) {
       parts.push_back("times of points on " + topic.name + " (there are none)");
+    }
+    if (is_mapped_with(topic.kind) && statistics.events > 1 &&
+        !statistics.series.begin()->second.tells_gaps()) {
+      parts.push_back("gaps on " + topic.name + " (there are too few messages)");
     }
     if (topic.kind == TopicKind::imu && any_sweeps) {
       const std::string reason = why_not_compared(inspection, i);

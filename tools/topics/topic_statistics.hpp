@@ -87,6 +87,8 @@ struct StampStatistics {
   double period() const { return intervals.quantile(0.5); }
   /// Intervals of more than two and a half periods.
   uint64_t gaps() const { return intervals.longer_than(2.5 * period()); }
+  /// Enough of them to tell which one is unusual.
+  bool tells_gaps() const { return intervals.count() >= 3; }
 
  private:
   std::optional<Nanoseconds> last_;
