@@ -80,6 +80,42 @@ TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
   expect_refused("scene = \n", "line 1, column 9", "TOML");
 }
 
+TEST_F(SceneFileTest, NumbersThatMakeNoSenseAreNamedWithTheirLine) {
+  for (const char* wrong : {"nan", "inf", "-inf"}) {
+    const std::string vector = std::string("[") + wrong + ", 0, 0]\n";
+    const std::string finite = "not a finite number";
+    expect_refused("[trajectory]\nwaypoints = [" + vector + "]", "line 2, column 15", finite);
+    expect_refused(std::string("[trajectory]\ncorner_radius = ") + wrong, "line 2, column 17",
+                   finite);
+    expect_refused("[[lidar]]\nposition = " + vector, "line 2, column 13", finite);
+    expect_refused("[[lidar]]\nyaw_pitch_roll = " + vector, "line 2, column 19", finite);
+    expect_refused("[gnss]\nreceiver = 'rtk'\nposition = " + vector, "line 3, column 13", finite);
+  }
+  expect_refused("[[lidar]]\nyaw_pitch_roll = [1e300, 0, 0]\n", "line 2, column 19", "too large");
+  expect_refused("duration = 0.1\n", "line 1, column 12", "0.2 to 36000");
+  expect_refused("[trajectory]\nspeed = 0\n", "line 2, column 9", "more than 0");
+  expect_refused("[trajectory]\nbegin = -1\n", "line 2, column 9", "0 to 100000");
+  expect_refused("[trajectory]\ncorner_radius = 0\n", "line 2, column 17", "0.01 to 1000");
+  expect_refused("[imu]\nrate = 3\n", "line 2, column 8", "a divisor of 1e9");
+  expect_refused("[gnss]\nreceiver = 'rtk'\nrate = 0\n", "line 3, column 8", "a divisor of 1e9");
+  expect_refused("faults = ['shock']\nduration = 2.0\n", "line 1, column 10", "after 3 s");
+}
+
+TEST_F(SceneFileTest, AWayHasADirectionEverywhere) {
+  const auto expect_way_refused = [&](const std::string& corners, const std::string& part) {
+    expect_refused("[trajectory]\nwaypoints = [" + corners + "]\n", "line 2, column 13", part);
+  };
+  expect_way_refused("[0, 0, 0], [9, 0, 0]", "at least three corners");
+  expect_way_refused("[0, 0, 0], [0, 0, 0], [9, 0, 0], [9, 9, 0]", "the same place, 1 and 2");
+  expect_way_refused("[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 0, 0]", "the way closes by itself");
+  expect_way_refused("[0, 0, 0], [0, 0, 9], [9, 0, 0]", "the same place, 1 and 2");
+  expect_way_refused("[0, 0, 0], [9, 0, 0], [4, 0, 0]", "turns straight back at corner 1");
+  expect_way_refused("[0, 0, 0], [4, 3, 0], [9, 3, 0], [5, 3, 0]", "straight back at corner 3");
+  const SimulationOptions far =
+      read("[trajectory]\nwaypoints = [[0, 0, 0], [1e6, 0, 0], [1e6, 1e6, 0]]\n");
+  EXPECT_EQ(far.waypoints.size(), 3U);
+}
+
 TEST_F(SceneFileTest, TwoSensorsOnAWayOfOnesOwn) {
   const auto file = folder_.write("two.toml", R"(
 scene = "room"

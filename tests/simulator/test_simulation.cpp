@@ -183,7 +183,7 @@ TEST_F(SimulationTest, WhatMakesNoSenseIsRefused) {
     command.simulation.imu = "none";
     command.simulation.faults = {"nan", "gaps"};
   });
-  EXPECT_NE(of_none.second.find("--fault gaps is one of the IMU"), std::string::npos)
+  EXPECT_NE(of_none.second.find("--fault: gaps is one of the IMU"), std::string::npos)
       << of_none.second;
   const auto shock = code([](auto& command) {
     command.simulation.duration = 3.0;

@@ -164,15 +164,14 @@ void require_seen(const std::vector<std::string>& names, double duration, bool i
   for (const std::string& name : names) {
     const Fault fault = fault_named(name);
     if (!imu && std::ranges::count(kOfImu, fault) > 0) {
-      throw UsageError("--fault " + name + " is one of the IMU, and there is none.");
+      throw UsageError(name + " is one of the IMU, and there is none.");
     }
     if (fault == Fault::shock && duration <= kFirstBlow) {
-      throw UsageError(
-          "--fault shock: the first blow comes after 3 s. Choose a longer --duration.");
+      throw UsageError("shock: the first blow comes after 3 s. Choose a longer duration.");
     }
     if (std::ranges::count(kSpikes, fault) > 0) {
       if (!spikes.empty()) {
-        throw UsageError("--fault " + name + " and " + spikes + " exclude each other.");
+        throw UsageError(name + " and " + spikes + " exclude each other.");
       }
       spikes = name;
     }

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/core.h>
+
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -177,6 +179,12 @@ SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, d
   for (int i = -1; i < count; ++i) {
     const double time = kControlSpacing * i;
     poses.push_back(body_pose(path, style, scene, distance, time));
+    if (!poses.back().matrix().allFinite()) {
+      throw UsageError(fmt::format(
+          "waypoints, corner_radius: the way has no direction {:.1f} m from its beginning. Choose "
+          "corners that are farther apart, or another corner_radius.",
+          distance));
+    }
     constexpr int kSubsteps = 10;
     for (int k = 0; k < kSubsteps; ++k) {
       const double middle = time + kControlSpacing * (k + 0.5) / kSubsteps;

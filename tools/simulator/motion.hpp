@@ -37,7 +37,8 @@ MotionStyle motion_named(std::string_view name);
 
 /// The motion of the body (the IMU: x ahead, z up) along the scene's route, from `begin` metres
 /// behind its first corner on and round again where the time suffices. `duration` and what it needs
-/// beyond in s; `speed` in m/s where it is not the scene's.
+/// beyond in s; `speed` in m/s where it is not the scene's. Throws UsageError where the way has no
+/// direction.
 SplineTrajectory make_trajectory(const Scene& scene, const MotionStyle& style, double duration,
                                  std::optional<double> speed = std::nullopt, double begin = 0.0);
 

@@ -3,6 +3,7 @@
 #include "adit/tools/simulator/scene_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <sstream>
 #include <utility>
@@ -16,12 +17,15 @@
 #include "adit/tools/simulator/imu_model.hpp"
 #include "adit/tools/simulator/motion.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
+#include "adit/tools/simulator/simulation_limits.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
+
+constexpr double kLargest = 1e6;  // of any number: m, degrees, s
 
 /// A file that is being read, for its complaints.
 class Reader {
@@ -36,10 +40,24 @@ class Reader {
                      found, remedy);
   }
 
+  /// What a value must not be, with its place.
+  [[noreturn]] void refuse(const toml::node& node, const UsageError& error) const {
+    std::string found = error.what();
+    if (found.ends_with('.')) {
+      found.pop_back();
+    }
+    refuse(node.source().begin, found, "`adit simulate --help` and --example tell what there is");
+  }
+
   double number(const toml::node& node) const {
     const auto value = node.value<double>();
     if (!value || node.is_boolean()) {
       refuse(node.source().begin, "this is no number", "Write a number, such as 0.5");
+    }
+    if (!(std::abs(*value) <= kLargest)) {
+      refuse(node.source().begin,
+             std::isfinite(*value) ? "this is too large" : "this is not a finite number",
+             "Write a number within 1000000");
     }
     return *value;
   }
@@ -93,7 +111,8 @@ class Reader {
 
   using Key = std::pair<std::string, std::function<void(const toml::node&)>>;
 
-  /// Hands each value to its key's function. What that throws of a name is reported with its place.
+  /// Hands each value to its key's function. What that throws of a value is reported with its
+  /// place.
   void read(const toml::table& values, const std::vector<Key>& keys) const {
     for (const auto& [key, node] : values) {
       const auto found = std::ranges::find(keys, key.str(), &Key::first);
@@ -108,8 +127,7 @@ class Reader {
       try {
         found->second(node);
       } catch (const UsageError& error) {
-        refuse(node.source().begin, error.what(),
-               "Write one of the names of `adit simulate --help`");
+        refuse(node, error);
       }
     }
   }
@@ -158,13 +176,18 @@ void read_trajectory_keys(const Reader& reader, const toml::table& table,
       table,
       {{"style",
         [&](const auto& node) { options.trajectory = motion_named(reader.text(node)).name; }},
-       {"speed", [&](const auto& node) { options.speed = reader.number(node); }},
-       {"begin", [&](const auto& node) { options.begin = reader.number(node); }},
-       {"corner_radius", [&](const auto& node) { options.corner_radius = reader.number(node); }},
+       {"speed",
+        [&](const auto& node) { require_speed(options.speed.emplace(reader.number(node))); }},
+       {"begin", [&](const auto& node) { require_begin(options.begin = reader.number(node)); }},
+       {"corner_radius",
+        [&](const auto& node) {
+          require_corner_radius(options.corner_radius.emplace(reader.number(node)));
+        }},
        {"waypoints", [&](const auto& node) {
           for (const toml::node& corner : reader.list(node)) {
             options.waypoints.push_back(reader.vector(corner));
           }
+          require_way(options.waypoints);
         }}});
 }
 
@@ -181,15 +204,16 @@ void read_lidars(const Reader& reader, const toml::node& node, SimulationOptions
 }
 
 void read_imu(const Reader& reader, const toml::table& table, SimulationOptions& options) {
-  reader.read(table,
-              {{"model",
-                [&](const auto& node) {
-                  options.imu = reader.text(node);
-                  if (options.imu != "none") {
-                    imu_named(options.imu);
-                  }
-                }},
-               {"rate", [&](const auto& node) { options.imu_rate = reader.whole_number(node); }}});
+  reader.read(table, {{"model",
+                       [&](const auto& node) {
+                         options.imu = reader.text(node);
+                         if (options.imu != "none") {
+                           imu_named(options.imu);
+                         }
+                       }},
+                      {"rate", [&](const auto& node) {
+                         require_imu_rate(options.imu_rate = reader.whole_number(node));
+                       }}});
 }
 
 void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions& options) {
@@ -197,17 +221,19 @@ void read_gnss(const Reader& reader, const toml::table& table, SimulationOptions
     reader.refuse(table.begin()->first.source().begin, "there is no receiver that it is of",
                   "Name one: receiver = \"" + gnss_names().front() + "\"");
   }
-  reader.read(
-      table,
-      {{"receiver",
-        [&](const auto& node) {
-          options.gnss = reader.text(node);
-          if (options.gnss != "none") {
-            gnss_named(options.gnss);
-          }
-        }},
-       {"rate", [&](const auto& node) { options.gnss_rate = reader.whole_number(node); }},
-       {"position", [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }}});
+  reader.read(table, {{"receiver",
+                       [&](const auto& node) {
+                         options.gnss = reader.text(node);
+                         if (options.gnss != "none") {
+                           gnss_named(options.gnss);
+                         }
+                       }},
+                      {"rate",
+                       [&](const auto& node) {
+                         require_gnss_rate(options.gnss_rate = reader.whole_number(node));
+                       }},
+                      {"position",
+                       [&](const auto& node) { options.p_imu_antenna = reader.vector(node); }}});
 }
 
 }  // namespace
@@ -239,7 +265,8 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
           }
           options.seed = static_cast<uint64_t>(seed);
         }},
-       {"duration", [&](const auto& node) { options.duration = reader.number(node); }},
+       {"duration",
+        [&](const auto& node) { require_duration(options.duration = reader.number(node)); }},
        {"faults",
         [&](const auto& node) {
           for (const toml::node& fault : reader.list(node)) {
@@ -252,6 +279,11 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
        {"lidar", [&](const auto& node) { read_lidars(reader, node, options); }},
        {"imu", [&](const auto& node) { read_imu(reader, reader.table(node), options); }},
        {"gnss", [&](const auto& node) { read_gnss(reader, reader.table(node), options); }}});
+  try {
+    require_seen(options.faults, options.duration, options.imu != "none");
+  } catch (const UsageError& error) {
+    reader.refuse(*table.get("faults"), error);
+  }
   return options;
 }
 

@@ -12,6 +12,7 @@
 #include "adit/tools/simulator/loop_pairs.hpp"
 #include "adit/tools/simulator/motion.hpp"
 #include "adit/tools/simulator/scene_picture.hpp"
+#include "adit/tools/simulator/simulation_limits.hpp"
 #include "adit/tools/simulator/simulation_tracks.hpp"
 #include "adit/tools/simulator/sweep_picture.hpp"
 #include "adit/tools/simulator/truth_writer.hpp"
@@ -20,35 +21,35 @@
 namespace adit {
 namespace {
 
+/// What is refused, with the name of what asks for it.
+template <class Require>
+void check_option(const char* name, const Require& require) {
+  try {
+    require();
+  } catch (const UsageError& error) {
+    throw UsageError(std::string(name) + ": " + error.what());
+  }
+}
+
 void check(const SimulationOptions& options) {
-  if (!(options.duration >= 0.2 && options.duration <= 36000.0)) {
-    throw UsageError("--duration: is " + std::to_string(options.duration) +
-                     " s; must be 0.2 to 36000.");
-  }
-  if (options.imu_rate < 10 || options.imu_rate > 2000 || 1000000000 % options.imu_rate != 0) {
-    throw UsageError("--imu-rate: is " + std::to_string(options.imu_rate) +
-                     " Hz; must be a divisor of 1e9 from 10 to 2000, such as 100, 200, 400, 1000.");
-  }
-  if (options.gnss_rate < 1 || options.gnss_rate > 20 || 1000000000 % options.gnss_rate != 0) {
-    throw UsageError("--gnss-rate: is " + std::to_string(options.gnss_rate) +
-                     " Hz; must be a divisor of 1e9 from 1 to 20, such as 1, 5, 10.");
-  }
-  require_seen(options.faults, options.duration, options.imu != "none");
-  if (options.speed && !(*options.speed > 0.0 && *options.speed <= 50.0)) {
-    throw UsageError("--speed: must be more than 0 and at most 50 m/s.");
+  check_option("--duration", [&] { require_duration(options.duration); });
+  check_option("--imu-rate", [&] { require_imu_rate(options.imu_rate); });
+  check_option("--gnss-rate", [&] { require_gnss_rate(options.gnss_rate); });
+  check_option("--fault",
+               [&] { require_seen(options.faults, options.duration, options.imu != "none"); });
+  if (options.speed) {
+    check_option("--speed", [&] { require_speed(*options.speed); });
   }
   if (options.lidars.empty()) {
     throw UsageError("at least one range sensor is needed.");
   }
-  if (!options.waypoints.empty() && options.waypoints.size() < 3) {
-    throw UsageError("waypoints: a closed way has at least three corners.");
+  if (!options.waypoints.empty()) {
+    check_option("waypoints", [&] { require_way(options.waypoints); });
   }
-  if (!(options.corner_radius.value_or(1.0) > 0.0)) {
-    throw UsageError("corner_radius: must be more than 0 m.");
+  if (options.corner_radius) {
+    check_option("corner_radius", [&] { require_corner_radius(*options.corner_radius); });
   }
-  if (!(options.begin >= 0.0 && options.begin <= 1e5)) {
-    throw UsageError("--begin: must be 0 to 100000 m.");
-  }
+  check_option("--begin", [&] { require_begin(options.begin); });
   if (options.output.extension() != ".mcap") {
     throw UsageError(
         "-o: the recording is written as MCAP; name it NAME.mcap. `adit convert` "
