@@ -92,12 +92,13 @@ Allocator::Allocation Allocator::allocate(const vk::MemoryRequirements& requirem
     block = new_block(type, bytes);
   }
   if (block == nullptr) {
-    throw OutOfMemory("buffer '" + std::string(name) + "' of " + std::to_string(bytes) +
-                      " bytes does not fit: " + std::to_string(in_use_) +
-                      " bytes are in use by buffers, " + std::to_string(reserved_) +
-                      " are taken from the device, " +
-                      (budget_ > 0 ? "the budget is " + std::to_string(budget_)
-                                   : "the device has no more to give (no budget is set)"));
+    throw OutOfMemory(
+        "buffer '" + std::string(name) + "' of " + std::to_string(bytes) +
+        " bytes does not fit: " + std::to_string(in_use_) + " bytes are in use by buffers, " +
+        std::to_string(reserved_) + " are taken from the device, " +
+        (within_budget(bytes) ? std::string("the device has no more to give")
+                              : "the budget is " + std::to_string(budget_) + ", where at least " +
+                                    std::to_string(reserved_ + bytes) + " are needed"));
   }
   return finish(*block, block->free.take(bytes).value());
 }

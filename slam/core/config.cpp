@@ -243,6 +243,37 @@ Config with_lengths(const Config& stated, double r_input) {
   return config;
 }
 
+namespace {
+
+/// Nothing where the setting is no number.
+std::optional<double> number_of(const Config& config, const std::string& field) {
+  std::optional<double> number;
+  Config::visit(config, [&](const std::string& section, const auto& fields) {
+    std::decay_t<decltype(fields)>::visit(
+        fields, [&](const char* name, const auto& value, auto&&...) {
+          if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
+            number = section + "." + name == field ? value : number;
+          }
+        });
+  });
+  return number;
+}
+
+/// Whoever stated another length than the one that makes no sense is told which.
+ConfigProblem with_origin(ConfigProblem problem, const Config& stated, const Config& filled) {
+  const bool derived = number_of(stated, problem.field) != number_of(filled, problem.field);
+  for (const char* origin : {"preprocess.r_input", "registration.r_align"}) {
+    const double value = number_of(stated, origin).value_or(0.0);
+    if (derived && value != 0.0) {
+      problem.message += "; it follows from " + std::string(origin) + " (" + shortest(value) + ")";
+      break;
+    }
+  }
+  return problem;
+}
+
+}  // namespace
+
 std::optional<ConfigProblem> validate(const Config& stated) {
   Checks checks;
   check_finite(checks, stated);
@@ -260,7 +291,8 @@ std::optional<ConfigProblem> validate(const Config& stated) {
   check_rest(checks, config);
   check_imu(checks, config.imu);
   check_gnss(checks, config.gnss);
-  return checks.problem();
+  const std::optional<ConfigProblem> problem = checks.problem();
+  return problem ? std::optional(with_origin(*problem, stated, config)) : std::nullopt;
 }
 
 }  // namespace adit

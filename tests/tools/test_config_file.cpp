@@ -150,6 +150,8 @@ TEST_F(ConfigFile, RefusedValueNamesItsLine) {
 TEST_F(ConfigFile, RefusedRelationNamesTheLineOfTheSettingThatWasGiven) {
   // c_max has its default: the cause is line 2.
   expect_refused("[preprocess]\nc_min = 200\n", {"line 2", "preprocess.c_max is 100"});
+  expect_refused("[preprocess]\nr_input = 10\n",
+                 {"line 2", "preprocess.surface_size is 25", "follows from preprocess.r_input"});
 }
 
 TEST_F(ConfigFile, MissingFileAndFolderAreNamed) {
@@ -178,6 +180,21 @@ TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("imu.use=0.0").find("Write true or false"), std::string::npos);
   EXPECT_NE(override_refusal("submap.l=1\n[x]").find("section.key=value"), std::string::npos);
   EXPECT_NE(override_refusal("].l=1").find("without spaces"), std::string::npos);
+}
+
+TEST(ConfigOverride, WhatFollowsFromALengthIsRefusedByItsName) {
+  EXPECT_EQ(override_refusal("preprocess.r_input=10"),
+            "--set preprocess.r_input=10: preprocess.surface_size is 25; must be between 0 and 20 "
+            "m; it follows from preprocess.r_input (10).");
+  for (const char* value : {"9", "0.01", "0.02"}) {
+    EXPECT_NE(override_refusal("preprocess.r_input=" + std::string(value))
+                  .find("it follows from preprocess.r_input (" + std::string(value) + ")"),
+              std::string::npos)
+        << value;
+  }
+  EXPECT_NE(override_refusal("preprocess.surface_size=30").find("surface_size is 30; must be"),
+            std::string::npos);
+  EXPECT_EQ(override_refusal("preprocess.surface_size=30").find("follows"), std::string::npos);
 }
 
 TEST(ConfigOverride, NoiseOfACustomSensorNeedsOne) {

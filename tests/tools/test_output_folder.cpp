@@ -14,6 +14,8 @@
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/drawing/html_page.hpp"
+#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -113,6 +115,79 @@ TEST(OutputFolder, SecondRunLeavesNothingOfTheFirst) {
   options.output = options.recording;
   EXPECT_EQ(run_command(options, said, said), 2) << said.str();
   EXPECT_FALSE(fs::exists(options.recording / "trajectory.tum"));
+}
+
+class RunInto : public testing::Test {
+ protected:
+  RunInto() {
+    options_.recording = test::small_recording(folder_.path(), 3).recording;
+    options_.output = folder_ / "out";
+    options_.config.overrides = {"preprocess.beam_spacing=0.03"};
+  }
+
+  /// Of the files that a run leaves.
+  std::vector<std::string> contents() const {
+    std::vector<std::string> texts;
+    for (const fs::path& file : result_files(options_.output)) {
+      texts.push_back(test::content(file));
+    }
+    return texts;
+  }
+
+  test::TemporaryFolder folder_;
+  RunCommandOptions options_;
+};
+
+TEST_F(RunInto, AFolderThatAnotherWritesIsRefused) {
+  const fs::path summary = options_.output / "summary.json";
+  folder_.write("out/summary.json.lock", "of a run that was killed");
+  ASSERT_EQ(test::ran(run_command, options_).code, 0);
+  EXPECT_FALSE(fs::exists(summary.string() + ".lock"));
+  const std::vector<std::string> before = contents();
+  {
+    const WriterLock other(summary);
+    const test::Ran second = test::ran(run_command, options_);
+    EXPECT_EQ(second.code, 1);
+    EXPECT_NE(second.err.find("is being written by process"), std::string::npos) << second.err;
+  }
+  EXPECT_EQ(contents(), before);
+  EXPECT_EQ(test::ran(run_command, options_).code, 0);
+}
+
+TEST_F(RunInto, WhatEndsAtTheFirstSweepsTakesNoEarlierRunAway) {
+  ASSERT_EQ(test::ran(run_command, options_).code, 0);
+  const std::vector<std::string> before = contents();
+  RunCommandOptions small = options_;
+  small.device.max_vram_bytes = 1024;
+  const test::Ran memory = test::ran(run_command, small);
+  EXPECT_EQ(memory.code, 1);
+  for (const char* part : {"the budget is 1024, where at least ", "--max-vram"}) {
+    EXPECT_NE(memory.err.find(part), std::string::npos) << memory.err;
+  }
+  EXPECT_EQ(contents(), before);
+  RunCommandOptions damaged = options_;
+  damaged.recording = folder_.write("zero.pcd", "");
+  const test::Ran empty = test::ran(run_command, damaged);
+  EXPECT_EQ(empty.code, 1);
+  EXPECT_NE(empty.err.find("zero.pcd"), std::string::npos) << empty.err;
+  EXPECT_EQ(contents(), before);
+}
+
+TEST(CheckWritable, WhatToDoIsOfTheFileThatCannotBe) {
+  const test::TemporaryFolder folder;
+  const auto refusal_of_other = [&](const fs::path& other) -> std::string {
+    try {
+      check_writable(folder / "out", {}, {other});
+    } catch (const OutputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string elsewhere = refusal_of_other(folder / "none" / "t.html");
+  EXPECT_TRUE(elsewhere.ends_with("Name another file.")) << elsewhere;
+  fs::create_directories(folder / "out/odometry.tum");
+  const std::string inside = refusal_of_other(folder / "out" / "odometry.tum");
+  EXPECT_TRUE(inside.ends_with("Choose another folder with -o.")) << inside;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <new>
 #include <ostream>
 
+#include "adit/tools/run/device_session.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -28,6 +29,8 @@ int guarded(const std::string& command, std::ostream& out, std::ostream& err,
   } catch (const UsageError& error) {
     err << command << ": " << error.what() << std::endl;
     return 2;
+  } catch (const engine::OutOfMemory& error) {
+    err << command << ": " << describe(error) << "." << std::endl;
   } catch (const std::bad_alloc&) {
     err << command << ": the machine's memory is exhausted." << std::endl;
   } catch (const std::exception& error) {

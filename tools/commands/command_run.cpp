@@ -18,9 +18,11 @@
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/run_judgement.hpp"
+#include "adit/tools/commands/run_rehearsal.hpp"
 #include "adit/tools/commands/run_settings.hpp"
 #include "adit/tools/commands/run_view.hpp"
 #include "adit/tools/commands/wanted_run.hpp"
+#include "adit/tools/maps/writer_lock.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
@@ -60,8 +62,9 @@ SweepChoice choose_sweeps(const Recording& recording, const RunCommandOptions& o
   const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
   const auto start = static_cast<std::size_t>(options.start.value_or(0));
   if (size == 0) {
-    throw InputError(options.recording, {}, "no whole sweep is left in it",
-                     "`adit inspect` tells what is damaged");
+    throw InputError(options.recording, {},
+                     recording.topics()[topic].name + " holds no whole sweep",
+                     "`adit inspect` tells what is in it");
   }
   if (start >= size) {
     throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
@@ -91,7 +94,8 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
           .memory_budget_bytes = options.device.max_vram_bytes,
           .max_ram_bytes = options.max_ram_bytes,
           .validation = options.device.validation,
-          .continued = options.continues};
+          .continued = options.continues,
+          .kept = options.keeps};
 }
 
 /// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
@@ -209,6 +213,8 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   if (config.mapping.enabled) {
     others.insert(others.end(), {files.odometry, files.database});
   }
+  make_output_folder(options.output);
+  const WriterLock lock(files.summary);  // two runs would leave a mixture of both
   check_writable(options.output, options.map, others);
   if (view != nullptr) {
     view->say_link();
@@ -256,6 +262,9 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     }
   } else {
     require_free_map(options.output);
+  }
+  if (replaces_a_run) {
+    rehearse(*recording, sweeps.topic, sweeps.range, config, context);
   }
   // The summary first: from here on the folder tells of this run, whatever ends it.
   replace_text_file(

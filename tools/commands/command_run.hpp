@@ -40,6 +40,7 @@ struct RunCommandOptions {
   bool quiet = false;                               ///< errors alone
   bool stage_table = false;                         ///< the table with every stage
   std::optional<std::filesystem::path> timeline{};  ///< .html or .json: what worked when
+  bool keeps = true;                                ///< false: `output` goes away in the end
   bool view = false;                                ///< the run is shown in a browser
   ServeOptions serve{};                             ///< where, if so
 };

@@ -62,6 +62,7 @@ int view_recording(const ViewCommandOptions& options, std::ostream& out, std::os
   mapping.recording = options.what;
   mapping.output = folder.path() / options.what.filename();
   mapping.config.overrides = {"mapping.enabled=true"};
+  mapping.keeps = false;
   mapping.view = true;
   mapping.serve = options.serve;
   mapping.device = options.device;

@@ -11,6 +11,20 @@
 #include "adit/tools/support/stop_signal.hpp"
 
 namespace adit {
+namespace {
+
+/// Of a run that ended early.
+std::string what_is_kept(const RunOutcome& outcome, const RunDescription& run) {
+  if (!run.kept) {
+    return "nothing is kept (adit run -o OUT keeps it)";
+  }
+  const bool goes_on = run.config.mapping.enabled && outcome.result.end != RunEnd::input_error;
+  return "what was computed is kept" +
+         (goes_on ? "; adit run -o " + run.output.string() + " --continue goes on from there"
+                  : std::string());
+}
+
+}  // namespace
 
 int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
               std::ostream& err) {
@@ -18,13 +32,9 @@ int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const 
     err << "adit run: validation: " << message << "\n";
   }
   if (outcome.result.end != RunEnd::completed) {
-    const bool goes_on = run.config.mapping.enabled && outcome.result.end != RunEnd::input_error;
     err << "adit run: " << outcome.result.reason << "\n"
         << "adit run: ended early, " << statistics.sweeps() << " of " << run.range.count
-        << " sweeps done; what was computed is kept"
-        << (goes_on ? "; adit run -o " + run.output.string() + " --continue goes on from there"
-                    : std::string())
-        << std::endl;
+        << " sweeps done; " << what_is_kept(outcome, run) << std::endl;
     return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
   }
   if (statistics.left_out().any()) {

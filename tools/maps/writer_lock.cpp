@@ -46,10 +46,11 @@ WriterLock::WriterLock(const std::filesystem::path& file) : path_(file.string() 
     if (descriptor_ < 0) {
       throw OutputError(file, file.string() + ": cannot be written: " + path_.string() + ": " +
                                   std::strerror(errno) +
-                                  ". Copy the map to a folder where you may write; reading needs "
-                                  "no such right.");
+                                  ". Take a folder where you may write; reading needs no such "
+                                  "right.");
     }
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    // A file system without locks cannot tell writers apart.
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string holder = content(descriptor_);
       ::close(descriptor_);
       throw LockedError(file, file.string() + ": is being written by " + holder +

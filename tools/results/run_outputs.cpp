@@ -17,13 +17,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Opens for appending: says whether the file could be written and changes nothing in it.
-void check_file(const fs::path& file) {
+void check_file(const fs::path& file, const fs::path& folder) {
   std::error_code ignored;
   const bool existed = fs::exists(fs::symlink_status(file, ignored));
   std::FILE* stream = std::fopen(file.c_str(), "ab");
   if (stream == nullptr) {
     throw OutputError(file, file.string() + ": cannot be written: " + std::strerror(errno) +
-                                ". Choose another folder with -o.");
+                                (file.parent_path() == folder ? ". Choose another folder with -o."
+                                                              : ". Name another file."));
   }
   std::fclose(stream);
   if (!existed) {
@@ -63,8 +64,7 @@ RunFiles::RunFiles(const fs::path& folder)
       database(folder / "map.adit"),
       summary(folder / "summary.json") {}
 
-void check_writable(const fs::path& folder, const MapOptions& map,
-                    const std::vector<fs::path>& others) {
+void make_output_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   std::error_code unknown;
@@ -74,15 +74,20 @@ void check_writable(const fs::path& folder, const MapOptions& map,
     throw OutputError(folder, folder.string() + ": the output folder cannot be made: " + reason +
                                   ". Choose another one with -o.");
   }
+}
+
+void check_writable(const fs::path& folder, const MapOptions& map,
+                    const std::vector<fs::path>& others) {
+  make_output_folder(folder);
   const RunFiles files(folder);
   for (const fs::path& file : {files.tum, files.kitti, files.sweeps, files.page, files.summary}) {
-    check_file(file);
+    check_file(file, folder);
   }
   if (map.enabled) {
-    check_file(files.map);
+    check_file(files.map, folder);
   }
   for (const fs::path& file : others) {
-    check_file(file);
+    check_file(file, folder);
   }
 }
 

@@ -43,6 +43,9 @@ struct RunFiles {
   std::filesystem::path summary;
 };
 
+/// Where it is not there. Throws OutputError.
+void make_output_folder(const std::filesystem::path& folder);
+
 /// Makes the folder and makes sure that each file in it can be written, and the `others`, without
 /// touching what an earlier run left there. Throws OutputError naming the file.
 void check_writable(const std::filesystem::path& folder, const MapOptions& map,

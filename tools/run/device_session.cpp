@@ -174,6 +174,12 @@ std::string describe(const engine::DeviceInfo& device) {
          (device.software ? ", software" : "");
 }
 
+std::string describe(const engine::OutOfMemory& error) {
+  return std::string(error.what()) +
+         ". Where --max-vram bounds it, allow more; else take a device with more memory (`adit "
+         "devices`)";
+}
+
 nlohmann::ordered_json to_json(const engine::DeviceInfo& device) {
   return {{"index", device.index},
           {"name", device.name},

@@ -14,6 +14,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "adit/engine/context.hpp"
+#include "adit/engine/error.hpp"
 
 namespace adit {
 
@@ -73,6 +74,9 @@ std::string software_note(const engine::DeviceInfo& device);
 
 /// "llvmpipe (LLVM 15.0.6, 256 bits), llvmpipe Mesa 22.3.6, software".
 std::string describe(const engine::DeviceInfo& device);
+
+/// What did not fit, and what to do.
+std::string describe(const engine::OutOfMemory& error);
 
 /// What the device is, without its limits.
 nlohmann::ordered_json to_json(const engine::DeviceInfo& device);

@@ -14,6 +14,7 @@
 #include "adit/engine/error.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tools/recordings/events_ahead.hpp"
+#include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/inertial_text.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -308,6 +309,8 @@ MappingResult caught(const std::function<MappingResult()>& body) {
     return {RunEnd::input_error, "a stored submap of the map " + std::string(damage.what())};
   } catch (const OutputError& error) {
     return {RunEnd::output_error, error.what()};
+  } catch (const engine::OutOfMemory& error) {
+    return {RunEnd::device_error, describe(error)};
   } catch (const engine::Error& error) {
     return {RunEnd::device_error, error.what()};
   }

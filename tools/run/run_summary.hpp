@@ -42,6 +42,7 @@ struct RunDescription {
   std::optional<uint64_t> graph_bytes{};
   bool validation = false;
   bool continued = false;  ///< an earlier run's map is gone on with
+  bool kept = true;        ///< false: its folder goes away in the end
 };
 
 /// What is known after the last.

@@ -169,11 +169,30 @@ std::string limit_text(uint64_t bytes, const char* option) {
   return bytes == 0 ? std::string()
                     : fmt::format(" of {:.0f} MiB ({})", in_mebibytes(bytes), option);
 }
+
+std::string files_text(const RunDescription& run, const RunOutcome& outcome) {
+  const RunFiles files(run.output);
+  std::string text = "wrote    " +
+                     (outcome.result.map ? files.database.string() + "\n         " : "") +
+                     files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
+                     files.sweeps.string() + "\n";
+  if (run.map.enabled) {
+    text += "         " + files.map.string() + fmt::format(" ({} points)\n", outcome.map_points);
+  }
+  if (outcome.high_rate) {
+    text += "         " + HighRateFiles(run.output).tum.string() + " (" +
+            describe(*outcome.high_rate) + ")\n         " + HighRateFiles(run.output).csv.string() +
+            " (velocities, covariances)\n";
+  }
+  text += "         " + files.page.string() + " (the map, in a browser)\n";
+  text += "         " + files.summary.string() + "\n";
+  return text;
+}
+
 }  // namespace
 
 std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
                           const RunStatistics& statistics, bool stages) {
-  const RunFiles files(run.output);
   const double rate =
       outcome.wall_s > 0.0 ? static_cast<double>(statistics.sweeps()) / outcome.wall_s : 0.0;
   std::string text = fmt::format("mapped   {} of {} sweeps, {:.1f} m, in {} ({:.1f} sweeps/s)\n",
@@ -192,8 +211,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   if (statistics.inertial().any()) {
     text += "imu      " + as_rows(inertial_text(statistics)) + "\n";
   }
-  text += fmt::format("voxels   one point per {:.3g} m, submap {:.3g} m\n",
-                      run.config.preprocess.r_input, run.config.registration.r_align);
+  text += fmt::format("voxels   one point per {:.3g} m, submap {:.3g} m, returns within {:.3g} m\n",
+                      run.config.preprocess.r_input, run.config.registration.r_align,
+                      run.config.preprocess.c_max);
   if (outcome.result.map) {
     text += "map      " + as_rows(map_text(*outcome.result.map, outcome.wall_s)) + "\n";
     if (outcome.result.map->loops) {
@@ -213,19 +233,7 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   text += fmt::format("memory   {:.0f} MiB resident at most",
                       in_mebibytes(outcome.resident_peak_bytes)) +
           limit_text(run.max_ram_bytes, "--max-ram") + "\n";
-  text += "wrote    " + (outcome.result.map ? files.database.string() + "\n         " : "") +
-          files.tum.string() + "\n         " + files.kitti.string() + "\n         " +
-          files.sweeps.string() + "\n";
-  if (run.map.enabled) {
-    text += "         " + files.map.string() + fmt::format(" ({} points)\n", outcome.map_points);
-  }
-  if (outcome.high_rate) {
-    text += "         " + HighRateFiles(run.output).tum.string() + " (" +
-            describe(*outcome.high_rate) + ")\n         " + HighRateFiles(run.output).csv.string() +
-            " (velocities, covariances)\n";
-  }
-  text += "         " + files.page.string() + " (the map, in a browser)\n";
-  text += "         " + files.summary.string() + "\n";
+  text += run.kept ? files_text(run, outcome) : "";
   return stages ? text + stage_table(statistics) : text;
 }
 

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What `adit run` says at its end.
+#include "adit/tools/commands/run_judgement.hpp"
+
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace adit {
+namespace {
+
+/// Of a run that a signal ended.
+std::string said_of(const RunDescription& run) {
+  RunOutcome outcome;
+  outcome.result.end = RunEnd::interrupted;
+  outcome.result.reason = "stopped by a signal";
+  const RunStatistics statistics{run.config};
+  std::ostringstream said;
+  EXPECT_GE(judge_run(outcome, statistics, run, said), 128);
+  return said.str() + summary_table(run, outcome, statistics, false);
+}
+
+TEST(RunJudgement, OfAFolderThatGoesAwayNothingIsSaidToBeKept) {
+  RunDescription run;
+  run.output = "out";
+  run.config.mapping.enabled = true;
+  const std::string kept = said_of(run);
+  for (const char* part : {"adit run -o out --continue goes on", "wrote    out/trajectory.tum"}) {
+    EXPECT_NE(kept.find(part), std::string::npos) << kept;
+  }
+  run.kept = false;
+  const std::string gone = said_of(run);
+  EXPECT_NE(gone.find("nothing is kept (adit run -o OUT keeps it)"), std::string::npos) << gone;
+  for (const char* part : {"--continue", "wrote", "what was computed"}) {
+    EXPECT_EQ(gone.find(part), std::string::npos) << gone;
+  }
+}
+
+TEST(RunJudgement, TheTableHasTheLengthsInForce) {
+  RunDescription run;
+  run.config.preprocess.r_input = 0.03;
+  run.config = with_lengths(run.config);
+  EXPECT_NE(said_of(run).find("one point per 0.03 m, submap 0.06 m, returns within 20.7 m\n"),
+            std::string::npos)
+      << said_of(run);
+}
+
+}  // namespace
+}  // namespace adit
