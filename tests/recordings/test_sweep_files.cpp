@@ -219,6 +219,11 @@ TEST(Recording, EmptyFileIsASweepWithoutPoints) {
   EXPECT_TRUE(read_sweep(*open_recording(folder.write("a.bin", "")), 0).points.empty());
 }
 
+TEST(Recording, EmptyFileOfAnotherKindIsSaidToBeEmpty) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(open_error(folder.write("a.mcap", "")).found(), "it is empty");
+}
+
 TEST(Recording, MissingFolderIsNamed) {
   const TemporaryFolder folder;
   const InputError error = open_error(folder / "nowhere");

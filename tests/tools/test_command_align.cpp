@@ -102,6 +102,17 @@ TEST_F(AlignCommand, ReportsThePoseFromNothingAsTextAndAsJson) {
   EXPECT_GT(pair["overlap"], 0.4);
 }
 
+TEST_F(AlignCommand, NamesThatAreNoTextAreReported) {
+  const fs::path plain = drive_;
+  drive_ = folder_ / "dr\xe9";
+  fs::rename(plain, drive_);
+  AlignCommandOptions options = of(sweep(0), sweep(2));
+  options.json = true;
+  const Ran answer = ran(options);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_NE(answer.out.find("dr\xef\xbf\xbd@2"), std::string::npos) << answer.out;
+}
+
 TEST_F(AlignCommand, TakesAGuessAsYawOrAsQuaternion) {
   for (const std::vector<double>& guess :
        {std::vector<double>{2.5, -0.7, 0.1, 120.0}, {2.5, -0.7, 0.1, 0.0, 0.0, 1.75, 1.0}}) {

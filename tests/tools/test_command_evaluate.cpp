@@ -198,6 +198,19 @@ TEST_F(CommandEvaluate, UsageErrorsDoNotRun) {
   EXPECT_EQ(parse({"evaluate", "a", "b", "--tolerance", "-1"}), 2);
 }
 
+TEST_F(CommandEvaluate, TheWorldHasToLieSomewhere) {
+  for (const auto& [world, part] :
+       {std::pair(std::vector<double>{std::nan(""), 11, 500}, "its latitude is nan"),
+        std::pair(std::vector<double>{91, 11, 500}, "its latitude is 91"),
+        std::pair(std::vector<double>{48, 181, 500}, "its longitude is 181"),
+        std::pair(std::vector<double>{48, 11, std::nan("")}, "its height is nan")}) {
+    options_.world = world;
+    err_.str("");
+    EXPECT_EQ(run(), 2);
+    EXPECT_NE(err_.str().find(std::string("--world: ") + part), std::string::npos) << err_.str();
+  }
+}
+
 TEST_F(CommandEvaluate, MissingFilesAreErrorsOfTheData) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(parse({"evaluate", "nowhere.tum", options_.truth.string()}), 1);

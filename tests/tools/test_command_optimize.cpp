@@ -59,6 +59,13 @@ TEST(OptimizeCommand, ReportsAsJson) {
   }
 }
 
+TEST(OptimizeCommand, NamesThatAreNoTextAreReported) {
+  const test::TemporaryFolder folder;
+  const test::Ran ran = optimized({.input = folder.write("d\xe9.g2o", kTriangle), .json = true});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("d\xef\xbf\xbd.g2o"), std::string::npos) << ran.out;
+}
+
 TEST(OptimizeCommand, NamesPartsThatNothingTies) {
   const test::TemporaryFolder folder;
   const auto input = folder.write("in.g2o", std::string(kTriangle) + "VERTEX_SE2 9 5 5 0\n");

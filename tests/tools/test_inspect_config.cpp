@@ -204,6 +204,13 @@ TEST(InspectConfig, ConvertWritesTheRecordingAsItShouldHaveBeen) {
   EXPECT_EQ(test::kinds(options.output), Kinds{});
 }
 
+TEST(InspectConfig, NamesThatAreNoTextDoNotSpoilIt) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder / "dr\xe9.mcap";
+  fs::rename(test::write(folder, clean_recording()), file);
+  EXPECT_EQ(correct(file, folder / "drive.toml").after, Kinds{});
+}
+
 TEST(InspectConfig, TopicIsAText) {
   const Config config =
       load_config({.file = {}, .overrides = {"recording.sweep_topic=\"/points\""}});

@@ -34,6 +34,7 @@ TEST(KeptInputs, AFileIsKeptByAnyOfItsNames) {
   }
   const fs::path draft = folder.write("new.adit.part", "what a killed recovery has left");
   EXPECT_TRUE(would_change(folder / "new.adit", draft)) << "it is written as a draft first";
+  EXPECT_TRUE(fs::exists(draft)) << "asking takes nothing away";
   for (const fs::path& output : {folder / "map.html", folder / "map.adit-walk", fs::path()}) {
     EXPECT_FALSE(would_change(output, map)) << output;
   }

@@ -395,6 +395,9 @@ TEST_F(MapCommands, WhatIsNoMapIsSaidToBeNone) {
     EXPECT_FALSE(fs::exists(folder_ / "t.tum"));
   };
   expect(folder_ / "none.adit", "there is no such file");
+  fs::create_symlink("turn.adit", folder_ / "turn.adit");
+  const Ran info = ran(info_command, InfoCommandOptions{.map = folder_ / "turn.adit"});
+  EXPECT_NE(info.err.find("cannot be looked at: Too many"), std::string::npos) << info.err;
   expect(folder_.write("text.adit", std::string(5000, 'x')), "not a database");
   SqliteDatabase(map_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 9");
   expect(map_, "written by a newer adit");

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 
 namespace adit {
@@ -20,6 +21,11 @@ TEST(Svg, TextIsEscaped) {
   svg.text({1, 2}, "a<b & \"c\">\x01", {});
   EXPECT_NE(svg.str().find(">a&lt;b &amp; &quot;c&quot;&gt; </text>"), std::string::npos)
       << svg.str();
+}
+
+TEST(Markup, WhatIsNoUtf8IsReplaced) {
+  EXPECT_EQ(escape_markup("caf\xc3\xa9"), "caf\xc3\xa9");
+  EXPECT_EQ(escape_markup("caf\xe9 <\xff"), "caf\xef\xbf\xbd &lt;\xef\xbf\xbd");
 }
 
 TEST(Svg, PolylinesLeaveOutWhatNoOneSees) {

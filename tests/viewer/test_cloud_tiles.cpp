@@ -9,6 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tests/support/environment.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/viewer/temporary_file.hpp"
+
 namespace adit {
 namespace {
 
@@ -125,6 +129,17 @@ TEST(CloudTiles, AnInnerTileIsACloudThinnedToItsCells) {
     }
     // Those that its parent took are missing; no cell has two.
     EXPECT_EQ(cells.size(), tiles.tiles()[number].points) << number;
+  }
+}
+
+TEST(TemporaryFile, NamesThePlaceThatIsNone) {
+  const test::Variable temporary("TMPDIR", "/nonexistent");
+  try {
+    TemporaryFile file;
+    FAIL() << "made elsewhere";
+  } catch (const OutputError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("/nonexistent: nothing temporary"))
+        << error.what();
   }
 }
 

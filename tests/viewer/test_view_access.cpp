@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "adit/tools/support/usage_error.hpp"
+#include "adit/tools/viewer/view_server.hpp"
+
 namespace adit {
 namespace {
 
@@ -76,6 +79,17 @@ TEST(ViewAccess, TokensAreLongAndNeverTheSame) {
   EXPECT_EQ(one.size(), 32U);
   EXPECT_EQ(one.find_first_not_of("0123456789abcdef"), one.npos) << one;
   EXPECT_NE(one, make_token());
+}
+
+TEST(ViewServer, AnAddressOfAnotherMachineIsNamed) {
+  try {
+    const ViewServer server({}, {.address = "203.0.113.7", .token = "0123abcd"}, 0);
+    FAIL() << "listened on";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("--listen takes an address of this machine"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(ViewAccess, KnowsWhatIsLoopback) {

@@ -236,6 +236,8 @@ TEST_F(ViewDataTest, WhatCannotBeShownSaysWhatCan) {
       << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
          "property float z\nend_header\nnan nan nan\n";
   EXPECT_NE(said(folder_ / "empty.ply").find("no point that is anywhere"), std::string::npos);
+  PlyWriter(folder_ / "none.ply").close();
+  EXPECT_NE(said(folder_ / "none.ply").find("it holds no points"), std::string::npos);
 }
 
 }  // namespace

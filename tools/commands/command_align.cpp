@@ -174,7 +174,7 @@ int run(const AlignCommandOptions& options, std::ostream& out, std::ostream& err
     for (const AlignedPair& pair : pairs) {
       json["pairs"].push_back(to_json(pair, options.settings));
     }
-    out << json.dump(2) << "\n";
+    out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
   } else {
     out << (options.pairs ? table_of(pairs, options.settings)
                           : text_of(pairs.front(), options.settings));

@@ -13,6 +13,7 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/wanted_system.hpp"
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/evaluation/edge_consistency.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
@@ -147,6 +148,11 @@ RunEvaluation evaluate_as_far_as_it_went(const fs::path& folder, const Trajector
   }
 }
 
+/// Of --world.
+Geodetic world_origin(std::span<const double> numbers) {
+  return {.latitude = numbers[0], .longitude = numbers[1], .altitude = numbers[2]};
+}
+
 /// The run's own figures, those against the truth if there is one, and the page with both.
 void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
   const fs::path& folder = options.estimates.front();
@@ -172,8 +178,7 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out, s
   }
   std::optional<WorldError> world;
   if (!options.world.empty() && truth) {
-    world = world_error(map, *truth, {options.world[0], options.world[1], options.world[2]},
-                        options.evaluation.tolerance);
+    world = world_error(map, *truth, world_origin(options.world), options.evaluation.tolerance);
   }
   write_page(found, page);
   if (options.json) {
@@ -187,7 +192,7 @@ void evaluate_folder(const EvaluateCommandOptions& options, std::ostream& out, s
     if (world) {
       json["world"] = to_json(*world);
     }
-    out << json.dump(2) << "\n" << std::flush;
+    out << json_text(json) << std::flush;
   } else {
     out << found.report << "\n"
         << (edges ? describe(*edges) : "") << (loops ? describe(*loops) : "")
@@ -270,6 +275,9 @@ bool compare_estimates(const EvaluateCommandOptions& options, std::ostream& out,
 
 int run(const EvaluateCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_plot(options);
+  if (!options.world.empty()) {
+    require_place("--world", world_origin(options.world));
+  }
   require_use({.side = "estimate",
                .times = options.estimate_times.has_value(),
                .topic = !options.estimate_topic.empty()},

@@ -186,7 +186,7 @@ int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
   if (options.json) {
     ordered_json json = {{"schema", kInspectSchema}};
     json.update(to_json(review));
-    out << json.dump(2) << std::endl;
+    out << json.dump(2, ' ', false, ordered_json::error_handler_t::replace) << std::endl;
   } else {
     out << report << std::flush;
   }

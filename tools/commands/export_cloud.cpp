@@ -200,6 +200,9 @@ std::string export_tiles(const ExportJob& job) {
     heading.offset = coordinates.origin();
     coordinates = coordinates.counted_from(heading.offset);
   }
+  if (job.file != *options.output) {
+    TileFolder::remove(job.file);  // a draft that an interrupted export has left
+  }
   TileFolder folder(job.file, format, heading, *options.tiles);
   visit_tiles(*job.map, coordinates,
               {.size = *options.tiles,

@@ -70,10 +70,15 @@ std::vector<Eigen::Vector2d> box_of(const std::string& text) {
 
 /// The outer ring of the first polygon of a GeoJSON file.
 std::vector<Eigen::Vector2d> polygon_of_geojson(const std::filesystem::path& file,
-                                                const std::string& text,
+                                                const std::string& text, bool georeferenced,
                                                 const ProductCoordinates& coordinates) {
   if (coordinates.frame() == ProductFrame::map) {
-    fail_georeference("--polygon " + file.string() + " is in degrees, but without --frame");
+    const std::string in_degrees = "--polygon " + file.string() + " is in degrees";
+    if (!georeferenced) {
+      fail_georeference(in_degrees);
+    }
+    throw UsageError(in_degrees +
+                     ", and the product in the map's own frame; say --frame utm or local, too.");
   }
   std::vector<Eigen::Vector2d> corners;
   try {
@@ -92,6 +97,9 @@ std::vector<Eigen::Vector2d> polygon_of_geojson(const std::filesystem::path& fil
                                .from_geodetic({.latitude = corner.at(1).get<double>(),
                                                .longitude = corner.at(0).get<double>()})
                                .head<2>());
+      if (!corners.back().allFinite()) {
+        fail_polygon(file, {}, "a corner is nowhere on the Earth");
+      }
     }
   } catch (const nlohmann::json::exception& error) {
     fail_polygon(file, {}, std::string("it is no GeoJSON: ") + error.what());
@@ -101,13 +109,13 @@ std::vector<Eigen::Vector2d> polygon_of_geojson(const std::filesystem::path& fil
   return corners;
 }
 
-std::vector<Eigen::Vector2d> read_polygon(const std::filesystem::path& file,
+std::vector<Eigen::Vector2d> read_polygon(const std::filesystem::path& file, bool georeferenced,
                                           const ProductCoordinates& coordinates) {
   const std::string text = read_text_file(file);
   std::vector<Eigen::Vector2d> corners;
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && text[first] == '{') {
-    corners = polygon_of_geojson(file, text, coordinates);
+    corners = polygon_of_geojson(file, text, georeferenced, coordinates);
   } else {
     LineReader lines(text);
     while (const std::optional<std::string_view> line = lines.next()) {
@@ -117,7 +125,7 @@ std::vector<Eigen::Vector2d> read_polygon(const std::filesystem::path& file,
       }
       const std::optional<double> x = parse_double(words[0]);
       const std::optional<double> y = words.size() == 2 ? parse_double(words[1]) : std::nullopt;
-      if (!x || !y) {
+      if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y)) {
         fail_polygon(file, Place::line(lines.number()), "it is no corner");
       }
       corners.emplace_back(*x, *y);
@@ -157,11 +165,12 @@ Georeference parse_origin(const std::string& text) {
   Georeference placed;
   placed.origin = {
       .latitude = (*numbers)[0], .longitude = (*numbers)[1], .altitude = (*numbers)[2]};
-  if (std::abs(placed.origin.latitude) > 84.0 || std::abs(placed.origin.longitude) > 180.0) {
-    throw UsageError("--origin " + text +
-                     ": latitudes within 84 degrees and longitudes within 180 are possible.");
-  }
+  require_place("--origin " + text, placed.origin);
   if (numbers->size() == 4) {
+    if (!std::isfinite((*numbers)[3])) {
+      throw UsageError("--origin " + text +
+                       ": its yaw is no direction; expected degrees counter-clockwise from east.");
+    }
     placed.T_world_map = Eigen::AngleAxisd((*numbers)[3] * kDegree, Eigen::Vector3d::UnitZ());
   }
   return placed;
@@ -231,7 +240,7 @@ CloudSelection selection_of(const ExportJob& job, const ProductCoordinates& coor
   if (!options.box.empty()) {
     selection.polygon = box_of(options.box);
   } else if (options.polygon) {
-    selection.polygon = read_polygon(*options.polygon, coordinates);
+    selection.polygon = read_polygon(*options.polygon, job.georeference.has_value(), coordinates);
   }
   return selection;
 }

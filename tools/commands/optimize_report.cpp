@@ -170,7 +170,7 @@ std::string to_json(const OptimizeCommandOptions& options, const OptimizeOutcome
                                    {"chi2", report.edges[i]->chi2},
                                    {"weight", report.edges[i]->weight}});
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace adit

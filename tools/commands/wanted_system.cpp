@@ -2,8 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/wanted_system.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
+#include <fmt/core.h>
+
+#include "adit/slam/core/text.hpp"
+#include "adit/slam/mapping/world_frame.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -42,6 +47,20 @@ ProductSystem wanted_system(const std::optional<std::string>& utm,
     system.geoid = geoid_of(*geoid);
   }
   return system;
+}
+
+void require_place(const std::string& given, const Geodetic& place) {
+  const auto require = [&given](const char* name, double value, double most) {
+    if (!(std::abs(value) <= most)) {
+      throw UsageError(fmt::format(
+          "{}: its {} is {}; latitudes within {} degrees, longitudes within 180 and heights within "
+          "{} m are possible.",
+          given, name, shortest(value), kMostLatitude, kMostAltitude));
+    }
+  };
+  require("latitude", place.latitude, kMostLatitude);
+  require("longitude", place.longitude, 180.0);
+  require("height", place.altitude, kMostAltitude);
 }
 
 }  // namespace adit

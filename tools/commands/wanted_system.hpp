@@ -15,4 +15,7 @@ ProductSystem wanted_system(const std::optional<std::string>& utm,
                             const std::optional<std::string>& crs,
                             const std::optional<std::filesystem::path>& geoid);
 
+/// Throws UsageError, which names what of `given` cannot be, where no world frame has its origin.
+void require_place(const std::string& given, const Geodetic& place);
+
 }  // namespace adit

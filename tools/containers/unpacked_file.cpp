@@ -15,6 +15,7 @@
 
 #include "adit/tools/containers/seekable_file.hpp"
 #include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/temporary_folder.hpp"
 
 namespace adit {
 namespace fs = std::filesystem;
@@ -25,8 +26,7 @@ UnpackedFile::~UnpackedFile() {
 }
 
 std::unique_ptr<UnpackedFile> make_temporary_file() {
-  std::error_code error;
-  const fs::path folder = fs::temp_directory_path(error);
+  const fs::path folder = temporary_place();
   std::string pattern = (folder / "adit_XXXXXX").string();
   const int descriptor = ::mkstemp(pattern.data());
   if (descriptor < 0) {

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/drawing/markup.hpp"
 
+#include "adit/tools/support/utf8.hpp"
+
 namespace adit {
 
 std::string escape_markup(std::string_view text) {
   std::string result;
-  for (const char c : text) {
+  for (const char c : as_utf8(text)) {
     switch (c) {
       case '&':
         result += "&amp;";

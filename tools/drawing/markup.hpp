@@ -8,7 +8,7 @@
 namespace adit {
 
 /// Text as it may stand in HTML or SVG, also within an attribute's quotes. Control characters
-/// become blanks.
+/// become blanks, and what is no UTF-8 is replaced.
 std::string escape_markup(std::string_view text);
 
 }  // namespace adit

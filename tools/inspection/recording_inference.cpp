@@ -11,6 +11,7 @@
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/run/config_file.hpp"
+#include "adit/tools/support/utf8.hpp"
 
 namespace adit {
 namespace {
@@ -186,7 +187,7 @@ Config suggest_config(const Inspection& inspection, const Config& read_with) {
 std::string suggested_toml(const Inspection& inspection, const Config& read_with) {
   std::string text;
   const auto comment = [&](const std::string& line) {
-    std::string plain = line;
+    std::string plain = as_utf8(line);
     std::ranges::replace_if(
         plain, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
     text += "# " + plain + "\n";
@@ -199,7 +200,13 @@ std::string suggested_toml(const Inspection& inspection, const Config& read_with
     comment(std::string(to_string(finding.severity)) + ": " +
             (finding.topic.empty() ? "" : finding.topic + ": ") + finding.found);
   }
-  return text + "\n" + to_toml(suggest_config(inspection, read_with));
+  Config config = suggest_config(inspection, read_with);
+  // The name of a folder, whose one topic need not be told.
+  if (config.recording.sweep_topic &&
+      as_utf8(*config.recording.sweep_topic) != *config.recording.sweep_topic) {
+    config.recording.sweep_topic.reset();
+  }
+  return text + "\n" + to_toml(config);
 }
 
 }  // namespace adit

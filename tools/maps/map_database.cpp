@@ -134,9 +134,13 @@ SqliteDatabase::Mode reading_mode(const fs::path& file) {
 /// A reader needs a file beside the map for the WAL's index. In a folder that cannot be written to
 /// it does without, as long as there is no log that it would have to read.
 SqliteDatabase open_to_read(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) {
+  std::error_code error;
+  if (fs::status(file, error).type() == fs::file_type::not_found) {
     throw InputError(file, {}, "there is no such file", "Name a map that `adit run` has made");
+  }
+  if (error) {
+    throw InputError(file, {}, "cannot be looked at: " + error.message(),
+                     "Check the permissions of its folder");
   }
   try {
     SqliteDatabase database(file, reading_mode(file));

@@ -14,6 +14,10 @@
 namespace adit {
 namespace {
 
+constexpr const char* kIndex = "tiles.csv";
+constexpr const char* kCorners = "pointcloud_map_metadata.yaml";
+constexpr const char* kProjector = "map_projector_info.yaml";
+
 std::string extension_of(CloudFormat format) {
   return format == CloudFormat::pcd ? ".pcd" : format == CloudFormat::ply ? ".ply" : ".las";
 }
@@ -29,11 +33,31 @@ TileFolder::TileFolder(std::filesystem::path folder, CloudFormat format, CloudHe
     : folder_(std::move(folder)), format_(format), heading_(std::move(heading)), size_(size) {
   const std::filesystem::path made = folder_ / subfolder_of(format_);
   std::error_code error;
+  is_new_ = !std::filesystem::exists(folder_, error);
   if (!std::filesystem::create_directories(made, error)) {
     throw OutputError(made, made.string() + ": cannot be made: " +
                                 (error ? error.message() : std::string("it exists")) +
                                 ". Name another folder with -o.");
   }
+}
+
+TileFolder::~TileFolder() {
+  if (!whole_) {
+    product_.reset();
+    std::error_code ignored;
+    std::filesystem::remove_all(is_new_ ? folder_ : folder_ / subfolder_of(format_), ignored);
+  }
+}
+
+void TileFolder::remove(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const CloudFormat format : {CloudFormat::pcd, CloudFormat::las}) {
+    std::filesystem::remove_all(folder / subfolder_of(format), ignored);
+  }
+  for (const char* const file : {kIndex, kCorners, kProjector}) {
+    std::filesystem::remove(folder / file, ignored);
+  }
+  std::filesystem::remove(folder, ignored);
 }
 
 std::string TileFolder::name_of(const TileNumber& tile) const {
@@ -81,10 +105,10 @@ void TileFolder::end_tile() {
 void TileFolder::close(const ProductCoordinates& coordinates,
                        const std::optional<Georeference>& georeference) {
   end_tile();
-  write_text_file(folder_ / "tiles.csv", index_);
+  write_text_file(folder_ / kIndex, index_);
   if (format_ == CloudFormat::pcd) {
     write_text_file(
-        folder_ / "pointcloud_map_metadata.yaml",
+        folder_ / kCorners,
         fmt::format("x_resolution: {:.1f}\ny_resolution: {:.1f}\n", size_, size_) + metadata_);
   }
   std::string projector = "projector_type: Local\n";
@@ -97,9 +121,10 @@ void TileFolder::close(const ProductCoordinates& coordinates,
         "  longitude: {}\n  altitude: {}\n",
         shortest(origin.latitude), shortest(origin.longitude), shortest(origin.altitude));
   }
-  write_text_file(folder_ / "map_projector_info.yaml",
+  write_text_file(folder_ / kProjector,
                   "# " + (heading_.coordinates.empty() ? "the map's frame" : heading_.coordinates) +
                       "\n" + projector);
+  whole_ = true;
 }
 
 }  // namespace adit

@@ -24,6 +24,13 @@ class TileFolder {
   /// Makes the folder, which must not exist. `size`: m, of a tile. PLY and PCD: `heading.offset`
   /// is what positions are already less of.
   TileFolder(std::filesystem::path folder, CloudFormat format, CloudHeading heading, double size);
+  /// What is not whole is removed.
+  ~TileFolder();
+  TileFolder(const TileFolder&) = delete;
+  TileFolder& operator=(const TileFolder&) = delete;
+
+  /// Removes what such a folder holds, and the folder where it holds nothing else.
+  static void remove(const std::filesystem::path& folder);
 
   /// Points of a tile; of one after the other.
   void write(const TileNumber& tile, std::span<const CloudPoint> points);
@@ -48,6 +55,8 @@ class TileFolder {
   std::string index_ = "file,min_x_m,min_y_m,max_x_m,max_y_m,points\n";
   std::size_t tiles_ = 0;
   uint64_t points_ = 0;
+  bool is_new_ = false;
+  bool whole_ = false;
 };
 
 }  // namespace adit

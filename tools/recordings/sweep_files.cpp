@@ -150,6 +150,10 @@ class FileRecording final : public Recording {
 
 std::unique_ptr<Recording> open_file(const fs::path& path) {
   SweepFiles sweeps{.kind = sweep_file_kind(path), .files = {path}};
+  std::error_code unknown;
+  if (sweeps.kind == nullptr && fs::is_empty(path, unknown)) {
+    throw InputError(path, {}, "it is empty", "Copy it again, or record anew");
+  }
   if (sweeps.kind == nullptr) {
     const std::string suffix = path.extension().string();
     throw InputError(path, {},

@@ -65,7 +65,7 @@ bool would_change(const fs::path& output, const fs::path& input) {
     return false;  // devices and pipes hold nothing that could be lost
   }
   const fs::path file = resolved(output);
-  return same_file(output, input) || same_file(Draft(output).path(), input) ||
+  return same_file(output, input) || same_file(Draft::path_of(output), input) ||
          std::ranges::any_of(kBesideDatabases, [&](const char* end) {
            return file == resolved(input).string() + end;
          });

@@ -77,8 +77,11 @@ void OutputFile::close() {
   }
 }
 
-Draft::Draft(std::filesystem::path file)
-    : file_(std::move(file)), path_(file_.string() + ".part") {}
+std::filesystem::path Draft::path_of(const std::filesystem::path& file) {
+  return file.string() + ".part";
+}
+
+Draft::Draft(std::filesystem::path file) : file_(std::move(file)), path_(path_of(file_)) {}
 
 Draft::~Draft() {
   std::error_code ignored;

@@ -51,6 +51,8 @@ class OutputFile {
 /// removed: it would keep a full disk full.
 class Draft {
  public:
+  static std::filesystem::path path_of(const std::filesystem::path& file);
+
   explicit Draft(std::filesystem::path file);
   ~Draft();
   Draft(const Draft&) = delete;

@@ -11,9 +11,20 @@
 
 namespace adit {
 
+std::filesystem::path temporary_place() {
+  std::error_code error;
+  std::filesystem::path where = std::filesystem::temp_directory_path(error);
+  if (error) {
+    const char* const named = std::getenv("TMPDIR");
+    where = named != nullptr ? named : "/tmp";
+    throw OutputError(where, where.string() + ": nothing temporary can be kept there: " +
+                                 error.message() + ". TMPDIR names another folder.");
+  }
+  return where;
+}
+
 TemporaryFolder::TemporaryFolder(std::string_view prefix) {
-  std::error_code none;
-  const std::filesystem::path where = std::filesystem::temp_directory_path(none);
+  const std::filesystem::path where = temporary_place();
   std::string name = (where / (std::string(prefix) + "-XXXXXX")).string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw OutputError(where, where.string() + ": no temporary folder can be made: " +

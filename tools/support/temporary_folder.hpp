@@ -7,6 +7,9 @@
 
 namespace adit {
 
+/// The system's place for what is temporary (TMPDIR). Throws OutputError where it is no folder.
+std::filesystem::path temporary_place();
+
 /// A folder of its own in the system's place for what is temporary (TMPDIR), which goes away with
 /// all that it holds.
 class TemporaryFolder {

@@ -10,12 +10,12 @@
 #include <unistd.h>
 
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/temporary_folder.hpp"
 
 namespace adit {
 
 TemporaryFile::TemporaryFile() {
-  std::error_code none;
-  folder_ = std::filesystem::temp_directory_path(none);
+  folder_ = temporary_place();
   std::string name = (folder_ / "adit-view-XXXXXX").string();
   descriptor_ = ::mkstemp(name.data());
   if (descriptor_ < 0) {

@@ -207,6 +207,9 @@ void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
       box.extend(Eigen::Vector3f(point.x, point.y, point.z).cast<double>());
     }
   }
+  if (points.empty()) {
+    throw InputError(file, {}, "it holds no points", "Name a cloud that does, a map or a run");
+  }
   if (box.isEmpty()) {
     throw InputError(file, {}, "it has no point that is anywhere",
                      "Its coordinates are all NaN or beyond " + std::to_string(kFarthest) + " m");

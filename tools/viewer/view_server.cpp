@@ -386,7 +386,9 @@ class ViewServer::Listener {
     } catch (const boost::system::system_error& error) {
       throw UsageError("port " + std::to_string(port) + " of " + access.address +
                        " cannot be listened on: " + error.code().message() +
-                       ". --port 0 takes any that is free.");
+                       (error.code() == boost::system::errc::address_not_available
+                            ? ". --listen takes an address of this machine."
+                            : ". --port 0 takes any that is free."));
     }
   }
 
