@@ -3,7 +3,6 @@
 #include "adit/slam/mapping/loop_by_hand.hpp"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "adit/slam/core/units.hpp"

@@ -173,7 +173,7 @@ TEST_F(RunInto, WhatEndsAtTheFirstSweepsTakesNoEarlierRunAway) {
   EXPECT_EQ(contents(), before);
 }
 
-TEST(CheckWritable, WhatToDoIsOfTheFileThatCannotBe) {
+TEST(CheckWritable, TheAdviceIsOfTheFileThatCannotBeWritten) {
   const test::TemporaryFolder folder;
   const auto refusal_of_other = [&](const fs::path& other) -> std::string {
     try {

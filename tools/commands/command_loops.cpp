@@ -246,8 +246,6 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
   }
   std::optional<LoopChange> changed;
   if (options.revoke || options.restore || adds) {
-    // A writer would make the file where there is none.
-    static_cast<void>(MapDatabase(options.map, MapAccess::read));
     changed = adds ? add(options)
               : options.revoke
                   ? change_loop(options.map, *options.revoke, LoopAction::revoke)
