@@ -12,12 +12,17 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/core.h>
+
+#include "adit/tests/commands/map_cases.hpp"
 #include "adit/tests/commands/small_room.hpp"
 #include "adit/tools/commands/command_align.hpp"
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/commands/command_simulate.hpp"
+#include "adit/tools/simulator/scene_file.hpp"
 
 namespace adit::test {
 namespace {
@@ -34,17 +39,33 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-constexpr const char* kTables = "tables";  // tables of poses, which only `evaluate` reads
+constexpr const char* kTables = "tables";  // tables of poses
+constexpr const char* kScenes = "scenes";
+constexpr const char* kMaps = "maps";
+constexpr const char* kGraphs = "graphs";
+
+// What a healthy scene takes, and what more of a damaged one than the command is to be held to: who
+// asks for an hour shall wait for it.
+constexpr double kSceneSeconds = 0.5;
+constexpr double kMostSceneSeconds = 3.0;
 
 /// What a person wrote or a program prints, so that numbers in it can be damaged.
 bool is_text(const fs::path& file) {
-  constexpr std::array kSuffixes = {".txt", ".csv", ".tum", ".json", ".kitti", ".yaml"};
+  constexpr std::array kSuffixes = {".txt",   ".csv",  ".tum",  ".json",
+                                    ".kitti", ".yaml", ".toml", ".g2o"};
   return std::ranges::count(kSuffixes, file.extension()) > 0;
+}
+
+/// Where nothing but text is read: half of the damage lets it be read.
+void damage_words(std::string& text, Dice& dice) {
+  dice.one_in(2) ? damage_numbers(text, dice) : damage_text(text, dice);
 }
 
 void damage_file(const fs::path& file, Dice& dice) {
   std::string bytes = content(file);
-  if (is_text(file)) {
+  if (file.extension() == ".g2o") {
+    damage_words(bytes, dice);
+  } else if (is_text(file)) {
     damage_text(bytes, dice);
   } else {
     damage_bytes(bytes, dice);
@@ -81,8 +102,8 @@ std::string no_number(const std::string& told) {
 }  // namespace
 
 std::string_view to_string(FuzzedCommand command) {
-  constexpr std::array<std::string_view, 5> kNames = {"inspect", "run", "convert", "evaluate",
-                                                      "align"};
+  constexpr std::array<std::string_view, 7> kNames = {"inspect", "run",      "convert", "evaluate",
+                                                      "align",   "simulate", "maps"};
   return kNames[static_cast<std::size_t>(command)];
 }
 
@@ -98,6 +119,7 @@ CommandCases::CommandCases(engine::Context& context)
   if (run_command(options, told, told) != 0) {
     throw std::runtime_error("the healthy recording could not be mapped: " + told.str());
   }
+  write_healthy_map(folder_ / "map");
   // The run's poses as other programs write them.
   const Trajectory trajectory = read_trajectory(run_ / "trajectory.tum");
   std::string euroc = "#timestamp,p_RS_R_x [m],p_y [m],p_z [m],q_w,q_x,q_y,q_z\n";
@@ -117,8 +139,19 @@ std::vector<std::string> CommandCases::formats() const {
   for (const HealthyFormat& format : formats_) {
     names.push_back(format.name);
   }
-  names.emplace_back(kTables);
+  names.insert(names.end(), {kTables, kScenes, kMaps, kGraphs});
   return names;
+}
+
+bool CommandCases::reads(FuzzedCommand command, const std::string& format) {
+  if (format == kTables) {
+    return command == FuzzedCommand::evaluate;
+  }
+  if (format == kScenes) {
+    return command == FuzzedCommand::simulate;
+  }
+  const bool of_maps = format == kMaps || format == kGraphs;
+  return of_maps == (command == FuzzedCommand::maps) && command != FuzzedCommand::simulate;
 }
 
 CommandCases::Damaged CommandCases::damaged_recording(const std::string& name,
@@ -153,6 +186,45 @@ CommandCases::Damaged CommandCases::damaged_recording(const std::string& name,
     }
   }
   return {copy.path(), copy.metadata.empty() ? fs::path() : copy.folder / copy.metadata};
+}
+
+int CommandCases::simulate(const fs::path& folder, Dice& dice, std::ostream& told) const {
+  const auto put = [](std::string& text, const std::string& what, const std::string& instead) {
+    text.replace(text.find(what), what.size(), instead);
+  };
+  std::string scene = scene_file_example();
+  put(scene, "\"mine\"", dice.one_in(2) ? "\"room\"" : "\"mine\"");
+  put(scene, "duration = 60.0", fmt::format("duration = {}", kSceneSeconds));
+  put(scene, "receiver = \"none\"", dice.one_in(2) ? "receiver = \"rtk\"" : "receiver = \"none\"");
+  if (dice.one_in(2)) {
+    put(scene, "# waypoints", "waypoints");
+    put(scene, "# corner_radius", "corner_radius");
+  }
+  damage_words(scene, dice);
+  SimulateCommandOptions options;
+  options.simulation.scene = folder / "scene.toml";
+  options.simulation.output = folder / "out" / "drive.mcap";
+  options.simulation.picture = dice.one_in(10);
+  write(options.simulation.scene, scene);
+  fs::create_directories(folder / "out");
+  try {
+    const double seconds = read_scene_file(options.simulation.scene).duration;
+    if (seconds > kMostSceneSeconds) {
+      told << "asks for " << seconds << " s\n";
+      return 0;
+    }
+  } catch (const std::exception&) {  // for the command to tell
+  }
+  return simulate_command(options, told, told);
+}
+
+int CommandCases::maps(const std::string& format, const fs::path& folder, Dice& dice,
+                       std::ostream& told) const {
+  const fs::path copy = folder / (format == kMaps ? "map.adit" : "graph.g2o");
+  fs::copy(folder_ / "map" / copy.filename(), copy);
+  damage_file(copy, dice);
+  return format == kMaps ? call_on_map(copy, folder, *context_, dice, told)
+                         : call_on_graph(copy, folder, dice, told);
 }
 
 int CommandCases::evaluate_tables(const fs::path& folder, Dice& dice, std::ostream& told) const {
@@ -232,9 +304,13 @@ int CommandCases::align(const std::string& cloud, const fs::path& folder, Dice& 
 int CommandCases::call(FuzzedCommand command, const std::string& format, const fs::path& folder,
                        Dice& dice, std::ostream& told) const {
   if (format == kTables) {
-    return command == FuzzedCommand::align
-               ? align((run_ / "trajectory.tum").string(), folder, dice, told)
-               : evaluate_tables(folder, dice, told);
+    return evaluate_tables(folder, dice, told);
+  }
+  if (command == FuzzedCommand::simulate) {
+    return simulate(folder, dice, told);
+  }
+  if (command == FuzzedCommand::maps) {
+    return maps(format, folder, dice, told);
   }
   const auto [recording, metadata] = damaged_recording(format, folder, dice);
   if (command == FuzzedCommand::evaluate) {
@@ -295,11 +371,11 @@ CommandOutcome CommandCases::run(FuzzedCommand command, const std::string& forma
   } else if (const std::string found = no_number(outcome.told); !found.empty()) {
     outcome.complaint = "it says: " + found;
   }
-  for (const char* name : {"trajectory.tum", "trajectory.kitti", "sweeps.csv", "summary.json",
-                           "odometry_highrate.tum", "odometry_highrate.csv"}) {
-    const std::string found = no_number(content(folder / (std::string("out/") + name)));
-    if (command == FuzzedCommand::run && !found.empty()) {
-      outcome.complaint = std::string(name) + " has: " + found;
+  if (fs::exists(folder / "out")) {
+    for (const fs::path& file : files_in(folder / "out")) {
+      if (const std::string found = is_text(file) ? no_number(content(file)) : ""; !found.empty()) {
+        outcome.complaint = file.filename().string() + " has: " + found;
+      }
     }
   }
   return outcome;

@@ -17,10 +17,12 @@
 
 namespace adit::test {
 
-enum class FuzzedCommand { inspect, run, convert, evaluate, align };
+/// `maps` are the commands on maps, turn and turn about.
+enum class FuzzedCommand { inspect, run, convert, evaluate, align, simulate, maps };
 inline constexpr FuzzedCommand kFuzzedCommands[] = {FuzzedCommand::inspect, FuzzedCommand::run,
                                                     FuzzedCommand::convert, FuzzedCommand::evaluate,
-                                                    FuzzedCommand::align};
+                                                    FuzzedCommand::align,   FuzzedCommand::simulate,
+                                                    FuzzedCommand::maps};
 std::string_view to_string(FuzzedCommand command);
 
 /// What a command did.
@@ -30,16 +32,19 @@ struct CommandOutcome {
   std::string complaint;  ///< what it owed and did not do; empty: nothing
 };
 
-/// Small recordings and runs, and the commands on damaged copies of them. A case is told by its
-/// number: the same command, format and number, the same damage.
+/// Small recordings, runs, scenes and maps, and the commands on damaged copies of them. A case is
+/// told by its number: the same command, format and number, the same damage.
 class CommandCases {
  public:
   /// Device work is done on `context`.
   explicit CommandCases(engine::Context& context);
 
-  /// Those of recordings, and at last "tables": the files of a run and tables of poses, which
-  /// only `evaluate` reads.
+  /// Those of recordings, and at last "tables": the files of a run and tables of poses; "scenes":
+  /// files that say what to simulate; "maps"; and "graphs": files of pose graphs.
   std::vector<std::string> formats() const;
+
+  /// Whether it is for the command to read.
+  static bool reads(FuzzedCommand command, const std::string& format);
 
   /// A code of 0, 1 or 2 in bounded time, and nothing written that is not a number.
   CommandOutcome run(FuzzedCommand command, const std::string& format, uint64_t number) const;
@@ -53,6 +58,9 @@ class CommandCases {
                             Dice& dice) const;
   int call(FuzzedCommand command, const std::string& format, const std::filesystem::path& folder,
            Dice& dice, std::ostream& told) const;
+  int simulate(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
+  int maps(const std::string& format, const std::filesystem::path& folder, Dice& dice,
+           std::ostream& told) const;
   int evaluate_tables(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
   int evaluate(const std::filesystem::path& recording, Dice& dice, std::ostream& told) const;
   int align(const std::string& cloud, const std::filesystem::path& folder, Dice& dice,

@@ -198,6 +198,33 @@ void damage_text(std::string& text, Dice& dice) {
   }
 }
 
+void damage_numbers(std::string& text, Dice& dice) {
+  constexpr std::array<std::string_view, 12> kOthers = {"0",    "1",  "-1",  "0.0",  "1.0", "-1.0",
+                                                        "1e-9", "25", "0.5", "90.0", "1e3", "-1e6"};
+  const auto numbers = [&] {  // where each begins, and its length
+    std::vector<std::pair<std::size_t, std::size_t>> found;
+    for (std::size_t at = text.find_first_of("0123456789"); at != text.npos;
+         at = text.find_first_of("0123456789", at)) {
+      const std::size_t begin = at > 0 && text[at - 1] == '-' ? at - 1 : at;
+      const std::size_t end = std::min(text.find_first_not_of("0123456789.e-", at), text.size());
+      found.emplace_back(begin, end - begin);
+      at = end;
+    }
+    return found;
+  };
+  for (std::size_t change = 0; change <= dice.below(4); ++change) {
+    const auto found = numbers();
+    if (found.empty()) {
+      return;
+    }
+    const auto [at, length] = found[dice.below(found.size())];
+    const auto [from, size] = found[dice.below(found.size())];
+    text.replace(at, length,
+                 dice.one_in(2) ? text.substr(from, size)
+                                : std::string(kOthers[dice.below(kOthers.size())]));
+  }
+}
+
 void damage_events(std::vector<Recorded>& events, Dice& dice) {
   for (std::size_t change = 0; change <= dice.below(4) && !events.empty(); ++change) {
     const std::size_t at = dice.below(events.size());

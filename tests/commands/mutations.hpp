@@ -33,6 +33,9 @@ void damage_bytes(std::string& bytes, Dice& dice);
 /// Lines taken out, doubled and exchanged, and numbers replaced by such as are none, or are huge.
 void damage_text(std::string& text, Dice& dice);
 
+/// One to four numbers of a text replaced by others that can be read: of the same text, or far off.
+void damage_numbers(std::string& text, Dice& dice);
+
 /// Events left out, doubled, exchanged and sent to other topics; stamps anywhere; numbers that are
 /// none, or huge; clouds without points, with one, with all in one place. One to four kinds of it.
 void damage_events(std::vector<Recorded>& events, Dice& dice);

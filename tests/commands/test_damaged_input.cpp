@@ -33,7 +33,10 @@ TEST_F(DamagedInput, EndsEveryCommandWithACodeAndWithNumbers) {
     int told[3] = {0, 0, 0};
     int aligned = 0;
     for (const std::string& format : cases.formats()) {
-      for (uint64_t number = 0; number < kCases; ++number) {
+      // Of scenes, maps and graphs there is one format each.
+      const bool only_one = !cases.reads(FuzzedCommand::inspect, format);
+      const uint64_t most = !cases.reads(command, format) ? 0 : (only_one ? 10 : 1) * kCases;
+      for (uint64_t number = 0; number < most; ++number) {
         const test::CommandOutcome outcome = cases.run(command, format, number);
         ASSERT_EQ(outcome.complaint, "")
             << to_string(command) << ", " << format << ", case " << number << ":\n"

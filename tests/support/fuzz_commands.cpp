@@ -66,9 +66,7 @@ uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
        ++number) {
     for (const adit::test::FuzzedCommand command : adit::test::kFuzzedCommands) {
       const std::string name(to_string(command));
-      // Tables of poses are evaluate's alone.
-      const bool fits = format != "tables" || command == adit::test::FuzzedCommand::evaluate;
-      if (!fits || (only != "all" && only != name)) {
+      if (!cases.reads(command, format) || (only != "all" && only != name)) {
         continue;
       }
       std::snprintf(g_case, sizeof g_case, "%s, %s, case %llu", name.c_str(), format.c_str(),

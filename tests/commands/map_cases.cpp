@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tests/commands/map_cases.hpp"
+
+#include <array>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tests/commands/small_room.hpp"
+#include "adit/tests/mapping/map_support.hpp"
+#include "adit/tools/commands/command_export.hpp"
+#include "adit/tools/commands/command_info.hpp"
+#include "adit/tools/commands/command_loops.hpp"
+#include "adit/tools/commands/command_optimize.hpp"
+#include "adit/tools/commands/command_recover.hpp"
+
+namespace adit::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// 200 points, 3 m to the left.
+KeyframeSubmap wall(Nanoseconds stamp) {
+  KeyframeSubmap submap;
+  submap.r_submap = 0.25;
+  submap.sweeps.push_back({.stamp = stamp, .merged = true});
+  for (int i = 0; i < 200; ++i) {
+    submap.points.push_back({.place = {20 * i, 6144, 10 * i}});
+  }
+  return submap;
+}
+
+int info(const fs::path& map, Dice& dice, std::ostream& told) {
+  const InfoCommandOptions options{.map = map, .json = dice.one_in(2)};
+  return dice.one_in(2) ? info_command(options, told, told) : check_command(options, told, told);
+}
+
+int loops(const fs::path& map, const fs::path& out, engine::Context& context, Dice& dice,
+          std::ostream& told) {
+  LoopsCommandOptions options{.map = map};
+  options.json = dice.one_in(2);
+  options.device.opened = &context;
+  if (dice.one_in(3)) {
+    options.html = out / "loops.html";
+  }
+  switch (dice.below(4)) {
+    case 0:
+      options.revoke = 1;
+      break;
+    case 1:
+      options.restore = 1;
+      break;
+    case 2:
+      options.add = {0, 4};
+      if (dice.one_in(2)) {
+        options.guess = {39.0, 0.1, 0.0, 1.0};
+      }
+      break;
+    default:
+      break;
+  }
+  return loops_command(options, told, told);
+}
+
+int exported(const fs::path& map, const fs::path& out, engine::Context& context, Dice& dice,
+             std::ostream& told) {
+  ExportCommandOptions options{.map = map};
+  options.device.opened = &context;
+  const std::array<std::string, 6> trajectories = {"tum", "kitti", "csv", "geojson", "kml", "gpkg"};
+  const std::array<std::string, 3> clouds = {"ply", "pcd", "las"};
+  switch (dice.below(8)) {
+    case 0:
+      options.trajectory = trajectories[dice.below(trajectories.size())];
+      options.output = out / ("trajectory." + options.trajectory);
+      if (dice.one_in(2)) {
+        options.origin = "47.0,8.0,400,30";
+      }
+      break;
+    case 1:
+      options.cloud = clouds[dice.below(clouds.size())];
+      options.output = out / ("cloud." + options.cloud);
+      options.find_moving = dice.one_in(3);
+      options.without_moving = options.find_moving;
+      break;
+    case 2:
+      options.graph = "g2o";
+      options.output = out / "graph.g2o";
+      break;
+    case 3:
+      options.raster = dice.one_in(2) ? "height" : "intensity";
+      options.output = out / "raster.tif";
+      break;
+    case 4:
+      options.grid = true;
+      options.output = out / "grid.yaml";
+      break;
+    case 5:
+      options.picture = true;
+      options.output = out / "map.png";
+      break;
+    case 6:
+      options.report = true;
+      options.output = out / "report.html";
+      break;
+    default:
+      options.dump = true;
+      options.output = out / "dump.txt";
+  }
+  return export_command(options, told, told);
+}
+
+int optimized(OptimizeCommandOptions options, Dice& dice, std::ostream& told) {
+  constexpr std::array kInitial = {InitialPoses::better, InitialPoses::file, InitialPoses::tree,
+                                   InitialPoses::chordal};
+  options.json = dice.one_in(2);
+  options.direct = dice.one_in(2);
+  options.max_iterations = 20;
+  if (dice.one_in(2)) {
+    options.initial = kInitial[dice.below(kInitial.size())];
+  }
+  return optimize_command(options, told, told);
+}
+
+}  // namespace
+
+void write_healthy_map(const fs::path& folder) {
+  fs::create_directories(folder);
+  {
+    MapDatabase map(folder / "map.adit", MapAccess::write);
+    const SessionId session = add_session(map);
+    for (NodeId id = 0; id < 6; ++id) {
+      KeyframeRecord keyframe = record(id, session);
+      keyframe.submap = encode(wall(keyframe.keyframe.stamp));
+      map.store(keyframe);
+    }
+    map.revise(loops_of_six());
+  }
+  std::ostringstream told;
+  const ExportCommandOptions options{
+      .map = folder / "map.adit", .output = folder / "graph.g2o", .graph = "g2o"};
+  if (export_command(options, told, told) != 0) {
+    throw std::runtime_error("the healthy map's graph could not be written: " + told.str());
+  }
+}
+
+int call_on_map(const fs::path& map, const fs::path& folder, engine::Context& context, Dice& dice,
+                std::ostream& told) {
+  const fs::path out = folder / "out";
+  fs::create_directories(out);
+  switch (dice.below(5)) {
+    case 0:
+      return info(map, dice, told);
+    case 1:
+      return loops(map, out, context, dice, told);
+    case 2:
+      return exported(map, out, context, dice, told);
+    case 3:
+      return optimized({.input = map}, dice, told);
+    default:
+      return recover_command({.map = map, .output = out / "recovered.adit"}, told, told);
+  }
+}
+
+int call_on_graph(const fs::path& graph, const fs::path& folder, Dice& dice, std::ostream& told) {
+  fs::create_directories(folder / "out");
+  return optimized({.input = graph, .output = folder / "out" / "graph.g2o"}, dice, told);
+}
+
+}  // namespace adit::test
