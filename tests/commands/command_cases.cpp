@@ -17,6 +17,7 @@
 #include "adit/tests/commands/map_cases.hpp"
 #include "adit/tests/commands/small_room.hpp"
 #include "adit/tools/commands/command_align.hpp"
+#include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
@@ -43,6 +44,7 @@ constexpr const char* kTables = "tables";  // tables of poses
 constexpr const char* kScenes = "scenes";
 constexpr const char* kMaps = "maps";
 constexpr const char* kGraphs = "graphs";
+constexpr const char* kConfigs = "configs";
 
 // What a healthy scene takes, and what more of a damaged one than the command is to be held to: who
 // asks for an hour shall wait for it.
@@ -87,8 +89,8 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 /// The first number in it that is none; empty where all are. What is quoted is the input's.
 std::string no_number(const std::string& told) {
-  // Nor is the name of a file that a damaged list of files asks for.
-  static const std::regex kQuoted("'[^'\n]*'|[^ \n]*: there is no such file");
+  // Nor is the name of a file that a damaged list of files asks for ("/tmp/-inf").
+  static const std::regex kQuoted("'[^'\n]*'|[^ \n]*: there is no such file|/[^ \n]*/[^ \n]*");
   const std::string text = std::regex_replace(told, kQuoted, "''");
   static const std::regex kNone("(^|[^A-Za-z_/.])-?(nan|inf)([^A-Za-z_/.]|$)");
   std::smatch found;
@@ -102,8 +104,8 @@ std::string no_number(const std::string& told) {
 }  // namespace
 
 std::string_view to_string(FuzzedCommand command) {
-  constexpr std::array<std::string_view, 7> kNames = {"inspect", "run",      "convert", "evaluate",
-                                                      "align",   "simulate", "maps"};
+  constexpr std::array<std::string_view, 8> kNames = {"inspect", "run",      "convert", "evaluate",
+                                                      "align",   "simulate", "maps",    "config"};
   return kNames[static_cast<std::size_t>(command)];
 }
 
@@ -139,19 +141,23 @@ std::vector<std::string> CommandCases::formats() const {
   for (const HealthyFormat& format : formats_) {
     names.push_back(format.name);
   }
-  names.insert(names.end(), {kTables, kScenes, kMaps, kGraphs});
+  names.insert(names.end(), {kTables, kScenes, kMaps, kGraphs, kConfigs});
   return names;
 }
 
 bool CommandCases::reads(FuzzedCommand command, const std::string& format) {
-  if (format == kTables) {
-    return command == FuzzedCommand::evaluate;
+  constexpr std::array<std::pair<std::string_view, FuzzedCommand>, 5> kOwn = {
+      {{kTables, FuzzedCommand::evaluate},
+       {kScenes, FuzzedCommand::simulate},
+       {kMaps, FuzzedCommand::maps},
+       {kGraphs, FuzzedCommand::maps},
+       {kConfigs, FuzzedCommand::config}}};
+  const auto own = std::ranges::find(kOwn, format, [](const auto& of) { return of.first; });
+  if (own != kOwn.end()) {
+    return command == own->second;
   }
-  if (format == kScenes) {
-    return command == FuzzedCommand::simulate;
-  }
-  const bool of_maps = format == kMaps || format == kGraphs;
-  return of_maps == (command == FuzzedCommand::maps) && command != FuzzedCommand::simulate;
+  return command != FuzzedCommand::simulate && command != FuzzedCommand::maps &&
+         command != FuzzedCommand::config;
 }
 
 CommandCases::Damaged CommandCases::damaged_recording(const std::string& name,
@@ -216,6 +222,17 @@ int CommandCases::simulate(const fs::path& folder, Dice& dice, std::ostream& tol
   } catch (const std::exception&) {  // for the command to tell
   }
   return simulate_command(options, told, told);
+}
+
+int CommandCases::config(const fs::path& folder, Dice& dice, std::ostream& told) {
+  std::ostringstream healthy;
+  config_command({}, healthy, healthy);
+  std::string text = healthy.str();
+  damage_words(text, dice);
+  ConfigSource source;
+  source.file = folder / "adit.toml";
+  write(*source.file, text);
+  return config_command(source, told, told);
 }
 
 int CommandCases::maps(const std::string& format, const fs::path& folder, Dice& dice,
@@ -308,6 +325,9 @@ int CommandCases::call(FuzzedCommand command, const std::string& format, const f
   }
   if (command == FuzzedCommand::simulate) {
     return simulate(folder, dice, told);
+  }
+  if (command == FuzzedCommand::config) {
+    return config(folder, dice, told);
   }
   if (command == FuzzedCommand::maps) {
     return maps(format, folder, dice, told);

@@ -18,11 +18,11 @@
 namespace adit::test {
 
 /// `maps` are the commands on maps, turn and turn about.
-enum class FuzzedCommand { inspect, run, convert, evaluate, align, simulate, maps };
+enum class FuzzedCommand { inspect, run, convert, evaluate, align, simulate, maps, config };
 inline constexpr FuzzedCommand kFuzzedCommands[] = {FuzzedCommand::inspect, FuzzedCommand::run,
                                                     FuzzedCommand::convert, FuzzedCommand::evaluate,
                                                     FuzzedCommand::align,   FuzzedCommand::simulate,
-                                                    FuzzedCommand::maps};
+                                                    FuzzedCommand::maps,    FuzzedCommand::config};
 std::string_view to_string(FuzzedCommand command);
 
 /// What a command did.
@@ -40,7 +40,7 @@ class CommandCases {
   explicit CommandCases(engine::Context& context);
 
   /// Those of recordings, and at last "tables": the files of a run and tables of poses; "scenes":
-  /// files that say what to simulate; "maps"; and "graphs": files of pose graphs.
+  /// files that say what to simulate; "maps"; "graphs": files of pose graphs; and "configs".
   std::vector<std::string> formats() const;
 
   /// Whether it is for the command to read.
@@ -61,6 +61,7 @@ class CommandCases {
   int simulate(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
   int maps(const std::string& format, const std::filesystem::path& folder, Dice& dice,
            std::ostream& told) const;
+  static int config(const std::filesystem::path& folder, Dice& dice, std::ostream& told);
   int evaluate_tables(const std::filesystem::path& folder, Dice& dice, std::ostream& told) const;
   int evaluate(const std::filesystem::path& recording, Dice& dice, std::ostream& told) const;
   int align(const std::string& cloud, const std::filesystem::path& folder, Dice& dice,

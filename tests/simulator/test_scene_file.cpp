@@ -78,6 +78,7 @@ TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
   expect_refused("[[lidar]]\nsensor = 'VLP-16'\n[[lidar]]\nframe = 'rear'\n", "line 3, column 1",
                  "another range sensor is on /points");
   expect_refused("scene = \n", "line 1, column 9", "TOML");
+  expect_refused("seed = 1\n[.5]\n", "line 2, column 2", "TOML");
 }
 
 TEST_F(SceneFileTest, NumbersThatMakeNoSenseAreNamedWithTheirLine) {

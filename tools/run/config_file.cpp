@@ -12,12 +12,12 @@
 #include <sstream>
 #include <type_traits>
 
-#include <toml++/toml.h>
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/run/presets.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/toml.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include <toml++/toml.h>
-
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/faults.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
@@ -20,6 +18,7 @@
 #include "adit/tools/simulator/simulation_limits.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/nearest_name.hpp"
+#include "adit/tools/support/toml.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
