@@ -46,6 +46,12 @@ bool is_vague(const ObservedDirection& direction, const Matrix6d& covariance) {
          axis.dot(covariance.topLeftCorner<3, 3>() * axis) > kVague * kVague;
 }
 
+/// m, of the motion between them along the direction that is known least.
+double largest_sigma(const UncertainPose& from, const UncertainPose& to) {
+  const Eigen::Matrix3d way = motion_covariance(from, to).topLeftCorner<3, 3>();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(way).eigenvalues()[2]);
+}
+
 bool is_carried(const DoubtfulStretch& stretch) {
   return stretch.cause == DoubtCause::unheld && stretch.alone < kMoved;
 }
@@ -137,6 +143,10 @@ void RunAssessor::look_for_unheld() {
     moved += seen.step;
   }
   const bool inertial = std::ranges::all_of(window, &Seen::inertial);
+  if (!inertial) {
+    // Who seems to be at rest where nothing would show a motion may have set off.
+    moved = std::max(moved, largest_sigma(pose_of(window.front()), pose_of(recent_.back())));
+  }
   const auto unheld =
       std::ranges::count_if(window, [](const Seen& seen) { return seen.unheld || !seen.aligned; });
   const double share = static_cast<double>(unheld) / static_cast<double>(kWindow);
@@ -216,11 +226,7 @@ DoubtfulStretch& RunAssessor::note(DoubtCause cause, size_t sweeps) {
   stretch->last = count_ - 1;
   stretch->end = recent_.back().stamp;
   const UncertainPose& begin = begins_[static_cast<size_t>(stretch - stretches_.data())];
-  const Eigen::Matrix3d way =
-      motion_covariance(begin, pose_of(recent_.back())).topLeftCorner<3, 3>();
-  stretch->sigma =
-      std::max(stretch->sigma,
-               std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(way).eigenvalues()[2]));
+  stretch->sigma = std::max(stretch->sigma, largest_sigma(begin, pose_of(recent_.back())));
   return *stretch;
 }
 

@@ -116,6 +116,22 @@ TEST(Verdict, AtRestNothingNeedsToBeHeld) {
   EXPECT_EQ(assessor.verdict().trust, Trust::reliable);
 }
 
+// Set off within a smooth tunnel: what is estimated stays where it was, its covariance does not.
+TEST(Verdict, WhoMayHaveMovedIsNotAtRest) {
+  const auto trust = [](bool inertial) {
+    Ride run;
+    RunAssessor assessor;
+    for (int i = 0; i < 60; ++i) {
+      SweepResult sweep = Ride::unheld(run.next(0.01));
+      sweep.uncertainty.drift(0, 0) = i < 30 ? 0.0 : 0.01 * (i - 30);
+      assessor.add(inertial ? Ride::fused(sweep) : sweep);
+    }
+    return assessor.verdict().trust;
+  };
+  EXPECT_EQ(trust(false), Trust::doubtful);
+  EXPECT_EQ(trust(true), Trust::reliable) << "an IMU tells rest";
+}
+
 TEST(Verdict, InertiaCarriesOverWhatIsBriefAndNotOverASecondOfIt) {
   Ride run;
   RunAssessor assessor;
