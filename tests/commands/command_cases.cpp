@@ -46,12 +46,12 @@ constexpr const char* kMaps = "maps";
 constexpr const char* kGraphs = "graphs";
 constexpr const char* kConfigs = "configs";
 
-// What a healthy scene takes, and what more of a damaged one than the command is to be held to: who
-// asks for an hour shall wait for it.
+// How long a healthy scene is, and a damaged one at most: one that asks for an hour rightly takes
+// its time, and is left out.
 constexpr double kSceneSeconds = 0.5;
 constexpr double kMostSceneSeconds = 3.0;
 
-/// What a person wrote or a program prints, so that numbers in it can be damaged.
+/// What a person wrote or a program prints: numbers in it can be damaged, or looked for.
 bool is_text(const fs::path& file) {
   constexpr std::array kSuffixes = {".txt",   ".csv",  ".tum",  ".json",
                                     ".kitti", ".yaml", ".toml", ".g2o"};

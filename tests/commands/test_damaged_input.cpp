@@ -33,7 +33,7 @@ TEST_F(DamagedInput, EndsEveryCommandWithACodeAndWithNumbers) {
     int told[3] = {0, 0, 0};
     int aligned = 0;
     for (const std::string& format : cases.formats()) {
-      // Of scenes, maps and graphs there is one format each.
+      // What is no recording has one format or two: more cases of it.
       const bool only_one = !cases.reads(FuzzedCommand::inspect, format);
       const uint64_t most = !cases.reads(command, format) ? 0 : (only_one ? 10 : 1) * kCases;
       for (uint64_t number = 0; number < most; ++number) {
