@@ -79,6 +79,7 @@ TEST_F(SceneFileTest, NamesTheLineThatIsWrong) {
                  "another range sensor is on /points");
   expect_refused("scene = \n", "line 1, column 9", "TOML");
   expect_refused("seed = 1\n[.5]\n", "line 2, column 2", "TOML");
+  expect_refused("seed = 1\n\u00b2\n", "line 2, column 1", "TOML");
 }
 
 TEST_F(SceneFileTest, NumbersThatMakeNoSenseAreNamedWithTheirLine) {

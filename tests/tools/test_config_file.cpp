@@ -141,6 +141,8 @@ TEST_F(ConfigFile, SyntaxErrorNamesLine) {
   expect_refused("[preprocess]\nc_min = = 1\n", {"line 2", "not valid TOML"});
   expect_refused("[submap]\nl = 1\nl = 2\n", {"line 3", "not valid TOML"});
   expect_refused("[submap]\nl = 1\n[.5]\n", {"line 3", "not valid TOML"});
+  expect_refused("[submap]\n\u00b2 = 1\n", {"line 2", "not valid TOML"});
+  expect_refused("[submap]\nl = 1 \u00fc\n", {"line 2", "not valid TOML"});
 }
 
 TEST_F(ConfigFile, RefusedValueNamesItsLine) {
