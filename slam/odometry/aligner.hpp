@@ -24,6 +24,9 @@ class Aligner {
  public:
   Aligner(engine::Context& context, const RegistrationConfig& config);
 
+  /// Other lengths, before the first alignment; the method stays.
+  void use_lengths(const RegistrationConfig& config) { config_ = config; }
+
   /// Records the alignment and the copies back; the submap is up to date and not empty.
   /// `places` (T_map_lidar, kMostPlaces at most; none: no search) are searched from. The device
   /// knows how many points the cloud has; at most `most_points`.

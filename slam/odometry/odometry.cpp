@@ -30,10 +30,7 @@ std::string_view to_string(OdometryState state) {
 }
 
 Odometry::Odometry(engine::Context& context, const Config& config)
-    : stated_(config),
-      impl_(std::make_unique<Impl>(context, with_lengths(config),
-                                   InertialTracker(config.imu, config.recording.imu_time_offset))) {
-}
+    : stated_(config), impl_(std::make_unique<Impl>(context, with_lengths(config))) {}
 Odometry::~Odometry() = default;
 
 const Config& Odometry::config() const {
@@ -49,8 +46,15 @@ void Odometry::derive_lengths(const Sweep& sweep) {
   derived_ = true;
   const Config derived = with_lengths(stated_, *voxel);
   if (derived.preprocess.r_input != impl_->config.preprocess.r_input && impl_->submap.empty()) {
-    impl_ = std::make_unique<Impl>(impl_->context, derived, std::move(impl_->inertial));
+    impl_->use_lengths(derived);
   }
+}
+
+void Odometry::Impl::use_lengths(const Config& derived) {
+  config = derived;
+  front_end.use_lengths(derived.preprocess);
+  submap.use_lengths(derived);
+  aligner.use_lengths(derived.registration);
 }
 
 SweepResult Odometry::step(const Sweep& sweep) {

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <optional>
-#include <utility>
 
 #include "adit/engine/context.hpp"
 #include "adit/slam/fusion/inertial_tracker.hpp"
@@ -41,16 +40,17 @@ struct Begun {
 };
 
 struct Odometry::Impl {
-  Impl(engine::Context& context_, const Config& config_, InertialTracker inertial_)
+  Impl(engine::Context& context_, const Config& config_)
       : context(context_),
         config(config_),
         front_end(context_, config_.preprocess),
         submap(context_, config_),
         aligner(context_, config_.registration),
-        inertial(std::move(inertial_)),
+        inertial(config_.imu, config_.recording.imu_time_offset),
         drift(config_.submap.l) {}
 
   // odometry.cpp: what is expected, and what follows from an alignment.
+  void use_lengths(const Config& derived);
   Expectation expect(const Sweep& sweep);
   Prediction possible_prediction(Nanoseconds stamp) const;
   void fuse(const Expectation& expected, SweepResult& result);

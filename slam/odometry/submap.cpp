@@ -39,19 +39,25 @@ Submap::Submap(engine::Context& context, const Config& config)
     : context_(&context),
       kernels_(context, content_for(method_of(config.registration))),
       finish_(finish_for(method_of(config.registration))),
-      config_(config.submap),
-      voxel_size_(with_lengths(config).registration.r_align),
-      r_input_(with_lengths(config).preprocess.r_input),
       largest_table_(static_cast<uint32_t>(
           std::bit_floor(context.device().max_storage_buffer_bytes / sizeof(gpu::GaussianCell)))),
-      reach_(std::min(kLongestReach,
-                      std::max(kKeyRange * voxel_size_ - with_lengths(config).preprocess.c_max,
-                               kLeastReachShare * kKeyRange * voxel_size_))),
       counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
                                     "submap counters")),
       coarse_counters_(context.make_buffer(sizeof(gpu::VoxelMapCounters), engine::Memory::device,
                                            "coarse submap counters")) {
+  use_lengths(config);
   use_table(kSmallestTable);
+}
+
+void Submap::use_lengths(const Config& config) {
+  const Config full = with_lengths(config);
+  config_ = config.submap;
+  voxel_size_ = full.registration.r_align;
+  view_.voxel_size = voxel_size_;
+  r_input_ = full.preprocess.r_input;
+  const double range = kKeyRange * voxel_size_;
+  reach_ =
+      std::min(kLongestReach, std::max(range - full.preprocess.c_max, kLeastReachShare * range));
 }
 
 void Submap::use_table(uint32_t slots) {

@@ -35,6 +35,9 @@ class Submap {
  public:
   Submap(engine::Context& context, const Config& config);
 
+  /// Other voxels, before the first cloud: kernels and buffers are the same for all.
+  void use_lengths(const Config& config);
+
   /// No cloud: nothing to align with.
   bool empty() const { return clouds_.empty(); }
   /// Forgets every cloud; buffers stay.
@@ -85,10 +88,10 @@ class Submap {
   engine::VoxelMapKernels kernels_;
   std::optional<engine::FinishSettings> finish_;  ///< what the method makes of the sums
   SubmapConfig config_;
-  double voxel_size_;
-  double r_input_;          ///< m; a cloud has a point a voxel of this size
+  double voxel_size_ = 0.0;
+  double r_input_ = 0.0;    ///< m; a cloud has a point a voxel of this size
   uint32_t largest_table_;  ///< slots of the largest voxel map a kernel can bind
-  double reach_;  ///< m; a sensor farther than this from the submap's frame is reason to rebuild
+  double reach_ = 0.0;      ///< m; a sensor farther from the submap's frame is reason to rebuild
 
   std::deque<Cloud> clouds_;            ///< oldest first
   std::vector<engine::Buffer> spare_;   ///< memory of clouds that left

@@ -14,17 +14,21 @@ namespace {
 
 constexpr uint32_t kSmallestCapacity = 1U << 14U;
 
+engine::PreprocessSettings settings_of(const PreprocessConfig& config) {
+  return {.c_min = config.c_min,
+          .c_max = config.c_max,
+          .r_input = config.r_input > 0.0 ? config.r_input : kUsualInput,
+          .beam_spacing = config.beam_spacing,
+          .surface_size = config.surface_size};
+}
+
 }  // namespace
 
 FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
     : context_(&context),
       deskew_(context),
       preprocess_(context),
-      settings_{.c_min = config.c_min,
-                .c_max = config.c_max,
-                .r_input = config.r_input > 0.0 ? config.r_input : kUsualInput,
-                .beam_spacing = config.beam_spacing,
-                .surface_size = config.surface_size},
+      settings_(settings_of(config)),
       measures_beams_(config.beam_spacing == 0.0),
       direct_(!context.device().gpu_shapes),
       knots_(context.make_buffer(kMotionKnots * sizeof(gpu::DeskewKnot), engine::Memory::upload,
@@ -33,6 +37,10 @@ FrontEnd::FrontEnd(engine::Context& context, const PreprocessConfig& config)
                                     "sweep counters")),
       counters_readback_(context.make_buffer(sizeof(gpu::SweepCounters), engine::Memory::readback,
                                              "sweep counters back")) {}
+
+void FrontEnd::use_lengths(const PreprocessConfig& config) {
+  settings_ = settings_of(config);
+}
 
 void FrontEnd::grow(uint32_t points) {
   const uint32_t capacity = std::bit_ceil(std::max(points, kSmallestCapacity));

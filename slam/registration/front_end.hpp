@@ -31,6 +31,9 @@ class FrontEnd {
   /// A size that is left to be derived is the usual one.
   FrontEnd(engine::Context& context, const PreprocessConfig& config);
 
+  /// Other settings, before the first sweep: kernels and buffers are the same for all.
+  void use_lengths(const PreprocessConfig& config);
+
   /// Takes the sweep into mapped memory; buffers grow to the largest sweep seen. Throws
   /// engine::Error if the device has no room for it.
   void upload(const Sweep& sweep);
