@@ -28,6 +28,8 @@ constexpr double kVelocityLasts = 5.0;
 // No sensor that is carried or driven accelerates by more.
 constexpr double kMostAcceleration = 15.0;  // m/s^2
 constexpr double kMostTurning = 20.0;       // rad/s^2
+// s. Times between sweeps are off by as much where stamps are rounded, as KITTI's are.
+constexpr double kStampsOff = 0.01;
 
 // A covariance of T_map_a as one of T_map_b, where b moves with a.
 Matrix6d moved(const Matrix6d& covariance, const Eigen::Isometry3d& T_a_b) {
@@ -72,14 +74,15 @@ Matrix6d unheld_directions(const RegistrationResult& alignment) {
 
 Matrix6d UnmeasuredMotion::step(const StampedPose& found, const Eigen::Isometry3d& steady,
                                 const Matrix6d& unheld) {
-  const double elapsed = last_ ? seconds(found.stamp - *last_) : 0.0;
-  last_ = found.stamp;
+  const double elapsed = last_ ? seconds(found.stamp - last_->stamp) : 0.0;
   Matrix6d added = walk(found.pose.linear(), unheld, elapsed);
   leapt_ = false;
   if (step_ > 0.0) {
-    added += leap(steady.inverse() * found.pose, elapsed);
+    const Vector6d expected = se3_log(last_->pose.inverse() * steady);
+    added += leap(steady.inverse() * found.pose, expected, elapsed);
   }
   step_ = elapsed;
+  last_ = found;
   return added;
 }
 
@@ -109,13 +112,16 @@ Matrix6d UnmeasuredMotion::walk(const Eigen::Matrix3d& R_map_lidar, const Matrix
 }
 
 // Of a step that takes more acceleration than any sensor has, it or the ones before are wrong by as
-// much, and nothing tells which.
-Matrix6d UnmeasuredMotion::leap(const Eigen::Isometry3d& T_steady_found, double elapsed) {
+// much, and nothing tells which. A stamp that is off makes none: at 20 m/s, 10 ms are 20 cm.
+Matrix6d UnmeasuredMotion::leap(const Eigen::Isometry3d& T_steady_found, const Vector6d& expected,
+                                double elapsed) {
   const Vector6d off = se3_log(T_steady_found);
   // The velocity is that of the middle of the step before.
   const double lasts = 0.5 * elapsed * (elapsed + step_);
-  leapt_ = off.head<3>().norm() > kMostAcceleration * lasts ||
-           off.tail<3>().norm() > kMostTurning * lasts;
+  const double off_in_time = kStampsOff / elapsed;
+  leapt_ =
+      off.head<3>().norm() > kMostAcceleration * lasts + off_in_time * expected.head<3>().norm() ||
+      off.tail<3>().norm() > kMostTurning * lasts + off_in_time * expected.tail<3>().norm();
   return leapt_ ? Matrix6d(off.cwiseAbs2().asDiagonal()) : Matrix6d(Matrix6d::Zero());
 }
 

@@ -48,9 +48,10 @@ class UnmeasuredMotion {
 
  private:
   Matrix6d walk(const Eigen::Matrix3d& R_map_lidar, const Matrix6d& unheld, double elapsed);
-  Matrix6d leap(const Eigen::Isometry3d& T_steady_found, double elapsed);
+  /// `expected`: the step from the last pose to the steady one.
+  Matrix6d leap(const Eigen::Isometry3d& T_steady_found, const Vector6d& expected, double elapsed);
 
-  std::optional<Nanoseconds> last_;
+  std::optional<StampedPose> last_;
   double step_ = 0.0;                     ///< s, between the two before it; 0: there are none
   Matrix6d velocity_ = Matrix6d::Zero();  ///< its covariance, map axes; m/s and rad/s
   Matrix6d mixed_ = Matrix6d::Zero();     ///< of the way made since with it, and the velocity

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -119,6 +120,32 @@ TEST(PoseUncertainty, StepsThatNoSensorMakesAreNotBelieved) {
   UnmeasuredMotion begins;
   begins.step({nanoseconds(0.0), ahead(0.0)}, ahead(0.0), Matrix6d::Zero());
   EXPECT_TRUE(begins.step({nanoseconds(0.1), ahead(2.0)}, ahead(0.0), Matrix6d::Zero()).isZero());
+}
+
+// Sweeps of a car at 20 m/s, a tenth of a second apart, with stamps rounded to 10 ms.
+TEST(PoseUncertainty, RoundedStampsAreNoSteps) {
+  const auto count_leaps = [](double wrong) {
+    UnmeasuredMotion motion;
+    int leaps = 0;
+    std::vector<StampedPose> poses;
+    for (size_t i = 0; i < 50; ++i) {
+      const double time = 0.1034 * static_cast<double>(i);
+      poses.push_back({nanoseconds(0.01 * std::round(100.0 * time)),
+                       ahead(20.0 * time + (i == 25 ? wrong : 0.0))});
+      Eigen::Isometry3d steady = poses.back().pose;
+      if (i > 1) {
+        const double before = seconds(poses[i - 1].stamp - poses[i - 2].stamp);
+        const double now = seconds(poses[i].stamp - poses[i - 1].stamp);
+        const double way = (poses[i - 1].pose.translation() - poses[i - 2].pose.translation()).x();
+        steady = poses[i - 1].pose * ahead(way * now / before);
+      }
+      motion.step(poses.back(), steady, Matrix6d::Zero());
+      leaps += motion.leapt() ? 1 : 0;
+    }
+    return leaps;
+  };
+  EXPECT_EQ(count_leaps(0.0), 0);
+  EXPECT_GE(count_leaps(0.8), 2);
 }
 
 // Errors that are a sensor's own, in no covariance of an alignment: a tenth of a degree in 25 m.
