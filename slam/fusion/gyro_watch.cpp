@@ -22,7 +22,6 @@ constexpr double kLeastClock = 0.008;  // s
 constexpr double kLeastTurn = 0.01;    // rad
 constexpr double kSigmas = 3.0;
 constexpr double kSigmasOfProven = 2.0;  // once clock or mounting were proven to be wrong
-constexpr double kFarOff = 0.35;         // rad
 constexpr int kMostCorrections = 4;
 // After a check that failed the sweeps are to tell what is wrong, without the sensor: for so many.
 constexpr int kUnexplained = 50;
@@ -43,23 +42,18 @@ Eigen::Vector3d significant_turn(const RotationComparison& found, const Eigen::M
   return (beyond > 0.0).select(turn.array(), 0.0);
 }
 
-/// Where the motion hides an axis, a sensor that is far off about the others may be so about that
-/// one.
-bool is_known(const RotationComparison& found, const Eigen::Matrix3d& R) {
-  return found.mounting_sigma.allFinite() ||
-         rotation_angle(found.R_range_gyro * R.transpose()) < kFarOff;
-}
-
 }  // namespace
 
 std::optional<FrameCorrection> correction(const GyroCheck& check, const SensorFrame& frame,
                                           const CorrectionBounds& bounds) {
   const RotationComparison& found = *check.comparison;
-  FrameCorrection done{.what = {.check = check}, .frame = frame};
+  SensorFrame corrected = frame;
+  std::optional<double> clock;
+  std::optional<double> turned;
   const double late = found.offset - frame.clock_offset;
   if (bounds.clock && std::abs(late) > bounds.least_clock + bounds.sigmas * found.offset_sigma) {
-    done.frame.clock_offset = found.offset;
-    done.what.clock = found.offset;
+    corrected.clock_offset = found.offset;
+    clock = found.offset;
   }
   const Eigen::Vector3d turn =
       significant_turn(found, frame.T_body_lidar.linear().transpose(), bounds.sigmas);
@@ -67,10 +61,14 @@ std::optional<FrameCorrection> correction(const GyroCheck& check, const SensorFr
     // The mast stays as long as it is, and where it stands on the lidar.
     Eigen::Isometry3d T_lidar_body = frame.T_body_lidar.inverse();
     T_lidar_body.linear() = so3_exp(turn) * T_lidar_body.linear();
-    done.frame.T_body_lidar = T_lidar_body.inverse();
-    done.what.turned = turn.norm();
+    corrected.T_body_lidar = T_lidar_body.inverse();
+    turned = turn.norm();
   }
-  return done.what.clock || done.what.turned ? std::optional(done) : std::nullopt;
+  if (!clock && !turned) {
+    return std::nullopt;
+  }
+  return FrameCorrection{.what = {.check = check, .clock = clock, .turned = turned},
+                         .frame = corrected};
 }
 
 GyroWatch::GyroWatch(const ImuConfig& config, double configured_offset)
@@ -109,19 +107,20 @@ std::optional<GyroVerdict> GyroWatch::judge(const GyroCheck& check, const Sensor
   const bool fault = check.fault != GyroFault::none;
   const bool again = fault && check.fault == suspected_;
   suspected_ = check.fault;
-  // After a check that failed less than a proof will do.
+  // A check failed, and the lidar has gone alone since: what its turns say is believed, proof or
+  // not.
   const bool accused = std::exchange(unexplained_, 0) > 0;
   const bool of_frame = check.fault == GyroFault::clock || check.fault == GyroFault::mounting;
   if (check.comparison && (of_frame || !fault)) {
-    const bool proven =
-        of_frame && is_known(*check.comparison, frame.T_body_lidar.linear().transpose());
-    const bool corrected = proven || corrections_ > 0;
+    const bool known = tells_mounting(*check.comparison);
+    const bool corrected = (of_frame && known) || corrections_ > 0;
     const bool may = (corrected || accused) && corrections_ < kMostCorrections;
+    const double sigmas = !may ? kSigmas : corrected ? kSigmasOfProven : kSureSigmas;
     const auto done = correction(check, frame,
                                  {.clock = may || refine_clock_,
-                                  .mounting = may || refine_mounting_,
+                                  .mounting = known && (may || refine_mounting_),
                                   .least_clock = may && !timed ? kSweepPeriod : kLeastClock,
-                                  .sigmas = may && corrected ? kSigmasOfProven : kSigmas});
+                                  .sigmas = sigmas});
     if (done) {
       corrections_ += may ? 1 : 0;
       trial_ = PredictsWorse{};

@@ -36,6 +36,8 @@ class InertialReadings {
 
   /// An axis that is stuck as of the newest reading.
   std::optional<StuckAxis> stuck() const { return stuck_.stuck(); }
+  /// One that may be: it stays as it is while the others change, however little.
+  std::optional<StuckAxis> unchanged_axis() const { return stuck_.unchanged(); }
   /// Saturation in that time, where there was none in the ten seconds before it.
   std::optional<Saturation> saturation_begins(Nanoseconds begin, Nanoseconds end) const;
   /// In the ten seconds up to the newest reading.

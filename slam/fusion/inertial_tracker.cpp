@@ -289,6 +289,10 @@ void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* des
   if (is<Absent>() || is<Refused>()) {
     return;
   }
+  if (stuck_axis()) {
+    watch_.forget();
+    return;
+  }
   const auto verdict =
       watch_.check(alignment, deskewed,
                    {.T_body_lidar = T_body_lidar_, .clock_offset = readings_.clock_offset()},
@@ -310,6 +314,11 @@ void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* des
   leave(found.refused ? State(Refused{}) : State(Lost{.after_gap = after_gap}), found);
 }
 
+std::optional<StuckAxis> InertialTracker::stuck_axis() const {
+  const auto stuck = readings_.stuck();
+  return stuck || !history_.accused_axis ? stuck : readings_.unchanged_axis();
+}
+
 std::optional<PassingCause> InertialTracker::passing_cause() const {
   if (const auto saturation = readings_.recent_saturation()) {
     return *saturation;
@@ -321,6 +330,11 @@ std::optional<PassingCause> InertialTracker::passing_cause() const {
 }
 
 void InertialTracker::lose(const FailedCheck& check) {
+  if (const auto unchanged = readings_.unchanged_axis()) {
+    history_.accused_axis = true;
+    leave(Lost{}, *unchanged);
+    return;
+  }
   history_.losses += passing_cause() ? 0 : 1;  // else it is known why, and passes
   const bool again = history_.losses >= kLosses;
   leave(again ? State(Refused{}) : State(Lost{}),

@@ -105,6 +105,8 @@ class InertialTracker {
     /// sensor has gone away from there.
     std::optional<Eigen::Vector3d> rested_at;
     int losses = 0;  ///< since the last long time of fusion
+    /// A check failed while an axis stayed as it was: no start before it changes.
+    bool accused_axis = false;
   };
 
   InertialState state() const { return static_cast<InertialState>(state_.index()); }
@@ -127,6 +129,8 @@ class InertialTracker {
   /// What else explains a check that failed, and passes: saturation within the last ten seconds, a
   /// gap that was bridged.
   std::optional<PassingCause> passing_cause() const;
+  /// An axis that is stuck: while it moves too little to tell, only where a check has failed.
+  std::optional<StuckAxis> stuck_axis() const;
   /// After a check that failed.
   void lose(const FailedCheck& check);
   /// Goes on in another state, for that reason.

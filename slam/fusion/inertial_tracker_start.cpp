@@ -83,7 +83,7 @@ void InertialTracker::collect(const StampedPose& T_map_lidar, std::vector<Eigen:
           rotation_angle(turned->transpose() * found) < kTurnDisagreement;
     }
     hindrance_.reset();
-    if (const auto stuck = readings_.stuck()) {
+    if (const auto stuck = stuck_axis()) {
       hindrance_ = *stuck;
     } else if (const auto fault = fault_of(interval)) {
       std::visit([this](const auto& one) { hindrance_ = one; }, *fault);
@@ -145,6 +145,7 @@ void InertialTracker::start(const SensorStart& start) {
   event_ = InertialEvent{.cause = SensorStarted{.how = start.how.reason}};
   history_.accel_scale = start.how.accel_scale;
   history_.fused = start.state;
+  history_.accused_axis = false;
   state_ = Fused{.motion = FusedMotion({.noise = noise_,
                                         .gravity_walk = config_.gravity_walk,
                                         .gravity_walk_way = config_.gravity_walk_way,

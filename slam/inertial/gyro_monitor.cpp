@@ -28,9 +28,8 @@ constexpr double kLively = 0.008;
 constexpr double kStill = 0.02;                 // share of the sweeps' turns: a constant gyroscope
 constexpr double kOtherUnit = 2.0;              // times as much, or as little
 constexpr double kHarmlessMisalignment = 0.09;  // rad
-constexpr double kClockSigmas = 4.0;
-constexpr double kFarOffTurns = 5.0;  // times the median distance from the gyroscope's
-constexpr double kFewWrong = 0.1;     // share of the turns
+constexpr double kFarOffTurns = 5.0;            // times the median distance from the gyroscope's
+constexpr double kFewWrong = 0.1;               // share of the turns
 
 /// Root mean square of turns about their mean, rad.
 double spread(const std::vector<Eigen::Vector3d>& turns) {
@@ -140,7 +139,7 @@ GyroCheck checked(const std::vector<RotationInterval>& turns, std::span<const Im
   } else if (is_off_scale(*result.comparison)) {
     result.fault = GyroFault::scale;
   } else if (std::abs(result.comparison->offset - expected.offset) >
-             expected.tolerance + kClockSigmas * result.comparison->offset_sigma) {
+             expected.tolerance + kSureSigmas * result.comparison->offset_sigma) {
     result.fault = GyroFault::clock;
   } else if (result.comparison->misalignment >
              kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(*result.comparison)) {

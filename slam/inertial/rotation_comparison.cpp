@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kLeastCorrelation = 0.8;
 constexpr double kGridStep = 0.01;  // s
+constexpr double kFarOff = 0.35;    // rad
 
 /// The sums over all intervals at one offset, means taken off: a gyroscope's bias is in its mean.
 struct Moments {
@@ -208,9 +209,15 @@ std::optional<RotationComparison> compare_rotations(std::span<const RotationInte
   result.scale = 1.0 / slope;
   result.scale_sigma = std::sqrt(noise / at_fit.gyroscope_energy) / (slope * slope);
   result.misalignment = rotation_angle(R_range_gyro_expected.transpose() * result.R_range_gyro);
+  result.hidden_turn = rotation_angle(result.R_range_gyro.transpose() * fit.frame.R_range_gyro);
   result.mounting_sigma = mounting_sigma(fit);
   result.mounting_information = fit.eigenvalues;
   return result;
+}
+
+bool tells_mounting(const RotationComparison& found) {
+  return found.mounting_sigma.allFinite() ||
+         std::max(found.misalignment, found.hidden_turn) < kFarOff;
 }
 
 double known_mounting_sigma(const RotationComparison& found) {

@@ -40,6 +40,8 @@ struct RotationComparison {
   /// Nearest to the expected mounting in directions that the motion does not tell.
   Eigen::Matrix3d R_range_gyro = Eigen::Matrix3d::Identity();
   double misalignment = 0.0;  ///< rad, of the expected mounting, as far as the motion tells it
+  /// rad, by which what fits best is turned farther, about axes that the motion does not tell.
+  double hidden_turn = 0.0;
   /// rad, standard deviation of the mounting about the range sensor's three axes; infinite where
   /// the motion does not tell it.
   Eigen::Vector3d mounting_sigma = Eigen::Vector3d::Zero();
@@ -82,6 +84,11 @@ inline bool is_off_scale(const RotationComparison& comparison) {
          std::abs(comparison.scale - 1.0) >
              kHarmlessScale + kSureScaleSigmas * comparison.scale_sigma;
 }
+
+/// The mounting that was found can be relied on. Where the motion hides an axis, a sensor that is
+/// far off (20 degrees) about any axis is not known: it may be so about that one, and what it seems
+/// to be off about the others is then in wrong axes.
+bool tells_mounting(const RotationComparison& comparison);
 
 /// The greatest standard deviation (rad) of the mounting about an axis that the motion tells.
 double known_mounting_sigma(const RotationComparison& comparison);

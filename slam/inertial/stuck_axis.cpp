@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/inertial/stuck_axis.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "adit/slam/core/nav_state.hpp"
 
 namespace adit {
@@ -12,6 +15,14 @@ constexpr int kFewest = 50;        // readings
 constexpr int kAlive = 10;         // changes of an axis that works
 constexpr double kTurning = 0.1;   // rad/s
 constexpr double kMoving = 0.5;    // in the accelerometer's unit
+constexpr double kSteps = 10.0;    // of others, while an axis makes none
+
+std::optional<StuckAxis> of_accelerometer(std::optional<StuckAxis> found) {
+  if (found) {
+    found->gyroscope = false;
+  }
+  return found;
+}
 
 }  // namespace
 
@@ -19,10 +30,12 @@ void StuckAxisWatch::add(Triad& triad, const Eigen::Vector3d& value, Nanoseconds
   for (int i = 0; i < 3; ++i) {
     Axis& axis = triad[static_cast<size_t>(i)];
     if (axis.readings == 0 || value(i) != axis.value) {
+      const double step = axis.readings == 0 ? axis.least_step : std::abs(value(i) - axis.value);
       axis = {.value = value(i),
               .since = stamp,
               .readings = 1,
               .changes = axis.changes + (axis.readings == 0 ? 0 : 1),
+              .least_step = std::min(axis.least_step, step),
               .least = value,
               .greatest = value};
       continue;
@@ -39,12 +52,14 @@ void StuckAxisWatch::add(const ImuSample& sample) {
   last_ = sample.stamp;
 }
 
-std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, double moving, Nanoseconds now) {
+std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, double least, double steps,
+                                               Nanoseconds now) {
   for (int i = 0; i < 3; ++i) {
     const Axis& axis = triad[static_cast<size_t>(i)];
     const double duration = seconds(now - axis.since);
+    const double moved = (axis.greatest - axis.least).maxCoeff();
     if (axis.changes >= kAlive && axis.readings >= kFewest && duration >= kShortest &&
-        (axis.greatest - axis.least).maxCoeff() > moving) {
+        moved > least && moved > steps * axis.least_step) {
       return StuckAxis{.axis = i, .value = axis.value, .duration = duration};
     }
   }
@@ -52,14 +67,13 @@ std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, double moving
 }
 
 std::optional<StuckAxis> StuckAxisWatch::stuck() const {
-  auto found = stuck(gyroscope_, kTurning, last_);
-  if (!found) {
-    found = stuck(accelerometer_, kMoving, last_);
-    if (found) {
-      found->gyroscope = false;
-    }
-  }
-  return found;
+  const auto gyroscope = stuck(gyroscope_, kTurning, 0.0, last_);
+  return gyroscope ? gyroscope : of_accelerometer(stuck(accelerometer_, kMoving, 0.0, last_));
+}
+
+std::optional<StuckAxis> StuckAxisWatch::unchanged() const {
+  const auto gyroscope = stuck(gyroscope_, 0.0, kSteps, last_);
+  return gyroscope ? gyroscope : of_accelerometer(stuck(accelerometer_, 0.0, kSteps, last_));
 }
 
 }  // namespace adit

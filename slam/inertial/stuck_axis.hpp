@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "adit/slam/core/types.hpp"
@@ -28,6 +29,10 @@ class StuckAxisWatch {
 
   /// Stuck as of the last reading.
   std::optional<StuckAxis> stuck() const;
+  /// One and the same value as long, while the others go up and down by ten times the smallest
+  /// step that the axis has ever made. That alone is no fault (drivers may round what is small to
+  /// 0): it names the cause where there is one.
+  std::optional<StuckAxis> unchanged() const;
 
  private:
   struct Axis {
@@ -35,13 +40,16 @@ class StuckAxisWatch {
     Nanoseconds since{0};
     int readings = 0;
     int changes = 0;
+    double least_step = std::numeric_limits<double>::infinity();  ///< of its changes
     Eigen::Vector3d least = Eigen::Vector3d::Zero();  ///< minimum of the sensor's axes since then
     Eigen::Vector3d greatest = Eigen::Vector3d::Zero();
   };
   using Triad = std::array<Axis, 3>;
 
   static void add(Triad& triad, const Eigen::Vector3d& value, Nanoseconds stamp);
-  static std::optional<StuckAxis> stuck(const Triad& triad, double moving, Nanoseconds now);
+  /// The others move by more than `least`, and `steps` of the axis's smallest steps.
+  static std::optional<StuckAxis> stuck(const Triad& triad, double least, double steps,
+                                        Nanoseconds now);
 
   Triad gyroscope_{};
   Triad accelerometer_{};

@@ -59,6 +59,20 @@ TEST(Correction, LeavesAnAxisThatTheMotionHides) {
   EXPECT_FALSE(correction(hidden, {}, kBoth));
 }
 
+// What seems to be off about two axes is in wrong axes, where the third is far off and hidden.
+TEST(Correction, OfAMountingIsKnownWhereNoAxisHidesMuch) {
+  RotationComparison found{.misalignment = 0.3, .mounting_sigma = {0.01, 0.01, 0.01}};
+  EXPECT_TRUE(tells_mounting(found));
+  found.misalignment = 1.6;
+  EXPECT_TRUE(tells_mounting(found));
+  found.mounting_sigma.z() = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(tells_mounting(found));
+  found.misalignment = 0.3;
+  EXPECT_TRUE(tells_mounting(found));
+  found.hidden_turn = 1.2;
+  EXPECT_FALSE(tells_mounting(found));
+}
+
 TEST(GyroWatch, AnAccusedSensorWaitsForFiftySweeps) {
   GyroWatch watch({}, 0.0);
   EXPECT_FALSE(watch.is_pending());

@@ -68,6 +68,28 @@ TEST(StuckAxis, AtRestCoarseSensorsRepeatTheirValues) {
     sample.linear_acceleration = {i < 40 ? coarse(0.05) : 0.05, coarse(0.05), 9.8};
     watch.add(sample);
     ASSERT_FALSE(watch.stuck()) << i;
+    ASSERT_FALSE(watch.unchanged()) << i;
+  }
+}
+
+// A cart turns about z alone: its other axes have noise, and no motion.
+TEST(StuckAxis, AnAxisWithoutItsNoiseMayBe) {
+  Random random(5);
+  StuckAxisWatch watch;
+  for (int i = 0; i < 2000; ++i) {
+    ImuSample sample;
+    sample.stamp = std::chrono::milliseconds(5 * i);
+    sample.angular_velocity = {0.002 * random.gaussian(), 0.002 * random.gaussian(),
+                               0.3 * std::sin(0.005 * i)};
+    sample.linear_acceleration = {0.02 * random.gaussian(), 0.02 * random.gaussian(), 9.8};
+    if (i >= 400 && i < 1200) {
+      sample.angular_velocity.z() = 0.0;
+    }
+    watch.add(sample);
+    ASSERT_FALSE(watch.stuck()) << i;
+    const auto unchanged = watch.unchanged();
+    ASSERT_EQ(unchanged.has_value(), i >= 500 && i < 1200) << i;
+    EXPECT_TRUE(!unchanged || (unchanged->gyroscope && unchanged->axis == 2)) << i;
   }
 }
 

@@ -214,14 +214,15 @@ Finding mounting_finding(const MotionCheck& check) {
   const Eigen::Matrix3d& told = *check.pair.R_range_gyro;
   const bool inverted = rotation_angle(told * found.R_range_gyro) <
                         kHarmlessMisalignment + kSureSigmas * known_mounting_sigma(found);
+  const std::string hidden = names_of_unobserved_axes(found);
   const std::string text = fmt::format(
       "{} mounts it to the sensor of {} with {}, the motion with {}: {:.1f} degrees apart (+- "
-      "{:.1f}){}",
+      "{:.1f}){}{}",
       check.pair.told_by, check.pair.sweeps.name, angles(told), angles(found.R_range_gyro),
       found.misalignment * kDegreesPerRadian,
       kSureSigmas * known_mounting_sigma(found) * kDegreesPerRadian,
+      hidden.empty() ? "" : ", as far as the motion tells",
       inverted ? "; the transform is the wrong way round" : "");
-  const std::string hidden = names_of_unobserved_axes(found);
   return {
       Severity::problem,
       "mounting",

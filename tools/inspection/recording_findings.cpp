@@ -15,7 +15,8 @@
 namespace adit {
 namespace {
 
-constexpr double kScaleError = 0.04;  // share of gravity: sensors that are right stay below
+constexpr double kLongUnchanged = 5.0;  // s
+constexpr double kScaleError = 0.04;    // share of gravity: sensors that are right stay below
 
 std::string of(uint64_t part, uint64_t whole) {
   return std::to_string(part) + " of " + std::to_string(whole);
@@ -189,6 +190,12 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
   if (s.stuck) {
     findings.problem("stuck_axis", describe(*s.stuck), "mapping goes on without it meanwhile",
                      "Check the sensor and its driver");
+  } else if (s.unchanged && s.unchanged->duration > kLongUnchanged) {
+    findings.notice("unchanged_axis",
+                    describe(*s.unchanged) + ", though little: it may be stuck, or its driver " +
+                        "rounds what is small",
+                    "where it is stuck, mapping goes on without it meanwhile",
+                    "Turn the sensor about that axis, and see whether it shows");
   }
   if (s.impossible > 0) {
     findings.problem("impossible_readings",
@@ -206,12 +213,14 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
                     "Record a whole inertial sensor");
   }
   const double norm = s.acceleration.mean();
+  const bool stuck_accelerometer = s.stuck && !s.stuck->gyroscope;
   const std::string mean = "the acceleration is " + with_decimals(norm, 3) + " on average";
   if (norm > 0.8 && norm < 1.3) {
     findings.problem("accelerometer_unit", mean + ": it is in g, not in m/s²",
                      "gravity would be a tenth of what it is",
                      "Multiply the accelerations by 9.80665");
-  } else if (norm < 0.8 * kStandardGravity || norm > 1.3 * kStandardGravity) {
+  } else if (!stuck_accelerometer &&
+             (norm < 0.8 * kStandardGravity || norm > 1.3 * kStandardGravity)) {
     findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
                      "gravity cannot be told", "Check the accelerometer's unit and range");
   }

@@ -42,10 +42,11 @@ void take_healthy(ImuStatistics& s, const ImuSample& sample, Nanoseconds receive
   if (sample.angular_velocity.allFinite()) {
     s.rotation.add(sample.angular_velocity.norm());
     s.stuck_watch.add(sample);
-    if (const auto stuck = s.stuck_watch.stuck();
-        stuck && (!s.stuck || stuck->duration > s.stuck->duration)) {
-      s.stuck = stuck;
-    }
+    const auto longer = [](std::optional<StuckAxis> now, const std::optional<StuckAxis>& before) {
+      return !now || (before && before->duration > now->duration) ? before : now;
+    };
+    s.stuck = longer(s.stuck_watch.stuck(), s.stuck);
+    s.unchanged = longer(s.stuck_watch.unchanged(), s.unchanged);
   }
   s.mean_acceleration += (sample.linear_acceleration - s.mean_acceleration) /
                          static_cast<double>(s.acceleration.count);

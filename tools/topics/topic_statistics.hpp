@@ -38,10 +38,11 @@ struct ImuStatistics {
   uint64_t not_finite = 0;  ///< samples with a number that is none
   uint64_t impossible = 0;  ///< beyond what any sensor reads
   StuckAxisWatch stuck_watch;
-  std::optional<StuckAxis> stuck;  ///< the longest time that an axis was
-  uint64_t spikes = 0;             ///< far from those before and after, which agree
-  ImuTimeline timeline;            ///< the other samples
-  ReadingGate gate{{}};            ///< tells them
+  std::optional<StuckAxis> stuck;      ///< the longest time that an axis was
+  std::optional<StuckAxis> unchanged;  ///< that it may have been
+  uint64_t spikes = 0;                 ///< far from those before and after, which agree
+  ImuTimeline timeline;                ///< the other samples
+  ReadingGate gate{{}};                ///< tells them
 };
 
 /// Directions about the sensor's z axis.
