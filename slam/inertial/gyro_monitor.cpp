@@ -214,7 +214,9 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
   const std::vector<RotationInterval> turns =
       told_turns(std::vector(turns_.begin(), turns_.end()), samples, expected.saturated);
   const GyroCheck found = checked(turns, samples, expected);
-  return found.fault == GyroFault::none
+  const bool late = found.comparison &&
+                    std::abs(found.comparison->offset - expected.offset) > expected.tolerance;
+  return found.fault == GyroFault::none && !late
              ? found
              : checked(without_few_wrong(turns, samples, expected), samples, expected);
 }
