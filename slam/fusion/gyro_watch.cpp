@@ -85,6 +85,11 @@ void GyroWatch::accuse() {
   monitor_.forget_turns();
 }
 
+void GyroWatch::forget() {
+  monitor_.forget_turns();
+  suspected_ = GyroFault::none;
+}
+
 std::optional<GyroVerdict> GyroWatch::check(const StampedPose& alignment,
                                             const SweepMotion* deskewed, const SensorFrame& frame,
                                             std::vector<Nanoseconds> saturated, bool timed) {

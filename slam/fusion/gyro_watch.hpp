@@ -62,8 +62,8 @@ class GyroWatch {
   std::optional<GyroVerdict> check(const StampedPose& alignment, const SweepMotion* deskewed,
                                    const SensorFrame& frame, std::vector<Nanoseconds> saturated,
                                    bool timed);
-  /// The gyroscope is known not to work: turns up to now tell nothing.
-  void forget() { monitor_.forget_turns(); }
+  /// The gyroscope is known not to work for a while: turns up to now tell nothing.
+  void forget();
   /// A sweep without an alignment that holds its rotation.
   void broken() { monitor_.broken(); }
 

@@ -36,8 +36,10 @@ class InertialReadings {
 
   /// An axis that is stuck as of the newest reading.
   std::optional<StuckAxis> stuck() const { return stuck_.stuck(); }
-  /// One that may be: it stays as it is while the others change, however little.
-  std::optional<StuckAxis> unchanged_axis() const { return stuck_.unchanged(); }
+  /// One that may be: it has stayed as it is since then, while the others change, however little.
+  std::optional<StuckAxis> unchanged_axis(Nanoseconds since) const {
+    return stuck_.unchanged(since);
+  }
   /// Saturation in that time, where there was none in the ten seconds before it.
   std::optional<Saturation> saturation_begins(Nanoseconds begin, Nanoseconds end) const;
   /// In the ten seconds up to the newest reading.

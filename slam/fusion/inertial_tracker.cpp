@@ -28,6 +28,7 @@ constexpr CovarianceModel kFusedModel = [] {
 }();
 // Innovations have the prediction's errors besides.
 constexpr double kOwnShare = 0.5;
+constexpr Nanoseconds kAxisWaits = std::chrono::seconds(20);
 constexpr int kLosses = 5;             // without a long time of fusion in between
 constexpr int kLongFusion = 100;       // sweeps
 constexpr double kScaleError = 0.005;  // share of readings: scale, axes that are not square
@@ -264,7 +265,7 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
   report.innovation_gate = sweep.innovation_gate;
   if (const auto* failed = std::get_if<FailedCheck>(&sweep.outcome)) {
     lose(*failed);
-    if (alignment != nullptr) {
+    if (alignment != nullptr && !stuck_axis()) {
       watch_.accuse();
     }
     return;
@@ -289,7 +290,7 @@ void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* des
   if (is<Absent>() || is<Refused>()) {
     return;
   }
-  if (stuck_axis()) {
+  if (const auto stuck = stuck_axis(); stuck && stuck->gyroscope) {
     watch_.forget();
     return;
   }
@@ -309,6 +310,12 @@ void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* des
     return;
   }
   const auto& found = std::get<GyroscopeDisagrees>(*verdict);
+  const bool moves_not =
+      found.check.fault == GyroFault::constant || found.check.fault == GyroFault::unrelated;
+  if (moves_not && lose_by_axis()) {
+    watch_.forget();
+    return;
+  }
   const auto* lost = std::get_if<Lost>(&state_);
   const bool after_gap = lost != nullptr && lost->after_gap;
   leave(found.refused ? State(Refused{}) : State(Lost{.after_gap = after_gap}), found);
@@ -316,7 +323,8 @@ void InertialTracker::watch(const StampedPose& alignment, const SweepMotion* des
 
 std::optional<StuckAxis> InertialTracker::stuck_axis() const {
   const auto stuck = readings_.stuck();
-  return stuck || !history_.accused_axis ? stuck : readings_.unchanged_axis();
+  const bool failed = history_.failed_at && *readings_.newest() - *history_.failed_at < kAxisWaits;
+  return stuck || !failed ? stuck : readings_.unchanged_axis(*history_.failed_at);
 }
 
 std::optional<PassingCause> InertialTracker::passing_cause() const {
@@ -330,15 +338,26 @@ std::optional<PassingCause> InertialTracker::passing_cause() const {
 }
 
 void InertialTracker::lose(const FailedCheck& check) {
-  if (const auto unchanged = readings_.unchanged_axis()) {
-    history_.accused_axis = true;
-    leave(Lost{}, *unchanged);
+  const bool by_readings = std::holds_alternative<AlignmentsContradict>(check) ||
+                           std::holds_alternative<ImpossibleState>(check);
+  if (by_readings && lose_by_axis()) {
     return;
   }
   history_.losses += passing_cause() ? 0 : 1;  // else it is known why, and passes
   const bool again = history_.losses >= kLosses;
   leave(again ? State(Refused{}) : State(Lost{}),
         CheckFailed{.check = check, .losses = history_.losses, .refused = again});
+}
+
+bool InertialTracker::lose_by_axis() {
+  history_.failed_at = *readings_.newest();
+  const auto axis = stuck_axis();
+  if (!axis || history_.losses + 1 >= kLosses) {
+    return false;
+  }
+  ++history_.losses;
+  leave(Lost{}, *axis);
+  return true;
 }
 
 void InertialTracker::leave(State next, const InertialCause& why) {

@@ -105,8 +105,8 @@ class InertialTracker {
     /// sensor has gone away from there.
     std::optional<Eigen::Vector3d> rested_at;
     int losses = 0;  ///< since the last long time of fusion
-    /// A check failed while an axis stayed as it was: no start before it changes.
-    bool accused_axis = false;
+    /// A check failed: an axis that has stayed as it was since then may be why.
+    std::optional<Nanoseconds> failed_at;
   };
 
   InertialState state() const { return static_cast<InertialState>(state_.index()); }
@@ -129,8 +129,11 @@ class InertialTracker {
   /// What else explains a check that failed, and passes: saturation within the last ten seconds, a
   /// gap that was bridged.
   std::optional<PassingCause> passing_cause() const;
-  /// An axis that is stuck: while it moves too little to tell, only where a check has failed.
+  /// An axis that is stuck. Where the others hardly move only if a check has failed, twenty
+  /// seconds ago at most, while it was.
   std::optional<StuckAxis> stuck_axis() const;
+  /// A check has failed by what the readings say: a loss with the axis that is stuck, if one is.
+  bool lose_by_axis();
   /// After a check that failed.
   void lose(const FailedCheck& check);
   /// Goes on in another state, for that reason.

@@ -145,7 +145,7 @@ void InertialTracker::start(const SensorStart& start) {
   event_ = InertialEvent{.cause = SensorStarted{.how = start.how.reason}};
   history_.accel_scale = start.how.accel_scale;
   history_.fused = start.state;
-  history_.accused_axis = false;
+  history_.failed_at.reset();
   state_ = Fused{.motion = FusedMotion({.noise = noise_,
                                         .gravity_walk = config_.gravity_walk,
                                         .gravity_walk_way = config_.gravity_walk_way,

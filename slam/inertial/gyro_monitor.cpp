@@ -22,7 +22,8 @@ constexpr int kBetweenChecks = 20;
 constexpr double kLongestTurn = 0.35;  // s; over longer ones the rotation vector is no integral
 constexpr double kMostOffset = 0.3;    // s
 constexpr double kSameSpan = 0.01;     // s: sweeps whose durations differ by more tell no turn
-constexpr Nanoseconds kKept = std::chrono::seconds(1);  // samples before the first turn
+constexpr Nanoseconds kKept = std::chrono::seconds(1);       // samples before the first turn
+constexpr Nanoseconds kMostKept = std::chrono::seconds(60);  // though no turns come
 // Less turning than this, root mean square, tells nothing. rad a turn
 constexpr double kLively = 0.008;
 constexpr double kStill = 0.02;                 // share of the sweeps' turns: a constant gyroscope
@@ -173,6 +174,9 @@ std::string_view to_string(GyroFault fault) {
 void GyroMonitor::add(const ImuSample& sample) {
   if (samples_.empty() || sample.stamp > samples_.back().stamp) {
     samples_.push_back(sample);
+    while (sample.stamp - samples_.front().stamp > kMostKept) {
+      samples_.pop_front();
+    }
   } else if (samples_.back().stamp - sample.stamp > std::chrono::seconds(1)) {
     *this = {};  // the clock was set back
   }
@@ -214,8 +218,8 @@ std::optional<GyroCheck> GyroMonitor::check(const GyroExpectation& expected) {
   const std::vector<RotationInterval> turns =
       told_turns(std::vector(turns_.begin(), turns_.end()), samples, expected.saturated);
   const GyroCheck found = checked(turns, samples, expected);
-  const bool late = found.comparison &&
-                    std::abs(found.comparison->offset - expected.offset) > expected.tolerance;
+  const bool late =
+      found.comparison && std::abs(found.comparison->offset - expected.offset) > expected.tolerance;
   return found.fault == GyroFault::none && !late
              ? found
              : checked(without_few_wrong(turns, samples, expected), samples, expected);

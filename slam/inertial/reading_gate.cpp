@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
+#include <set>
 #include <utility>
 
 namespace adit {
@@ -89,7 +91,23 @@ bool ReadingGate::sticks_out(const ImuSample& before, const ImuSample& one,
 }
 
 bool ReadingGate::has_changed() const {
-  return waiting_.size() > kMostWaiting;
+  return waiting_.size() > kMostWaiting && !is_past_spikes();
+}
+
+bool ReadingGate::is_past_spikes() const {
+  const auto count = static_cast<double>(waiting_.size());
+  if (calm_ < kCalm || distance(usual_->last, waiting_.back()) > count) {
+    return false;
+  }
+  std::set<int> axes;
+  for (std::size_t i = 0; i + 1 < waiting_.size(); ++i) {
+    const std::optional<int> jump = lone_jump(usual_->last, waiting_[i]);
+    if (!jump) {
+      return false;
+    }
+    axes.insert(std::abs(*jump));
+  }
+  return axes.size() > 1;
 }
 
 std::optional<int> ReadingGate::lone_jump(const ImuSample& usual, const ImuSample& one) const {

@@ -78,6 +78,9 @@ class ReadingGate {
   bool may_be_burst() const;
   /// Nothing can be called a jump: the motion has changed.
   bool has_changed() const;
+  /// All that wait but the last had one number off each, not always the same, and the last has
+  /// none: no motion does that.
+  bool is_past_spikes() const;
   /// Whether the last that waits tells what the others are.
   bool is_settled() const;
   bool is_spike(std::size_t waiting) const;

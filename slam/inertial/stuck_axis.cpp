@@ -52,14 +52,15 @@ void StuckAxisWatch::add(const ImuSample& sample) {
   last_ = sample.stamp;
 }
 
-std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, double least, double steps,
+std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, const Bounds& bounds,
                                                Nanoseconds now) {
   for (int i = 0; i < 3; ++i) {
     const Axis& axis = triad[static_cast<size_t>(i)];
     const double duration = seconds(now - axis.since);
     const double moved = (axis.greatest - axis.least).maxCoeff();
     if (axis.changes >= kAlive && axis.readings >= kFewest && duration >= kShortest &&
-        moved > least && moved > steps * axis.least_step) {
+        axis.since <= bounds.latest && moved > bounds.least &&
+        moved > bounds.steps * axis.least_step) {
       return StuckAxis{.axis = i, .value = axis.value, .duration = duration};
     }
   }
@@ -67,13 +68,14 @@ std::optional<StuckAxis> StuckAxisWatch::stuck(const Triad& triad, double least,
 }
 
 std::optional<StuckAxis> StuckAxisWatch::stuck() const {
-  const auto gyroscope = stuck(gyroscope_, kTurning, 0.0, last_);
-  return gyroscope ? gyroscope : of_accelerometer(stuck(accelerometer_, kMoving, 0.0, last_));
+  const auto gyroscope = stuck(gyroscope_, {.least = kTurning}, last_);
+  return gyroscope ? gyroscope : of_accelerometer(stuck(accelerometer_, {.least = kMoving}, last_));
 }
 
-std::optional<StuckAxis> StuckAxisWatch::unchanged() const {
-  const auto gyroscope = stuck(gyroscope_, 0.0, kSteps, last_);
-  return gyroscope ? gyroscope : of_accelerometer(stuck(accelerometer_, 0.0, kSteps, last_));
+std::optional<StuckAxis> StuckAxisWatch::unchanged(Nanoseconds latest) const {
+  const Bounds bounds{.steps = kSteps, .latest = latest};
+  const auto gyroscope = stuck(gyroscope_, bounds, last_);
+  return gyroscope ? gyroscope : of_accelerometer(stuck(accelerometer_, bounds, last_));
 }
 
 }  // namespace adit

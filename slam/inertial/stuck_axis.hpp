@@ -29,10 +29,10 @@ class StuckAxisWatch {
 
   /// Stuck as of the last reading.
   std::optional<StuckAxis> stuck() const;
-  /// One and the same value as long, while the others go up and down by ten times the smallest
-  /// step that the axis has ever made. That alone is no fault (drivers may round what is small to
-  /// 0): it names the cause where there is one.
-  std::optional<StuckAxis> unchanged() const;
+  /// One and the same value as long, since `latest` or before, while the others go up and down by
+  /// ten times the smallest step that the axis has ever made. That alone is no fault (drivers may
+  /// round what is small to 0): it names the cause where there is one.
+  std::optional<StuckAxis> unchanged(Nanoseconds latest = Nanoseconds::max()) const;
 
  private:
   struct Axis {
@@ -47,9 +47,12 @@ class StuckAxisWatch {
   using Triad = std::array<Axis, 3>;
 
   static void add(Triad& triad, const Eigen::Vector3d& value, Nanoseconds stamp);
-  /// The others move by more than `least`, and `steps` of the axis's smallest steps.
-  static std::optional<StuckAxis> stuck(const Triad& triad, double least, double steps,
-                                        Nanoseconds now);
+  struct Bounds {
+    double least = 0.0;  ///< the others move by more
+    double steps = 0.0;  ///< and by more of the axis's smallest steps
+    Nanoseconds latest = Nanoseconds::max();
+  };
+  static std::optional<StuckAxis> stuck(const Triad& triad, const Bounds& bounds, Nanoseconds now);
 
   Triad gyroscope_{};
   Triad accelerometer_{};

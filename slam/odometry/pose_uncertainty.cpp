@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/odometry/pose_uncertainty.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace adit {
@@ -30,6 +31,7 @@ constexpr double kMostAcceleration = 15.0;  // m/s^2
 constexpr double kMostTurning = 20.0;       // rad/s^2
 // s. Times between sweeps are off by as much where stamps are rounded, as KITTI's are.
 constexpr double kStampsOff = 0.01;
+constexpr double kMostOffInTime = 0.2;  // of the time between two sweeps
 
 // A covariance of T_map_a as one of T_map_b, where b moves with a.
 Matrix6d moved(const Matrix6d& covariance, const Eigen::Isometry3d& T_a_b) {
@@ -118,7 +120,7 @@ Matrix6d UnmeasuredMotion::leap(const Eigen::Isometry3d& T_steady_found, const V
   const Vector6d off = se3_log(T_steady_found);
   // The velocity is that of the middle of the step before.
   const double lasts = 0.5 * elapsed * (elapsed + step_);
-  const double off_in_time = kStampsOff / elapsed;
+  const double off_in_time = std::min(kStampsOff / elapsed, kMostOffInTime);
   leapt_ =
       off.head<3>().norm() > kMostAcceleration * lasts + off_in_time * expected.head<3>().norm() ||
       off.tail<3>().norm() > kMostTurning * lasts + off_in_time * expected.tail<3>().norm();

@@ -223,6 +223,46 @@ TEST(InertialFaults, ASaturatedGyroscopeNeitherMovesTheClockNorIsRefused) {
   }
 }
 
+/// A cart: it turns about z alone.
+test::WavyMotion planar_motion() {
+  return {.position = {{{0.0, 0.0, 0.0, 2.0}, {0.5, 0.2, 0.0, 0.0}, {}}},
+          .angles = {{{}, {}, {0.5, 0.3, 0.0, 0.1}}}};
+}
+
+// The sweeps contradict it before half a second has told that the axis is stuck.
+TEST(InertialFaults, AnAxisThatIsStuckWhileNoOtherTurnsIsWaitedFor) {
+  const Outcome outcome = run_tracker(each([](ImuSample& sample) {
+                                        const double t = seconds(sample.stamp);
+                                        if (t > 5.0 && t < 12.0) {
+                                          sample.angular_velocity.z() = 0.0;
+                                        }
+                                      }),
+                                      20.0, tracker_config(), planar_motion());
+  EXPECT_EQ(outcome.state_at(4.9), InertialState::fused) << outcome.events();
+  EXPECT_EQ(outcome.state_at(11.9), InertialState::lost) << outcome.events();
+  const auto& hindrance = outcome.reports[119].hindrance;
+  ASSERT_TRUE(hindrance) << outcome.events();
+  const auto* stuck = std::get_if<StuckAxis>(&*hindrance);
+  ASSERT_NE(stuck, nullptr) << outcome.events();
+  EXPECT_TRUE(stuck->gyroscope);
+  EXPECT_EQ(stuck->axis, 2);
+  EXPECT_EQ(outcome.reports.back().state, InertialState::fused) << outcome.events();
+  EXPECT_TRUE(outcome.all<SensorCorrected>().empty()) << outcome.events();
+  EXPECT_TRUE(outcome.all<GyroscopeDisagrees>().empty()) << outcome.events();
+}
+
+// What stays so is no reason to wait for ever, nor to start again and again.
+TEST(InertialFaults, AnAxisThatStaysStuckIsRefusedInTheEnd) {
+  const Outcome outcome = run_tracker(each([](ImuSample& sample) {
+                                        if (seconds(sample.stamp) > 5.0) {
+                                          sample.angular_velocity.z() = 0.0;
+                                        }
+                                      }),
+                                      200.0, tracker_config(), planar_motion());
+  EXPECT_EQ(outcome.reports.back().state, InertialState::refused) << outcome.events();
+  EXPECT_LE(outcome.starts<StartedInMotion>().size(), 6U) << outcome.events();
+}
+
 TEST(Saturation, OneReadingIsToldAsOne) {
   SaturationWatch watch;
   for (int i = 0; i < 10; ++i) {

@@ -229,6 +229,28 @@ TEST(ReadingGate, SpikesInARowRightAfterAnotherAreDroppedToo) {
 }
 
 // Whatever lasts longer, moves several axes, or is not there at once, the sensor felt.
+// As the simulator's 5 % of spikes once came.
+TEST(ReadingGate, FourSpikesInARowOnTwoAxesAreDropped) {
+  const Samples samples = waved(4);
+  for (std::size_t at = 500; at < 3500; at += 100) {
+    Samples damaged = samples;
+    damaged[at].linear_acceleration.x() -= 199.5;
+    damaged[at + 1].linear_acceleration.y() -= 186.5;
+    damaged[at + 2].linear_acceleration.y() += 141.1;
+    damaged[at + 3].linear_acceleration.x() -= 62.8;
+    EXPECT_EQ(pass(damaged).spikes.size(), 4U) << at;
+  }
+}
+
+// A ringing mount has the same number off.
+TEST(ReadingGate, FourSwingsOfOneNumberAreAMotion) {
+  Samples samples = waved(4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    samples[1000 + i].linear_acceleration.z() += (i % 2 == 0 ? 30.0 : -30.0);
+  }
+  EXPECT_TRUE(pass(samples).spikes.empty());
+}
+
 TEST(ReadingGate, ABlowIsNoBurst) {
   Samples samples = waved(4, 1.0, 5.0);
   for (std::size_t i = 0; i < 4; ++i) {

@@ -90,6 +90,8 @@ TEST(StuckAxis, AnAxisWithoutItsNoiseMayBe) {
     const auto unchanged = watch.unchanged();
     ASSERT_EQ(unchanged.has_value(), i >= 500 && i < 1200) << i;
     EXPECT_TRUE(!unchanged || (unchanged->gyroscope && unchanged->axis == 2)) << i;
+    EXPECT_FALSE(watch.unchanged(std::chrono::milliseconds(1999))) << i;
+    EXPECT_EQ(watch.unchanged(std::chrono::milliseconds(2000)).has_value(), unchanged.has_value());
   }
 }
 

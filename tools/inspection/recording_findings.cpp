@@ -219,8 +219,8 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
     findings.problem("accelerometer_unit", mean + ": it is in g, not in m/s²",
                      "gravity would be a tenth of what it is",
                      "Multiply the accelerations by 9.80665");
-  } else if (!stuck_accelerometer &&
-             (norm < 0.8 * kStandardGravity || norm > 1.3 * kStandardGravity)) {
+  } else if (norm > 1.3 * kStandardGravity ||
+             (norm < 0.8 * kStandardGravity && !stuck_accelerometer)) {
     findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
                      "gravity cannot be told", "Check the accelerometer's unit and range");
   }

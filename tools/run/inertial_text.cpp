@@ -39,12 +39,11 @@ std::string clock_text(const GyroCheck& check) {
 std::string mounting_text(const GyroCheck& check) {
   const RotationComparison& found = *check.comparison;
   const Eigen::Quaterniond q(Eigen::Matrix3d(found.R_range_gyro.transpose()));
-  const std::string hidden = names_of_unobserved_axes(found);
-  const std::string remedy = hidden.empty()
-                                 ? ", whose rotation should be qx " + with_decimals(q.x(), 4) +
-                                       ", qy " + with_decimals(q.y(), 4) + ", qz " +
-                                       with_decimals(q.z(), 4) + ", qw " + with_decimals(q.w(), 4)
-                                 : "; the motion does not tell its " + hidden;
+  const std::string remedy =
+      tells_mounting(found) ? ", whose rotation should be qx " + with_decimals(q.x(), 4) + ", qy " +
+                                  with_decimals(q.y(), 4) + ", qz " + with_decimals(q.z(), 4) +
+                                  ", qw " + with_decimals(q.w(), 4)
+                            : "; the motion does not tell its " + names_of_unobserved_axes(found);
   return "the gyroscope turns as the sweeps do, but about axes that are " +
          with_decimals(kDegreesPerRadian * found.misalignment, 1) + " degrees off (over " +
          std::to_string(check.turns) +

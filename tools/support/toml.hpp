@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // toml++ without its claims about itself, of which two do not hold in version 3.3: that the key in
-// "[.5]" begins as a key does, before it complains that it does not, and that no letter from
-// U+00A1 to U+0499 is ever asked whether it is a space. With assert() the first ends the program;
-// a compiler that believes them (NDEBUG, __builtin_unreachable) may leave the complaint out.
+// "[.5]" begins as a key does, before it complains that it does not, and that letters as those of
+// U+00A1 to U+0499 and U+2C5E to U+3057 are never asked whether they are spaces. With assert() the
+// first ends the program; a compiler that believes them (NDEBUG, __builtin_unreachable) may leave
+// the complaint out.
 #pragma once
 
 #pragma push_macro("NDEBUG")
