@@ -112,8 +112,8 @@ std::optional<GyroVerdict> GyroWatch::judge(const GyroCheck& check, const Sensor
   const bool fault = check.fault != GyroFault::none;
   const bool again = fault && check.fault == suspected_;
   suspected_ = check.fault;
-  // A check failed, and the lidar has gone alone since: what its turns say is believed, proof or
-  // not.
+  // A check failed, and the lidar has gone alone since: less than a fault is corrected, if it is
+  // sure.
   const bool accused = std::exchange(unexplained_, 0) > 0;
   const bool of_frame = check.fault == GyroFault::clock || check.fault == GyroFault::mounting;
   if (check.comparison && (of_frame || !fault)) {

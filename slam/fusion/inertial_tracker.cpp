@@ -28,6 +28,7 @@ constexpr CovarianceModel kFusedModel = [] {
 }();
 // Innovations have the prediction's errors besides.
 constexpr double kOwnShare = 0.5;
+// An axis that has not changed since a check failed keeps the sensor out for so long at most.
 constexpr Nanoseconds kAxisWaits = std::chrono::seconds(20);
 constexpr int kLosses = 5;             // without a long time of fusion in between
 constexpr int kLongFusion = 100;       // sweeps
@@ -120,6 +121,9 @@ std::vector<TakenReading> InertialTracker::add(const ImuSample& sample) {
   for (const TakenReading& one : taken) {
     if (one.arrival == ImuArrival::appended || one.arrival == ImuArrival::restarted) {
       watch_.add(one.sample);
+    }
+    if (one.arrival == ImuArrival::restarted) {
+      history_.failed_at.reset();  // by the clock from before
     }
     if (one.arrival == ImuArrival::appended && is<Absent>() && config_.use) {
       state_ = Starting{};

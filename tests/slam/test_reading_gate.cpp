@@ -228,7 +228,6 @@ TEST(ReadingGate, SpikesInARowRightAfterAnotherAreDroppedToo) {
   }
 }
 
-// Whatever lasts longer, moves several axes, or is not there at once, the sensor felt.
 // As the simulator's 5 % of spikes once came.
 TEST(ReadingGate, FourSpikesInARowOnTwoAxesAreDropped) {
   const Samples samples = waved(4);
@@ -251,6 +250,7 @@ TEST(ReadingGate, FourSwingsOfOneNumberAreAMotion) {
   EXPECT_TRUE(pass(samples).spikes.empty());
 }
 
+// Whatever lasts longer, moves several axes, or is not there at once, the sensor felt.
 TEST(ReadingGate, ABlowIsNoBurst) {
   Samples samples = waved(4, 1.0, 5.0);
   for (std::size_t i = 0; i < 4; ++i) {
