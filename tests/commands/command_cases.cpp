@@ -75,6 +75,11 @@ void damage_file(const fs::path& file, Dice& dice) {
   write(file, bytes);
 }
 
+/// As on a command line: an option that is not given is none.
+std::optional<std::string> given(const fs::path& file) {
+  return file.empty() ? std::nullopt : std::optional(file.string());
+}
+
 /// Files in the folder and below, in the order of their names.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -185,7 +190,7 @@ CommandCases::Damaged CommandCases::damaged_recording(const std::string& name,
   std::vector<fs::path> files = files_in(copy.folder);
   for (std::size_t change = 0; change <= dice.below(4); ++change) {
     const fs::path& file = files[dice.below(files.size())];
-    if (files.size() > 1 && dice.one_in(20)) {
+    if (files.size() > 1 && dice.one_in(20) && !dice.is_harmless()) {
       fs::remove(file);
     } else {
       damage_file(file, dice);
@@ -203,8 +208,8 @@ int CommandCases::simulate(const fs::path& folder, Dice& dice, std::ostream& tol
   put(scene, "duration = 60.0", fmt::format("duration = {}", kSceneSeconds));
   put(scene, "receiver = \"none\"", dice.one_in(2) ? "receiver = \"rtk\"" : "receiver = \"none\"");
   if (dice.one_in(2)) {
-    put(scene, "# waypoints", "waypoints");
-    put(scene, "# corner_radius", "corner_radius");
+    put(scene, "# waypoints =", "waypoints =");
+    put(scene, "# corner_radius =", "corner_radius =");
   }
   damage_words(scene, dice);
   SimulateCommandOptions options;
@@ -344,14 +349,14 @@ int CommandCases::call(FuzzedCommand command, const std::string& format, const f
     ConvertOptions options;
     options.input = recording;
     options.output = folder / names[dice.below(names.size())];
-    options.metadata = metadata.string();
+    options.metadata = given(metadata);
     if (dice.one_in(2)) {
-      options.repair.emplace().metadata = metadata.string();
+      options.repair.emplace().metadata = given(metadata);
     }
     return convert_command(options, told, told);
   }
   ConfigSource config;
-  config.metadata = metadata.string();
+  config.metadata = given(metadata);
   if (command == FuzzedCommand::inspect) {
     InspectCommandOptions options;
     options.recording = recording;
@@ -372,9 +377,9 @@ int CommandCases::call(FuzzedCommand command, const std::string& format, const f
   return run_command(options, told, told);
 }
 
-CommandOutcome CommandCases::run(FuzzedCommand command, const std::string& format,
-                                 uint64_t number) const {
-  Dice dice(4 * number + static_cast<uint64_t>(command));
+CommandOutcome CommandCases::run(FuzzedCommand command, const std::string& format, uint64_t number,
+                                 Damage damage) const {
+  Dice dice(4 * number + static_cast<uint64_t>(command), damage);
   const TemporaryFolder folder;
   std::ostringstream told;
   CommandOutcome outcome;

@@ -46,8 +46,10 @@ class CommandCases {
   /// Whether it is for the command to read.
   static bool reads(FuzzedCommand command, const std::string& format);
 
-  /// A code of 0, 1 or 2 in bounded time, and nothing written that is not a number.
-  CommandOutcome run(FuzzedCommand command, const std::string& format, uint64_t number) const;
+  /// A code of 0, 1 or 2 in bounded time, and nothing written that is not a number. With
+  /// Damage::none the same call on the healthy input.
+  CommandOutcome run(FuzzedCommand command, const std::string& format, uint64_t number,
+                     Damage damage = Damage::some) const;
 
  private:
   struct Damaged {

@@ -120,6 +120,9 @@ void damage(ReferencePose& pose, Dice& dice) {
 }  // namespace
 
 void damage_bytes(std::string& bytes, Dice& dice) {
+  if (dice.is_harmless()) {
+    return;
+  }
   for (std::size_t change = 0; change <= dice.below(4) && !bytes.empty(); ++change) {
     const std::size_t at = dice.below(bytes.size());
     const std::size_t length = std::min(std::size_t{1} << dice.below(14), bytes.size() - at);
@@ -158,6 +161,9 @@ void damage_bytes(std::string& bytes, Dice& dice) {
 }
 
 void damage_text(std::string& text, Dice& dice) {
+  if (dice.is_harmless()) {
+    return;
+  }
   constexpr std::array<std::string_view, 16> kWords = {
       "nan",
       "inf",
@@ -199,6 +205,9 @@ void damage_text(std::string& text, Dice& dice) {
 }
 
 void damage_numbers(std::string& text, Dice& dice) {
+  if (dice.is_harmless()) {
+    return;
+  }
   constexpr std::array<std::string_view, 12> kOthers = {"0",    "1",  "-1",  "0.0",  "1.0", "-1.0",
                                                         "1e-9", "25", "0.5", "90.0", "1e3", "-1e6"};
   const auto numbers = [&] {  // where each begins, and its length
@@ -226,6 +235,9 @@ void damage_numbers(std::string& text, Dice& dice) {
 }
 
 void damage_events(std::vector<Recorded>& events, Dice& dice) {
+  if (dice.is_harmless()) {
+    return;
+  }
   for (std::size_t change = 0; change <= dice.below(4) && !events.empty(); ++change) {
     const std::size_t at = dice.below(events.size());
     const std::size_t length = std::min(std::size_t{1} << dice.below(8), events.size() - at);

@@ -14,10 +14,14 @@
 
 namespace adit::test {
 
-/// Whole numbers at random, the same with every standard library.
+enum class Damage { some, none };
+
+/// Whole numbers at random, the same with every standard library; with Damage::none, what follows
+/// here leaves everything as it is.
 class Dice {
  public:
-  explicit Dice(uint64_t seed) : engine_(seed) {}
+  explicit Dice(uint64_t seed, Damage damage = Damage::some) : engine_(seed), damage_(damage) {}
+  bool is_harmless() const { return damage_ == Damage::none; }
   uint64_t bits() { return engine_(); }
   /// From 0 to `n` - 1; 0 where n is 0.
   std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(bits() % n); }
@@ -25,6 +29,7 @@ class Dice {
 
  private:
   std::mt19937_64 engine_;
+  Damage damage_;
 };
 
 /// Cut off, flipped, overwritten, zeroed, spliced, doubled, taken out: one to four times.

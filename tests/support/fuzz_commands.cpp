@@ -54,7 +54,8 @@ struct Budget {
 using Clock = std::chrono::steady_clock;
 using Codes = std::map<adit::test::FuzzedCommand, std::map<int, uint64_t>>;
 
-/// Turn and turn about, so that time is shared alike. Returns how many complaints there were.
+/// Turn and turn about, so that time is shared alike. Returns how many complaints there were: one
+/// is that a command refused every call, and so read nothing.
 uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
               const std::string& only, const Budget& budget, uint64_t first, Codes& codes) {
   const Clock::time_point begin = Clock::now();
@@ -62,6 +63,7 @@ uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
   uint64_t complaints = 0;
   uint64_t done = 0;
   uint64_t number = first;
+  std::map<adit::test::FuzzedCommand, uint64_t> taken;
   for (; budget.seconds > 0.0 ? since() < budget.seconds : number < first + budget.cases;
        ++number) {
     for (const adit::test::FuzzedCommand command : adit::test::kFuzzedCommands) {
@@ -74,11 +76,19 @@ uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
       allow_seconds(120);
       const adit::test::CommandOutcome outcome = cases.run(command, format, number);
       ++codes[command][outcome.code];
+      taken[command] += outcome.code == 2 ? 0 : 1;
       ++done;
       if (!outcome.complaint.empty()) {
         ++complaints;
         std::printf("%s: %s\n", g_case, outcome.complaint.c_str());
       }
+    }
+  }
+  for (const auto& [command, times] : taken) {
+    if (times == 0) {
+      ++complaints;
+      std::printf("%s, %s: each call was refused as a wrong one\n",
+                  std::string(to_string(command)).c_str(), format.c_str());
     }
   }
   std::printf("%s: %llu cases in %.0f s, %llu complaints\n", format.c_str(),
