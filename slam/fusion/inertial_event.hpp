@@ -31,9 +31,13 @@ using CoverageFault = std::variant<NoReadings, GapTooLong>;
 /// A start would be with another unit or sign of the accelerometer than the one before.
 struct UnitChanged {};
 
+/// The accelerometer's sign was an assumption with which a check failed, and the motion since does
+/// not tell it either: the other fits better, but not clearly.
+struct SignUnclear {};
+
 /// What keeps a sensor from being started.
 using InertialHindrance =
-    std::variant<NoReadings, GapTooLong, StuckAxis, UnitChanged, ImuStartReason>;
+    std::variant<NoReadings, GapTooLong, StuckAxis, UnitChanged, SignUnclear, ImuStartReason>;
 
 /// What is held to bounds before and after a sweep is fused.
 enum class StateQuantity {
@@ -59,7 +63,7 @@ struct ImpossibleState {
 struct AlignmentsContradict {
   int alignments = 0;
   bool timed = true;          ///< points have times; without, motion distorts sweeps
-  bool sign_assumed = false;  ///< the accelerometer's sign is that of a start at rest
+  bool sign_assumed = false;  ///< the accelerometer's sign, by a start that could not tell it
 };
 
 /// Readings and sweeps together do not determine the state: no covariance can be computed.

@@ -263,7 +263,7 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
   const FusedSweep sweep = fused.motion.fuse(alignment, T_body_lidar_,
                                              {.before = history_.fused,
                                               .timed = timed_,
-                                              .sign_assumed = history_.rested_at.has_value(),
+                                              .sign_assumed = history_.is_sign_assumed(),
                                               .sure = !passing_cause()});
   report.innovation = sweep.innovation;
   report.innovation_gate = sweep.innovation_gate;
@@ -275,7 +275,10 @@ void InertialTracker::fuse(Fused& fused, const RegistrationResult* alignment,
     return;
   }
   const auto& estimate = std::get<StateEstimate>(sweep.outcome);
-  history_.losses = fused.motion.sweeps() > kLongFusion ? 0 : history_.losses;
+  if (fused.motion.sweeps() > kLongFusion) {
+    history_.losses = 0;
+    history_.moved_unclearly = false;
+  }
   history_.fused = estimate.state;
   const Eigen::Vector3d& position = estimate.state.T_map_body.translation();
   if (history_.rested_at && (position - *history_.rested_at).norm() > kFarFromRest) {

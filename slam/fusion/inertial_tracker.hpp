@@ -104,9 +104,13 @@ class InertialTracker {
     /// Position in the map of a start at rest: the accelerometer's sign is an assumption until the
     /// sensor has gone away from there.
     std::optional<Eigen::Vector3d> rested_at;
+    /// A start in motion did not tell the sign either: an assumption for a long time of fusion.
+    bool moved_unclearly = false;
     int losses = 0;  ///< since the last long time of fusion
     /// A check failed: an axis that has stayed as it was since then may be why.
     std::optional<Nanoseconds> failed_at;
+
+    bool is_sign_assumed() const { return rested_at.has_value() || moved_unclearly; }
   };
 
   InertialState state() const { return static_cast<InertialState>(state_.index()); }

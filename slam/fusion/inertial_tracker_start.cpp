@@ -114,7 +114,7 @@ void InertialTracker::start_if_possible() {
   const std::optional<FusedBefore> before =
       history_.fused ? std::optional(FusedBefore{.state = *history_.fused,
                                                  .accel_scale = history_.accel_scale,
-                                                 .sign_assumed = history_.rested_at.has_value()})
+                                                 .sign_assumed = history_.is_sign_assumed()})
                      : std::nullopt;
   if (const auto* lost = std::get_if<Lost>(&state_); lost != nullptr && lost->after_gap) {
     start(start_after_gap(waiting, noise_, *before));
@@ -130,6 +130,7 @@ void InertialTracker::start_if_possible() {
   }
   hindrance_.reset();
   if (found->how.status == ImuStartStatus::in_motion) {
+    history_.moved_unclearly = !is_sign_told(found->how) && (!before || before->sign_assumed);
     history_.rested_at.reset();
   } else if (!before) {
     history_.rested_at = found->state.T_map_body.translation();

@@ -100,6 +100,9 @@ StartAttempt try_start(const StartCollection& collected, const InertialReadings&
   if (!is_started(how.status)) {
     return InertialHindrance(how.reason);
   }
+  if (may_turn && how.other_sign_error < 1.0) {
+    return InertialHindrance(SignUnclear{});
+  }
   return SensorStart{.state = {.stamp = last.stamp,
                                .T_map_body = last.pose,
                                .v_map_body = how.v_map_body,

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -26,6 +27,10 @@ enum class ImuStartStatus {
   unobserved,   ///< the motion does not tell gravity from acceleration yet
 };
 std::string_view to_string(ImuStartStatus status);
+
+/// What leaves so many times less squared error is not better by chance. By a factor of two the
+/// opposite sign fits better in one healthy start in nine, where a sensor hardly accelerates.
+inline constexpr double kClearlyBetter = 8.0;
 
 /// Can the sensor be used from here on?
 inline bool is_started(ImuStartStatus status) {
@@ -101,6 +106,10 @@ struct ImuStart {
   /// Up in the body's axes at the end of the readings, unit.
   Eigen::Vector3d up_body = Eigen::Vector3d::UnitZ();
   double gravity_sigma = 0.0;  ///< rad, of that direction
+  /// In motion only: the squared error that the accelerometer's other sign leaves, over that of
+  /// this one. Infinite where the other makes no gravity like the Earth's; below 1: the other fits
+  /// better, but not clearly.
+  double other_sign_error = std::numeric_limits<double>::infinity();
   /// In motion only: gravity in the map, m/s², and the velocity at the last pose, m/s.
   Eigen::Vector3d gravity_map = Eigen::Vector3d(0.0, 0.0, -kStandardGravity);
   Eigen::Vector3d v_map_body = Eigen::Vector3d::Zero();
@@ -112,6 +121,12 @@ struct ImuStart {
   ImuBias bias_sigma;  ///< standard deviations, each axis
 };
 
+/// Does the motion tell the accelerometer's sign from the other? At rest, and in motion that is too
+/// little, both explain the readings: of a sensor upside down.
+inline bool is_sign_told(const ImuStart& start) {
+  return start.status == ImuStartStatus::in_motion && start.other_sign_error >= kClearlyBetter;
+}
+
 /// From a sensor at rest: gravity's direction and the gyroscope's bias are the means. What gravity
 /// is short of or beyond 9.81 m/s² is the accelerometer's bias along it; across it nothing is seen
 /// of it, and it is taken as 0 with a wide sigma.
@@ -120,7 +135,8 @@ ImuStart start_at_rest(std::span<const ImuSample> samples, const ImuNoise& noise
 /// From a moving sensor: `T_map_body` at each stamp from another source, such as alignments, with
 /// standard deviations of 2 cm and 5 mrad; `readings[i]` lie between poses i and i + 1. Gyroscope
 /// bias from rotations, then velocities, gravity of 9.81 m/s² and the accelerometer's bias from
-/// positions. `unheld[i]` are the directions, unit, map axes, in which nothing held the position of
+/// positions. The usual sign of the accelerometer unless the opposite one is clearly better.
+/// `unheld[i]` are the directions, unit, map axes, in which nothing held the position of
 /// pose i, which then tells nothing along them; empty: all was held.
 ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
                          std::span<const std::vector<ImuSample>> readings, const ImuNoise& noise,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -109,6 +110,12 @@ struct Solution {
   double mean_square = 0.0;
 };
 
+/// A unit and a sign of the accelerometer, and what they make of the motion.
+struct Explanation {
+  double accel_scale = 1.0;
+  Solution solution;
+};
+
 /// Velocities at all poses, gravity = origin + basis * parameters, accelerometer bias, and by how
 /// much poses are off along what nothing held.
 Solution solve(const Links& links, const Eigen::Vector3d& origin, const Matrix& basis) {
@@ -204,12 +211,10 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
   const GyroBias gyro = gyro_bias_of(T_map_body, readings, noise);
   const Matrix free = Matrix::Identity(3, 3);
   const bool any_unheld = !std::ranges::all_of(unheld, [](const auto& one) { return one.empty(); });
-  // The unit and the sign that explain the motion best, of those with a gravity like the Earth's.
-  double best_fit = 0.0;
-  double scale = 0.0;
-  Solution best;
+  // Of each sign, the unit that makes a gravity like the Earth's.
+  std::optional<Explanation> usual;
+  std::optional<Explanation> opposite;
   double free_norm = 0.0;
-  double usual_fit = 0.0;
   double refused_norm = 0.0;  // with the usual sign, in m/s²
   for (const double hypothesis : {1.0, kStandardGravity, -1.0, -kStandardGravity}) {
     const Links links{T_map_body, unheld, integrated(readings, hypothesis, gyro.value, noise)};
@@ -228,29 +233,32 @@ ImuStart start_in_motion(std::span<const StampedPose> T_map_body,
       refused_norm = hypothesis > 0.0 && refused_norm == 0.0 ? norm : refused_norm;
       continue;
     }
-    const Solution solution = solve_direction(links, unknown_length.gravity);
-    usual_fit = hypothesis > 0.0 ? solution.mean_square : usual_fit;
-    // The common unit and sign unless another is clearly better.
-    if (scale == 0.0 || solution.mean_square < 0.5 * best_fit) {
-      scale = hypothesis;
-      best = solution;
-      best_fit = solution.mean_square;
+    std::optional<Explanation>& found = hypothesis > 0.0 ? usual : opposite;
+    if (!found) {
+      found = Explanation{hypothesis, solve_direction(links, unknown_length.gravity)};
     }
   }
-  if (scale == 0.0) {
+  if (!usual && !opposite) {
     return refused(ImuStartStatus::implausible, NoGravityInMotion{.gravity = free_norm});
   }
+  const bool negative = !usual || (opposite && usual->solution.mean_square >=
+                                                   kClearlyBetter * opposite->solution.mean_square);
+  const Solution& best = negative ? opposite->solution : usual->solution;
+  const std::optional<Explanation>& other = negative ? usual : opposite;
   const double sigma = std::sqrt(best.covariance.diagonal().segment<2>(3).maxCoeff());
   if (sigma > kLargestGravitySigma) {
     return refused(ImuStartStatus::unobserved, GravityUnclear{.sigma = sigma});
   }
   ImuStart start;
   start.status = ImuStartStatus::in_motion;
+  start.accel_scale = negative ? opposite->accel_scale : usual->accel_scale;
+  if (other) {
+    start.other_sign_error = other->solution.mean_square / best.mean_square;
+  }
   start.reason = StartedInMotion{.poses = T_map_body.size(),
-                                 .in_g = std::abs(scale) != 1.0,
-                                 .negative = scale < 0.0,
-                                 .usual_error = scale < 0.0 ? usual_fit / best_fit : 0.0};
-  start.accel_scale = scale;
+                                 .in_g = std::abs(start.accel_scale) != 1.0,
+                                 .negative = negative,
+                                 .usual_error = negative && other ? start.other_sign_error : 0.0};
   start.gravity_map = best.gravity;
   start.up_body = T_map_body.back().pose.linear().transpose() * -best.gravity.normalized();
   start.gravity_sigma = sigma;

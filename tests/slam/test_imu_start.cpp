@@ -238,9 +238,38 @@ TEST(ImuStart, InMotionTheUnitAndTheSignAreFound) {
     EXPECT_EQ(how.poses, 16U);
     EXPECT_EQ(how.in_g, std::abs(expected) != 1.0);
     EXPECT_EQ(how.negative, expected < 0.0);
-    EXPECT_EQ(how.usual_error > 1.0, how.negative);
+    EXPECT_EQ(how.usual_error >= kClearlyBetter, how.negative);
+    EXPECT_TRUE(is_sign_told(start)) << start.other_sign_error;
     EXPECT_LE(test::angle_between(start.gravity_map, motion.gravity), 0.03)
         << to_string(start.status);
+  }
+}
+
+// Poses that swing by `share` of what the readings say, so that the sign they speak for is known,
+// and how clearly: the usual one leaves (1 - share)^2 of the swing, the opposite one (1 + share)^2.
+TEST(ImuStart, InMotionTheOppositeSignWantsClearProof) {
+  const auto swing = [](double amplitude) {
+    return WavyMotion{.position = {{{0.0, 0.0, 0.0, 1.0}, {amplitude, 0.6, 0.0, 0.0}, {}}},
+                      .angles = {{{}, {0.2, 0.3, 0.0, 0.0}, {}}}};
+  };
+  struct Case {
+    double share;
+    double accel_scale;
+    bool told;
+    bool other_fits_better;
+  };
+  for (const Case& one : {Case{1.0, 1.0, true, false}, Case{0.3, 1.0, false, false},
+                          Case{-0.3, 1.0, false, true}, Case{-1.0, -1.0, true, false}}) {
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+      StartDrive d = drive(swing(0.5), 0.0, 16, 1.0, seed);
+      d.poses = drive(swing(0.5 * one.share), 0.0, 16, 1.0, seed).poses;
+      const ImuStart start = start_in_motion(d.poses, d.readings, kStartNoise);
+      ASSERT_EQ(start.status, ImuStartStatus::in_motion) << to_string(start.status);
+      EXPECT_EQ(start.accel_scale, one.accel_scale) << one.share << ", seed " << seed;
+      EXPECT_EQ(is_sign_told(start), one.told) << one.share << ": " << start.other_sign_error;
+      EXPECT_EQ(start.other_sign_error < 1.0, one.other_fits_better)
+          << one.share << ": " << start.other_sign_error;
+    }
   }
 }
 

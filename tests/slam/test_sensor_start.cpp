@@ -193,6 +193,31 @@ TEST(TryStart, AnotherUnitThanBeforeIsInTheWayUnlessItsSignWasAssumed) {
   EXPECT_TRUE(std::holds_alternative<InertialHindrance>(with())) << "no sign makes up for a unit";
 }
 
+// The poses swing the other way, by a third: the opposite sign fits better, and may be chance.
+TEST(TryStart, AfterAFailedCheckASignThatIsNotClearIsWaitedFor) {
+  const auto swing = [](double amplitude) {
+    return test::WavyMotion{.position = {{{}, {amplitude, 0.6, 0.0, 0.0}, {}}},
+                            .angles = {{{}, {0.2, 0.3, 0.0, 0.0}, {}}}};
+  };
+  StartCollection waiting;
+  const StartCollection told = collected(swing(0.5), 16);
+  const StartCollection seen = collected(swing(-0.15), 16);
+  for (size_t i = 0; i < seen.poses().size(); ++i) {
+    waiting.add(seen.poses()[i], i == 0 ? std::nullopt : std::optional(told.readings()[i - 1]), {});
+  }
+  const auto with = [&](std::optional<FusedBefore> before) {
+    return try_start(waiting, kept(swing(0.5), 1.6), kSensorNoise, before);
+  };
+  EXPECT_TRUE(std::holds_alternative<SensorStart>(with(std::nullopt)));
+  FusedBefore before{.state = swing(0.5).state(0.0)};
+  EXPECT_TRUE(std::holds_alternative<SensorStart>(with(before)));
+  before.sign_assumed = true;
+  const auto hindered = with(before);
+  const auto* hindrance = std::get_if<InertialHindrance>(&hindered);
+  ASSERT_NE(hindrance, nullptr);
+  EXPECT_TRUE(std::holds_alternative<SignUnclear>(*hindrance));
+}
+
 TEST(TryStart, ARefusalIsToldWithItsReason) {
   const test::WavyMotion motion = test::hand_held_motion();
   const auto attempt =

@@ -103,6 +103,8 @@ TEST(InertialText, Hindrances) {
             "the accelerometer's x stays at 1.25 for 0.5 s while its other axes move");
   EXPECT_EQ(text_of(InertialHindrance(UnitChanged{})),
             "the readings look as if their unit or sign had changed since the last start");
+  EXPECT_EQ(text_of(InertialHindrance(SignUnclear{})),
+            "the motion does not tell yet whether the accelerometer's sign is the opposite one");
   EXPECT_EQ(text_of(InertialHindrance(ImuStartReason(TooFewPoses{.poses = 4, .needed = 6}))),
             "4 poses; a start in motion needs 6 over half a second");
 }
@@ -158,8 +160,8 @@ TEST(InertialText, AlignmentsThatContradictAskWhatElseExplainsThem) {
                 "and imu.T_imu_lidar right?");
   EXPECT_EQ(text_of(InertialCause(failed(true, true))),
             bare +
-                ": are clock and imu.T_imu_lidar right? And the accelerometer's sign, which a "
-                "start at rest cannot tell from a sensor upside down?");
+                ": are clock and imu.T_imu_lidar right? And the accelerometer's sign, which "
+                "the start could not tell from a sensor upside down?");
   EXPECT_EQ(explained(failed(true, true), GapBridged{}),
             bare +
                 "; readings were missing shortly before, and what they would have said was "

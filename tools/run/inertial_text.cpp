@@ -166,7 +166,7 @@ std::string questions(const AlignmentsContradict& found) {
   return std::string(found.timed ? ": are clock and imu.T_imu_lidar right?"
                                  : ": the sweeps have no times per point, so motion distorts them; "
                                    "else, are clock and imu.T_imu_lidar right?") +
-         (found.sign_assumed ? " And the accelerometer's sign, which a start at rest cannot tell "
+         (found.sign_assumed ? " And the accelerometer's sign, which the start could not tell "
                                "from a sensor upside down?"
                              : "");
 }
@@ -217,6 +217,10 @@ struct HindranceText {
 
   std::string operator()(const UnitChanged&) const {
     return "the readings look as if their unit or sign had changed since the last start";
+  }
+
+  std::string operator()(const SignUnclear&) const {
+    return "the motion does not tell yet whether the accelerometer's sign is the opposite one";
   }
 
   std::string operator()(const ImuStartReason& reason) const { return describe(reason); }
