@@ -54,6 +54,9 @@ struct Budget {
 using Clock = std::chrono::steady_clock;
 using Codes = std::map<adit::test::FuzzedCommand, std::map<int, uint64_t>>;
 
+/// A call or two may rightly be refused as a wrong one: of two topics that a recording has.
+constexpr uint64_t kCallsToTell = 20;
+
 /// Turn and turn about, so that time is shared alike. Returns how many complaints there were: one
 /// is that a command refused every call, and so read nothing.
 uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
@@ -63,7 +66,7 @@ uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
   uint64_t complaints = 0;
   uint64_t done = 0;
   uint64_t number = first;
-  std::map<adit::test::FuzzedCommand, uint64_t> taken;
+  Codes of_format;
   for (; budget.seconds > 0.0 ? since() < budget.seconds : number < first + budget.cases;
        ++number) {
     for (const adit::test::FuzzedCommand command : adit::test::kFuzzedCommands) {
@@ -75,8 +78,7 @@ uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
                     static_cast<unsigned long long>(number));
       allow_seconds(120);
       const adit::test::CommandOutcome outcome = cases.run(command, format, number);
-      ++codes[command][outcome.code];
-      taken[command] += outcome.code == 2 ? 0 : 1;
+      ++of_format[command][outcome.code];
       ++done;
       if (!outcome.complaint.empty()) {
         ++complaints;
@@ -84,8 +86,12 @@ uint64_t fuzz(const adit::test::CommandCases& cases, const std::string& format,
       }
     }
   }
-  for (const auto& [command, times] : taken) {
-    if (times == 0) {
+  for (const auto& [command, times_of] : of_format) {
+    for (const auto& [code, times] : times_of) {
+      codes[command][code] += times;
+    }
+    if (times_of.size() == 1 && times_of.begin()->first == 2 &&
+        times_of.begin()->second >= kCallsToTell) {
       ++complaints;
       std::printf("%s, %s: each call was refused as a wrong one\n",
                   std::string(to_string(command)).c_str(), format.c_str());
