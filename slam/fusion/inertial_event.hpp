@@ -82,6 +82,7 @@ using FailedCheck =
 /// The sensor is fused from now on.
 struct SensorStarted {
   ImuStartReason how;
+  Nanoseconds since{0};  ///< stamp of the first sweep that it is started from
 };
 
 /// A check failed.

@@ -24,6 +24,12 @@ std::string_view to_string(InertialState state) {
   return "unknown";
 }
 
+bool starts_at_rest_since(Nanoseconds begin, const InertialReport& report) {
+  const auto* started = report.event ? std::get_if<SensorStarted>(&report.event->cause) : nullptr;
+  return started != nullptr && started->since <= begin &&
+         std::holds_alternative<StartedAtRest>(started->how);
+}
+
 double gravity_sigma(const InertialReport& report) {
   return report.nav ? std::sqrt(std::max(
                           0.0, report.nav_covariance.diagonal().segment<2>(kGravityAt).maxCoeff()))

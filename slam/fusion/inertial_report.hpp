@@ -48,6 +48,9 @@ struct InertialReport {
   std::optional<RotationComparison> comparison;
 };
 
+/// Does the sensor start with this sweep, from readings at rest since that time or before?
+bool starts_at_rest_since(Nanoseconds begin, const InertialReport& report);
+
 /// Standard deviation of gravity's direction in the map, rad, the greater of two; infinite where
 /// the sweep was not fused.
 double gravity_sigma(const InertialReport& report);

@@ -143,7 +143,7 @@ void InertialTracker::start_if_possible() {
 }
 
 void InertialTracker::start(const SensorStart& start) {
-  event_ = InertialEvent{.cause = SensorStarted{.how = start.how.reason}};
+  event_ = InertialEvent{.cause = SensorStarted{.how = start.how.reason, .since = start.since}};
   history_.accel_scale = start.how.accel_scale;
   history_.fused = start.state;
   history_.failed_at.reset();

@@ -108,7 +108,8 @@ StartAttempt try_start(const StartCollection& collected, const InertialReadings&
                                .v_map_body = how.v_map_body,
                                .bias = how.bias,
                                .gravity_map = how.gravity_map},
-                     .how = how};
+                     .how = how,
+                     .since = first.stamp};
 }
 
 SensorStart start_after_gap(const StartCollection& collected, const ImuNoise& noise,
@@ -136,7 +137,8 @@ SensorStart start_after_gap(const StartCollection& collected, const ImuNoise& no
                     .v_map_body = how.v_map_body,
                     .bias = how.bias,
                     .gravity_map = how.gravity_map},
-          .how = how};
+          .how = how,
+          .since = first.stamp};
 }
 
 Eigen::Vector3d velocity_after(const Eigen::Isometry3d& first, const Eigen::Isometry3d& second,

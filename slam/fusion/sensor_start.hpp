@@ -48,6 +48,7 @@ struct FusedBefore {
 struct SensorStart {
   NavState state;
   ImuStart how;
+  Nanoseconds since{0};  ///< stamp of the first sweep that it follows from
 };
 
 /// What the accelerometer's mean at rest (m/s², body) tells of attitude, bias and gravity together:

@@ -259,6 +259,14 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
   } else {
     coasting.setZero();
   }
+  if (result.state == OdometryState::initializing) {
+    map_began = result.stamp;
+  }
+  if (starts_at_rest_since(map_began, result.inertial)) {
+    result.rested = true;
+    unmeasured = {};
+    drift.note_rest();
+  }
   Matrix6d besides = Matrix6d::Zero();
   if (result.state == OdometryState::tracking && !result.inertial.nav) {
     besides = unmeasured.step({result.stamp, result.T_map_lidar}, expected.steady,

@@ -61,6 +61,8 @@ struct SweepResult {
   /// Without an IMU: the step to here takes more acceleration than a sensor has, so that it or the
   /// ones before are wrong.
   bool leapt = false;
+  /// The readings have told that the sensor was at rest since the map began.
+  bool rested = false;
   bool keyframe = false;  ///< far enough from the last keyframe; never while coasting
   int raw_points = 0;     ///< points of the sweep as it came
   int valid_points = 0;   ///< left after NaN, no-return and range clipping

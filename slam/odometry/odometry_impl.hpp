@@ -46,8 +46,7 @@ struct Odometry::Impl {
         front_end(context_, config_.preprocess),
         submap(context_, config_),
         aligner(context_, config_.registration),
-        inertial(config_.imu, config_.recording.imu_time_offset),
-        drift(config_.submap.l) {}
+        inertial(config_.imu, config_.recording.imu_time_offset) {}
 
   // odometry.cpp: what is expected, and what follows from an alignment.
   void use_lengths(const Config& derived);
@@ -88,6 +87,7 @@ struct Odometry::Impl {
   bool hardly_moved = false;             ///< from the last sweep but one to the last
   bool at_rest = false;                  ///< the sensor was, when the last sweep was expected
   int failures_in_a_row = 0;
+  Nanoseconds map_began{0};
   std::optional<Sweep> first;  ///< began the first submap; until the second came
   std::optional<Eigen::Isometry3d> last_keyframe;  ///< T_map_lidar
 };

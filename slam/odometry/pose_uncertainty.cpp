@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
 namespace adit {
 namespace {
 
-// Share of its variance that a joining cloud leaves behind for good, once the first have left: as
-// measured. An average of l clouds with independent errors would keep (2 / (l + 1))^2.
+// Share of its variance that a joining cloud leaves behind for good, at the least: as measured. An
+// average of l clouds with independent errors would keep (2 / (l + 1))^2.
 constexpr double kKept = 0.15;
 
 // s. Two poses err alike where they are much less apart.
@@ -50,13 +53,40 @@ Matrix6d systematic(const Eigen::Isometry3d& way) {
   return variances.asDiagonal();
 }
 
+// What a cloud with this local covariance leaves behind in the submap, where the sweep after it has
+// that of `now`: both relative to the submap, at the same lidar. By as much as a direction is known
+// better than before, it is known by the new cloud, and no better than that cloud is.
+Matrix6d left_behind(const Matrix6d& joined, const Matrix6d& now) {
+  if (Eigen::LLT<Matrix6d>(now).info() != Eigen::Success) {
+    return kKept * joined;
+  }
+  // Directions whose errors are independent in both, with the one's variances over the other's.
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> common(joined, now);
+  const Vector6d ratio = common.eigenvalues().cwiseMax(0.0);
+  const Vector6d by_it = (1.0 - ratio.cwiseMax(1.0).cwiseInverse().array()).matrix();
+  const Vector6d kept = by_it.cwiseAbs2().cwiseMax(kKept).cwiseProduct(ratio);
+  const Matrix6d directions = now * common.eigenvectors();
+  return directions * kept.asDiagonal() * directions.transpose();
+}
+
+// Without what is below zero: what was taken for drift at the first of two poses, and then found
+// to be none.
+Matrix6d at_least_zero(const Matrix6d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> parts(covariance);
+  if (parts.eigenvalues()[0] >= 0.0) {
+    return covariance;
+  }
+  return parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         parts.eigenvectors().transpose();
+}
+
 }  // namespace
 
 Matrix6d motion_covariance(const UncertainPose& from, const UncertainPose& to) {
   const Eigen::Isometry3d T_from_to = from.T_map_lidar.inverse() * to.T_map_lidar;
   const double apart = 1.0 - std::exp(-std::abs(seconds(to.stamp - from.stamp)) / kAlike);
   return apart * (to.uncertainty.local + moved(from.uncertainty.local, T_from_to)) +
-         to.uncertainty.drift - moved(from.uncertainty.drift, T_from_to);
+         at_least_zero(to.uncertainty.drift - moved(from.uncertainty.drift, T_from_to));
 }
 
 Matrix6d unheld_directions(const RegistrationResult& alignment) {
@@ -132,22 +162,27 @@ PoseUncertainty DriftModel::update(const Eigen::Isometry3d& T_map_lidar, const M
   if (last_) {
     const Eigen::Isometry3d step = last_->inverse() * T_map_lidar;
     drift_ = moved(drift_, step) + systematic(step) + besides;
+    if (newest_) {
+      drift_ += left_behind(moved(*newest_, step), local);
+    }
   }
   last_ = T_map_lidar;
-  const PoseUncertainty uncertainty{.local = local, .drift = drift_};
-  if (joins && ++joined_ > clouds_) {
-    drift_ += kKept * local;
-  }
-  return uncertainty;
+  newest_ = joins ? std::optional(local) : std::nullopt;
+  return {.local = local, .drift = drift_};
 }
 
 void DriftModel::begin_vaguely(const Vector6d& sigma) {
   drift_ += sigma.cwiseAbs2().asDiagonal();
 }
 
+void DriftModel::note_rest() {
+  drift_.setZero();
+  newest_.reset();
+}
+
 PoseUncertainty DriftModel::restart(const Matrix6d& local) {
   drift_ += local;
-  joined_ = 1;
+  newest_.reset();
   return {.local = Matrix6d::Zero(), .drift = drift_};
 }
 

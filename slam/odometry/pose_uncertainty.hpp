@@ -58,15 +58,12 @@ class UnmeasuredMotion {
   bool leapt_ = false;
 };
 
-/// Follows what the submap drifts by. While its first clouds are in it, they hold the map; from
-/// then on each cloud that joins hands its error on to the sweeps that are aligned with it, which
-/// makes a random walk. So does what a lidar errs by in the same way with every sweep, over the way
-/// and the turns that it makes.
+/// Follows what the submap drifts by. Each cloud that joins hands its error on to the sweeps that
+/// are aligned with it, which makes a random walk: the more, the better these are known by it than
+/// it was itself. So does what a lidar errs by in the same way with every sweep, over the way and
+/// the turns that it makes.
 class DriftModel {
  public:
-  /// A model for a submap of that many clouds.
-  explicit DriftModel(int clouds) : clouds_(clouds) {}
-
   /// A sweep with its local covariance; `joins`: its cloud becomes part of the submap; `besides`:
   /// what its step has added, too (UnmeasuredMotion).
   PoseUncertainty update(const Eigen::Isometry3d& T_map_lidar, const Matrix6d& local, bool joins,
@@ -76,14 +73,17 @@ class DriftModel {
   /// deviations of what its pose lacks, [rho, phi], m and rad, lidar axes.
   void begin_vaguely(const Vector6d& sigma);
 
+  /// The sensor has been at rest since the first sweep: nothing has drifted yet.
+  void note_rest();
+
   /// The submap starts anew at the last sweep: what that one lacks, all after it lack.
   PoseUncertainty restart(const Matrix6d& local);
 
  private:
-  int clouds_;
-  int joined_ = 0;
   std::optional<Eigen::Isometry3d> last_;  ///< T_map_lidar
-  Matrix6d drift_ = Matrix6d::Zero();      ///< at last_
+  /// Local covariance of the last sweep, where its cloud has joined.
+  std::optional<Matrix6d> newest_;
+  Matrix6d drift_ = Matrix6d::Zero();  ///< at last_, without what its cloud leaves behind
 };
 
 }  // namespace adit

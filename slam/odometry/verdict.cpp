@@ -27,8 +27,8 @@ constexpr double kUnheldShareInertial = 0.95;
 constexpr double kMoved = 0.3;          // m in a window: what is at rest needs no match
 constexpr double kMovedInertial = 1.0;  // m
 // What inertia carried is not in doubt where all of it together is known to this share of the whole
-// path, three sigma of which are 1 %.
-constexpr double kCarriedShare = 0.003;
+// path, two sigma of which are 1 %.
+constexpr double kCarriedShare = 0.005;
 constexpr double kLostAfter = 10.0;      // m along what neither matches nor inertia hold
 constexpr double kContradiction = 10.0;  // median squared innovation per degree of freedom
 constexpr size_t kLeaps = 2;             // in the long window: one may be a jolt
@@ -113,6 +113,9 @@ void RunAssessor::add(const SweepResult& result) {
     path_ += seen.step;
     alone_ = seen.aligned ? 0.0 : alone_ + seconds(seen.stamp - before.stamp);
   }
+  if (result.rested) {
+    forget_unheld();
+  }
   ++count_;
   aligned_ += seen.aligned ? 1 : 0;
   since_aligned_ = seen.aligned ? 0 : since_aligned_ + 1;
@@ -163,6 +166,19 @@ void RunAssessor::look_for_unheld() {
   stretch.direction += stretch.direction.dot(direction) < 0.0 ? -direction : direction;
   if (stretch.alone > kLostAfter) {
     stretch.trust = Trust::lost;
+  }
+}
+
+// What seemed to move along what no match held, or may have, was at rest: the readings held it.
+void RunAssessor::forget_unheld() {
+  for (size_t i = stretches_.size(); i-- > 0;) {
+    if (stretches_[i].cause == DoubtCause::unheld) {
+      stretches_.erase(stretches_.begin() + static_cast<std::ptrdiff_t>(i));
+      begins_.erase(begins_.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+  for (Seen& seen : recent_) {
+    seen.inertial = true;
   }
 }
 

@@ -88,6 +88,7 @@ class RunAssessor {
 
   static UncertainPose pose_of(const Seen& seen);
   void look_for_unheld();
+  void forget_unheld();
   void look_for_contradiction();
   void look_for_leaps();
   void look_for_prediction();

@@ -87,6 +87,7 @@ TEST_F(InertialOdometry, ASwingingSensorIsFollowedToCentimetres) {
   RecordProperty("constant_velocity", text_of(errors_of(steady, drive)));
   EXPECT_EQ(failures(with_imu), 0U);
   EXPECT_EQ(with_imu.back().inertial.state, InertialState::fused);
+  EXPECT_TRUE(std::ranges::none_of(with_imu, &SweepResult::rested));
   EXPECT_TRUE(with_imu.back().deskewed);
   EXPECT_LT(2.0 * a.rms, errors_of(steady, drive).rms);
   EXPECT_LE(a.rms, 0.05);
@@ -132,6 +133,26 @@ TEST_F(InertialOdometry, TheMapIsLevel) {
 }
 
 // A hand that swings the sensor by two radians a second.
+// Open ground holds no heading: for all that matches say, the sensor may turn. Then the readings
+// tell that it was at rest.
+TEST_F(InertialOdometry, AStartAtRestTakesBackWhatMayHaveMoved) {
+  test::WavyMotion motion = test::walk(1.5, 0.3);
+  motion.rest = 10.0;
+  const MovingDrive drive =
+      test::moving_drive(test::World{}, motion, test::turned_mounting(), test::Lidar{}, 20);
+  const std::vector<SweepResult> results = place_all(context(), drive, walking_config());
+  const auto rested = std::ranges::find_if(results, &SweepResult::rested);
+  ASSERT_NE(rested, results.end());
+  EXPECT_EQ(std::ranges::count_if(results, &SweepResult::rested), 1);
+  EXPECT_EQ(rested->inertial.state, InertialState::fused);
+  const auto heading = [](const SweepResult& result) {
+    return std::sqrt(result.uncertainty.drift(5, 5));
+  };
+  EXPECT_GT(heading(*(rested - 1)), 0.05);
+  EXPECT_LT(heading(*rested), 0.01);
+  EXPECT_LT(heading(results.back()), 0.02);
+}
+
 TEST_F(InertialOdometry, FastSwingsAreNotLost) {
   const MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.2, 0.5),
                                                test::turned_mounting(), test::Lidar{}, 60);

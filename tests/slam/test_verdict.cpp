@@ -132,6 +132,27 @@ TEST(Verdict, WhoMayHaveMovedIsNotAtRest) {
   EXPECT_EQ(trust(true), Trust::reliable) << "an IMU tells rest";
 }
 
+// While the sensor is started nothing tells that it does not move. Then the readings do.
+TEST(Verdict, WhoRestedWhileTheSensorWasStartedIsNotInDoubt) {
+  const auto trust = [](bool rested) {
+    Ride run;
+    RunAssessor assessor;
+    for (int i = 0; i < 200; ++i) {
+      SweepResult sweep = i < 20 ? Ride::unheld(run.next(0.001)) : run.next();
+      const bool starting = i <= 12;
+      sweep.uncertainty.drift(0, 0) = starting ? 0.01 * i * i : 0.0;
+      sweep.rested = rested && i == 13;
+      assessor.add(starting ? sweep : Ride::fused(sweep));
+      if (i == 12) {
+        EXPECT_EQ(assessor.verdict().trust, Trust::doubtful) << "it may have moved";
+      }
+    }
+    return assessor.verdict().trust;
+  };
+  EXPECT_EQ(trust(true), Trust::reliable);
+  EXPECT_EQ(trust(false), Trust::doubtful);
+}
+
 TEST(Verdict, InertiaCarriesOverWhatIsBriefAndNotOverASecondOfIt) {
   Ride run;
   RunAssessor assessor;
