@@ -132,7 +132,6 @@ TEST_F(InertialOdometry, TheMapIsLevel) {
             0.05);
 }
 
-// A hand that swings the sensor by two radians a second.
 // Open ground holds no heading: for all that matches say, the sensor may turn. Then the readings
 // tell that it was at rest.
 TEST_F(InertialOdometry, AStartAtRestTakesBackWhatMayHaveMoved) {
@@ -153,6 +152,7 @@ TEST_F(InertialOdometry, AStartAtRestTakesBackWhatMayHaveMoved) {
   EXPECT_LT(heading(results.back()), 0.02);
 }
 
+// A hand that swings the sensor by two radians a second.
 TEST_F(InertialOdometry, FastSwingsAreNotLost) {
   const MovingDrive drive = test::moving_drive(test::make_street(30.0), test::walk(1.2, 0.5),
                                                test::turned_mounting(), test::Lidar{}, 60);
