@@ -54,7 +54,7 @@ def measure(program, folder, scene, seed, duration):
         adit(program, "simulate", scene, "--sensor", sensor, "--trajectory", trajectory, "--duration", duration,
              "--seed", seed, "-o", recording)
     if not out.exists():
-        adit(program, "run", recording, "-o", out, "--set", "mapping.enabled=true", "--quiet")
+        adit(program, "run", recording, "-o", out, "--set", "mapping.loops=false", "--quiet")
     keyframes = int(re.search(r"keyframes\s+(\d+)", adit(program, "info", out / "map.adit")).group(1))
     las = folder / f"{scene}-{seed}.las"
     seconds = []

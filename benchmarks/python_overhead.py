@@ -54,7 +54,7 @@ def main():
         own, theirs = pathlib.Path(folder, "out"), pathlib.Path(folder, "python.tum")
         for _ in range(options.turns):
             begin = processor_s()
-            said = subprocess.run([options.adit, "run", options.recording, "-o", own, "--no-map", "--json"], check=True,
+            said = subprocess.run([options.adit, "run", options.recording, "-o", own, "--odometry", "--no-map", "--json"], check=True,
                                   capture_output=True, text=True)
             summary = json.loads(said.stdout)
             medians["program"].append(summary["time"]["host_ms"]["total"]["p50"])

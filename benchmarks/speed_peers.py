@@ -52,7 +52,7 @@ def sweeps(recording, most):
 
 def run_adit(program, recording, threads, most):
     with tempfile.TemporaryDirectory() as folder:
-        command = [program, "run", str(recording), "-o", folder + "/out", "--no-map", "--json"]
+        command = [program, "run", str(recording), "-o", folder + "/out", "--odometry", "--no-map", "--json"]
         if most:
             command += ["--count", str(most)]
         environment = {**os.environ, "LP_NUM_THREADS": str(threads)}

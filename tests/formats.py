@@ -22,8 +22,7 @@ import json_schema
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "formats.md"
 # Heading of the page, and the commands whose JSON it describes; they run in a folder of their own.
 COMMANDS = {
-    "adit run: summary.json": [["run", "drive.mcap", "-o", "json", "--json", "--high-rate", "--set",
-                                "mapping.enabled=true", "--set", "mapping.loops=true"]],
+    "adit run: summary.json": [["run", "drive.mcap", "-o", "json", "--json", "--high-rate"]],
     "adit inspect --json": [["inspect", "drive.mcap", "--json"]],
     "adit evaluate --json": [["evaluate", "json/trajectory.tum", "drive.truth.tum", "--json"]],
     "adit align --json": [["align", "drive.mcap@0", "drive.mcap@9", "--json"],

@@ -131,7 +131,7 @@ def main():
     adit = prefix / "bin" / "adit"
     recording = data / "room.mcap"
     run(adit, "simulate", "room", "--sensor", "VLP-16", "--duration", 3, "-o", recording)
-    run(adit, "run", recording, "-o", data / "out", "--set", "mapping.enabled=true", "--quiet")
+    run(adit, "run", recording, "-o", data / "out", "--quiet")
     files = write_sweeps(data, 10)
     for where in (by_cmake, by_hand):
         print(f"=== {where.name}")

@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 
-SETTINGS = ["--set", "mapping.enabled=true", "--set", "keyframe.delta_trans=0.05", "--quiet", "--no-map"]
+SETTINGS = ["--set", "mapping.loops=false", "--set", "keyframe.delta_trans=0.05", "--quiet", "--no-map"]
 
 
 def output_of(command):

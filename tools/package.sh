@@ -96,7 +96,7 @@ done
 trial=$(mktemp -d)
 trap 'rm -rf "$trial"' EXIT
 "$stage/bin/adit" simulate room --duration 1 -o "$trial/room.mcap" --quiet >/dev/null &&
-  "$stage/bin/adit" run "$trial/room.mcap" -o "$trial/out" --set mapping.enabled=true --quiet >"$trial/run.txt" 2>&1 ||
+  "$stage/bin/adit" run "$trial/room.mcap" -o "$trial/out" --quiet >"$trial/run.txt" 2>&1 ||
   die "the staged program does not map a recording: $(tail -n 3 "$trial/run.txt" 2>/dev/null)"
 
 mkdir -p "$root/dist"

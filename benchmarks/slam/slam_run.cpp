@@ -80,9 +80,10 @@ SlamResult map_sequence(const SlamSequence& sequence, const SlamVariant& variant
   // First, so that others may say otherwise.
   std::vector<std::string>& settings = run.config.overrides;
   settings.insert(settings.begin(), sequence.settings.begin(), sequence.settings.end());
-  if (sequence.loops) {
-    settings.insert(settings.begin(), {"mapping.enabled=true", "mapping.loops=true"});
+  if (!sequence.loops) {
+    settings.insert(settings.begin(), "mapping.enabled=false");
   }
+  run.overwrite = true;
   run.device = device;
   run.map.enabled = false;
   run.json = true;

@@ -41,9 +41,16 @@ struct ParallelSelfTest {
   std::vector<std::vector<std::byte>> pipeline_caches;
 };
 
+/// How far a self-test in parts is.
+struct SelfTestProgress {
+  std::size_t done = 0;   ///< parts that have ended
+  std::size_t total = 0;  ///< parts
+};
+
 /// The same, its parts in threads: kernels compile as fast as the machine has processors for, those
 /// of a software driver, which compiles when a kernel is first run, too. `waiting` is called
 /// some times a second, on the caller's thread, and never throws.
-ParallelSelfTest run_self_test(const ContextOptions& options, const std::function<void()>& waiting);
+ParallelSelfTest run_self_test(const ContextOptions& options,
+                               const std::function<void(const SelfTestProgress&)>& waiting);
 
 }  // namespace adit::engine

@@ -26,10 +26,17 @@ std::vector<SelfTestCase> make_map_kernels(Context& context) {
   return {};
 }
 
+SelfTestProgress progress_of(const std::vector<std::future<PartResult>>& parts) {
+  const auto ended = std::ranges::count_if(parts, [](const std::future<PartResult>& part) {
+    return !part.valid() || part.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
+  return {.done = static_cast<std::size_t>(ended), .total = parts.size()};
+}
+
 }  // namespace
 
 ParallelSelfTest run_self_test(const ContextOptions& options,
-                               const std::function<void()>& waiting) {
+                               const std::function<void(const SelfTestProgress&)>& waiting) {
   std::vector<std::future<PartResult>> parts;
   const auto start = [&](SelfTestPart part) {
     parts.push_back(std::async(std::launch::async, [&options, part] {
@@ -44,7 +51,7 @@ ParallelSelfTest run_self_test(const ContextOptions& options,
   ParallelSelfTest all;
   for (std::future<PartResult>& part : parts) {
     while (part.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
-      waiting();
+      waiting(progress_of(parts));
     }
     PartResult result = part.get();
     for (SelfTestCase& one : result.cases) {

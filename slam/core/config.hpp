@@ -165,10 +165,10 @@ struct KeyframeConfig {
 
 /// The map that is made of the keyframes.
 struct MappingConfig {
-  bool enabled = false;
+  bool enabled = true;
   double r_submap = 0.0;  ///< m; 0: derived
   int delay = 5;          ///< keyframes
-  bool loops = false;
+  bool loops = true;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
@@ -180,7 +180,8 @@ struct MappingConfig {
     field("delay", self.delay, "keyframes",
           "what is worked out for a keyframe moves the map once so many more have come");
     field("loops", self.loops, "",
-          "true: places seen before are found again and the map is corrected; false: drift stays");
+          "true: places seen before are found again and the map is corrected; false: drift stays; "
+          "without a map it has no effect");
   }
 };
 

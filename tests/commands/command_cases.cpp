@@ -122,6 +122,7 @@ CommandCases::CommandCases(engine::Context& context)
   drive_ = write_messages(folder_ / "drive", "mcap", 0, events_).path();
   options.recording = drive_;
   options.output = run_;
+  options.overwrite = true;
   options.device.opened = context_;
   if (run_command(options, told, told) != 0) {
     throw std::runtime_error("the healthy recording could not be mapped: " + told.str());
@@ -371,6 +372,7 @@ int CommandCases::call(FuzzedCommand command, const std::string& format, const f
   options.recording = recording;
   options.config = config;
   options.output = folder / "out";
+  options.overwrite = true;
   options.device.opened = context_;
   options.high_rate.enabled = dice.one_in(2);
   options.json = dice.one_in(2);

@@ -95,6 +95,7 @@ TEST_F(DamagedInput, IsOfRecordingsThatAreHealthyWithoutTheDamage) {
     RunCommandOptions options;
     options.recording = first.path();
     options.output = folder / ("out_" + format.name);
+    options.overwrite = true;
     options.device.opened = &context();
     const int code = run_command(options, told, told);
     // EuRoC's folders have no sweeps, which there is nothing to map without.

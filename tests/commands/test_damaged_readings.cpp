@@ -38,6 +38,7 @@ class DamagedReadingsOfADrive : public test::DeviceTest {
     RunCommandOptions options;
     options.recording = test::write_mcap(folder / "drive.mcap", events);
     options.output = folder / "out";
+    options.overwrite = true;
     options.device.opened = &context();
     EXPECT_EQ(run_command(options, told, told), 0) << told.str();
     Mapped mapped{.dropped = test::json_of(options.output / "summary.json")["imu"]["irregular"],

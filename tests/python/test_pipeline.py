@@ -29,7 +29,7 @@ def test_process_gives_the_bytes_of_adit_run(drive, program, tmp_path):
     assert recording.has_imu and recording.has_gnss
     slam = adit.Slam.for_recording(recording)
     placed = list(slam.process(recording))
-    assert write(placed, tmp_path / "ours.tum") == run(program, drive, tmp_path / "out").read_bytes()
+    assert write(placed, tmp_path / "ours.tum") == run(program, drive, tmp_path / "out", "--odometry").read_bytes()
     assert [one.number for one in placed] == list(range(len(placed)))
     assert slam.mounting_source == "transforms" and slam.mounting.shape == (4, 4)
     assert slam.verdict.trust == "reliable" and slam.verdict.stretches == []
@@ -47,14 +47,14 @@ def test_adding_events_one_by_one_gives_the_same(drive, program, tmp_path):
             results += slam.add(event)
     results += slam.flush()
     placed = [one for one in results if isinstance(one, adit.SweepPlaced)]
-    assert write(placed, tmp_path / "ours.tum") == run(program, drive, tmp_path / "out").read_bytes()
+    assert write(placed, tmp_path / "ours.tum") == run(program, drive, tmp_path / "out", "--odometry").read_bytes()
     motions = [one.motion for one in results if isinstance(one, adit.ReadingTaken) and one.motion]
     assert len(motions) > 300 and motions[0].covariance.shape == (9, 9)
 
 
 def test_a_map_gives_the_trajectory_of_adit_run(drive, mapped, program, tmp_path):
     file, report, placed = mapped
-    theirs = run(program, drive, tmp_path / "out", "--set", "mapping.enabled=true")
+    theirs = run(program, drive, tmp_path / "out")
     adit.Map(file).trajectory().write(tmp_path / "ours.tum")
     ours = adit.Trajectory.read(tmp_path / "ours.tum")
     np.testing.assert_allclose(ours.poses, adit.Trajectory.read(theirs).poses, rtol=0.0, atol=1e-9)
@@ -68,7 +68,7 @@ def test_odometry_without_an_imu_gives_the_bytes_of_adit_run(drive, program, tmp
     results = [odometry.register_frame(event) for event in adit.open(drive, {"imu.use": False})
                if isinstance(event, adit.Sweep)]
     ours = write(results, tmp_path / "ours.tum")
-    assert ours == run(program, drive, tmp_path / "out", "--set", "imu.use=false").read_bytes()
+    assert ours == run(program, drive, tmp_path / "out", "--odometry", "--set", "imu.use=false").read_bytes()
     arrays = adit.Odometry({"imu": {"use": False}})
     for event, result in zip((e for e in adit.open(drive) if isinstance(e, adit.Sweep)), results):
         again = arrays.register_frame(event.points, event.times, stamp=event.stamp)

@@ -110,13 +110,14 @@ TEST_F(ConfigFile, IntegersServeAsNumbersAndOtherSettingsKeepTheirDefaults) {
 }
 
 TEST_F(ConfigFile, UnknownKeyNamesFileLineColumnAndNearestName) {
-  expect_refused("[preprocess]\nc_min = 1\n  r_imput = 0.5\n",
-                 {"line 3, column 3", "'preprocess.r_imput'", "nearest valid name is 'r_input'"});
+  expect_refused(
+      "[preprocess]\nc_min = 1\n  r_imput = 0.5\n",
+      {"line 3, column 3", "'preprocess.r_imput'", "nearest valid name is 'preprocess.r_input'"});
 }
 
 TEST_F(ConfigFile, UnknownKeyThatResemblesNothingListsTheValidNames) {
   expect_refused("[keyframe]\nquantisation_of_time = 1\n",
-                 {"line 2", "Valid are delta_trans, delta_rot"});
+                 {"line 2", "Valid are keyframe.delta_trans, keyframe.delta_rot"});
 }
 
 TEST_F(ConfigFile, UnknownSectionNamesFileLineAndNearestName) {
@@ -130,10 +131,11 @@ TEST_F(ConfigFile, SettingOutsideOfASectionIsRefused) {
 
 TEST_F(ConfigFile, WrongTypeNamesLineAndWhatWasExpected) {
   expect_refused("[preprocess]\nc_min = \"1\"\n",
-                 {"line 2", "preprocess.c_min is of type string", "a number"});
+                 {"line 2", "preprocess.c_min is the text '1'", "a number"});
   expect_refused("[preprocess]\nc_min = true\n", {"line 2", "boolean", "a number"});
   expect_refused("[submap]\nl = 2.5\n", {"line 2", "submap.l", "a whole number"});
   expect_refused("[submap]\nl = 99999999999\n", {"line 2", "submap.l is 99999999999", "smaller"});
+  expect_refused("[mapping]\nloops = \"yes\"\n", {"is the text 'yes'", "Write true or false"});
   expect_refused("[submap.l]\n", {"line 1", "submap.l is a section"});
 }
 

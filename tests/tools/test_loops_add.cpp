@@ -25,7 +25,8 @@ class LoopsAdd : public testing::Test {
     RunCommandOptions run;
     run.recording = test::small_recording(folder_.path(), 12).recording;
     run.output = folder_ / "out";
-    run.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true",
+    run.overwrite = true;
+    run.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.loops=false",
                             "keyframe.delta_trans=0.2"};
     std::ostringstream said;
     EXPECT_EQ(run_command(run, said, said), 0) << said.str();

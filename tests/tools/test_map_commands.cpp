@@ -50,7 +50,8 @@ class MapCommands : public testing::Test {
     RunCommandOptions options;
     options.recording = recording_;
     options.output = folder;
-    options.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true"};
+    options.overwrite = true;
+    options.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.loops=false"};
     options.config.overrides.insert(options.config.overrides.end(), more.begin(), more.end());
     return ran(run_command, options);
   }
@@ -293,7 +294,7 @@ TEST_F(MapCommands, ADenseCloudOfAnotherFileWithTheSameStampsSaysSo) {
   RunCommandOptions run;
   run.recording = copy;
   run.output = folder_ / "out";
-  run.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true"};
+  run.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.loops=false"};
   ASSERT_EQ(ran(run_command, run).code, 0);
   fs::path sweep;
   for (const auto& file : fs::recursive_directory_iterator(copy)) {

@@ -74,6 +74,24 @@ TEST(OutputFolder, FileThatNoRunWroteIsNotReplaced) {
   EXPECT_TRUE(check_output_folder("drive.mcap", folder.path()));
 }
 
+TEST(OutputFolder, ResultsOfAnEarlierRunAreNotReplacedUnasked) {
+  const test::TemporaryFolder folder;
+  EXPECT_NO_THROW(require_no_results(folder / "none"));
+  folder.write("summary.json", kSummary);
+  folder.write("trajectory.tum", "");
+  folder.write("notes.txt", "mine");
+  EXPECT_NO_THROW(require_no_results(folder.path())) << "a run that left nothing";
+  folder.write("map.adit", "keyframes");
+  try {
+    require_no_results(folder.path());
+    FAIL() << "the map would be lost";
+  } catch (const UsageError& error) {
+    for (const char* part : {"map.adit", "--overwrite", "--continue"}) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(OutputFolder, EarlierRunIsRemovedAsAWholeAndNothingElse) {
   const test::TemporaryFolder folder;
   for (const char* name : {"trajectory.tum", "map.ply", "odometry_highrate.csv", "notes.txt"}) {
@@ -96,6 +114,7 @@ TEST(OutputFolder, SecondRunLeavesNothingOfTheFirst) {
   RunCommandOptions options;
   options.recording = test::small_recording(folder.path(), 3).recording;
   options.output = folder / "out";
+  options.overwrite = true;
   options.config.overrides = {"preprocess.beam_spacing=0.03"};
   options.high_rate.enabled = true;
   std::ostringstream said;
@@ -122,6 +141,7 @@ class RunInto : public testing::Test {
   RunInto() {
     options_.recording = test::small_recording(folder_.path(), 3).recording;
     options_.output = folder_ / "out";
+    options_.overwrite = true;
     options_.config.overrides = {"preprocess.beam_spacing=0.03"};
   }
 

@@ -73,12 +73,28 @@ TEST(Program, UnknownOptionNamesTheNearestEvenWhereSomethingElseIsMissing) {
 }
 
 TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
-  expect_usage_error({"run"}, "--output is required");
-  expect_usage_error({"run", "drive"}, "--output is required");
+  expect_usage_error({"run"}, "RECORDING is missing");
+  expect_usage_error({"run", "--continue"}, "-o OUT");
+  expect_usage_error({"export"}, "--output is required");
   expect_usage_error({"config", "--set", "submap.l=4", "submap.l=5"}, "not expected: submap.l=5");
   expect_usage_error({"run", "drive", "-o", "out", "--start", "-1"}, "--start must be at least 0");
   expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "-1"}, "not negative");
   expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "5 parsecs"}, "--max-vram");
+}
+
+TEST(Program, WordsThatWouldBeTakenForSomethingElseAreRefused) {
+  expect_usage_error({"run", "drive", "-out", "x"}, "no option '-out'; write -o or --output");
+  expect_usage_error({"simulate", "room", "-output", "x"}, "write -o or --output");
+  expect_usage_error({"inspect", "drive", "-json"}, "no option '-json'; write --json");
+  expect_usage_error({"inspect", "drive", "--json=out.json"}, "--json takes no value");
+  expect_usage_error({"run", "drive", "-o", "x", "--quiet=yes"}, "--quiet takes no value");
+  expect_usage_error({"simulate", "room", "out.mcap"}, "-o out.mcap");
+  const test::TemporaryFolder folder;
+  const std::string joined = "-o" + (folder / "x").string();
+  EXPECT_EQ(call({"simulate", "no-such-place", joined.c_str()}).err.find("no option"),
+            std::string::npos)
+      << "a value may follow its letter";
+  EXPECT_EQ(call({"-V"}).out, call({"--version"}).out);
 }
 
 TEST(Program, HelpAndComplaintsSpeakToPeople) {

@@ -51,8 +51,15 @@ TEST(Progress, BarNeverExceedsTheTerminal) {
 TEST(Progress, LineShowsTheSameInWords) {
   const ProgressState state{.done = 27, .total = 60, .failed = 1, .elapsed_s = 2.7};
   EXPECT_EQ(format_line("map", state), "map 27/60 sweeps (45 %), 1 failed, 10.0/s, 0:03 left");
-  EXPECT_EQ(format_line("tile", {.done = 5, .total = 50, .elapsed_s = 1.0, .unit = "points"}),
-            "tile 5/50 points (10 %), 5.00/s, 0:09 left");
+  EXPECT_EQ(format_line("tile", {.done = 10, .total = 100, .elapsed_s = 2.0, .unit = "points"}),
+            "tile 10/100 points (10 %), 5.00/s, 0:18 left");
+}
+
+TEST(Progress, TimeLeftIsEstimatedFromTenPieces) {
+  EXPECT_EQ(format_line("map", {.done = 9, .total = 600, .elapsed_s = 3.0}),
+            "map 9/600 sweeps (1 %), 3.00/s");
+  EXPECT_NE(format_line("map", {.done = 10, .total = 600, .elapsed_s = 3.0}).find(" left"),
+            std::string::npos);
 }
 
 TEST(Progress, NothingDoneHasNoRateYet) {

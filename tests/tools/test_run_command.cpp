@@ -54,6 +54,7 @@ class RunCommand : public testing::Test {
     RunCommandOptions options;
     options.recording = test::SmallRecording(data_->path()).recording;
     options.output = out_ / "out";
+    options.overwrite = true;
     options.config.overrides = {"preprocess.beam_spacing=0.03"};
     return options;
   }

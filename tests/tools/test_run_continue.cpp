@@ -34,7 +34,7 @@ class RunContinue : public testing::Test {
     first_.recording = recording_;
     first_.output = folder_ / "out";
     first_.map.enabled = false;
-    first_.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.enabled=true",
+    first_.config.overrides = {"preprocess.beam_spacing=0.03", "mapping.loops=false",
                                "keyframe.delta_trans=0.05"};
     EXPECT_EQ(ran(first_).code, 0);
   }
@@ -192,7 +192,7 @@ TEST_F(RunContinue, AMapThatWasEditedIsRefused) {
 
 TEST_F(RunContinue, WhatChoosesOtherSettingsOrHasNoMapIsAUsageError) {
   RunCommandOptions other = continuing();
-  other.config.overrides = {"mapping.loops=false"};
+  other.config.overrides = {"mapping.loops=true"};
   EXPECT_EQ(ran(other).code, 2);
   other = continuing();
   other.start = 2;

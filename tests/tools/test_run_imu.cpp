@@ -68,6 +68,7 @@ class RunWithImu : public testing::Test {
     RunCommandOptions options;
     options.recording = recording;
     options.output = folder_ / "out";
+    options.overwrite = true;
     options.config.overrides = std::move(overrides);
     std::ostringstream printed;
     std::ostringstream said;

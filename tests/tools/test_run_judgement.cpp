@@ -26,7 +26,6 @@ std::string said_of(const RunDescription& run) {
 TEST(RunJudgement, OfAFolderThatGoesAwayNothingIsSaidToBeKept) {
   RunDescription run;
   run.output = "out";
-  run.config.mapping.enabled = true;
   const std::string kept = said_of(run);
   for (const char* part : {"adit run -o out --continue goes on", "wrote    out/trajectory.tum"}) {
     EXPECT_NE(kept.find(part), std::string::npos) << kept;

@@ -17,14 +17,6 @@
 namespace adit {
 namespace {
 
-TEST(RunSettings, LoopsNeedAMap) {
-  Config config;
-  config.mapping.loops = true;
-  EXPECT_THROW(require_map_for_loops(config), UsageError);
-  config.mapping.enabled = true;
-  EXPECT_NO_THROW(require_map_for_loops(config));
-}
-
 TEST(RunSettings, WhatTellsOfPacketsNeedsSome) {
   const test::TemporaryFolder folder;
   const auto cloud = folder.write("a.bin", std::string(16, '\0'));
@@ -43,7 +35,7 @@ TEST(RunSettings, AReachThatWasCutDownIsToldWhereItWasStated) {
   EXPECT_EQ(notes_of(stated, with_lengths(stated, 0.25), {}), "");
 }
 
-TEST(RunSettings, FixesWithoutAMapAreToldToBeLeftOut) {
+TEST(RunSettings, OdometryAloneReportsThatItDoesNotUseFixes) {
   const test::TemporaryFolder folder;
   SimulationOptions simulation;
   simulation.scene = "room";
@@ -55,14 +47,21 @@ TEST(RunSettings, FixesWithoutAMapAreToldToBeLeftOut) {
   RunCommandOptions options;
   options.recording = simulation.output;
   options.output = folder / "out";
-  EXPECT_NE(test::ran(run_command, options).err.find("a map alone has a use for them"),
-            std::string::npos);
+  options.overwrite = true;
+  const auto is_reported = [&] {
+    const test::Ran run = test::ran(run_command, options);
+    EXPECT_EQ(run.code, 0) << run.err;
+    return run.err.find("odometry alone does not use the recording's GNSS") != run.err.npos;
+  };
+  EXPECT_FALSE(is_reported()) << "a run makes a map";
+  EXPECT_TRUE(std::filesystem::exists(options.output / "map.adit"));
+  options.odometry = true;
+  EXPECT_TRUE(is_reported());
+  EXPECT_FALSE(std::filesystem::exists(options.output / "map.adit"));
   options.config.overrides = {"gnss.use=false"};
-  EXPECT_EQ(test::ran(run_command, options).err.find("GNSS fixes"), std::string::npos);
-  options.config.overrides = {"mapping.loops=true"};
-  const test::Ran loops = test::ran(run_command, options);
-  EXPECT_EQ(loops.code, 2);
-  EXPECT_NE(loops.err.find("set mapping.enabled=true"), std::string::npos) << loops.err;
+  EXPECT_FALSE(is_reported());
+  options.config.overrides = {"mapping.enabled=true"};
+  EXPECT_EQ(test::ran(run_command, options).code, 2) << "one excludes the other";
 }
 
 }  // namespace

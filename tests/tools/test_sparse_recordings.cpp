@@ -73,6 +73,7 @@ class SparseRecordings : public test::DeviceTest {
     RunCommandOptions options;
     options.recording = recording;
     options.output = folder_ / "run";
+    options.overwrite = true;
     options.device.opened = &context();
     const int code = run_command(options, out, out);
     return {code, out.str()};

@@ -22,7 +22,7 @@ from chromium import Chromium
 from viewing import foxglove_link, require
 from websocket import WebSocket
 
-SETTINGS = ["--set", "mapping.enabled=true", "--set", "keyframe.delta_trans=0.3"]
+SETTINGS = ["--set", "keyframe.delta_trans=0.3"]
 SWEEPS = 240
 MOST_MEMORY = 60e6  # bytes more than without a page
 LIVE = "window.adit.liveShown"

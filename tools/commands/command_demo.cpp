@@ -65,8 +65,11 @@ void check_before(const SimulationFiles& files, const DemoCommandOptions& option
     throw UsageError("--duration: at least 3 s are needed; the drive begins at rest.");
   }
   check_output_folder(files.recording, options.output);
-  open_device(options.device);
   std::error_code error;
+  if (!fs::exists(files.recording, error)) {  // an earlier demo may go, another run may not
+    require_no_results(options.output);
+  }
+  open_device(options.device);
   fs::create_directories(options.output, error);
   if (error) {
     throw OutputError(options.output, options.output.string() + ": the folder cannot be made: " +
@@ -140,7 +143,7 @@ int demo(const DemoCommandOptions& options, std::ostream& out, std::ostream& err
   run.output = options.output;
   run.device = options.device;
   run.quiet = options.quiet;
-  run.config.overrides = {"mapping.enabled=true", "mapping.loops=true"};
+  run.overwrite = true;  // check_before() has found nothing but an earlier demo
   const int code = run_command(run, out, err);
   if (code != 0) {
     return code;

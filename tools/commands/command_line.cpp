@@ -170,6 +170,10 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command) {
     }
     text += (text.empty() ? "not expected: " : " ") + word;
   }
+  const CLI::Option* output = command.get_option_no_throw("--output");
+  if (!text.empty() && output != nullptr && output->count() == 0) {
+    text += ". The output is named with -o: -o " + app.remaining(true).back();
+  }
   return text;
 }
 
@@ -408,7 +412,7 @@ Command CommandLine::program() const {
 }
 
 void CommandLine::version(const std::function<std::string()>& text) const {
-  app_->set_version_flag("--version", text,
+  app_->set_version_flag("-V,--version", text,
                          "Print version, commit, build, compiler and Vulkan loader");
 }
 
@@ -459,6 +463,12 @@ std::optional<int> CommandLine::run(int argc, const char* const* argv,
   });
   if (!commands().empty()) {
     app_->require_subcommand(1);
+  }
+  const std::string mistaken =
+      mistaken_words(description(), {argv + 1, static_cast<std::size_t>(argc > 1 ? argc - 1 : 0)});
+  if (!mistaken.empty()) {
+    std::cerr << app_->get_name() << ": " << mistaken << "." << std::endl;
+    return kUsage;
   }
   try {
     app_->parse(argc, argv);

@@ -98,28 +98,6 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
           .kept = options.keeps};
 }
 
-/// The new text replaces the old one whole or not at all. On a full disk there is no room for both:
-/// then it is written over the old one, and where it does not fit there, the old one is put back.
-void replace_text_file(const std::filesystem::path& file, const std::string& text) {
-  try {
-    Draft draft(file);
-    write_text_file(draft.path(), text);
-    draft.take_its_place();
-  } catch (const OutputError&) {
-    std::error_code unknown;
-    const std::string old =
-        std::filesystem::is_regular_file(file, unknown) ? read_text_file(file) : std::string();
-    try {
-      write_text_file(file, text);
-    } catch (const OutputError&) {
-      if (!old.empty()) {
-        write_text_file(file, old);
-      }
-      throw;
-    }
-  }
-}
-
 /// The text with blanks behind it, as long as the summary of most runs: on a disk that is full in
 /// the end there is room for that one.
 std::string with_room(std::string text) {
@@ -187,8 +165,10 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   // A map that is gone on with shows that the folder is a run's.
   const bool replaces_a_run =
       continued.has_value() || check_output_folder(options.recording, options.output);
+  if (!continued && !options.overwrite) {
+    require_no_results(options.output);
+  }
   const Config config = load_config(options.config);
-  require_map_for_loops(config);
   const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
   require_packets(options.config, options.recording);
   const SweepChoice sweeps = choose_sweeps(
@@ -382,10 +362,10 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
     view.emplace(given.serve, chosen.options.recording, err);
   }
   const bool complete = chosen.continued && chosen.continued->progress.complete;
-  const int code = complete ? tell_of_complete_run(*chosen.continued, given, out, err)
+  const int code = complete ? tell_of_complete_run(*chosen.continued, chosen.options, out, err)
                             : map_wanted(chosen, view ? &*view : nullptr, out, err);
   if (view) {
-    view->serve_result(given.output, given.quiet);
+    view->serve_result(chosen.options.output, given.quiet);
   }
   return code;
 }
@@ -426,27 +406,35 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "sweeps as KITTI has them (velodyne/*.bin with times.txt), *.pcd, *.ply or *.las, TUM "
       "RGB-D;\n"
       "or one such file.\n"
-      "OUT gets trajectory.tum, trajectory.kitti, sweeps.csv, map.ply, map.html and summary.json; "
-      "with\n"
-      "mapping.enabled=true also map.adit, odometry.tum and online.tum; with --high-rate also\n"
-      "odometry_highrate.tum and .csv. `adit evaluate OUT` draws them.\n"
-      "A folder holds one run: when one begins, the files of an earlier one go, its map too; "
-      "others stay.\n\n"
+      "The run makes a map, closes loops and uses GNSS fixes; --odometry runs odometry alone.\n"
+      "OUT gets map.adit (the map database), trajectory.tum, trajectory.kitti, odometry.tum, "
+      "online.tum,\n"
+      "sweeps.csv, map.ply, map.html and summary.json; with --high-rate also "
+      "odometry_highrate.tum and .csv.\n"
+      "`adit evaluate OUT` draws them, `adit view OUT` shows them. A folder holds one run: adit "
+      "replaces an\n"
+      "earlier one only with --overwrite. Other files stay.\n\n"
       "Examples:\n"
+      "  adit run drive.mcap                  the results go to ./drive\n"
       "  adit run drive/ -o out\n"
-      "  adit run drive.mcap --topic /points -o out\n"
+      "  adit run drive.mcap --topic /points -o out --odometry\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n"
-      "  adit run drive/ -o out --view --set mapping.enabled=true\n"
+      "  adit run drive/ -o out --view\n"
       "  adit run -o out --continue\n"
       "  adit run --from out/map.adit -o finer --set mapping.r_submap=0.1\n\n"
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
       "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
   command.option("recording", options->recording, "File or folder to map").value_name("RECORDING");
-  command.option("-o,--output", options->output, "Folder for the results; made if need be")
-      .required()
+  command
+      .option("-o,--output", options->output,
+              "Folder for the results, made if need be; without it ./NAME, the recording's name")
       .value_name("OUT");
+  command.flag("--odometry", options->odometry,
+               "Odometry alone: no map, no loops, no GNSS (mapping.enabled=false)");
+  command.flag("--overwrite", options->overwrite,
+               "Replace the results of an earlier run in OUT, its map included");
   add_config_options(command, options->config);
   add_metadata_option(command, options->config);
   add_device_options(command, options->device);

@@ -23,7 +23,7 @@ class Command;
 
 struct RunCommandOptions {
   std::filesystem::path recording;  ///< empty: that of the map that is gone on with or begun from
-  std::filesystem::path output;
+  std::filesystem::path output;     ///< empty: default_output() of the recording
   ConfigSource config{};
   DeviceOptions device{};
   MapOptions map{};
@@ -34,6 +34,8 @@ struct RunCommandOptions {
   bool continues = false;              ///< the output's map is gone on with
   std::optional<std::filesystem::path> from{};      ///< a map whose recording and settings to take
   uint64_t max_ram_bytes = 0;                       ///< that may be resident; 0: no limit
+  bool odometry = false;                            ///< odometry alone: no map, loops or GNSS
+  bool overwrite = false;                           ///< an earlier run's results are replaced
   bool strict = false;                              ///< anything but a reliable run is a failure
   bool strict_input = false;                        ///< the first damage ends the run
   bool json = false;                                ///< summary.json on `out` instead of the table

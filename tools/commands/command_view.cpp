@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -51,17 +52,16 @@ int view_recording(const ViewCommandOptions& options, std::ostream& out, std::os
     throw UsageError(what +
                      " is no map, so there is nothing to edit or to compare. Map it first: "
                      "adit run " +
-                     what + " -o out --set mapping.enabled=true");
+                     what + " -o out");
   }
   const TemporaryFolder folder("adit-view");
   err << "note: " << what
       << " is neither a map nor a cloud: it is mapped, into a folder that goes "
          "away in the end. To keep it: adit run "
-      << what << " --view -o out --set mapping.enabled=true" << std::endl;
+      << what << " --view -o out" << std::endl;
   RunCommandOptions mapping;
   mapping.recording = options.what;
   mapping.output = folder.path() / options.what.filename();
-  mapping.config.overrides = {"mapping.enabled=true"};
   mapping.keeps = false;
   mapping.view = true;
   mapping.serve = options.serve;
@@ -75,26 +75,29 @@ int run(const ViewCommandOptions& options, std::ostream& out, std::ostream& err)
     return view_recording(options, out, err);
   }
   const StopSignal stop;
-  ViewData data({.what = options.what,
-                 .edit = options.edit,
-                 .verify = options.edit ? loop_verifier(options.device) : VerifyLoop{},
-                 .truth = truth_of(options),
-                 .stop = [] { return StopSignal::received() != 0; }},
-                err);
+  std::optional<ViewData> data;
   const ViewAccess access = access_of(options.serve);
+  // Listens before the cloud is read: a port that is taken is reported at once.
   ViewServer server({.page = page,
                      .greeting =
                          [&] {
-                           return std::vector{data.scene(), data.graph()};
+                           return std::vector{data->scene(), data->graph()};
                          },
-                     .answer = [&](std::string_view message) { return answer_to(data, message); },
-                     .tile = [&](uint32_t number) { return data.tile(number); },
-                     .foxglove = [&] { return data.foxglove(); }},
+                     .answer = [&](std::string_view message) { return answer_to(*data, message); },
+                     .tile = [&](uint32_t number) { return data->tile(number); },
+                     .foxglove = [&] { return data->foxglove(); }},
                     access, static_cast<uint16_t>(options.serve.port));
-  out << fmt::format("{}: {} points, {} keyframes\n", data.title(), data.points(),
-                     data.keyframes());
-  say_link(server.link(), access, data.editable() ? "sees the map and may edit it" : "sees the map",
-           out);
+  data.emplace(
+      ViewDataOptions{.what = options.what,
+                      .edit = options.edit,
+                      .verify = options.edit ? loop_verifier(options.device) : VerifyLoop{},
+                      .truth = truth_of(options),
+                      .stop = [] { return StopSignal::received() != 0; }},
+      err);
+  out << fmt::format("{}: {} points, {} keyframes\n", data->title(), data->points(),
+                     data->keyframes());
+  say_link(server.link(), access,
+           data->editable() ? "sees the map and may edit it" : "sees the map", out);
   if (options.serve.foxglove) {
     say_foxglove_link(server.foxglove_link(), out);
   }

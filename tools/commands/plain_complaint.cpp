@@ -2,9 +2,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/plain_complaint.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 namespace adit {
+namespace {
+
+/// "--output" from "-out".
+bool is_long_name_with_one_dash(std::string_view word, std::string_view name) {
+  return word.size() > 2 && word[0] == '-' && word[1] != '-' && name.starts_with("--") &&
+         name.substr(2).starts_with(word.substr(1));
+}
+
+std::string mistaken_word(const CommandDescription& command, std::string_view word) {
+  const std::size_t equals = word.find('=');
+  for (const OptionDescription& option : command.options) {
+    for (const std::string& name : option.names) {
+      if (option.value.empty() && equals != word.npos && word.substr(0, equals) == name) {
+        return name + " takes no value; leave out '" + std::string(word.substr(equals)) + "'";
+      }
+      if (is_long_name_with_one_dash(word, name)) {
+        return "there is no option '" + std::string(word) + "'; write " +
+               listed_words(option.names);
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
 
 std::string listed_words(const std::vector<std::string>& words) {
   std::string text;
@@ -36,6 +62,22 @@ std::string plain_complaint(const std::string& text) {
 
 std::string place_of_option(const std::string& command) {
   return "stands before " + command + ", which does not take it from there; write it behind";
+}
+
+std::string mistaken_words(const CommandDescription& program, std::span<const char* const> words) {
+  const CommandDescription* command = &program;
+  for (const std::string_view word : words) {
+    if (word == "--") {
+      break;
+    }
+    const auto below = std::ranges::find(command->commands, word, &CommandDescription::own_name);
+    if (below != command->commands.end()) {
+      command = &*below;
+    } else if (std::string mistaken = mistaken_word(*command, word); !mistaken.empty()) {
+      return mistaken;
+    }
+  }
+  return {};
 }
 
 }  // namespace adit

@@ -4,8 +4,11 @@
 // Words for complaints about a command line.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
+
+#include "adit/tools/commands/command_description.hpp"
 
 namespace adit {
 
@@ -17,5 +20,10 @@ std::string plain_complaint(const std::string& text);
 
 /// Of an option that is written before the command that it is meant for.
 std::string place_of_option(const std::string& command);
+
+/// The complaint about the first word that the parser would take for something else than what was
+/// meant: "-out" for -o with the value "ut", "--json=out.json" for a flag's number. Empty where
+/// there is none. `words` are those after the program's name.
+std::string mistaken_words(const CommandDescription& program, std::span<const char* const> words);
 
 }  // namespace adit

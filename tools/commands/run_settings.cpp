@@ -17,14 +17,6 @@ constexpr const char* kMountingIsAssumed =
 
 }  // namespace
 
-void require_map_for_loops(const Config& config) {
-  if (config.mapping.loops && !config.mapping.enabled) {
-    throw UsageError(
-        "mapping.loops is true, and there is no map; set mapping.enabled=true, or "
-        "mapping.loops=false.");
-  }
-}
-
 void require_packets(const ConfigSource& source, const std::filesystem::path& recording) {
   if (source.metadata && !holds_packets(recording)) {
     throw UsageError("--metadata " + *source.metadata + ": it tells of a sensor's packets, and " +

@@ -13,9 +13,6 @@
 
 namespace adit {
 
-/// Throws UsageError where loops are wanted, and no map.
-void require_map_for_loops(const Config& config);
-
 /// Throws UsageError where --metadata tells of packets, and the recording holds none. Throws as
 /// open_recording() does.
 void require_packets(const ConfigSource& source, const std::filesystem::path& recording);
@@ -29,7 +26,8 @@ std::string notes_of(const Config& stated, const Config& used,
 
 /// A line.
 inline constexpr const char* kFixesAreLeftOut =
-    "note: the recording has GNSS fixes, and a map alone has a use for them (mapping.enabled=true; "
-    "gnss.use=false leaves them out)\n";
+    "note: odometry alone does not use the recording's GNSS fixes; a map does (leave out "
+    "--odometry "
+    "and mapping.enabled=false)\n";
 
 }  // namespace adit

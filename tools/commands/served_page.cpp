@@ -35,7 +35,7 @@ void add_serve_options(Command command, ServeOptions& options, const std::string
       .value_name("N")
       .from(0, kLastPort)
       .show_default();
-  command.option("--listen", options.listen, of + "Numeric address to listen on")
+  command.option("--listen", options.listen, of + "Numeric address to listen on, or localhost")
       .value_name("ADDRESS")
       .show_default();
   command.flag("--foxglove", options.foxglove,
@@ -53,8 +53,9 @@ std::string_view required_page() {
 }
 
 ViewAccess access_of(const ServeOptions& options) {
-  const bool asks = options.foxglove || !is_loopback(options.listen);
-  return {.address = options.listen,
+  const std::string address = options.listen == "localhost" ? "127.0.0.1" : options.listen;
+  const bool asks = options.foxglove || !is_loopback(address);
+  return {.address = address,
           .token = asks ? make_token() : "",
           .foxglove_token = asks ? make_token() : ""};
 }

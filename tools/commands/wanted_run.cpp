@@ -30,6 +30,13 @@ void check_options(const RunCommandOptions& options) {
   if (options.timeline) {
     require_timeline_name(*options.timeline);
   }
+  if (options.odometry) {
+    for (const std::string& setting : options.config.overrides) {
+      if (setting.starts_with("mapping.enabled=")) {
+        throw UsageError("--odometry and --set " + setting + " exclude each other.");
+      }
+    }
+  }
   if (!options.view && options.serve != ServeOptions{}) {
     throw UsageError("--port, --listen and --foxglove need --view.");
   }
@@ -41,6 +48,10 @@ void check_options(const RunCommandOptions& options) {
 /// The map that --continue goes on with.
 EarlierRun run_to_continue(const RunCommandOptions& options) {
   const ConfigSource& config = options.config;
+  if (options.odometry || options.overwrite) {
+    throw UsageError(std::string("--continue and ") +
+                     (options.odometry ? "--odometry" : "--overwrite") + " exclude each other.");
+  }
   if (options.from || config.file || !config.preset.empty() || !config.overrides.empty() ||
       options.topic || options.start || options.count) {
     throw UsageError(
@@ -120,10 +131,22 @@ RunCommandOptions repeating(RunCommandOptions options, const EarlierRun& earlier
   return options;
 }
 
-}  // namespace
+/// The options with the folder and the settings that they imply.
+RunCommandOptions completed(RunCommandOptions options) {
+  if (options.output.empty()) {
+    if (options.recording.empty()) {
+      throw UsageError(options.continues ? "--continue: name the folder of the run with -o OUT."
+                                         : "RECORDING is missing: name a file or a folder to map.");
+    }
+    options.output = default_output(options.recording);
+  }
+  if (options.odometry) {
+    options.config.overrides.emplace_back("mapping.enabled=false");
+  }
+  return options;
+}
 
-WantedRun wanted_run(const RunCommandOptions& given) {
-  check_options(given);
+WantedRun wanted(const RunCommandOptions& given) {
   if (given.continues) {
     const EarlierRun earlier = run_to_continue(given);
     return {.options = earlier.progress.complete ? given : continuing(given, earlier),
@@ -140,6 +163,26 @@ WantedRun wanted_run(const RunCommandOptions& given) {
     throw UsageError("RECORDING is missing: name a file or a folder to map.");
   }
   return {.options = given, .continued = {}};
+}
+
+}  // namespace
+
+std::filesystem::path default_output(const std::filesystem::path& recording) {
+  const std::filesystem::path whole =
+      (std::filesystem::absolute(recording) / "").lexically_normal().parent_path();
+  std::error_code unknown;
+  const bool folder = std::filesystem::is_directory(whole, unknown);
+  std::filesystem::path name = folder ? whole.filename() : whole.stem();
+  if (std::filesystem::exists(name, unknown) &&
+      (!std::filesystem::is_directory(name, unknown) || same_file(name, whole))) {
+    name += "-out";
+  }
+  return std::filesystem::path(".") / name;
+}
+
+WantedRun wanted_run(const RunCommandOptions& given) {
+  check_options(given);
+  return wanted(completed(given));
 }
 
 }  // namespace adit

@@ -16,6 +16,10 @@ struct WantedRun {
   std::optional<EarlierRun> continued;  ///< whose map is gone on with
 };
 
+/// Where a run of the recording goes whose folder is not named: ./NAME, by the name of the file
+/// without its extension or of the folder; ./NAME-out where NAME is the recording or a file.
+std::filesystem::path default_output(const std::filesystem::path& recording);
+
 /// Throws UsageError where options do not fit together or a recording is missing, and InputError
 /// for a map that cannot be gone on with.
 WantedRun wanted_run(const RunCommandOptions& given);

@@ -110,6 +110,22 @@ bool check_output_folder(const fs::path& recording, const fs::path& folder) {
   return false;
 }
 
+void require_no_results(const fs::path& folder) {
+  std::string found;
+  for (const fs::path& file : result_files(folder)) {
+    std::error_code unknown;
+    if (file != RunFiles(folder).summary && fs::is_regular_file(file, unknown) &&
+        fs::file_size(file, unknown) > 0) {
+      found += (found.empty() ? "" : ", ") + file.filename().string();
+    }
+  }
+  if (!found.empty()) {
+    throw UsageError("-o " + folder.string() + ": the folder holds an earlier run (" + found +
+                     "). Name another folder, or replace the run with --overwrite; --continue "
+                     "goes on with a run that was stopped.");
+  }
+}
+
 void remove_earlier_run(const fs::path& folder, EarlierMap map) {
   const std::string database = RunFiles(folder).database.string();
   for (const fs::path& file : result_files(folder)) {

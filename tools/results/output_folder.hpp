@@ -29,6 +29,10 @@ bool is_run(const std::filesystem::path& folder);
 bool check_output_folder(const std::filesystem::path& recording,
                          const std::filesystem::path& folder);
 
+/// Throws UsageError where the folder holds results of an earlier run, which a new one would
+/// replace: files of result_files() that are not empty, besides the summary.
+void require_no_results(const std::filesystem::path& folder);
+
 enum class EarlierMap {
   remove,
   keep,  ///< map.adit and its log

@@ -70,6 +70,9 @@ std::vector<std::string> key_names(const Fields& fields) {
 std::string type_name(const toml::node& node) {
   std::ostringstream text;
   text << node.type();
+  if (const auto given = node.value<std::string>(); given && node.is_string()) {
+    return "the text '" + *given + "'";
+  }
   return node.is_table() ? "a section" : "of type " + text.str();
 }
 
@@ -151,7 +154,7 @@ void read_section(Fields& fields, const std::string& section, const toml::table&
     });
     if (!known) {
       throw Complaint{key.source().begin, "there is no setting '" + dotted + "'",
-                      suggestion(key.str(), key_names(fields))};
+                      suggestion(key.str(), key_names(fields), section + ".")};
     }
   }
 }

@@ -28,7 +28,7 @@ DeviceFinding examine(const engine::DeviceInfo& device, bool self_test, std::ost
     }
     engine::Context context({.device = std::to_string(device.index)});
     const engine::ParallelSelfTest test =
-        engine::run_self_test({.device = std::to_string(device.index)}, [] {});
+        engine::run_self_test({.device = std::to_string(device.index)}, [](const auto&) {});
     finding.self_test = test.report;
     if (test.report.passed()) {
       for (const std::vector<std::byte>& pipelines : test.pipeline_caches) {

@@ -4,7 +4,9 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <ostream>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -37,62 +39,61 @@ void require_known_answers(const engine::SelfTestReport& report, const engine::D
       message + "\nUpdate its driver, or choose another device of `adit devices` with --device.");
 }
 
-// What a first start says while it compiles. A signal is answered at once, though the driver cannot
-// be stopped.
-class CompilingNotes {
+// What a first start shows while it compiles. A signal is answered at once, though the driver
+// cannot be stopped.
+class CompilingProgress {
  public:
-  CompilingNotes(std::ostream* stream, const engine::DeviceInfo& device)
-      : stream_(stream), redraws_(progress_style_of_stderr() == ProgressStyle::bar) {
-    say("note: compiling kernels for " + device.name + ", once for this device");
-    if (stream_ != nullptr && !redraws_) {
-      *stream_ << std::endl;
+  CompilingProgress(std::ostream* stream, const engine::DeviceInfo& device) {
+    if (stream != nullptr) {
+      progress_.emplace(*stream, progress_style_of_stderr(), "compiling", 0, start_,
+                        "kernel groups");
+      progress_->note("note: compiling kernels for " + device.name + ", once for this device");
     }
   }
 
-  void wait() {
-    if (StopSignal::received() != 0 && !stopped_) {
-      stopped_ = true;
-      say(std::string(redraws_ ? "\n" : "") +
-          "note: stopping as soon as the driver has compiled what it has begun\n");
+  void update(const engine::SelfTestProgress& state) {
+    if (StopSignal::received() != 0 && !std::exchange(stopped_, true)) {
+      note("note: stopping as soon as the driver has compiled the current kernels");
     }
-    const auto seconds = static_cast<int>(elapsed());
-    if (redraws_ && seconds > drawn_) {
-      drawn_ = seconds;
-      say(".");
+    if (progress_) {
+      progress_->set_total(state.total);
+      progress_->update(state.done, 0);
     }
   }
 
   void finish() {
-    say(fmt::format("{} compiled and tested in {:.1f} s\n", redraws_ ? "" : "note:", elapsed()));
+    if (progress_) {
+      progress_->finish();
+    }
+    note(fmt::format("note: compiled and tested in {:.1f} s",
+                     std::chrono::duration<double>(Clock::now() - start_).count()));
     if (StopSignal::received() != 0) {
       throw StoppedWhileCompiling(
-          "stopped by a signal while kernels were compiled; nothing was begun");
+          "stopped by a signal while kernels were compiled; no run started");
     }
   }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  void say(const std::string& text) {
-    if (stream_ != nullptr) {
-      *stream_ << text << std::flush;
+  void note(const std::string& text) {
+    if (progress_) {
+      progress_->note(text);
     }
   }
 
-  std::ostream* stream_;
-  bool redraws_;
   Clock::time_point start_ = Clock::now();
-  int drawn_ = 0;
+  std::optional<Progress> progress_;
   bool stopped_ = false;
 };
 
 // A device that no earlier run has tested.
 void compile_and_test(engine::Context& context, const DeviceCache& cache, std::ostream* notes) {
   const engine::DeviceInfo& device = context.device();
-  CompilingNotes compiling(notes, device);
+  CompilingProgress compiling(notes, device);
   const engine::ParallelSelfTest test = engine::run_self_test(
-      engine::ContextOptions{.device = std::to_string(device.index)}, [&] { compiling.wait(); });
+      engine::ContextOptions{.device = std::to_string(device.index)},
+      [&](const engine::SelfTestProgress& state) { compiling.update(state); });
   require_known_answers(test.report, device);
   for (const std::vector<std::byte>& pipelines : test.pipeline_caches) {
     context.add_to_pipeline_cache(pipelines);

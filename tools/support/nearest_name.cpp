@@ -44,7 +44,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return table.back();
 }
 
-std::string suggestion(std::string_view given, const std::vector<std::string>& valid) {
+std::string suggestion(std::string_view given, const std::vector<std::string>& valid,
+                       const std::string& before) {
   if (valid.empty()) return {};
   const auto distance = [&](const std::string& name) {
     return edit_distance(lower(bare(given)), lower(bare(name)));
@@ -52,17 +53,17 @@ std::string suggestion(std::string_view given, const std::vector<std::string>& v
   const std::string& nearest = *std::ranges::min_element(valid, {}, distance);
   // A word of which less than half survives is no slip of the pen.
   if (2 * distance(nearest) <= std::max(bare(given).size(), bare(nearest).size())) {
-    return "The nearest valid name is '" + nearest + "'";
+    return "The nearest valid name is '" + before + nearest + "'";
   }
   if (valid.size() == 1) {
-    return "The only valid name is '" + valid.front() + "'";
+    return "The only valid name is '" + before + valid.front() + "'";
   }
   std::string list = "Valid are ";
   for (const std::string& name : valid) {
     if (&name != &valid.front()) {
       list += ", ";
     }
-    list += name;
+    list += before + name;
   }
   return list;
 }

@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "adit/slam/core/text.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 
@@ -100,6 +101,26 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
   OutputFile file(path);
   file.write(text);
   file.close();
+}
+
+void replace_text_file(const std::filesystem::path& path, const std::string& text) {
+  try {
+    Draft draft(path);
+    write_text_file(draft.path(), text);
+    draft.take_its_place();
+  } catch (const OutputError&) {
+    std::error_code unknown;
+    const std::string old =
+        std::filesystem::is_regular_file(path, unknown) ? read_text_file(path) : std::string();
+    try {
+      write_text_file(path, text);
+    } catch (const OutputError&) {
+      if (!old.empty()) {
+        write_text_file(path, old);
+      }
+      throw;
+    }
+  }
 }
 
 void append_number(std::string& line, double value) {

@@ -70,6 +70,11 @@ class Draft {
 /// Writes a whole text file. Throws OutputError.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 
+/// The new text replaces the old file whole or not at all. On a full disk there is no room for
+/// both: then it is written over the old one, and where it does not fit there, the old one is put
+/// back. Throws OutputError.
+void replace_text_file(const std::filesystem::path& path, const std::string& text);
+
 /// Appends a number: the shortest text that reads back to the same double, whatever the locale.
 void append_number(std::string& line, double value);
 

@@ -28,14 +28,18 @@ int percent(const ProgressState& state) {
   return state.total == 0 ? 100 : static_cast<int>(100 * state.done / state.total);
 }
 
+// The first pieces include one-off work, such as compiling kernels, and say little of the others.
+constexpr std::size_t kEnoughForAnEstimate = 10;
+
 /// ", 12.3/s, 0:03 left" with the given separator; empty before there is a rate.
 std::string rate_text(const ProgressState& state, const std::string& separator) {
   if (state.done == 0 || state.elapsed_s <= 0.0) return {};
   const double rate = static_cast<double>(state.done) / state.elapsed_s;
   std::string result = separator + fmt::format("{:.{}f}/s", rate, rate < 10.0 ? 2 : 1);
   if (state.done < state.total) {
-    result +=
-        separator + format_duration(static_cast<double>(state.total - state.done) / rate) + " left";
+    const double left_s = static_cast<double>(state.total - state.done) / rate;
+    result += state.done < kEnoughForAnEstimate ? std::string()
+                                                : separator + format_duration(left_s) + " left";
   } else {
     result += separator + format_duration(state.elapsed_s);
   }

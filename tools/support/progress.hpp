@@ -53,6 +53,9 @@ class Progress {
   /// `done` pieces are finished, `failed` of them without success.
   void update(std::size_t done, std::size_t failed, Clock::time_point now = Clock::now());
 
+  /// For work whose size is known only once it has started.
+  void set_total(std::size_t total) { state_.total = total; }
+
   /// Says something that stays, above the bar where there is one.
   void note(const std::string& message);
 

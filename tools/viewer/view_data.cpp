@@ -79,9 +79,9 @@ ViewFiles files_of(const fs::path& what) {
     return {.map = {}, .cloud = what, .trajectory = {}};
   }
   if (fs::exists(what) && extension_of(what) != ".adit") {
-    throw InputError(what, {}, "it is neither a map nor a cloud (.adit, .ply, .pcd, .las)",
-                     "A recording is mapped first: adit run " + what.string() +
-                         " -o out --set mapping.enabled=true, then adit view out");
+    throw InputError(
+        what, {}, "it is neither a map nor a cloud (.adit, .ply, .pcd, .las)",
+        "A recording is mapped first: adit run " + what.string() + " -o out, then adit view out");
   }
   return {.map = what, .cloud = {}, .trajectory = {}};
 }

@@ -352,7 +352,8 @@ tcp::endpoint endpoint_of(const std::string& address, uint16_t port) {
   const asio::ip::address numeric = asio::ip::make_address(address, error);
   if (error) {
     throw UsageError("--listen: '" + address +
-                     "' is no numeric address. 0.0.0.0 means all of this machine's.");
+                     "' is not a numeric address. Use localhost, an address of this machine, or "
+                     "0.0.0.0 for all of them.");
   }
   return {numeric, port};
 }
