@@ -7,92 +7,35 @@ Usage: sensor_sdks.py ADIT [--seed S] [--only WORD] [--folder FOLDER]. It needs 
 mcap, rosbags and numpy from PyPI. For each case it writes a packet capture with random ranges, has `adit convert
 --repair` turn it into point clouds, and compares number, positions, intensities and times of the points. Ouster's
 packets are written and read by ouster-sdk; Velodyne's are written here and read by velodyne-decoder, Hesai's by hydra4.
-Livox's, and rows of "its manual", are written and worked out here, after the makers' manuals. Exits 1 where a case
+Livox's, and rows of "its manual" or "maker's formula", are written and worked out here, after the makers' manuals. Exits 1 where a case
 differs.
 """
 
 import argparse
-import dataclasses
 import json
 import os
 import pathlib
+import re
 import struct
 import subprocess
 import sys
 import tempfile
 import time
-import types
-import typing
 
 try:
     import numpy as np
     import velodyne_decoder as vd
-    from hydra4.hydra4 import Hydra
     from mcap.reader import make_reader
     from ouster.sdk import core
     from ouster.sdk.pcap import PcapPacketSource
     from rosbags.typesys import Stores, get_typestore
+
+    from sensor_captures import BEGIN, DUAL, SINGLE, Case, Points, write_capture
+    from sensor_hesai import hesai_cases
 except ImportError as error:
     packages = "ouster-sdk velodyne-decoder hydra4 mcap rosbags numpy"
     print(f"sensor_sdks.py: {error}; pip install {packages}", file=sys.stderr)
     sys.exit(2)
-
-BEGIN = 1_699_999_200 * 10**9  # ns, a whole hour: 2023-11-14, 22:00:00
-SINGLE, DUAL = 0x37, 0x39  # modes of return, Velodyne's and Hesai's
-
-
-@dataclasses.dataclass
-class Case:
-    """A capture, what belongs to it, and what gives the points that another program finds in it."""
-
-    name: str
-    other: str
-    capture: pathlib.Path
-    theirs: typing.Callable
-    metadata: pathlib.Path = None
-    tolerance: float = 1e-5  # m
-    time_tolerance: float = 1e-8  # s
-    note: str = ""
-
-
-class Points:
-    """Positions (m), intensities and times (ns after BEGIN) of points, in the order of firing."""
-
-    def __init__(self):
-        self.positions, self.intensities, self.times = [], [], []
-
-    def add(self, positions, intensities, times):
-        self.positions.append(np.asarray(positions, dtype=np.float64))
-        self.intensities.append(np.asarray(intensities, dtype=np.float64))
-        self.times.append(np.asarray(times, dtype=np.float64))
-
-    def arrays(self):
-        return [np.concatenate(parts) for parts in (self.positions, self.intensities, self.times)]
-
-
-def frames_of(payload, port, number):
-    """Ethernet frames of a datagram, in fragments as on a real network."""
-    udp, most = struct.pack("!HHHH", 4000, port, 8 + len(payload), 0) + payload, 1480
-    for at in range(0, len(udp), most):
-        part = udp[at:at + most]
-        flags = (0x2000 if at + most < len(udp) else 0) | at // 8
-        ip = struct.pack("!BBHHHBBH4s4s", 0x45, 0, 20 + len(part), number & 0xffff, flags, 64, 17, 0,
-                         bytes([192, 168, 1, 201]), bytes([192, 168, 1, 10]))
-        total = sum(struct.unpack("!10H", ip))
-        total = (total & 0xffff) + (total >> 16)
-        checksum = ~((total & 0xffff) + (total >> 16)) & 0xffff
-        yield bytes(12) + b"\x08\x00" + ip[:10] + struct.pack("!H", checksum) + ip[12:] + part
-
-
-def write_capture(path, packets, port):
-    """`packets`: time of reception (ns after BEGIN) and payload."""
-    with open(path, "wb") as file:
-        file.write(struct.pack("<IHHiIII", 0xa1b23c4d, 2, 4, 0, 0, 262144, 1))
-        for number, (received, payload) in enumerate(packets):
-            stamp = BEGIN + int(received)
-            for frame in frames_of(payload, port, number):
-                file.write(struct.pack("<IIII", stamp // 10**9, stamp % 10**9, len(frame), len(frame)) + frame)
-
 
 NUMPY_OF = {1: "i1", 2: "u1", 3: "<i2", 4: "<u2", 5: "<i4", 6: "<u4", 7: "<f4", 8: "<f8"}
 
@@ -206,69 +149,122 @@ def ouster_points(info, capture, metadata, intensity):
     return points
 
 
+def calibration_of(model):
+    """Elevations and azimuths (degrees, clockwise) of a model's lasers, as VeloView publishes them."""
+    text = vd.Calibration.default_calibs[model].to_string()
+    angles = {key: [float(value) for value in re.findall(f"{key}: (\\S+)", text)]
+              for key in ("vert_correction", "rot_correction")}
+    return np.degrees(angles["vert_correction"]).round(3), -np.degrees(angles["rot_correction"]).round(3)
+
+
 class Velodyne:
-    """A model after its manual; the seconds of a firing of all lasers, and of one laser after the other."""
+    """A model after its manual: its lasers all fire once a cycle, `within` it (s), as it turns by `degrees`."""
 
     def __init__(self, model):
-        self.model = model
+        self.model, self.unit, self.azimuths, self.heights = model, 2e-3, 0.0, 0.0
         if model == "VLP-16":
-            self.code, self.lasers, self.cycle, self.step, self.degrees = 0x22, 16, 55.296e-6, 2.304e-6, 0.48
+            self.code, self.lasers, self.cycle, self.degrees = 0x22, 16, 55.296e-6, 0.24
+            self.within = 2.304e-6 * np.arange(16)
             self.elevations = np.array([i if i % 2 else i - 15 for i in range(16)])
             self.heights = -1e-4 * np.round(419.1 * np.tan(np.radians(self.elevations)))
-        else:
-            self.code, self.lasers, self.cycle, self.step, self.degrees = 0x21, 32, 46.08e-6, 1.152e-6, 0.40
+        elif model == "HDL-32E":
+            self.code, self.lasers, self.cycle, self.degrees = 0x21, 32, 46.08e-6, 0.40
+            self.within = 1.152e-6 * np.arange(32)
             self.elevations = np.array([(-28 if i % 2 else -92) / 3 + 4 / 3 * (i // 2) for i in range(32)]).round(2)
-            self.heights = np.zeros(32)
-        self.block_time = self.cycle * 32 / self.lasers
+        elif model == "VLP-32C":  # two lasers at a time
+            self.code, self.lasers, self.cycle, self.degrees, self.unit = 0x28, 32, 55.296e-6, 0.24, 4e-3
+            self.within = 2.304e-6 * (np.arange(32) // 2)
+            self.elevations, self.azimuths = calibration_of(vd.Model.VLP32C)
+        else:  # VLS-128: eight at a time, with a break after half of them
+            self.code, self.lasers, self.cycle, self.degrees, self.unit = 0xa1, 128, 53.3e-6, 0.20, 4e-3
+            self.within = 2.665e-6 * (np.arange(128) // 8 + np.arange(128) // 64)
+            self.elevations, self.azimuths = calibration_of(vd.Model.VLS128)
+        self.before = 8.7e-6 if model == "VLS-128" else 0.0  # s from the first firing to the packet's time
+        self.firings = max(1, 32 // self.lasers)  # in a block
+        self.blocks = max(1, self.lasers // 32)  # of a firing
 
     def points(self, azimuth, ranges):
-        """Positions of a block, and seconds after it began."""
-        within = self.cycle * (np.arange(32) // self.lasers) + self.step * (np.arange(32) % self.lasers)
-        angle = np.radians(azimuth + self.degrees * within / self.block_time)
-        laser = np.arange(32) % self.lasers
-        elevation = np.radians(self.elevations[laser])
-        flat = 2e-3 * ranges * np.cos(elevation)
+        """Positions of the ranges at an azimuth, and seconds after their first firing."""
+        within = np.concatenate([self.within + self.cycle * i for i in range(self.firings)])
+        elevation, heights = (np.resize(one, within.shape) for one in (np.radians(self.elevations), self.heights))
+        angle = np.radians(azimuth + self.azimuths + self.degrees * within / self.cycle)
+        flat = self.unit * ranges * np.cos(elevation)
         return np.stack([flat * np.cos(angle), -flat * np.sin(angle),
-                         2e-3 * ranges * np.sin(elevation) + self.heights[laser]], axis=1), within
+                         self.unit * ranges * np.sin(elevation) + heights], axis=1), within
+
+
+def velodyne_packet(sensor, blocks, dual, micros):
+    """`blocks` of an azimuth, ranges and reflectivities of all lasers, one for each return."""
+    packet = b""
+    for first in range(0, len(blocks), 2 if dual else 1):
+        for bank in range(sensor.blocks):
+            for azimuth, ranges, strengths in blocks[first:first + (2 if dual else 1)]:
+                part = slice(32 * bank, 32 * bank + 32)
+                packet += struct.pack("<HH", (0xeeff, 0xddff, 0xccff, 0xbbff)[bank], azimuth)
+                packet += b"".join(struct.pack("<HB", *one)
+                                   for one in zip(ranges[part].tolist(), strengths[part].tolist()))
+    packet += bytes(1200 - len(packet))
+    return packet + struct.pack("<IBB", micros, DUAL if dual else SINGLE, sensor.code)
 
 
 def velodyne_case(model, dual, manual, folder, random):
-    """Data packets after the manuals of VLP-16 and HDL-32E: twelve blocks of an azimuth and 32 ranges of 2 mm.
+    """Data packets after the manuals of Velodyne's models: twelve blocks of an azimuth and 32 ranges.
 
-    It turns by 0.01 degrees from a laser to the next, as velodyne-decoder rounds azimuths to that: 9 mm at 100 m. What
-    it makes of them is up to 0.7 µrad off, 70 µm at 100 m, and its heights of VLP-16's lasers differ from the
-    manual's, which are rounded, by 30 µm.
+    They turn by 0.01 degrees from a group of lasers to the next, as velodyne-decoder rounds azimuths to that: 9 mm at
+    100 m. What it makes of them is up to 0.7 urad off, 70 um at 100 m, and its heights of VLP-16's lasers differ from
+    the manual's, which are rounded, by 30 um. Its VLS-128 breaks for two groups after half of a firing and not for one,
+    which is 0.01 degrees, and takes 7 us and not 8.7 us off a packet's time.
     """
     sensor = Velodyne(model)
-    firings = 6 if dual else 12
+    count = max(32, sensor.lasers)
+    firings = 12 // sensor.blocks // (2 if dual else 1)  # of a packet
+    period, step = sensor.cycle * sensor.firings, sensor.degrees * sensor.firings
+    most = 12_000 if model == "VLS-128" else 50_000
     packets, points = [], Points()
-    for number in range(int(3.2 * 360 / sensor.degrees / firings)):
-        micros = 5_000_000 + round(1e6 * number * firings * sensor.block_time)
-        packet = b""
-        for block in range(12):
+    for number in range(int(3.2 * 360 / step / firings)):
+        micros = 5_000_000 + round(1e6 * number * firings * period)
+        blocks = []
+        for block in range(firings * (2 if dual else 1)):
             turn = block // 2 if dual else block
-            azimuth = round(100 * (30.0 + sensor.degrees * (number * firings + turn))) % 36000
-            fresh = random.integers(250, 50_000, 32)
-            fresh[random.random(32) < 0.15] = 0
-            values = random.integers(0, 256, 32)
+            azimuth = round(100 * (30.0 + step * (number * firings + turn))) % 36000
+            fresh = random.integers(250, most, count)
+            fresh[random.random(count) < 0.15] = 0
+            values = random.integers(0, 256, count)
             kept = fresh > 0
             if dual and block % 2 == 1:  # the same return once more where there is no other
-                same = (random.random(32) < 0.4) | (ranges == 0) | (ranges == fresh)
+                same = (random.random(count) < 0.4) | (ranges == 0) | (ranges == fresh)
                 fresh, values = np.where(same, ranges, fresh), np.where(same, strengths, values)
                 kept &= ~same
             ranges, strengths = fresh, values
-            packet += struct.pack("<HH", 0xeeff, azimuth)
-            packet += b"".join(struct.pack("<HB", *one) for one in zip(ranges.tolist(), strengths.tolist()))
-            xyz, within = sensor.points(1e-2 * azimuth, ranges)
-            points.add(xyz[kept], strengths[kept], 1000 * micros + 1e9 * (sensor.block_time * turn + within[kept]))
-        packets.append((1000 * micros, packet + struct.pack("<IBB", micros, DUAL if dual else SINGLE, sensor.code)))
+            blocks.append((azimuth, ranges, strengths, kept, turn))
+        order = [(first, bank, block) for first in range(0, len(blocks), 2 if dual else 1)
+                 for bank in range(0, count, 32) for block in blocks[first:first + (2 if dual else 1)]]
+        for _, bank, (azimuth, row, values, kept, turn) in order:
+            part = np.zeros(count, dtype=bool)
+            part[bank:bank + 32] = True
+            xyz, within = sensor.points(1e-2 * azimuth, row)
+            chosen = part & kept
+            points.add(xyz[chosen], values[chosen],
+                       1000 * micros + 1e9 * (period * turn + within[chosen] - sensor.before))
+        packets.append((1000 * micros, velodyne_packet(sensor, [one[:3] for one in blocks], dual, micros)))
     name = f"{model}{' dual' if dual else ''}"
     capture = folder / f"velodyne_{name.replace(' ', '_')}.pcap"
     write_capture(capture, packets, 2368)
     if manual:
         return Case(f"Velodyne {name}", "its manual", capture, lambda: points)
+    notes = {"HDL-32E": "heights taken out", "VLS-128": "other times of firing"}
+    loose = model == "VLS-128"
     return Case(f"Velodyne {name}", "velodyne-decoder", capture, lambda: velodyne_points(model, capture),
-                tolerance=100e-6, time_tolerance=500e-9, note="heights taken out" if model == "HDL-32E" else "")
+                tolerance=20e-3 if loose else 150e-6, time_tolerance=5e-6 if loose else 500e-9,
+                note=notes.get(model, ""))
+
+
+def banks_of(cloud):
+    """The block of 32 lasers that a point of VLS-128 is from, by its time in the firing: 8 lasers each 2.667 us."""
+    begin = np.full(cloud["column"].max() + 1, np.inf)
+    np.minimum.at(begin, cloud["column"], cloud["time"])
+    group = np.round((cloud["time"] - begin[cloud["column"]]) / (8e-6 / 3)).astype(int)
+    return (group - 2 * (group >= 8)) // 4
 
 
 def velodyne_points(model, capture):
@@ -281,7 +277,8 @@ def velodyne_points(model, capture):
     for stamp, cloud in vd.read_pcap(str(capture), config, as_pcl_structs=True):
         # Block by block: of two returns, the last one comes in a block before the strongest one.
         pair = cloud["column"] // (2 if model == "VLP-16" else 1)
-        cloud = cloud[np.lexsort((cloud["return_type"] == vd.ReturnMode.STRONGEST.value, pair))]
+        bank = banks_of(cloud) if model == "VLS-128" else np.zeros(len(cloud))
+        cloud = cloud[np.lexsort((cloud["return_type"] == vd.ReturnMode.STRONGEST.value, bank, pair))]
         points.add(np.stack([cloud[axis] for axis in "xyz"], axis=1), cloud["intensity"],
                    1e9 * (stamp.device - BEGIN // 10**9 + cloud["time"].astype(np.float64)))
     return points
@@ -313,142 +310,11 @@ def livox_case(name, folder, random):
     return Case(f"Livox {name}", "what was put in", capture, lambda: points)
 
 
-DATE = bytes([2023 - 1900, 11, 14, 22, 0])  # up to the minutes of BEGIN
-
-
-@dataclasses.dataclass
-class Hesai:
-    """How packets of a model look: PandarXT (6.1), OT128 (1.4) and Pandar64, after the manuals of these."""
-
-    model: str
-    blocks: int
-    lasers: int
-    step: float  # degrees from a firing to the next
-    firing: int  # ns from a firing to the next
-    elevations: np.ndarray
-    azimuths: np.ndarray
-    other: str = "hydra4"
-
-    def packet(self, azimuths, ranges, values, dual, micros, motor):
-        """Blocks of an azimuth (0.01 degrees) with a range (4 mm) and a reflectivity for each laser."""
-        body, mode, returns = b"", DUAL if dual else SINGLE, 2 if dual else 1
-        for azimuth, row, strengths in zip(azimuths, ranges.tolist(), values.tolist()):
-            more = [0] if self.model == "XT" else []
-            layout = "<HBB" if more else "<HB"
-            body += struct.pack("<H", azimuth)
-            body += b"".join(struct.pack(layout, *one, *more) for one in zip(row, strengths))
-        date = DATE + bytes([micros // 1_000_000])
-        clock = struct.pack("<I", micros % 1_000_000)
-        if self.model == "Pandar64":
-            tail = bytes(8) + struct.pack("<H", motor) + clock + bytes([mode, 0x42]) + date
-            return bytes([0xee, 0xff, self.lasers, self.blocks, 0, 4, 0, 0]) + body + tail
-        if self.model == "XT":
-            head = bytes([0xee, 0xff, 6, 1, 0, 0, self.lasers, self.blocks, 0, 4, returns, 1])
-            tail = bytes(10) + struct.pack("<BH", mode, motor) + date + clock + b"\x42" + bytes(4)
-        else:  # high resolution; a block's state of azimuth is 0 and 1
-            head = bytes([0xee, 0xff, 1, 4, 0, 0, self.lasers, self.blocks, 0, 4, returns, 0])
-            body += bytes(4)
-            tail = bytes(9) + struct.pack("<HBBH", 0x1000, 0, mode, motor) + date + clock + bytes(56 - 25)
-        return head + body + tail
-
-    def times(self, packet_time, dual):
-        """ns of a packet's blocks and lasers, as the manuals give them."""
-        after = (self.blocks - 1 - np.arange(self.blocks)) // (2 if dual else 1)
-        blocks = packet_time - self.firing * after[:, None]
-        if self.model == "XT":
-            return blocks + 5632 + 280 + 1512 * np.arange(self.lasers)
-        return blocks + np.zeros(self.lasers)
-
-
-def hesai_case(name, sensor, dual, metadata, folder, random, note=""):
-    """Turns of 30 degrees about azimuth 0, as of a sensor with a narrow field of view."""
-    per_packet = sensor.blocks // 2 if dual else sensor.blocks
-    packets, points = [], Points()
-    elevations = np.radians(sensor.elevations)
-    for turn in range(4):
-        for number in range(round(30.0 / sensor.step / per_packet)):
-            first = 34_500 + 100 * sensor.step * per_packet * number
-            azimuths = [round(first + 100 * sensor.step * (block // (2 if dual else 1))) % 36000
-                        for block in range(sensor.blocks)]
-            ranges = random.integers(100, 30_000, (sensor.blocks, sensor.lasers))
-            ranges[random.random(ranges.shape) < 0.1] = 0
-            values = random.integers(0, 256, ranges.shape)
-            kept = ranges > 0
-            if dual:
-                same = (random.random(ranges[::2].shape) < 0.3) | (ranges[::2] == 0)
-                ranges[1::2][same], values[1::2][same] = ranges[::2][same], values[::2][same]
-                kept = ranges > 0
-                kept[1::2] &= ranges[1::2] != ranges[::2]
-            micros = 5_000_000 + 100_000 * turn + round(1e-3 * sensor.firing * per_packet * number)
-            packets.append((1000 * micros, sensor.packet(azimuths, ranges, values, dual, micros, 600)))
-            azimuth = np.radians(1e-2 * np.asarray(azimuths)[:, None] + sensor.azimuths)
-            flat, height = 4e-3 * ranges * np.cos(elevations), 4e-3 * ranges * np.sin(elevations)
-            xyz = np.stack([flat * np.sin(azimuth), flat * np.cos(azimuth), height], axis=-1)
-            points.add(xyz[kept], values[kept], sensor.times(1000 * micros, dual)[kept])
-    capture = folder / f"hesai_{name.replace(' ', '_').replace(',', '')}.pcap"
-    write_capture(capture, packets, 2368)
-    tolerance = {"XT": 10e-9, "OT128": 30e-6, "Pandar64": 1e-6}[sensor.model]
-
-    def theirs():
-        if sensor.other != "hydra4":
-            return points
-        return hydra_points(sensor, dual, packets, metadata or hesai_angles(sensor, folder), points.arrays()[2])
-
-    return Case(f"Hesai {name}", sensor.other, capture, theirs, metadata, time_tolerance=tolerance, note=note)
-
-
-def hesai_angles(sensor, folder):
-    """An angle correction file."""
-    file = folder / f"angles_{sensor.model}_{sensor.lasers}.csv"
-    rows = [f"{i + 1},{one[0]:.6f},{one[1]:.6f}" for i, one in enumerate(zip(sensor.elevations, sensor.azimuths))]
-    file.write_text("\n".join(["Channel,Elevation,Azimuth", *rows]) + "\n")
-    return file
-
-
-def hydra_points(sensor, dual, packets, angles, by_manual):
-    """Times are hydra4's for OT128. For XT they are not: it takes the microseconds between blocks for seconds."""
-    model = Hydra.Model.PandarXT32 if sensor.model == "XT" else Hydra.Model.PandarOT128
-    decoder = model.decoder(angles, 0.0, 1000.0)
-    rows = []
-    for _, payload in packets:
-        earlier = set()
-        for i, block in enumerate(decoder(types.SimpleNamespace(data=payload))):
-            found = block.points
-            if dual and i % 2 == 1:  # a return once more counts once
-                found = [point for point in found if (*point[:3], point[4]) not in earlier]
-            earlier = {(*point[:3], point[4]) for point in block.points}
-            rows += found
-    table = np.array([[*point[:4], point[6] - BEGIN // 10**9] for point in rows])
-    points = Points()
-    points.add(table[:, :3], table[:, 3], by_manual if sensor.model == "XT" else 1e9 * table[:, 4])
-    return points
-
-
-def hesai_cases(folder, random):
-    def random_angles(lasers, lowest, spread):
-        return {"elevations": (np.linspace(15, lowest, lasers) + random.normal(0, 0.05, lasers)).round(6),
-                "azimuths": random.normal(0, spread, lasers).round(6)}
-
-    design = {"elevations": 15.0 - np.arange(32), "azimuths": np.zeros(32)}
-    tilted, many, fewer = random_angles(32, -16, 0.1), random_angles(128, -25, 1.0), random_angles(64, -25, 1.0)
-    manual, blocks = "times after the manual", "adit tells times of blocks only"
-    for name, sensor, dual, corrected, note in [
-            ("XT-32", Hesai("XT", 8, 32, 0.18, 50_000, **design), False, False, manual),
-            ("XT-32, corrected angles", Hesai("XT", 8, 32, 0.18, 50_000, **tilted), False, True, manual),
-            ("XT-32 dual", Hesai("XT", 8, 32, 0.18, 50_000, **design, other="its manual"), True, False, ""),
-            ("OT128", Hesai("OT128", 2, 128, 0.1, 27_778, **many), False, True, blocks),
-            ("OT128 dual", Hesai("OT128", 2, 128, 0.1, 27_778, **many), True, True, blocks),
-            ("Pandar64", Hesai("Pandar64", 6, 64, 0.2, 55_556, **fewer, other="its manual"), False, True,
-             "times of blocks, of both")]:
-        yield f"Hesai {name}", lambda name=name, sensor=sensor, dual=dual, corrected=corrected, note=note: hesai_case(
-            name, sensor, dual, hesai_angles(sensor, folder) if corrected else None, folder, random, note)
-
-
 def cases(folder, random):
     for profile in ["LEGACY", "RNG19_RFL8_SIG16_NIR16", "RNG19_RFL8_SIG16_NIR16_DUAL", "RNG15_RFL8_NIR8",
                     "RNG15_RFL8_NIR8_DUAL", "FUSA_RNG15_RFL8_NIR8_DUAL"]:
         yield f"Ouster {profile}", lambda profile=profile: ouster_case(profile, folder, random)
-    for model in ("VLP-16", "HDL-32E"):
+    for model in ("VLP-16", "HDL-32E", "VLP-32C", "VLS-128"):
         for dual in (False, True):
             for manual in (False, True):
                 yield (f"Velodyne {model}{' dual' if dual else ''}",

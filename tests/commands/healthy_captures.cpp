@@ -8,6 +8,7 @@
 #include "adit/tests/commands/healthy_recordings.hpp"
 #include "adit/tests/commands/small_room.hpp"
 #include "adit/tests/recordings/packet_support.hpp"
+#include "adit/tests/recordings/sensor_support.hpp"
 
 namespace adit::test {
 namespace {
@@ -33,7 +34,8 @@ Capture velodyne(uint8_t mode, uint8_t model) {
     const auto packet = velodyne_packet(
         first, mode == 0x39 ? 10.0 : 5.0, static_cast<uint32_t>(of_hour.count() / 1000), mode,
         model, [&](std::size_t block, std::size_t ray) {
-          return room(kDegree * (first + 5.0 * static_cast<double>(block)), ray) / 0.002;
+          return room(kDegree * (first + 5.0 * static_cast<double>(block)), ray) /
+                 (model == 0x28 ? 0.004 : 0.002);
         });
     capture.add(since, packet, 2368);
     if (i % 20 == 0) {
@@ -42,6 +44,24 @@ Capture velodyne(uint8_t mode, uint8_t model) {
           position_packet("$GPRMC,000640,A,4139.0000,N,00052.8000,W,000.0,000.0,110621,,,A*67\r\n"),
           8308);
     }
+  }
+  return capture;
+}
+
+/// A VLS-128: 20 degrees of a packet of 60 are measured.
+Capture vls128(bool dual) {
+  Capture capture;
+  for (int i = 0; i < 6 * kSweeps; ++i) {
+    const double since = i / 60.0;
+    const double first = std::fmod(60.0 * i, 360.0);
+    const auto of_hour = (MovingRig::kBegin + Nanoseconds(static_cast<int64_t>(1e9 * since))) %
+                         std::chrono::hours(1);
+    const auto packet = vls128_packet(
+        first, 10.0, static_cast<uint32_t>(of_hour.count() / 1000), dual,
+        [&](std::size_t sequence, std::size_t ray, std::size_t) {
+          return room(kDegree * (first + 10.0 * static_cast<double>(sequence)), ray) / 0.004;
+        });
+    capture.add(since, packet, 2368);
   }
   return capture;
 }
@@ -98,6 +118,26 @@ Capture hesai(const HesaiLayout& layout) {
   return capture;
 }
 
+/// 40 degrees a packet, in so many blocks; make(azimuths, us, range(block, laser)).
+Capture hesai_of(std::size_t blocks, const auto& make) {
+  Capture capture;
+  for (int i = 0; i < 9 * kSweeps; ++i) {
+    const double since = i / 90.0;
+    std::vector<double> azimuths;
+    for (std::size_t block = 0; block < blocks; ++block) {
+      azimuths.push_back(std::fmod(
+          40.0 * i + 40.0 * static_cast<double>(block) / static_cast<double>(blocks), 360.0));
+    }
+    capture.add(since,
+                make(azimuths, static_cast<uint32_t>(1e6 * since),
+                     [&](std::size_t block, std::size_t laser) {
+                       return room(kDegree * azimuths[block], laser) / 0.004;
+                     }),
+                2368);
+  }
+  return capture;
+}
+
 Capture livox(bool centimetres) {
   Capture capture;
   const std::vector<Point> points = room_points();
@@ -149,9 +189,13 @@ HealthyFormat captures(const fs::path& folder, const std::string& sensor,
 
 std::vector<HealthyFormat> write_healthy_captures(const fs::path& folder) {
   std::vector<HealthyFormat> formats;
-  formats.push_back(captures(
-      folder, "velodyne",
-      {{velodyne(0x37, 0x22), ""}, {velodyne(0x39, 0x22), ""}, {velodyne(0x37, 0x21), ""}}));
+  formats.push_back(captures(folder, "velodyne",
+                             {{velodyne(0x37, 0x22), ""},
+                              {velodyne(0x39, 0x22), ""},
+                              {velodyne(0x37, 0x21), ""},
+                              {velodyne(0x37, 0x28), ""},
+                              {vls128(false), ""},
+                              {vls128(true), ""}}));
   std::vector<std::pair<Capture, std::string>> of_ouster;
   for (const auto& [profile, pixel_bytes] : {std::pair<const char*, std::size_t>{"LEGACY", 12},
                                              {"RNG19_RFL8_SIG16_NIR16", 12},
@@ -163,11 +207,26 @@ std::vector<HealthyFormat> write_healthy_captures(const fs::path& folder) {
                            ouster_metadata(kBeams, profile, pixel_bytes != 12));
   }
   formats.push_back(captures(folder, "ouster", of_ouster));
-  formats.push_back(captures(folder, "hesai",
-                             {{hesai({}), ""},
-                              {hesai({.lasers = 16}), ""},
-                              {hesai({.major = 1, .minor = 4, .lasers = 128}), hesai_angles()},
-                              {hesai({.pandar64 = true, .lasers = 64}), hesai_angles()}}));
+  formats.push_back(captures(
+      folder, "hesai",
+      {{hesai({}), ""},
+       {hesai({.lasers = 16}), ""},
+       {hesai({.major = 1, .minor = 4, .lasers = 128}), hesai_angles()},
+       {hesai({.pandar64 = true, .lasers = 64}), hesai_angles()},
+       {hesai_of(6, [](const auto& azimuths, uint32_t micros,
+                       const auto& range) { return hesai_packet({}, azimuths, micros, range); }),
+        ""},
+       {hesai_of(10,
+                 [](const auto& azimuths, uint32_t micros, const auto& range) {
+                   return pandar40p_packet(azimuths, micros, 0x37, true, range);
+                 }),
+        ""},
+       {hesai_of(4, [](const auto& azimuths, uint32_t micros,
+                       const auto& range) { return qt64_packet(azimuths, micros, 0x37, range); }),
+        hesai_angles()},
+       {hesai_of(2, [](const auto& azimuths, uint32_t micros,
+                       const auto& range) { return qt128_packet({}, azimuths, micros, range); }),
+        ""}}));
   formats.push_back(captures(folder, "livox", {{livox(false), ""}, {livox(true), ""}}));
   return formats;
 }

@@ -8,6 +8,7 @@
 #include "adit/tests/recordings/container_support.hpp"
 #include "adit/tests/recordings/message_support.hpp"
 #include "adit/tests/recordings/packet_support.hpp"
+#include "adit/tests/recordings/sensor_support.hpp"
 #include "adit/tests/support/depth_images.hpp"
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
@@ -82,6 +83,17 @@ class Corpus {
       }
       add("packets", "velodyne", name, text_of(bytes));
     }
+    add("packets", "velodyne", "vlp32c",
+        text_of(velodyne_packet(5.0, 0.2, 1000, 0x39, 0x28,
+                                [](auto block, auto k) { return block * 50 + k; })));
+    for (const bool dual : {false, true}) {
+      const auto range = [](auto sequence, auto laser, auto returned) {
+        return sequence * 50 + laser + returned;
+      };
+      Bytes bytes = vls128_packet(190.0, 0.2, 1000, dual, range);
+      append(bytes, vls128_packet(10.0, 0.2, 2000, dual, range));
+      add("packets", "velodyne", dual ? "vls128_dual" : "vls128", text_of(bytes));
+    }
     add("packets", "velodyne", "position", text_of(position_packet(kSentence)));
     for (const bool legacy : {true, false}) {
       Bytes bytes;
@@ -123,6 +135,16 @@ class Corpus {
             test::hesai_packet({.major = 1, .minor = 4, .lasers = 4}, {10.0, 10.2}, 1000, range)));
     add("packets", "hesai", "pandar64",
         text_of(test::hesai_packet({.pandar64 = true, .lasers = 4}, {10.0, 10.2}, 1000, range)));
+    add("packets", "hesai", "xt32m",
+        text_of(
+            test::hesai_packet({.mode = 0x3d}, {10.0, 10.0, 10.0, 10.2, 10.2, 10.2}, 1000, range)));
+    add("packets", "hesai", "pandar40p",
+        text_of(pandar40p_packet(std::vector<double>(10, 10.0), 1000, 0x39, true, range)));
+    add("packets", "hesai", "qt64", text_of(qt64_packet({10.0, 10.2}, 1000, 0x37, range, 4)));
+    for (const uint8_t mode : {uint8_t{0x37}, uint8_t{0x39}}) {
+      add("packets", "hesai", mode == 0x37 ? "qt128" : "qt128_dual",
+          text_of(qt128_packet({.mode = mode, .lasers = 4}, {10.0, 10.2}, 1000, range)));
+    }
   }
 
   /// The first byte: twice the type's place in fuzz_messages.cpp, and one for ROS 2.

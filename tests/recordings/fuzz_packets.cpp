@@ -31,9 +31,14 @@ void decode(Sweeps sweeps, std::span<const std::byte> bytes, std::size_t size,
   for (std::size_t at = 0; at + size <= bytes.size(); at += size) {
     const Datagram datagram{
         .received = std::chrono::hours(at), .payload = bytes.subspan(at, size), .offset = at};
-    if (is_packet(datagram)) {
-      for (const Sweep& sweep : sweeps.take(datagram)) {
-        require_whole(sweep);
+    Datagram cut = datagram;  // of which the second half was not captured
+    cut.payload = datagram.payload.first(size / 2);
+    cut.missing = size - size / 2;
+    for (const Datagram& one : {datagram, cut}) {
+      if (is_packet(one)) {
+        for (const Sweep& sweep : sweeps.take(one)) {
+          require_whole(sweep);
+        }
       }
     }
   }
@@ -52,9 +57,16 @@ void decode_whole(std::span<const std::byte> bytes) {
     livox.take(datagram);
     test::require_valid(livox.finish().value());
   }
+  Datagram cut = datagram;
+  cut.payload = bytes.first(bytes.size() / 2);
+  cut.missing = bytes.size() - cut.payload.size();
+  if (is_livox_data(cut)) {
+    livox.take(cut);
+    test::require_valid(livox.finish().value());
+  }
   HesaiAngles angles;
-  for (int i = 0; i < 40; ++i) {
-    angles.elevations.push_back(15.0 - i);
+  for (int i = 0; i < 128; ++i) {
+    angles.elevations.push_back(15.0 - 0.5 * i);
     angles.azimuths.push_back(0.1 * i);
   }
   HesaiSweeps hesai(angles);

@@ -129,13 +129,39 @@ TEST(MessageRecording, PacketsOfOtherSensorsAreNamed) {
   const test::TemporaryFolder folder;
   ros::VelodyneScan scan = test::velodyne_message(0, 2);
   for (ros::VelodynePacket& packet : scan.packets) {
-    packet.data[1205] = 0x28;  // a VLP-32C
+    packet.data[1205] = 0x31;  // a Velarray
   }
   const test::ReadEvents read = test::read_all(*record(folder, std::vector{scan}));
   EXPECT_TRUE(read.events.empty());
   ASSERT_EQ(read.errors.size(), 1U);
-  EXPECT_NE(read.errors[0].found().find("none of its 2 packets is of a VLP-16 or HDL-32E"),
+  EXPECT_NE(read.errors[0].found().find("none of its 2 packets is of a Velodyne that is read"),
             std::string::npos);
+}
+
+TEST(MessageRecording, PacketsOfAScanThatCameTwiceOrInAnotherOrderGiveTheSameSweep) {
+  const test::TemporaryFolder folder;
+  const ros::VelodyneScan scan = test::velodyne_message(0);
+  ros::VelodyneScan mixed = scan;
+  std::swap(mixed.packets[3], mixed.packets[9]);
+  std::swap(mixed.packets[12], mixed.packets[13]);
+  mixed.packets.insert(mixed.packets.begin() + 5, scan.packets[2]);
+  const Sweep first = test::read_sweep(*record(folder, std::vector{scan}), 0);
+  const Sweep second = test::read_sweep(*record(folder, std::vector{mixed}), 0);
+  EXPECT_EQ(first.stamp, second.stamp);
+  EXPECT_EQ(first.times, second.times);
+  ASSERT_EQ(first.points.size(), second.points.size());
+  EXPECT_EQ(first.points[5000].x, second.points[5000].x);
+}
+
+TEST(MessageRecording, ScansOfOtherVelodynesAreRead) {
+  const test::TemporaryFolder folder;
+  ros::VelodyneScan scan = test::velodyne_message(0);
+  for (ros::VelodynePacket& packet : scan.packets) {
+    packet.data[1205] = 0x28;  // a VLP-32C: 32 lasers, steps of 4 mm
+  }
+  const Sweep sweep = test::read_sweep(*record(folder, std::vector{scan}), 0);
+  EXPECT_EQ(sweep.points.size(), 24U * 12U * 32U);
+  EXPECT_NEAR(std::hypot(sweep.points[0].x, sweep.points[0].y, sweep.points[0].z), 20.0, 1e-3);
 }
 
 class MessageRecordingOf : public testing::TestWithParam<Encoding> {};

@@ -192,12 +192,14 @@ TEST(VelodyneCapture, HourThatBeginsOnTheWay) {
 
 TEST(VelodyneCapture, ModelsThatAreNotKnownAreNamed) {
   const test::TemporaryFolder folder;
-  write(folder / "drive.pcap", test::pcap(velodyne_frames({.model = 0x28})));
+  write(folder / "drive.pcap", test::pcap(velodyne_frames({.model = 0x31})));
   try {
     open_recording(folder / "drive.pcap");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(error.found().find("no VLP-16 or HDL-32E"), std::string::npos) << error.found();
+    EXPECT_NE(error.found().find("its Velodyne is none of those that are read"), std::string::npos)
+        << error.found();
+    EXPECT_NE(error.remedy().find("VLP-32C and VLS-128"), std::string::npos) << error.remedy();
   }
 }
 

@@ -176,6 +176,61 @@ TEST(OusterMessages, PacketsInMessagesAreSweepsReadingsAndMountings) {
   }
 }
 
+TEST(OusterMessages, PacketsThatCameTwiceOrInAnotherOrderGiveTheSameEvents) {
+  const auto events_of = [](const std::vector<uint16_t>& order) {
+    const test::TemporaryFolder folder;
+    McapWriter writer(folder / "drive.mcap", {});
+    const auto channel = [&](const char* topic, const char* type) {
+      return writer.add_channel({.topic = topic,
+                                 .type = type,
+                                 .encoding = Encoding::cdr,
+                                 .definition = {},
+                                 .messages = std::nullopt});
+    };
+    const std::size_t lidar = channel("/ouster/lidar_packets", "ouster_sensor_msgs/PacketMsg");
+    const std::size_t other = channel("/imu", "sensor_msgs/Imu");
+    const std::size_t metadata = channel("/ouster/metadata", "std_msgs/String");
+    writer.write(metadata, kUtc,
+                 ros::encode(Encoding::cdr, ros::String{test::ouster_metadata(2, "LEGACY")}));
+    Nanoseconds at = kUtc;
+    for (const uint16_t i : order) {
+      at += kSecond / 100;
+      const auto time = static_cast<uint64_t>((kUtc + i * kSecond / 100).count());
+      const Bytes packet =
+          test::ouster_packet(true, 2, 16 * (i % 2U), i / 2, time, [](auto, auto) { return 3000; });
+      writer.write(lidar, at, ros::encode(Encoding::cdr, ros::PacketMsg{packet}));
+      if (i % 5 == 4) {  // of another sensor, which keeps its place
+        writer.write(other, at, ros::encode(Encoding::cdr, ros::Imu{}));
+      }
+    }
+    writer.close();
+    const auto recording = open_recording(folder / "drive.mcap");
+    std::vector<std::pair<std::size_t, Nanoseconds>> events;
+    const test::ReadEvents read = test::read_all(*recording);
+    EXPECT_TRUE(read.errors.empty());
+    for (const Event& event : read.events) {
+      const auto* sweep = std::get_if<Sweep>(&event.value);
+      events.emplace_back(event.topic, sweep != nullptr ? sweep->stamp : Nanoseconds(0));
+    }
+    return std::tuple(events, recording->topics().at(0).messages, recording->notices().size());
+  };
+  std::vector<uint16_t> order;
+  for (uint16_t i = 0; i < 90; ++i) {
+    order.push_back(i);
+  }
+  const auto [events, sweeps, notices] = events_of(order);
+  EXPECT_EQ(sweeps, 45U);
+  EXPECT_EQ(notices, 0U);
+  EXPECT_EQ(events.size(), 45U + 18U + 2U);
+  std::swap(order[20], order[21]);
+  std::swap(order[31], order[32]);
+  order.insert(order.begin() + 50, order[49]);
+  const auto [mended, same_sweeps, two] = events_of(order);
+  EXPECT_EQ(mended, events);
+  EXPECT_EQ(same_sweeps, sweeps);
+  EXPECT_EQ(two, 2U) << "repeated, reordered";
+}
+
 TEST(OusterMessages, WithoutMetadataTheyAreNothingThatIsUnderstood) {
   const test::TemporaryFolder folder;
   McapWriter writer(folder / "drive.mcap", {});

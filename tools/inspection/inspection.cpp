@@ -145,6 +145,9 @@ Inspection inspect(const std::filesystem::path& path, const Config& config,
     add({{Severity::notice, "assumed_times", "", "nothing in it tells the times of the sweeps",
           "10 Hz is assumed, and speeds are as wrong as that", "Add a times.txt"}});
   }
+  for (const RecordingNotice& notice : recording->notices()) {
+    add({{Severity::notice, notice.kind, "", notice.found, notice.effect, notice.remedy}});
+  }
   add(find_in_recording(result.topics));
   const bool simulated = has_simulated_time(result.topics);
   if (config.imu.T_imu_lidar == ImuConfig{}.T_imu_lidar) {

@@ -17,11 +17,13 @@ namespace {
 
 constexpr std::size_t kMostLasers = 128;
 constexpr std::size_t kMostBlocks = 16;
-constexpr unsigned kDualReturns = 0x39;
 
-/// Modes from two returns on are numbered from 0x39.
-bool is_dual(std::span<const std::byte> payload, std::size_t mode_at) {
-  return load<uint8_t>(payload, mode_at) >= kDualReturns;
+/// By the return mode: those of two returns are numbered from 0x39 on, one of them has three.
+std::size_t returns_by_mode(std::span<const std::byte> payload, std::size_t mode_at) {
+  constexpr unsigned kDual = 0x39;
+  constexpr unsigned kTriple = 0x3d;
+  const unsigned mode = load<uint8_t>(payload, mode_at);
+  return mode == kTriple ? 3 : mode >= kDual ? 2 : 1;
 }
 
 bool is_sensible(const HesaiPacket& packet) {
@@ -41,11 +43,13 @@ std::optional<HesaiPacket> xt_packet(std::span<const std::byte> payload) {
   if (!is_sensible(packet) || payload.size() != tail + kTail) {
     return std::nullopt;
   }
-  packet.model = "PandarXT-" + std::to_string(packet.lasers);
+  // The XT32M2X is told by its packets of 6 blocks; those of the PandarXT have 8.
+  const bool medium = packet.lasers == 32 && packet.blocks == 6;
+  packet.model = medium ? "XT32M2X" : "PandarXT-" + std::to_string(packet.lasers);
   packet.motor_at = tail + 11;
   packet.utc_at = tail + 13;
   packet.time_at = tail + 19;
-  packet.dual = is_dual(payload, tail + 10);
+  packet.returns = returns_by_mode(payload, tail + 10);
   return packet;
 }
 
@@ -70,7 +74,7 @@ std::optional<HesaiPacket> ot_packet(std::span<const std::byte> payload) {
   packet.motor_at = tail + 13;
   packet.utc_at = tail + 15;
   packet.time_at = tail + 21;
-  packet.dual = is_dual(payload, tail + 12);
+  packet.returns = returns_by_mode(payload, tail + 12);
   return packet;
 }
 
@@ -91,8 +95,112 @@ std::optional<HesaiPacket> pandar64_packet(std::span<const std::byte> payload) {
   packet.motor_at = tail + 8;
   packet.time_at = tail + 10;
   packet.utc_at = tail + 16;
-  packet.dual = is_dual(payload, tail + 14);
+  packet.returns = returns_by_mode(payload, tail + 14);
   return packet;
+}
+
+/// Protocol 3.1: PandarQT64, with or without a sequence number at the end.
+std::optional<HesaiPacket> qt64_packet(std::span<const std::byte> payload) {
+  HesaiPacket packet{.model = "PandarQT64",
+                     .lasers = load<uint8_t>(payload, 6),
+                     .blocks = load<uint8_t>(payload, 7),
+                     .block_at = 12,
+                     .channel_bytes = 4,
+                     .range_unit = 1e-3 * load<uint8_t>(payload, 9)};
+  const std::size_t tail = packet.block_at + packet.blocks * packet.block_bytes();
+  constexpr std::size_t kTail = 24;
+  if (!is_sensible(packet) ||
+      (payload.size() != tail + kTail && payload.size() != tail + kTail + 4)) {
+    return std::nullopt;
+  }
+  packet.motor_at = tail + 10;
+  packet.time_at = tail + 12;
+  packet.utc_at = tail + 18;
+  packet.returns = returns_by_mode(payload, tail + 16);
+  return packet;
+}
+
+/// Protocol 3.2: QT128C2X. Behind the blocks: a checksum (4 bytes), functional safety (17, by the
+/// flags), the tail (26), then a sequence number (4) and a signature (32), by the flags, and
+/// another checksum. A channel's fourth byte is there in all of the manual's packets, but not in
+/// all that the maker's SDK knows: the length decides.
+std::optional<HesaiPacket> qt128_packet(std::span<const std::byte> payload) {
+  const unsigned flags = load<uint8_t>(payload, 11);
+  const std::size_t safety = (flags & 0x04U) != 0 ? 17 : 0;
+  for (const std::size_t channel_bytes : {4U, 3U}) {
+    HesaiPacket packet{.model = "QT128C2X",
+                       .lasers = load<uint8_t>(payload, 6),
+                       .blocks = load<uint8_t>(payload, 7),
+                       .block_at = 12,
+                       .channel_bytes = channel_bytes,
+                       .range_unit = 1e-3 * load<uint8_t>(payload, 9)};
+    const std::size_t tail = packet.block_at + packet.blocks * packet.block_bytes() + 4 + safety;
+    constexpr std::size_t kTail = 26;
+    const std::size_t rest = payload.size() - std::min(payload.size(), tail + kTail);
+    const bool fits = payload.size() >= tail + kTail &&
+                      (rest % 32 == 0 || rest % 32 == 4 || rest % 32 == 8) && rest <= 40;
+    if (is_sensible(packet) && fits) {
+      packet.motor_at = tail + 13;
+      packet.utc_at = tail + 15;
+      packet.time_at = tail + 21;
+      packet.returns = returns_by_mode(payload, tail + 12);
+      packet.second_sequence = packet.returns > 1 && (load<uint8_t>(payload, tail + 5) & 1U) == 0;
+      return packet;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Pandar40P, which has no header: ten blocks that begin with FF EE, with or without a sequence
+/// number at the end.
+std::optional<HesaiPacket> pandar40p_packet(std::span<const std::byte> payload) {
+  constexpr std::size_t kTail = 22;
+  HesaiPacket packet{.model = "Pandar40P",
+                     .lasers = 40,
+                     .blocks = 10,
+                     .block_at = 2,
+                     .block_gap = 2,
+                     .channel_bytes = 3,
+                     .range_unit = 4e-3};
+  const std::size_t tail = packet.blocks * packet.block_bytes();
+  if (payload.size() != tail + kTail && payload.size() != tail + kTail + 4) {
+    return std::nullopt;
+  }
+  for (std::size_t block = 0; block < packet.blocks; ++block) {
+    if (load<uint16_t>(payload, block * packet.block_bytes()) != 0xeeff) {
+      return std::nullopt;
+    }
+  }
+  packet.motor_at = tail + 8;
+  packet.time_at = tail + 10;
+  packet.utc_at = tail + 16;
+  packet.returns = returns_by_mode(payload, tail + 14);
+  return packet;
+}
+
+/// Whichever it is, by its first bytes.
+std::optional<HesaiPacket> any_packet(std::span<const std::byte> payload) {
+  constexpr uint16_t kBegin = 0xffee;       // EE FF
+  constexpr uint16_t kBlockBegin = 0xeeff;  // FF EE
+  if (payload.size() < 24) {
+    return std::nullopt;
+  }
+  const unsigned begin = load<uint16_t>(payload, 0);
+  if (begin != kBegin) {
+    return begin == kBlockBegin ? pandar40p_packet(payload) : std::nullopt;
+  }
+  switch (load<uint8_t>(payload, 2) * 16U + load<uint8_t>(payload, 3)) {  // version
+    case 0x61:
+      return xt_packet(payload);
+    case 0x14:
+      return ot_packet(payload);
+    case 0x31:
+      return qt64_packet(payload);
+    case 0x32:
+      return qt128_packet(payload);
+    default:
+      return pandar64_packet(payload);
+  }
 }
 
 /// The second by the packet's calendar (year since 2000 or 1900), or by its seconds since 1970.
@@ -117,17 +225,47 @@ Nanoseconds second_of(std::span<const std::byte> payload, std::size_t at, Nanose
          std::chrono::seconds(byte(5));
 }
 
-/// s after the packet's own time that a block was fired at: blocks come before it. XT's manual
-/// gives 50 µs a firing, the last one 5.632 µs after; others are as far apart as their azimuths.
+/// s after the packet's own time that a block begins.
 double block_time(const HesaiPacket& packet, std::size_t block, double azimuth, double last_azimuth,
                   double turns_per_s) {
-  if (packet.model.starts_with("PandarXT")) {
-    const std::size_t step = packet.dual ? 2 : 1;
-    const std::size_t after = (packet.blocks - 1) / step - block / step;
-    return 5.632e-6 - 50e-6 * static_cast<double>(after);
+  if (packet.times != nullptr) {
+    const HesaiBlocks& blocks = packet.times->blocks;
+    const std::size_t number = block / packet.returns;
+    const std::size_t last = (packet.blocks - 1) / packet.returns;
+    return blocks.from_last ? blocks.first - blocks.period * static_cast<double>(last - number)
+                            : blocks.first + blocks.period * static_cast<double>(number);
   }
+  // Others are as far apart as their azimuths.
   const double behind = std::fmod(last_azimuth - azimuth + 360.0, 360.0);
   return turns_per_s > 0.0 && behind < 10.0 ? -behind / (360.0 * turns_per_s) : 0.0;
+}
+
+/// s after the begin of a block, by channel; null where lasers fire together.
+const std::vector<double>* firing_of(const HesaiPacket& packet, std::size_t block) {
+  if (packet.times == nullptr) {
+    return nullptr;
+  }
+  const bool alternate = !packet.times->firing[1].empty();
+  const bool second = packet.returns > 1 ? packet.second_sequence : block % 2 == 1;
+  return &packet.times->firing.at(alternate && second ? 1 : 0);
+}
+
+/// Turns a minute, or tenths of them, by the model; 200 a second there are none.
+double turns_of(std::span<const std::byte> payload, const HesaiPacket& packet) {
+  const double motor = load<uint16_t>(payload, packet.motor_at);
+  return motor < 2000.0 ? motor / 60.0 : motor / 600.0;
+}
+
+/// True where an earlier block of the same firing has the same range.
+bool is_repeated_return(std::span<const std::byte> payload, const HesaiPacket& packet,
+                        std::size_t block, std::size_t channel) {
+  for (std::size_t back = 1; back <= block % packet.returns; ++back) {
+    if (load<uint16_t>(payload, channel) ==
+        load<uint16_t>(payload, channel - back * packet.block_bytes())) {
+      return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -164,31 +302,26 @@ HesaiAngles read_hesai_angles(const std::filesystem::path& file) {
 }
 
 std::optional<HesaiPacket> hesai_packet(const Datagram& datagram) {
-  const std::span<const std::byte> payload = datagram.payload;
-  constexpr uint16_t kBegin = 0xffee;  // EE FF
-  if (payload.size() < 24 || load<uint16_t>(payload, 0) != kBegin) {
-    return std::nullopt;
+  std::optional<HesaiPacket> packet =
+      datagram.missing == 0 ? any_packet(datagram.payload) : std::nullopt;
+  if (packet) {
+    packet->times = find_hesai_model(packet->model);
   }
-  const unsigned major = load<uint8_t>(payload, 2);
-  const unsigned minor = load<uint8_t>(payload, 3);
-  if (major == 6 && minor == 1) {
-    return xt_packet(payload);
-  }
-  return major == 1 && minor == 4 ? ot_packet(payload) : pandar64_packet(payload);
+  return packet;
 }
 
 std::optional<HesaiAngles> hesai_angles_by_design(const HesaiPacket& packet) {
-  const bool xt = packet.model.starts_with("PandarXT");
-  if (!xt || (packet.lasers != 32 && packet.lasers != 16)) {
-    return std::nullopt;
-  }
-  HesaiAngles angles;
-  const double step = packet.lasers == 32 ? 1.0 : 2.0;
-  for (std::size_t i = 0; i < packet.lasers; ++i) {
-    angles.elevations.push_back(15.0 - step * static_cast<double>(i));
-    angles.azimuths.push_back(0.0);
-  }
-  return angles;
+  const HesaiModel* model = find_hesai_model(packet.model);
+  return model != nullptr && model->design.elevations.size() == packet.lasers
+             ? std::optional(model->design)
+             : std::nullopt;
+}
+
+Nanoseconds hesai_time(const HesaiPacket& packet, const Datagram& datagram) {
+  const uint32_t microseconds =
+      std::min<uint32_t>(load<uint32_t>(datagram.payload, packet.time_at), 2'000'000);
+  return second_of(datagram.payload, packet.utc_at, datagram.received) +
+         std::chrono::microseconds(microseconds);
 }
 
 HesaiSweeps::HesaiSweeps(HesaiAngles angles, bool points)
@@ -204,19 +337,20 @@ void HesaiSweeps::add_block(std::span<const std::byte> payload, const HesaiPacke
   const std::size_t at = packet.block_at + block * packet.block_bytes();
   const double azimuth = 0.01 * load<uint16_t>(payload, at);
   const double begin = seconds(time - sweep_->stamp);
-  const bool xt = packet.model.starts_with("PandarXT");
+  const std::vector<double>* firing = firing_of(packet, block);
+  const bool turns_on = firing != nullptr && packet.times->azimuth_read.has_value();
+  const double read = turns_on ? *packet.times->azimuth_read : 0.0;
+  const double rate = turns_on ? 360.0 * turns_of(payload, packet) : 0.0;  // degrees/s
   const std::size_t lasers = std::min(packet.lasers, angles_.elevations.size());
   for (std::size_t i = 0; i < lasers; ++i) {
     const std::size_t channel = at + 2 + i * packet.channel_bytes;
     const unsigned range = load<uint16_t>(payload, channel);
-    const bool other = packet.dual && block % 2 == 1;
-    if (range == 0 || (other && range == load<uint16_t>(payload, channel - packet.block_bytes()))) {
+    if (range == 0 || is_repeated_return(payload, packet, block, channel)) {
       continue;
     }
-    // XT's lasers fire 1.512 µs apart; 16 of them, every second of those of 32.
-    const double within =
-        xt ? 1e-6 * (0.28 + 1.512 * static_cast<double>(packet.lasers == 16 ? 2 * i : i)) : 0.0;
-    const double angle = (azimuth + angles_.azimuths[i]) * kDegree;
+    const double within = firing != nullptr && i < firing->size() ? (*firing)[i] : 0.0;
+    const double turned = rate * (within - read);
+    const double angle = (azimuth + angles_.azimuths[i] + turned) * kDegree;
     const double elevation = angles_.elevations[i] * kDegree;
     const double metres = packet.range_unit * range;
     const double flat = metres * std::cos(elevation);
@@ -239,13 +373,8 @@ std::vector<Sweep> HesaiSweeps::take(const Datagram& datagram) {
   const auto azimuth_of = [&](std::size_t block) {
     return 0.01 * load<uint16_t>(payload, packet->block_at + block * packet->block_bytes());
   };
-  const uint32_t microseconds =
-      std::min<uint32_t>(load<uint32_t>(payload, packet->time_at), 2'000'000);
-  const Nanoseconds packet_time = second_of(payload, packet->utc_at, datagram.received) +
-                                  std::chrono::microseconds(microseconds);
-  // Turns a minute, or tenths of them, by the model; 200 a second there are none.
-  const double motor = load<uint16_t>(payload, packet->motor_at);
-  const double turns = motor < 2000.0 ? motor / 60.0 : motor / 600.0;
+  const Nanoseconds packet_time = hesai_time(*packet, datagram);
+  const double turns = turns_of(payload, *packet);
   const double last = azimuth_of(packet->blocks - 1);
   for (std::size_t block = 0; block < packet->blocks; ++block) {
     const double azimuth = azimuth_of(block);

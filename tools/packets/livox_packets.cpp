@@ -33,9 +33,10 @@ std::size_t point_bytes(unsigned type) {
 }
 
 /// Version 0, and as long as it says.
-bool is_packet(std::span<const std::byte> packet) {
+bool is_packet(const Datagram& datagram) {
+  const std::span<const std::byte> packet = datagram.payload;
   return packet.size() > kHead && load<uint8_t>(packet, 0) == 0 &&
-         load<uint16_t>(packet, kLengthAt) == packet.size();
+         load<uint16_t>(packet, kLengthAt) == datagram.sent();
 }
 
 /// Times that no clock shows become the latest.
@@ -69,17 +70,21 @@ bool is_kept(const Point& p, unsigned tag) {
 
 bool is_livox_data(const Datagram& datagram) {
   const std::span<const std::byte> packet = datagram.payload;
-  if (!is_packet(packet)) {
+  if (!is_packet(datagram)) {
     return false;
   }
   const std::size_t bytes = point_bytes(load<uint8_t>(packet, kTypeAt));
   const std::size_t count = load<uint16_t>(packet, kCountAt);
-  return bytes > 0 && count > 0 && packet.size() == kHead + count * bytes;
+  return bytes > 0 && count > 0 && datagram.sent() == kHead + count * bytes;
 }
 
 bool is_livox_imu(const Datagram& datagram) {
-  return is_packet(datagram.payload) && datagram.payload.size() == kHead + kImuBytes &&
+  return is_packet(datagram) && datagram.payload.size() == kHead + kImuBytes &&
          load<uint8_t>(datagram.payload, kTypeAt) == kImu;
+}
+
+Nanoseconds livox_time(const Datagram& datagram) {
+  return time_of(datagram.payload);
 }
 
 std::vector<Sweep> LivoxSweeps::take(const Datagram& datagram) {
@@ -101,7 +106,8 @@ std::vector<Sweep> LivoxSweeps::take(const Datagram& datagram) {
   const std::size_t count = load<uint16_t>(packet, kCountAt);
   const double step = 1e-7 * load<uint16_t>(packet, kIntervalAt) / static_cast<double>(count);
   const double begin = seconds(time - sweep_->stamp);
-  for (std::size_t i = 0; i < count; ++i) {
+  const std::size_t captured = (packet.size() - kHead) / point_bytes(type);
+  for (std::size_t i = 0; i < std::min(count, captured); ++i) {
     const auto [point, tag] = point_at(packet, kHead + i * point_bytes(type), type);
     if (is_kept(point, tag)) {
       sweep_->points.push_back(point);

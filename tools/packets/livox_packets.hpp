@@ -12,8 +12,12 @@
 
 namespace adit {
 
+/// Also true for packets of which the end was not captured; what is there is read.
 bool is_livox_data(const Datagram& datagram);
 bool is_livox_imu(const Datagram& datagram);
+
+/// The time of a packet of either kind by the sensor's clock.
+Nanoseconds livox_time(const Datagram& datagram);
 
 /// Puts the packets of one sensor together to sweeps of a tenth of a second, since its pattern has
 /// no turns. Points are in the sensor's own frame, in their order of measurement, without those

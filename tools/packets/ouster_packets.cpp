@@ -31,37 +31,54 @@ struct Column {
   std::span<const std::byte> pixels;
 };
 
-Column column_of(std::span<const std::byte> packet, std::size_t i, const OusterSensor& sensor) {
-  if (sensor.profile == OusterProfile::legacy) {
-    const auto column = packet.subspan(i * sensor.column_bytes(), sensor.column_bytes());
-    // The sensor tells the frame in every column; packets that ouster-sdk writes, in the first.
-    return {.time = time_of(load<uint64_t>(column, 0)),
-            .index = load<uint16_t>(column, 8),
-            .frame = load<uint16_t>(packet, 10),
-            .valid = load<uint32_t>(column, column.size() - 4) == 0xffffffffU,
-            .pixels = column.subspan(16, 12 * sensor.beams)};
-  }
+/// Nothing where the packet was not captured that far.
+std::optional<Column> column_of(std::span<const std::byte> packet, std::size_t i,
+                                const OusterSensor& sensor) {
   constexpr std::size_t kPacketHeader = 32;
-  const auto column =
-      packet.subspan(kPacketHeader + i * sensor.column_bytes(), sensor.column_bytes());
-  return {.time = time_of(load<uint64_t>(column, 0)),
-          .index = load<uint16_t>(column, 8),
-          .frame = sensor.fusa_header ? load<uint32_t>(packet, 4) : load<uint16_t>(packet, 2),
-          .valid = (load<uint16_t>(column, 10) & 1U) != 0,
-          .pixels = column.subspan(12)};
+  const bool legacy = sensor.profile == OusterProfile::legacy;
+  const std::size_t at = (legacy ? 0 : kPacketHeader) + i * sensor.column_bytes();
+  if (at + sensor.column_bytes() > packet.size()) {
+    return std::nullopt;
+  }
+  const auto column = packet.subspan(at, sensor.column_bytes());
+  if (legacy) {
+    // The sensor tells the frame in every column; packets that ouster-sdk writes, in the first.
+    return Column{.time = time_of(load<uint64_t>(column, 0)),
+                  .index = load<uint16_t>(column, 8),
+                  .frame = load<uint16_t>(packet, 10),
+                  .valid = load<uint32_t>(column, column.size() - 4) == 0xffffffffU,
+                  .pixels = column.subspan(16, 12 * sensor.beams)};
+  }
+  return Column{.time = time_of(load<uint64_t>(column, 0)),
+                .index = load<uint16_t>(column, 8),
+                .frame = sensor.fusa_header ? load<uint32_t>(packet, 4) : load<uint16_t>(packet, 2),
+                .valid = (load<uint16_t>(column, 10) & 1U) != 0,
+                .pixels = column.subspan(12)};
 }
 
 }  // namespace
 
 bool is_ouster_data(const Datagram& datagram, const OusterSensor& sensor) {
-  return datagram.payload.size() == sensor.packet_bytes() &&
-         (sensor.profile == OusterProfile::legacy ||
-          (sensor.fusa_header ? load<uint8_t>(datagram.payload, 0) == 1
-                              : load<uint16_t>(datagram.payload, 0) == 1));
+  if (datagram.sent() != sensor.packet_bytes() || datagram.payload.size() < 2) {
+    return false;
+  }
+  return sensor.profile == OusterProfile::legacy ||
+         (sensor.fusa_header ? load<uint8_t>(datagram.payload, 0) == 1
+                             : load<uint16_t>(datagram.payload, 0) == 1);
 }
 
 bool is_ouster_imu(const Datagram& datagram) {
-  return datagram.payload.size() == kImuPacketBytes;
+  return datagram.payload.size() == kImuPacketBytes && datagram.missing == 0;
+}
+
+std::optional<Nanoseconds> ouster_time(const Datagram& datagram, const OusterSensor& sensor) {
+  for (std::size_t i = 0; i < sensor.columns_per_packet; ++i) {
+    const std::optional<Column> column = column_of(datagram.payload, i, sensor);
+    if (column && column->valid && column->index < sensor.columns) {
+      return column->time;
+    }
+  }
+  return std::nullopt;
 }
 
 OusterSweeps::OusterSweeps(const OusterSensor& sensor, bool points)
@@ -112,23 +129,23 @@ Point OusterSweeps::point_of(double range, double encoder, std::size_t beam) con
 std::vector<Sweep> OusterSweeps::take(const Datagram& datagram) {
   std::vector<Sweep> whole;
   for (std::size_t i = 0; i < sensor_->columns_per_packet; ++i) {
-    const Column column = column_of(datagram.payload, i, *sensor_);
-    if (!column.valid || column.index >= sensor_->columns) {
+    const std::optional<Column> column = column_of(datagram.payload, i, *sensor_);
+    if (!column || !column->valid || column->index >= sensor_->columns) {
       continue;
     }
-    const bool anew = sweep_ && (column.frame != frame_ || column.time < sweep_->stamp ||
-                                 column.time - sweep_->stamp > kLongestSweep);
+    const bool anew = sweep_ && (column->frame != frame_ || column->time < sweep_->stamp ||
+                                 column->time - sweep_->stamp > kLongestSweep);
     if (anew) {
       whole.push_back(std::move(*sweep_));
       sweep_.reset();
     }
     if (!sweep_) {
       sweep_.emplace();
-      sweep_->stamp = column.time;
-      frame_ = column.frame;
+      sweep_->stamp = column->time;
+      frame_ = column->frame;
     }
     if (points_) {
-      add_column(column.pixels, column.index, column.time);
+      add_column(column->pixels, column->index, column->time);
     }
   }
   return whole;

@@ -13,8 +13,12 @@
 
 namespace adit {
 
+/// Also true for packets of which the end was not captured; what is there is read.
 bool is_ouster_data(const Datagram& datagram, const OusterSensor& sensor);
 bool is_ouster_imu(const Datagram& datagram);
+
+/// The time of a data packet's first valid column by the sensor's clock; nothing without one.
+std::optional<Nanoseconds> ouster_time(const Datagram& datagram, const OusterSensor& sensor);
 
 /// Puts the packets of one sensor together to sweeps, one a frame of the sensor, in its lidar frame
 /// (docs of the sensor: x towards the connector). Columns come in their order of measurement, in

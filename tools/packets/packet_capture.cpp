@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <string>
-#include <tuple>
 
 namespace adit {
 namespace {
@@ -17,20 +16,9 @@ constexpr uint32_t kSection = 0x0a0d0d0a;
 constexpr uint32_t kByteOrder = 0x1a2b3c4d;
 constexpr uint64_t kLargestPacket = 1U << 20U;  // bytes; a datagram has 64 KiB at most
 constexpr uint64_t kLargestBlock = 1U << 24U;
-constexpr std::size_t kLargestDatagram = 65536;
-constexpr std::size_t kMostFragments = 64;
 
 uint32_t swap(uint32_t v) {
   return (v >> 24U) | ((v >> 8U) & 0xff00U) | ((v << 8U) & 0xff0000U) | (v << 24U);
-}
-
-/// Numbers of the network are big-endian.
-uint16_t net16(std::span<const std::byte> from, std::size_t at) {
-  return static_cast<uint16_t>((std::to_integer<unsigned>(from[at]) << 8U) |
-                               std::to_integer<unsigned>(from[at + 1]));
-}
-uint32_t net32(std::span<const std::byte> from, std::size_t at) {
-  return (uint32_t{net16(from, at)} << 16U) | net16(from, at + 2);
 }
 
 uint32_t first_word(const SeekableFile& file) {
@@ -43,55 +31,6 @@ uint32_t first_word(const SeekableFile& file) {
 
 bool is_pcap(uint32_t word) {
   return word == kMicroseconds || word == kNanoseconds;
-}
-
-/// Where the network layer begins and what it is (EtherType); nothing where it is of no interest.
-struct Network {
-  std::size_t begin = 0;
-  unsigned type = 0;
-};
-std::optional<Network> network_of(uint32_t link, std::span<const std::byte> packet) {
-  constexpr unsigned kIpv4 = 0x0800;
-  constexpr unsigned kIpv6 = 0x86dd;
-  const auto has = [&](std::size_t size) { return packet.size() >= size; };
-  switch (link) {
-    case 1: {  // Ethernet, with up to two tags of virtual networks
-      std::size_t at = 12;
-      while (has(at + 2) && (net16(packet, at) == 0x8100 || net16(packet, at) == 0x88a8) &&
-             at < 20) {
-        at += 4;
-      }
-      return has(at + 2) ? std::optional(Network{at + 2, net16(packet, at)}) : std::nullopt;
-    }
-    case 0:  // loopback, the family in the writer's byte order
-      return Network{4,
-                     has(5) && (std::to_integer<unsigned>(packet[4]) >> 4U) == 6 ? kIpv6 : kIpv4};
-    case 12:
-    case 101:  // IP without a link layer
-      return Network{0,
-                     has(1) && (std::to_integer<unsigned>(packet[0]) >> 4U) == 6 ? kIpv6 : kIpv4};
-    case 113:  // Linux, "any" device
-      return has(16) ? std::optional(Network{16, net16(packet, 14)}) : std::nullopt;
-    case 276:  // the same, second version
-      return has(20) ? std::optional(Network{20, net16(packet, 0)}) : std::nullopt;
-    default:
-      return std::nullopt;
-  }
-}
-
-/// Fills in port and payload from a UDP header on; nothing where it is cut off.
-std::optional<Datagram> from_udp(std::span<const std::byte> udp, Datagram datagram) {
-  constexpr std::size_t kHeader = 8;
-  if (udp.size() < kHeader) {
-    return std::nullopt;
-  }
-  const std::size_t size = net16(udp, 4);
-  if (size < kHeader || size > udp.size()) {
-    return std::nullopt;  // captured in part
-  }
-  datagram.port = net16(udp, 2);
-  datagram.payload = udp.subspan(kHeader, size - kHeader);
-  return datagram;
 }
 
 }  // namespace
@@ -143,7 +82,7 @@ std::vector<std::byte> PacketCapture::read(uint64_t bytes, const char* what) {
   return content;
 }
 
-std::optional<PacketCapture::Packet> PacketCapture::next_pcap() {
+std::optional<CapturedPacket> PacketCapture::next_pcap() {
   const uint64_t begin = at_;
   const std::vector<std::byte> header = read(16, "a packet's header");
   const uint64_t size = u32(header, 8);
@@ -152,10 +91,11 @@ std::optional<PacketCapture::Packet> PacketCapture::next_pcap() {
   }
   packet_ = read(size, "a packet");
   const auto ticks_ns = static_cast<int64_t>(u32(header, 4)) * (pcap_.tick < 1e-7 ? 1 : 1000);
-  return Packet{.received = std::chrono::seconds(u32(header, 0)) + Nanoseconds(ticks_ns),
-                .link = pcap_.link,
-                .begin = begin,
-                .size = size};
+  return CapturedPacket{.received = std::chrono::seconds(u32(header, 0)) + Nanoseconds(ticks_ns),
+                        .link = pcap_.link,
+                        .bytes = packet_,
+                        .cut = u32(header, 12) > size,
+                        .offset = begin};
 }
 
 void PacketCapture::read_section(std::span<const std::byte> body) {
@@ -190,7 +130,7 @@ void PacketCapture::read_interface(std::span<const std::byte> body) {
   interfaces_.push_back(one);
 }
 
-std::optional<PacketCapture::Packet> PacketCapture::read_enhanced(std::span<const std::byte> body) {
+std::optional<CapturedPacket> PacketCapture::read_enhanced(std::span<const std::byte> body) {
   if (body.size() < 20) {
     fail(at_, "a packet block of " + std::to_string(body.size()) + " bytes");
   }
@@ -206,13 +146,13 @@ std::optional<PacketCapture::Packet> PacketCapture::read_enhanced(std::span<cons
   const auto seconds = static_cast<int64_t>(std::min<uint64_t>(ticks / whole, 9'000'000'000U));
   const double rest = static_cast<double>(ticks % whole) * from.tick;
   packet_.assign(body.begin() + 20, body.begin() + 20 + static_cast<std::ptrdiff_t>(size));
-  return Packet{.received = std::chrono::seconds(seconds + from.offset) + nanoseconds(rest),
-                .link = from.link,
-                .begin = at_,
-                .size = size};
+  return CapturedPacket{.received = std::chrono::seconds(seconds + from.offset) + nanoseconds(rest),
+                        .link = from.link,
+                        .bytes = packet_,
+                        .cut = u32(body, 16) > size};
 }
 
-std::optional<PacketCapture::Packet> PacketCapture::next_pcapng() {
+std::optional<CapturedPacket> PacketCapture::next_pcapng() {
   while (at_ < file_->size()) {
     const uint64_t begin = at_;
     const std::vector<std::byte> head = read(12, "a block's header");
@@ -239,93 +179,24 @@ std::optional<PacketCapture::Packet> PacketCapture::next_pcapng() {
     } else if (type == 1) {
       read_interface(body);
     } else if (type == 6) {
-      std::optional<Packet> packet = read_enhanced(body);
-      packet->begin = begin;
+      std::optional<CapturedPacket> packet = read_enhanced(body);
+      packet->offset = begin;
       return packet;
     }  // other kinds of blocks tell nothing that is needed
   }
   return std::nullopt;
 }
 
-std::optional<PacketCapture::Packet> PacketCapture::next_packet() {
+std::optional<CapturedPacket> PacketCapture::next_packet() {
   if (at_ >= file_->size()) {
     return std::nullopt;
   }
   return next_generation_ ? next_pcapng() : next_pcap();
 }
 
-std::optional<std::span<const std::byte>> PacketCapture::reassemble(
-    const FragmentKey& key, std::size_t at, bool last, std::span<const std::byte> bytes) {
-  if (at + bytes.size() > kLargestDatagram) {
-    return std::nullopt;
-  }
-  if (!fragments_.contains(key) && fragments_.size() >= kMostFragments) {
-    fragments_.erase(std::ranges::min_element(
-        fragments_, {}, [](const auto& entry) { return entry.second.order; }));
-  }
-  Fragments& all = fragments_[key];
-  all.order = ++order_;
-  all.bytes.resize(std::max(all.bytes.size(), at + bytes.size()));
-  all.known.resize((all.bytes.size() + 7) / 8);
-  std::ranges::copy(bytes, all.bytes.begin() + static_cast<std::ptrdiff_t>(at));
-  for (std::size_t i = at / 8; i < (at + bytes.size() + 7) / 8; ++i) {
-    all.known[i] = true;
-  }
-  if (last) {
-    all.size = at + bytes.size();
-  }
-  if (!all.size || *all.size != all.bytes.size() ||
-      std::ranges::find(all.known, false) != all.known.end()) {
-    return std::nullopt;
-  }
-  whole_ = std::move(all.bytes);
-  fragments_.erase(key);
-  return std::span<const std::byte>(whole_);
-}
-
-std::optional<Datagram> PacketCapture::from_ipv4(std::span<const std::byte> ip, Datagram datagram) {
-  constexpr unsigned kUdp = 17;
-  if (ip.size() < 20) {
-    return std::nullopt;
-  }
-  const std::size_t header = 4U * (std::to_integer<std::size_t>(ip[0]) & 15U);
-  const std::size_t total = net16(ip, 2);
-  if (header < 20 || total < header || total > ip.size() ||
-      std::to_integer<unsigned>(ip[9]) != kUdp) {
-    return std::nullopt;
-  }
-  const std::span<const std::byte> body = ip.subspan(header, total - header);
-  datagram.source = net32(ip, 12);
-  const unsigned flags = net16(ip, 6);
-  const std::size_t at = 8U * (flags & 0x1fffU);
-  const bool more = (flags & 0x2000U) != 0;
-  if (at == 0 && !more) {
-    return from_udp(body, datagram);
-  }
-  const auto whole = reassemble({datagram.source, net32(ip, 16), net16(ip, 4)}, at, !more, body);
-  return whole ? from_udp(*whole, datagram) : std::nullopt;
-}
-
-std::optional<Datagram> PacketCapture::datagram_of(const Packet& packet) {
-  const std::span<const std::byte> bytes(packet_);
-  const std::optional<Network> network = network_of(packet.link, bytes);
-  if (!network || network->begin > bytes.size()) {
-    return std::nullopt;
-  }
-  const std::span<const std::byte> ip = bytes.subspan(network->begin);
-  const Datagram datagram{.received = packet.received, .payload = {}, .offset = packet.begin};
-  if (network->type == 0x0800) {
-    return from_ipv4(ip, datagram);
-  }
-  constexpr std::size_t kIpv6Header = 40;
-  const bool udp6 =
-      network->type == 0x86dd && ip.size() >= kIpv6Header && std::to_integer<unsigned>(ip[6]) == 17;
-  return udp6 ? from_udp(ip.subspan(kIpv6Header), datagram) : std::nullopt;
-}
-
 std::optional<Datagram> PacketCapture::next() {
-  while (const std::optional<Packet> packet = next_packet()) {
-    if (const std::optional<Datagram> datagram = datagram_of(*packet)) {
+  while (const std::optional<CapturedPacket> packet = next_packet()) {
+    if (const std::optional<Datagram> datagram = assembly_.take(*packet)) {
       return datagram;
     }
   }

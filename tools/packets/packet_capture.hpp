@@ -8,32 +8,22 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/containers/byte_reader.hpp"
 #include "adit/tools/containers/seekable_file.hpp"
+#include "adit/tools/packets/datagram_assembly.hpp"
 
 namespace adit {
-
-struct Datagram {
-  Nanoseconds received{0};             ///< by the capture's clock
-  uint32_t source = 0;                 ///< IPv4 address; 0 for IPv6
-  uint16_t port = 0;                   ///< the receiver's
-  std::span<const std::byte> payload;  ///< valid until the next call of next()
-  uint64_t offset = 0;                 ///< byte of the file where its (last) packet begins
-};
 
 /// True where the file begins like a capture.
 bool is_packet_capture(const std::filesystem::path& path);
 
-/// The datagrams of a capture, in the order of the file. Fragments of IPv4 are put together, up to
-/// 64 KiB each and 64 at a time; what is no UDP is passed over.
+/// The datagrams of a capture, in the order of the file.
 class PacketCapture {
  public:
   /// `file` must outlive it. Throws InputError where it is no capture.
@@ -43,38 +33,23 @@ class PacketCapture {
   /// one; what comes after is not found again: the call after that finds the end.
   std::optional<Datagram> next();
 
+  /// What was no whole datagram so far.
+  const DatagramCounts& counts() const { return assembly_.counts(); }
+
  private:
-  /// A packet as it was captured.
-  struct Packet {
-    Nanoseconds received{0};
-    uint32_t link = 0;  ///< kind of the link layer
-    uint64_t begin = 0;
-    uint64_t size = 0;
-  };
   struct Interface {
     uint32_t link = 0;
     double tick = 1e-6;  ///< s
     int64_t offset = 0;  ///< s
   };
-  struct Fragments {
-    std::vector<std::byte> bytes;
-    std::vector<bool> known;  ///< eighths of a kilobit: 8 bytes each
-    std::optional<std::size_t> size;
-    uint64_t order = 0;
-  };
-  using FragmentKey = std::tuple<uint32_t, uint32_t, uint16_t>;  // source, destination, id
 
   std::vector<std::byte> read(uint64_t bytes, const char* what);
-  std::optional<Packet> next_packet();
-  std::optional<Packet> next_pcap();
-  std::optional<Packet> next_pcapng();
+  std::optional<CapturedPacket> next_packet();
+  std::optional<CapturedPacket> next_pcap();
+  std::optional<CapturedPacket> next_pcapng();
   void read_section(std::span<const std::byte> body);
   void read_interface(std::span<const std::byte> body);
-  std::optional<Packet> read_enhanced(std::span<const std::byte> body);
-  std::optional<Datagram> datagram_of(const Packet& packet);
-  std::optional<Datagram> from_ipv4(std::span<const std::byte> ip, Datagram datagram);
-  std::optional<std::span<const std::byte>> reassemble(const FragmentKey& key, std::size_t at,
-                                                       bool last, std::span<const std::byte> bytes);
+  std::optional<CapturedPacket> read_enhanced(std::span<const std::byte> body);
   uint32_t u32(std::span<const std::byte> from, std::size_t at) const;
   uint16_t u16(std::span<const std::byte> from, std::size_t at) const;
   [[noreturn]] void fail(uint64_t at, const std::string& found);
@@ -86,9 +61,7 @@ class PacketCapture {
   Interface pcap_;
   std::vector<Interface> interfaces_;
   std::vector<std::byte> packet_;
-  std::vector<std::byte> whole_;
-  std::map<FragmentKey, Fragments> fragments_;
-  uint64_t order_ = 0;
+  DatagramAssembly assembly_;
 };
 
 }  // namespace adit

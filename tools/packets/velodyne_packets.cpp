@@ -11,6 +11,7 @@
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/packets/packet_bytes.hpp"
+#include "adit/tools/packets/velodyne_models.hpp"
 
 namespace adit {
 namespace {
@@ -19,37 +20,8 @@ constexpr std::size_t kDataBytes = 1206;
 constexpr std::size_t kPositionBytes = 512;
 constexpr std::size_t kBlocks = 12;
 constexpr std::size_t kBlockBytes = 100;
-constexpr std::size_t kRanges = 32;   // per block
-constexpr double kRangeUnit = 0.002;  // m
+constexpr std::size_t kRanges = 32;  // per block
 constexpr unsigned kDualReturn = 0x39;
-constexpr unsigned kHdl32 = 0x21;
-constexpr unsigned kVlp16 = 0x22;
-
-/// How a model fires: `lasers` one after the other, all of them every `cycle`.
-struct Model {
-  std::size_t lasers = 0;
-  double cycle = 0.0;                  ///< s
-  double step = 0.0;                   ///< s between two lasers
-  std::array<double, 32> elevation{};  ///< degrees, in the order of firing
-  std::array<double, 32> height{};     ///< m, of a laser over the sensor's centre
-};
-
-constexpr Model kVlp16Model = {
-    .lasers = 16,
-    .cycle = 55.296e-6,
-    .step = 2.304e-6,
-    .elevation = {-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15},
-    .height = {0.0112, -0.0007, 0.0097, -0.0022, 0.0081, -0.0037, 0.0066, -0.0051, 0.0051, -0.0066,
-               0.0037, -0.0081, 0.0022, -0.0097, 0.0007, -0.0112}};
-constexpr Model kHdl32Model = {
-    .lasers = 32,
-    .cycle = 46.08e-6,
-    .step = 1.152e-6,
-    .elevation = {-30.67, -9.33, -29.33, -8.00, -28.00, -6.67, -26.67, -5.33,
-                  -25.33, -4.00, -24.00, -2.67, -22.67, -1.33, -21.33, 0.00,
-                  -20.00, 1.33,  -18.67, 2.67,  -17.33, 4.00,  -16.00, 5.33,
-                  -14.67, 6.67,  -13.33, 8.00,  -12.00, 9.33,  -10.67, 10.67},
-    .height = {}};
 
 unsigned byte(std::span<const std::byte> from, std::size_t at) {
   return std::to_integer<unsigned>(from[at]);
@@ -61,27 +33,37 @@ uint32_t u32(std::span<const std::byte> from, std::size_t at) {
   return u16(from, at) | (u16(from, at + 2) << 16U);
 }
 
-const Model* model_of(std::span<const std::byte> data) {
-  switch (byte(data, kDataBytes - 1)) {
-    case kVlp16:
-      return &kVlp16Model;
-    case kHdl32:
-      return &kHdl32Model;
-    default:
-      return nullptr;
-  }
+const VelodyneModel* model_of(std::span<const std::byte> data) {
+  return find_velodyne_model(byte(data, kDataBytes - 1));
 }
 
-/// The rank of each laser from the lowest up.
-std::array<uint16_t, 32> rings_of(const Model& model) {
-  std::array<uint16_t, 32> rings{};
-  for (std::size_t i = 0; i < model.lasers; ++i) {
-    for (std::size_t k = 0; k < model.lasers; ++k) {
-      rings[i] =
-          static_cast<uint16_t>(rings[i] + (model.elevation[k] < model.elevation[i] ? 1 : 0));
+/// Returns of a firing, a block of ranges each.
+std::size_t returns_of(std::span<const std::byte> data) {
+  return byte(data, kDataBytes - 2) == kDualReturn ? 2 : 1;
+}
+
+/// Blocks from one whose lasers fire at an azimuth to the one whose same lasers fire at the next.
+std::size_t stride_of(const VelodyneModel& model, std::size_t returns) {
+  return returns * std::max<std::size_t>(1, model.lasers / kRanges);
+}
+
+/// s from a block to the one that is a stride after it.
+double stride_time(const VelodyneModel& model) {
+  return model.cycle * static_cast<double>(std::max<std::size_t>(1, kRanges / model.lasers));
+}
+
+/// The first laser of a block by its flag: four blocks hold the lasers of a VLS-128. Nothing for a
+/// block that was not written, or is damaged.
+std::optional<std::size_t> first_laser(std::span<const std::byte> data, std::size_t block,
+                                       const VelodyneModel& model) {
+  constexpr std::array<unsigned, 4> kFlags = {0xeeff, 0xddff, 0xccff, 0xbbff};
+  const unsigned flag = u16(data, kBlockBytes * block);
+  for (std::size_t bank = 0; bank * kRanges < model.lasers; ++bank) {
+    if (flag == kFlags.at(bank)) {
+      return bank * kRanges;
     }
   }
-  return rings;
+  return std::nullopt;
 }
 
 /// Microseconds of the hour, in the hour that is nearest to the capture's clock.
@@ -173,23 +155,23 @@ std::optional<Nanoseconds> utc_of(std::string_view time, std::string_view date) 
 }  // namespace
 
 bool is_velodyne_data(const Datagram& datagram) {
-  return datagram.payload.size() == kDataBytes && u16(datagram.payload, 0) == 0xeeff;
+  return datagram.payload.size() == kDataBytes && datagram.missing == 0 &&
+         u16(datagram.payload, 0) == 0xeeff;
 }
 
 bool is_velodyne_position(const Datagram& datagram) {
   constexpr uint16_t kPort = 8308;
-  return datagram.payload.size() == kPositionBytes && datagram.port == kPort;
+  return datagram.payload.size() == kPositionBytes && datagram.missing == 0 &&
+         datagram.port == kPort;
 }
 
 std::optional<std::string> velodyne_model(const Datagram& data) {
-  switch (byte(data.payload, kDataBytes - 1)) {
-    case kVlp16:
-      return "VLP-16";
-    case kHdl32:
-      return "HDL-32E";
-    default:
-      return std::nullopt;
-  }
+  const VelodyneModel* model = model_of(data.payload);
+  return model != nullptr ? std::optional(std::string(model->name)) : std::nullopt;
+}
+
+Nanoseconds velodyne_time(const Datagram& data) {
+  return time_of(u32(data.payload, kDataBytes - 6), data.received);
 }
 
 bool VelodyneSweeps::begins_anew(double azimuth, Nanoseconds time) const {
@@ -197,63 +179,69 @@ bool VelodyneSweeps::begins_anew(double azimuth, Nanoseconds time) const {
   return azimuth + 180.0 < last_azimuth_ || since < Nanoseconds(0) || since > kLongestSweep;
 }
 
-void VelodyneSweeps::add_block(const Datagram& datagram, std::size_t block,
-                               Nanoseconds packet_time) {
-  const std::span<const std::byte> data = datagram.payload;
-  const Model& model = *model_of(data);
-  static const std::array<uint16_t, 32> kVlp16Rings = rings_of(kVlp16Model);
-  static const std::array<uint16_t, 32> kHdl32Rings = rings_of(kHdl32Model);
-  const auto& rings = model.lasers == 16 ? kVlp16Rings : kHdl32Rings;
-  const bool dual = byte(data, kDataBytes - 2) == kDualReturn;
-  const std::size_t firing = dual ? block / 2 : block;
-  const double block_time = model.cycle * static_cast<double>(kRanges / model.lasers);
+/// Degrees from the block to the one a stride after it; where the packet has none, those from the
+/// sequence before it to this one. Those of the last that made sense stand in for others.
+void VelodyneSweeps::follow_rotation(std::span<const std::byte> data, std::size_t block,
+                                     const VelodyneModel& model, Nanoseconds time) {
+  constexpr double kMostAdvance = 3.0;  // degrees; at 20 Hz it is 0.8
+  const std::size_t stride = stride_of(model, returns_of(data));
   const double azimuth = azimuth_of(data, block);
-  const double since_stamp =
-      seconds(packet_time - sweep_->stamp) + block_time * static_cast<double>(firing);
+  double advance = kMostAdvance;
+  if (block + stride < kBlocks && first_laser(data, block + stride, model)) {
+    advance = std::fmod(azimuth_of(data, block + stride) - azimuth + 360.0, 360.0);
+  } else if (block == 0 && last_time_ && seconds(time - *last_time_) < 1.5 * stride_time(model)) {
+    advance = std::fmod(azimuth - last_azimuth_ + 360.0, 360.0);
+  }
+  advance_ = advance < kMostAdvance ? advance : advance_;
+}
+
+void VelodyneSweeps::add_block(std::span<const std::byte> data, std::size_t block,
+                               const VelodyneModel& model, double since_stamp) {
+  const std::size_t returns = returns_of(data);
+  const std::size_t first = first_laser(data, block, model).value_or(0);
+  const double azimuth = azimuth_of(data, block);
   const std::span<const std::byte> ranges = data.subspan(kBlockBytes * block + 4, 3 * kRanges);
   const std::span<const std::byte> other =
-      dual && block % 2 == 1 ? data.subspan(kBlockBytes * (block - 1) + 4, 3 * kRanges)
-                             : std::span<const std::byte>{};
+      returns == 2 && block % 2 == 1 ? data.subspan(kBlockBytes * (block - 1) + 4, 3 * kRanges)
+                                     : std::span<const std::byte>{};
   for (std::size_t i = 0; i < kRanges; ++i) {
     const unsigned range = u16(ranges, 3 * i);
     const bool same = !other.empty() && u16(other, 3 * i) == range;
     if (range == 0 || same) {
       continue;
     }
-    const std::size_t laser = i % model.lasers;
-    const double within = model.cycle * static_cast<double>(i / model.lasers) +
-                          model.step * static_cast<double>(laser);
-    const double angle = (azimuth + advance_ * within / block_time) * kDegree;
+    const std::size_t laser = (first + i) % model.lasers;
+    const double within = model.cycle * static_cast<double>(i / model.lasers) + model.firing[laser];
+    const double angle =
+        (azimuth + model.azimuth[laser] + advance_ * within / stride_time(model)) * kDegree;
     const double elevation = model.elevation[laser] * kDegree;
-    const double metres = kRangeUnit * range;
+    const double metres = model.range_unit * range;
     const double flat = metres * std::cos(elevation);
     sweep_->points.push_back(
         {static_cast<float>(flat * std::cos(angle)), static_cast<float>(-flat * std::sin(angle)),
          static_cast<float>(metres * std::sin(elevation) + model.height[laser]),
          static_cast<float>(byte(ranges, 3 * i + 2))});
     sweep_->times.push_back(static_cast<float>(std::max(0.0, since_stamp + within)));
-    sweep_->rings.push_back(rings[laser]);
+    sweep_->rings.push_back(model.rings[laser]);
   }
 }
 
 std::vector<Sweep> VelodyneSweeps::take(const Datagram& datagram) {
   std::vector<Sweep> whole;
   const std::span<const std::byte> data = datagram.payload;
-  const Model* model = model_of(data);
+  const VelodyneModel* model = model_of(data);
   if (model == nullptr) {
     return whole;
   }
-  const bool dual = byte(data, kDataBytes - 2) == kDualReturn;
-  const std::size_t step = dual ? 2 : 1;
-  const double block_time = model->cycle * static_cast<double>(kRanges / model->lasers);
-  const Nanoseconds packet_time = time_of(u32(data, kDataBytes - 6), datagram.received);
+  const std::size_t stride = stride_of(*model, returns_of(data));
+  const Nanoseconds packet_time = velodyne_time(datagram) + nanoseconds(model->first_firing);
   for (std::size_t block = 0; block < kBlocks; ++block) {
     const double azimuth = azimuth_of(data, block);
-    if (u16(data, kBlockBytes * block) != 0xeeff || azimuth >= 360.0) {
+    if (!first_laser(data, block, *model) || azimuth >= 360.0) {
       continue;  // not written, or damaged
     }
-    const Nanoseconds time =
-        packet_time + nanoseconds(block_time * static_cast<double>(block / step));
+    const double after = stride_time(*model) * static_cast<double>(block / stride);
+    const Nanoseconds time = packet_time + nanoseconds(after);
     if (sweep_ && begins_anew(azimuth, time)) {
       whole.push_back(std::move(*sweep_));
       sweep_.reset();
@@ -262,14 +250,11 @@ std::vector<Sweep> VelodyneSweeps::take(const Datagram& datagram) {
       sweep_.emplace();
       sweep_->stamp = time;
     }
+    follow_rotation(data, block, *model, time);
     last_azimuth_ = azimuth;
-    if (block + step < kBlocks) {
-      const double advance = std::fmod(azimuth_of(data, block + step) - azimuth + 360.0, 360.0);
-      constexpr double kMostAdvance = 3.0;  // degrees; at 20 Hz it is 0.8
-      advance_ = advance < kMostAdvance ? advance : advance_;
-    }
+    last_time_ = time;
     if (points_) {
-      add_block(datagram, block, packet_time);
+      add_block(data, block, *model, seconds(packet_time - sweep_->stamp) + after);
     }
   }
   return whole;

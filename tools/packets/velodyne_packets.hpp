@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Packets of Velodyne's VLP-16 and HDL-32E, after their manuals (63-9243 and 63-9113): twelve
-// blocks of 32 ranges each, single or dual returns, with the microsecond of the hour; and position
-// packets that repeat the GNSS receiver's $GPRMC sentence.
+// Packets of Velodyne's VLP-16, Puck Hi-Res, HDL-32E, VLP-32C and VLS-128 (Alpha Prime), after
+// their manuals: twelve blocks of 32 ranges each, single or dual returns, with the microsecond of
+// the hour; and position packets that repeat the GNSS receiver's $GPRMC sentence.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,16 @@
 
 namespace adit {
 
+struct VelodyneModel;
+
 bool is_velodyne_data(const Datagram& datagram);
 bool is_velodyne_position(const Datagram& datagram);
 
-/// The model's name; nothing where it is none of the two.
+/// The model's name; nothing for one that is not read.
 std::optional<std::string> velodyne_model(const Datagram& data);
+
+/// The time of a data packet by the sensor's clock, in the hour in which it was captured.
+Nanoseconds velodyne_time(const Datagram& data);
 
 /// Puts the packets of one sensor together to sweeps: from one passage through azimuth 0 to the
 /// next, points in the order in which they were measured, x ahead (azimuth 0), y left, z up.
@@ -36,13 +41,18 @@ class VelodyneSweeps {
   std::optional<Sweep> finish();
 
  private:
-  void add_block(const Datagram& datagram, std::size_t block, Nanoseconds packet_time);
+  void follow_rotation(std::span<const std::byte> data, std::size_t block,
+                       const VelodyneModel& model, Nanoseconds time);
+  void add_block(std::span<const std::byte> data, std::size_t block, const VelodyneModel& model,
+                 double since_stamp);
   bool begins_anew(double azimuth, Nanoseconds time) const;
 
   bool points_;
   std::optional<Sweep> sweep_;
-  double last_azimuth_ = 0.0;  ///< degrees
-  double advance_ = 0.2;       ///< degrees from block to block, of the last that made sense
+  double last_azimuth_ = 0.0;               ///< degrees
+  std::optional<Nanoseconds> last_time_{};  ///< of the block before
+  double advance_ =
+      0.2;  ///< degrees from a firing sequence to the next, of the last that made sense
 };
 
 /// The fix in a position packet: WGS 84, no covariance, altitude 0 (the sentence has none). Nothing

@@ -8,10 +8,12 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "adit/tools/packets/ouster_packets.hpp"
 #include "adit/tools/packets/velodyne_packets.hpp"
-#include "adit/tools/recordings/packet_decoder.hpp"
+#include "adit/tools/recordings/ordered_packets.hpp"
 
 namespace adit {
 namespace {
@@ -22,44 +24,69 @@ class CaptureStream final : public EventStream {
  public:
   CaptureStream(const SeekableFile& file, const PacketSensor& sensor, EventSelection selection,
                 bool points)
-      : capture_(file), decoder_(sensor, points), selection_(std::move(selection)) {}
+      : file_(&file), capture_(file), packets_(sensor, points), selection_(std::move(selection)) {}
 
   std::optional<Event> next() override {
-    while (true) {
-      if (!ready_.empty()) {
-        Event event = std::move(ready_.front());
-        ready_.pop_front();
-        return event;
-      }
+    while (ready_.empty()) {
       if (ended_) {
         return std::nullopt;
       }
       read();
     }
+    std::variant<Event, InputError> first = std::move(ready_.front());
+    ready_.pop_front();
+    if (const auto* error = std::get_if<InputError>(&first)) {
+      throw InputError(*error);
+    }
+    return std::get<Event>(std::move(first));
   }
+
+  const PacketOrderCounts& order() const { return packets_.counts(); }
+  const DatagramCounts& datagrams() const { return capture_.counts(); }
+  std::optional<Nanoseconds> begin() const { return begin_; }  ///< of what was read, as received
+  Nanoseconds end() const { return end_; }
 
  private:
   void read() {
-    std::optional<Datagram> datagram;
     try {
-      datagram = capture_.next();
-    } catch (const InputError&) {
-      end();
-      throw;
-    }
-    if (!datagram) {
-      end();
-      return;
-    }
-    for (Event& event : decoder_.take(*datagram)) {
-      add(std::move(event));
+      const std::optional<Datagram> datagram = capture_.next();
+      if (datagram) {
+        take(*datagram);
+      } else {
+        finish();
+      }
+    } catch (const InputError& error) {
+      add(packets_.flush());
+      ready_.emplace_back(error);
+      finish();
     }
   }
 
-  void end() {
+  void take(const Datagram& datagram) {
+    begin_ = std::min(begin_.value_or(datagram.received), datagram.received);
+    end_ = std::max(end_, datagram.received);
+    add(packets_.take(datagram));
+  }
+
+  void finish() {
     ended_ = true;
-    if (std::optional<Event> last = decoder_.finish()) {
+    add(packets_.flush());
+    if (std::optional<Event> last = packets_.finish()) {
       add(std::move(*last));
+    }
+    if (const uint64_t cut = capture_.counts().cut; cut > 0) {
+      ready_.emplace_back(InputError(
+          file_->path(), {},
+          std::to_string(cut) + (cut == 1 ? " packet was" : " packets were") +
+              " captured without the end (a snap length shorter than the packets)",
+          "What was captured whole is read; capture again with a longer snap length (tcpdump -s "
+          "0)"));
+    }
+  }
+
+  void add(std::vector<Event> events) {
+    for (Event& event : events) {
+      add(std::move(event));
     }
   }
 
@@ -73,15 +100,18 @@ class CaptureStream final : public EventStream {
       ++skipped_;
       return;
     }
-    ready_.push_back(std::move(event));
+    ready_.emplace_back(std::move(event));
   }
 
+  const SeekableFile* file_;
   PacketCapture capture_;
-  PacketDecoder decoder_;
+  OrderedPackets packets_;
   EventSelection selection_;
+  std::optional<Nanoseconds> begin_;
+  Nanoseconds end_ = Nanoseconds::min();
   uint64_t skipped_ = 0;
   bool ended_ = false;
-  std::deque<Event> ready_;
+  std::deque<std::variant<Event, InputError>> ready_;
 };
 
 class CaptureRecording final : public Recording {
@@ -95,13 +125,14 @@ class CaptureRecording final : public Recording {
         more = event.has_value();
         if (event) {
           ++*topics_[event->topic].messages;
-          end_ = event->received;
-          begin_ = begin_.value_or(event->received);
         }
       } catch (const InputError&) {
         // reported where the events are read
       }
     }
+    order_ = stream.order();
+    datagrams_ = stream.datagrams();
+    duration_ = stream.begin() ? stream.end() - *stream.begin() : Nanoseconds(0);
   }
 
   const std::vector<Topic>& topics() const override { return topics_; }
@@ -110,19 +141,35 @@ class CaptureRecording final : public Recording {
     return std::make_unique<CaptureStream>(file_, sensor_, selection, true);
   }
   std::string description() const override {
-    const std::chrono::duration<double> span = end_ - begin_.value_or(end_);
-    const std::string seconds = std::to_string(span.count());
+    const std::string span = std::to_string(seconds(duration_));
     return file_.path().string() + ": capture of a " + sensor_.name + ", " +
-           seconds.substr(0, seconds.find('.') + 2) + " s, " +
+           span.substr(0, span.find('.') + 2) + " s, " +
            std::to_string(*topics_[PacketDecoder::kSweeps].messages) + " sweeps on /points";
+  }
+  std::vector<RecordingNotice> notices() const override {
+    std::vector<RecordingNotice> notices = order_notices(order_);
+    if (datagrams_.incomplete > 0) {
+      notices.push_back(
+          {"incomplete_packets",
+           std::to_string(datagrams_.incomplete) + " packets lack fragments that were not captured",
+           "they are left out", "Check the network between sensor and computer"});
+    }
+    if (sensor_.angles_of_design) {
+      notices.push_back({"angles_of_design",
+                         "the angles of its lasers are those of the design of a " + sensor_.name,
+                         "those of the sensor differ by some tenths of a degree",
+                         "Name its angle correction file with --metadata FILE.csv"});
+    }
+    return notices;
   }
 
  private:
   SeekableFile file_;
   PacketSensor sensor_;
   std::vector<Topic> topics_;
-  std::optional<Nanoseconds> begin_;
-  Nanoseconds end_{0};
+  PacketOrderCounts order_;
+  DatagramCounts datagrams_;
+  Nanoseconds duration_{0};
 };
 
 /// What the metadata are of; nothing where there are none.
@@ -153,9 +200,10 @@ struct Seen {
   bool other_velodyne = false;
   std::string velodyne;
   std::optional<HesaiPacket> hesai;
+  DatagramCounts datagrams;
 
   void look_at(const Datagram& datagram, const Metadata& metadata) {
-    ++sizes[datagram.payload.size()];
+    ++sizes[datagram.sent()];
     if (metadata.ouster && is_ouster_data(datagram, *metadata.ouster)) {
       ouster = true;
     } else if (is_velodyne_data(datagram)) {
@@ -175,21 +223,34 @@ struct Seen {
 
 [[noreturn]] void fail_unknown(const fs::path& path, const Seen& seen, const Metadata& metadata) {
   std::string found = "it holds no packets of a sensor that is known";
-  if (seen.other_velodyne) {
-    found = "its Velodyne is no VLP-16 or HDL-32E";
+  std::string remedy =
+      "Velodyne VLP-16, Puck Hi-Res, HDL-32E, VLP-32C and VLS-128, Hesai (PandarXT, XT32M2X, "
+      "Pandar40P, Pandar64, PandarQT64, QT128C2X, OT128, Pandar128), Livox Mid-360 and HAP are "
+      "read, and Ouster sensors whose metadata lie beside the capture as " +
+      path.stem().string() + ".json or are named with --metadata";
+  if (seen.datagrams.cut > 0) {
+    found = std::to_string(seen.datagrams.cut) +
+            " of its packets were captured without the end (a snap length shorter than the "
+            "packets), and the rest are of no sensor that is known";
+    remedy = "Capture again with a longer snap length (tcpdump -s 0)";
+  } else if (seen.other_velodyne) {
+    found = "its Velodyne is none of those that are read";
   } else if (!seen.sizes.empty()) {
     const auto usual =
         std::ranges::max_element(seen.sizes, {}, [](const auto& entry) { return entry.second; });
     found += "; the usual datagram has " + std::to_string(usual->first) + " bytes";
+  } else if (!seen.datagrams.unread_links.empty()) {
+    const auto& [link, packets] = *seen.datagrams.unread_links.begin();
+    found += ": its " + std::to_string(packets) + " packets are of the link layer " +
+             std::to_string(link) + " (LINKTYPE), which is not read";
+    remedy = "Capture on an Ethernet interface, or on the device \"any\"";
   }
-  throw InputError(path, {}, found,
-                   metadata.ouster
-                       ? metadata.file.filename().string() + " describes packets of " +
-                             std::to_string(metadata.ouster->packet_bytes()) +
-                             " bytes: is it of this sensor, in this mode?"
-                       : "Velodyne VLP-16 and HDL-32E, Hesai, Livox Mid-360 and HAP are read, and "
-                         "Ouster sensors whose metadata lie beside the capture as " +
-                             path.stem().string() + ".json or are named with --metadata");
+  if (metadata.ouster && seen.datagrams.cut == 0) {
+    remedy = metadata.file.filename().string() + " describes packets of " +
+             std::to_string(metadata.ouster->packet_bytes()) +
+             " bytes: is it of this sensor, in this mode?";
+  }
+  throw InputError(path, {}, found, remedy);
 }
 
 /// Looks at the first packets. Damage ends the look, and is reported where the events are read.
@@ -210,6 +271,7 @@ PacketSensor recognise(const fs::path& path, const fs::path& named) {
   } catch (const InputError&) {
     // what was found so far counts
   }
+  seen.datagrams = capture.counts();
   if (seen.senders.size() > 1) {
     throw InputError(
         path, {},
@@ -234,8 +296,11 @@ PacketSensor recognise(const fs::path& path, const fs::path& named) {
                            ", whose lasers point differently in each sensor",
                        "Name its angle correction file with --metadata FILE.csv");
     }
-    return {
-        .name = "Hesai " + seen.hesai->model, .kind = PacketSensor::Kind::hesai, .hesai = *angles};
+    const bool of_design = !metadata.hesai && seen.hesai->times->each_has_its_own;
+    return {.name = "Hesai " + seen.hesai->model,
+            .kind = PacketSensor::Kind::hesai,
+            .hesai = *angles,
+            .angles_of_design = of_design};
   }
   fail_unknown(path, seen, metadata);
 }

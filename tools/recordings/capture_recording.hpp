@@ -9,10 +9,11 @@
 
 namespace adit {
 
-/// Opens a capture (pcap or pcapng) of the packets of Velodyne's VLP-16 or HDL-32E, of Hesai's XT,
-/// OT128, Pandar128 or Pandar64, of Livox's Mid-360 or HAP, or of an Ouster sensor. `metadata` is
-/// Ouster's JSON (where it is empty: that beside the capture), or Hesai's angle correction file.
-/// All packets are read once to count the sweeps.
+/// Opens a capture (pcap or pcapng) of the packets of one sensor: those of velodyne_packets.hpp,
+/// hesai_packets.hpp, livox_packets.hpp and ouster_packets.hpp. `metadata` is Ouster's JSON (where
+/// it is empty: that beside the capture), or Hesai's angle correction file. All packets are read
+/// once to count the sweeps. Packets that were captured twice are used once, and those that arrived
+/// in another order are read in that of the sensor's clock (PacketOrder).
 ///
 /// Topics: /points; for Velodyne /fix, where a GNSS receiver is attached; for Ouster and Livox
 /// /imu; for Ouster /tf_static (frames os_sensor, os_lidar, os_imu). Throws InputError: packets of

@@ -36,6 +36,15 @@ struct PacketTopics {
   Nanoseconds begin{0};  ///< the recording's
 };
 
+/// A message that waits for its place among the packets, with its bytes, or damage in its place.
+struct HeldMessage {
+  Nanoseconds received{0};
+  const Part* part = nullptr;
+  RawMessage message{};
+  std::vector<std::byte> bytes{};
+  std::optional<InputError> damage{};
+};
+
 /// What the first sweeps of a topic tell of the unit of their points' times (s), if anything.
 /// Damaged ones do not count.
 std::optional<double> told_time_unit(const std::vector<Part>& parts, std::size_t topic,
@@ -106,7 +115,14 @@ class MessageEventStream final : public EventStream {
         ready_.pop_front();
         return event;
       }
+      if (std::optional<HeldMessage> held = order_.next(ended_)) {
+        take_held(*held);
+        continue;
+      }
       if (!stream_ && !open_next()) {
+        if (!std::exchange(ended_, true)) {
+          continue;
+        }
         std::optional<Event> last = decoder_ ? decoder_->finish() : std::nullopt;
         decoder_.reset();
         if (!last) {
@@ -115,12 +131,7 @@ class MessageEventStream final : public EventStream {
         add_packet_event(std::move(*last));
         continue;
       }
-      const std::optional<RawMessage> message = stream_->next();
-      if (!message) {
-        stream_.reset();
-        continue;
-      }
-      take(*message);
+      read();
     }
   }
 
@@ -136,12 +147,61 @@ class MessageEventStream final : public EventStream {
         }
       }
       if (!selection.channels.empty() || part.file->damage()) {
-        current_ = &part;
+        reading_ = current_ = &part;
         stream_ = part.file->messages(selection);
         return true;
       }
     }
     return false;
+  }
+
+  void read() {
+    std::optional<RawMessage> message;
+    try {
+      message = stream_->next();
+    } catch (const InputError& error) {
+      if (packets_ == nullptr) {
+        throw;
+      }
+      order_.add({.damage = error});
+      return;
+    }
+    if (!message) {
+      stream_.reset();
+    } else if (packets_ == nullptr) {
+      take(*message);
+    } else {
+      hold(*message);
+    }
+  }
+
+  /// Packets of the sensor take their places in the order of its clock; what lies between them
+  /// keeps its own.
+  void hold(const RawMessage& message) {
+    const Channel& channel = reading_->file->channels()[message.channel];
+    const std::optional<Datagram> datagram =
+        is_packet_channel(channel) ? datagram_of(channel, message) : std::nullopt;
+    const std::optional<PacketPlace> place =
+        datagram ? place_of(*datagram, packets_->sensor) : std::nullopt;
+    HeldMessage held{.received = message.received,
+                     .part = reading_,
+                     .message = message,
+                     .bytes = {message.bytes.begin(), message.bytes.end()}};
+    if (place) {
+      order_.add(std::move(held), *place);
+    } else {
+      order_.add(std::move(held));
+    }
+  }
+
+  void take_held(HeldMessage& held) {
+    if (held.damage) {
+      throw InputError(*held.damage);
+    }
+    current_ = held.part;
+    held.message.received = held.received;
+    held.message.bytes = held.bytes;
+    take(held.message);
   }
 
   /// An event of the packets' own topics.
@@ -232,12 +292,15 @@ class MessageEventStream final : public EventStream {
   EventSelection selection_;
   const PacketTopics* packets_;                                   // null where there are none
   std::optional<PacketDecoder> decoder_;                          // their decoder
+  PacketOrder<HeldMessage> order_;                                // what waits, if there are
+  bool ended_ = false;                                            // no message is left to read
   std::vector<bool> wanted_;                                      // by topic
   std::vector<uint64_t> taken_;                                   // messages so far, by topic
   std::vector<std::optional<std::optional<double>>> time_units_;  // s, by topic, if asked for
   uint64_t skipped_ = 0;
   std::size_t part_ = 0;
-  const Part* current_ = nullptr;
+  const Part* reading_ = nullptr;  // that of stream_
+  const Part* current_ = nullptr;  // that of the message that is taken
   std::unique_ptr<MessageStream> stream_;
   std::deque<Event> ready_;
 };
@@ -272,6 +335,7 @@ class MessageRecording final : public Recording {
 
   const std::vector<Topic>& topics() const override { return topics_; }
   bool times_are_assumed() const override { return false; }
+  std::vector<RecordingNotice> notices() const override { return packet_notices_; }
 
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     return std::make_unique<MessageEventStream>(parts_, topics_, packets_ ? &*packets_ : nullptr,
@@ -310,7 +374,7 @@ class MessageRecording final : public Recording {
     topics_.push_back({"/tf_static (metadata)", "Ouster metadata", TopicKind::transforms, 2});
     packets_->sweeps = packets_->transforms;  // where there are none, no event comes of them
     packets_->imu = packets_->transforms;
-    PacketDecoder decoder(packets_->sensor, false);
+    OrderedPackets packets(packets_->sensor, false);
     uint64_t sweeps = 0;
     std::optional<Nanoseconds> begin;
     for (const Part& part : parts_) {
@@ -320,12 +384,14 @@ class MessageRecording final : public Recording {
           (is_imu_packet_channel(channel) ? packets_->imu : packets_->sweeps) = part.topics[i];
         }
       }
-      sweeps += count_sweeps(*part.file, decoder);
+      sweeps += count_sweeps(*part.file, packets);
       if (const std::optional<TimeSpan> span = part.file->span()) {
         begin = std::min(begin.value_or(span->begin), span->begin);
       }
     }
-    sweeps += decoder.finish() ? 1U : 0U;
+    sweeps += count_sweeps(packets.flush());
+    sweeps += packets.finish() ? 1U : 0U;
+    packet_notices_ = order_notices(packets.counts());
     packets_->begin = begin.value_or(Nanoseconds(0));
     if (packets_->sweeps != packets_->transforms) {
       topics_[packets_->sweeps].messages = sweeps;
@@ -356,6 +422,7 @@ class MessageRecording final : public Recording {
 
   fs::path path_;
   std::optional<PacketTopics> packets_;
+  std::vector<RecordingNotice> packet_notices_;
   std::vector<Part> parts_;
   std::vector<Topic> topics_;
 };

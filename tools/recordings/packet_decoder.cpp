@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/recordings/packet_decoder.hpp"
 
+#include <functional>
+#include <string_view>
 #include <utility>
 
 namespace adit {
@@ -23,7 +25,84 @@ const char* frame_of(Kind kind) {
   return "lidar";
 }
 
+bool is_data(const Datagram& datagram, const PacketSensor& sensor) {
+  switch (sensor.kind) {
+    case Kind::velodyne:
+      return is_velodyne_data(datagram);
+    case Kind::ouster:
+      return is_ouster_data(datagram, *sensor.ouster);
+    case Kind::hesai:
+      return hesai_packet(datagram).has_value();
+    case Kind::livox:
+      return is_livox_data(datagram);
+  }
+  return false;
+}
+
+/// By the sensor's clock, of a packet of ranges.
+std::optional<Nanoseconds> time_of_data(const Datagram& datagram, const PacketSensor& sensor) {
+  switch (sensor.kind) {
+    case Kind::velodyne:
+      return velodyne_time(datagram);
+    case Kind::ouster:
+      return ouster_time(datagram, *sensor.ouster);
+    case Kind::hesai:
+      return hesai_time(*hesai_packet(datagram), datagram);
+    case Kind::livox:
+      return livox_time(datagram);
+  }
+  return std::nullopt;
+}
+
+std::string count_of(uint64_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
 }  // namespace
+
+std::optional<PacketPlace> place_of(const Datagram& datagram, const PacketSensor& sensor) {
+  const auto place = [&](std::size_t series, std::optional<Nanoseconds> time) {
+    const std::string_view bytes(reinterpret_cast<const char*>(datagram.payload.data()),
+                                 datagram.payload.size());
+    return time ? std::optional(PacketPlace{.series = series,
+                                            .time = *time,
+                                            .content = std::hash<std::string_view>{}(bytes)})
+                : std::nullopt;
+  };
+  if (is_data(datagram, sensor)) {
+    return place(PacketDecoder::kSweeps, time_of_data(datagram, sensor));
+  }
+  if (sensor.kind == Kind::ouster && is_ouster_imu(datagram)) {
+    return place(PacketDecoder::kSecond, ouster_imu(datagram).stamp);
+  }
+  if (sensor.kind == Kind::livox && is_livox_imu(datagram)) {
+    return place(PacketDecoder::kSecond, livox_time(datagram));
+  }
+  return std::nullopt;
+}
+
+std::vector<RecordingNotice> order_notices(const PacketOrderCounts& counts) {
+  std::vector<RecordingNotice> notices;
+  if (counts.repeated > 0) {
+    notices.push_back({"repeated_packets",
+                       count_of(counts.repeated, "packet was", "packets were") + " captured twice",
+                       "handled automatically: each packet is used once", "Nothing need be done"});
+  }
+  if (counts.reordered > 0) {
+    notices.push_back(
+        {"reordered_packets",
+         count_of(counts.reordered, "packet", "packets") + " arrived after a later one",
+         "handled automatically: packets are read in the order of the sensor's clock",
+         "Nothing need be done"});
+  }
+  if (counts.late > 0) {
+    notices.push_back(
+        {"late_packets",
+         count_of(counts.late, "packet", "packets") + " arrived too late to be put in order",
+         "they are left out", "Check the network between sensor and computer"});
+  }
+  return notices;
+}
 
 PacketSensor ouster_packets_of(OusterSensor sensor) {
   return {.name = "Ouster with " + std::to_string(sensor.beams) + " beams",
@@ -72,20 +151,6 @@ PacketDecoder::PacketDecoder(const PacketSensor& sensor, bool points) : sensor_(
   }
 }
 
-bool PacketDecoder::is_data(const Datagram& datagram) const {
-  switch (sensor_->kind) {
-    case Kind::velodyne:
-      return is_velodyne_data(datagram);
-    case Kind::ouster:
-      return is_ouster_data(datagram, *sensor_->ouster);
-    case Kind::hesai:
-      return hesai_packet(datagram).has_value();
-    case Kind::livox:
-      return is_livox_data(datagram);
-  }
-  return false;
-}
-
 /// What is reported beside the sweeps.
 std::optional<Event> PacketDecoder::other(const Datagram& datagram) {
   const bool ouster = sensor_->kind == Kind::ouster && is_ouster_imu(datagram);
@@ -116,7 +181,7 @@ std::vector<Event> PacketDecoder::take(const Datagram& datagram) {
     told_ = true;
     events = ouster_transforms(*sensor_->ouster, datagram.received);
   }
-  if (is_data(datagram)) {
+  if (is_data(datagram, *sensor_)) {
     bytes_ += datagram.payload.size();
     auto whole = std::visit([&](auto& sweeps) { return sweeps.take(datagram); }, sweeps_);
     for (Sweep& sweep : whole) {

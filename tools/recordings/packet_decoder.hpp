@@ -12,6 +12,7 @@
 #include "adit/tools/packets/hesai_packets.hpp"
 #include "adit/tools/packets/livox_packets.hpp"
 #include "adit/tools/packets/ouster_packets.hpp"
+#include "adit/tools/packets/packet_order.hpp"
 #include "adit/tools/packets/velodyne_packets.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
@@ -25,8 +26,16 @@ struct PacketSensor {
   Kind kind = Kind::velodyne;
   std::optional<OusterSensor> ouster{};
   std::optional<HesaiAngles> hesai{};
+  bool angles_of_design = false;  ///< its own were not given, and differ from those of the design
 };
 PacketSensor ouster_packets_of(OusterSensor sensor);
+
+/// Where a datagram belongs among those of the sensor; nothing for one that keeps its place: of
+/// another kind, or without a time.
+std::optional<PacketPlace> place_of(const Datagram& datagram, const PacketSensor& sensor);
+
+/// What PacketOrder mended, for people; empty where nothing was.
+std::vector<RecordingNotice> order_notices(const PacketOrderCounts& counts);
 
 /// The topics of a sensor's events, in the order of PacketDecoder's, with no messages.
 std::vector<Topic> packet_topics(const PacketSensor& sensor);
@@ -47,7 +56,6 @@ class PacketDecoder {
   std::optional<Event> finish();
 
  private:
-  bool is_data(const Datagram& datagram) const;
   std::optional<Event> other(const Datagram& datagram);
   Event event_of(Sweep sweep, Nanoseconds received);
 

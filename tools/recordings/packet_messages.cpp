@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/recordings/packet_messages.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -91,7 +92,11 @@ std::optional<Datagram> datagram_of(const Channel& channel, const RawMessage& me
   }
 }
 
-uint64_t count_sweeps(const MessageFile& file, PacketDecoder& decoder) {
+uint64_t count_sweeps(const std::vector<Event>& events) {
+  return static_cast<uint64_t>(std::ranges::count(events, PacketDecoder::kSweeps, &Event::topic));
+}
+
+uint64_t count_sweeps(const MessageFile& file, OrderedPackets& packets) {
   MessageSelection selection;
   for (std::size_t i = 0; i < file.channels().size(); ++i) {
     if (is_packet_channel(file.channels()[i]) && !is_imu_packet_channel(file.channels()[i])) {
@@ -107,9 +112,7 @@ uint64_t count_sweeps(const MessageFile& file, PacketDecoder& decoder) {
       const auto datagram =
           message ? datagram_of(file.channels()[message->channel], *message) : std::nullopt;
       if (datagram) {
-        for (const Event& event : decoder.take(*datagram)) {
-          sweeps += event.topic == PacketDecoder::kSweeps ? 1U : 0U;
-        }
+        sweeps += count_sweeps(packets.take(*datagram));
       }
     } catch (const InputError&) {
       // reported where the events are read

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "adit/tools/containers/message_file.hpp"
-#include "adit/tools/recordings/packet_decoder.hpp"
+#include "adit/tools/recordings/ordered_packets.hpp"
 
 namespace adit {
 
@@ -34,7 +34,10 @@ std::optional<PacketSensor> packet_sensor_of(const std::vector<std::unique_ptr<M
 /// The datagram in a message; empty where it is no whole PacketMsg.
 std::optional<Datagram> datagram_of(const Channel& channel, const RawMessage& message);
 
-/// How many sweeps the packets of a file make; the decoder goes on from file to file.
-uint64_t count_sweeps(const MessageFile& file, PacketDecoder& decoder);
+/// How many sweeps are complete with the packets of a file; `packets` continues from file to file.
+uint64_t count_sweeps(const MessageFile& file, OrderedPackets& packets);
+
+/// The sweeps among events of a PacketDecoder.
+uint64_t count_sweeps(const std::vector<Event>& events);
 
 }  // namespace adit

@@ -89,6 +89,14 @@ class EventStream {
   virtual std::optional<Event> next() = 0;
 };
 
+/// Something about a recording that is no fault and worth knowing, for people.
+struct RecordingNotice {
+  std::string kind;    ///< a word for programs
+  std::string found;   ///< what, with the numbers
+  std::string effect;  ///< on what is read
+  std::string remedy;
+};
+
 /// A recording of any format; open_recording() finds out which.
 class Recording {
  public:
@@ -110,6 +118,9 @@ class Recording {
   /// True where nothing in the recording tells the times and 10 Hz was assumed (description() says
   /// so too).
   virtual bool times_are_assumed() const = 0;
+
+  /// What opening found worth knowing.
+  virtual std::vector<RecordingNotice> notices() const { return {}; }
 };
 
 /// The one topic of sweeps, or the one that is named. Throws InputError where there is none, or

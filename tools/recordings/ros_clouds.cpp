@@ -12,7 +12,9 @@
 #include <string_view>
 
 #include "adit/tools/clouds/cloud_columns.hpp"
+#include "adit/tools/packets/packet_order.hpp"
 #include "adit/tools/packets/velodyne_packets.hpp"
+#include "adit/tools/recordings/packet_decoder.hpp"
 #include "adit/tools/recordings/ros_codec.hpp"
 
 namespace adit::ros {
@@ -148,21 +150,26 @@ CloudFile to_sweep(const LivoxCustomMsg& message, Nanoseconds stamp) {
 
 CloudFile to_sweep(const VelodyneScan& scan, Nanoseconds stamp) {
   constexpr double kMostSeconds = 2.0;  // time in a message, from the first point on
-  VelodyneSweeps sweeps;
-  std::vector<Sweep> parts;  // a message need not begin where a turn does
+  const PacketSensor sensor{.name = {}, .kind = PacketSensor::Kind::velodyne};
+  PacketOrder<Datagram> order;
   for (const VelodynePacket& packet : scan.packets) {
     const Datagram datagram{.received = packet.stamp,
                             .payload = std::as_bytes(std::span(packet.data))};
-    if (is_velodyne_data(datagram)) {
-      std::ranges::move(sweeps.take(datagram), std::back_inserter(parts));
+    if (const std::optional<PacketPlace> place = place_of(datagram, sensor)) {
+      order.add(datagram, *place);
     }
+  }
+  VelodyneSweeps sweeps;
+  std::vector<Sweep> parts;  // a message need not begin where a turn does
+  while (const std::optional<Datagram> datagram = order.next(true)) {
+    std::ranges::move(sweeps.take(*datagram), std::back_inserter(parts));
   }
   if (std::optional<Sweep> last = sweeps.finish()) {
     parts.push_back(std::move(*last));
   }
   if (parts.empty()) {
     throw CodecError("none of its " + std::to_string(scan.packets.size()) +
-                     " packets is of a VLP-16 or HDL-32E");
+                     " packets is of a Velodyne that is read");
   }
   Sweep sweep;
   for (const Sweep& part : parts) {

@@ -70,6 +70,7 @@ class ConfiguredRecording final : public Recording {
   const std::vector<Topic>& topics() const override { return recording_->topics(); }
   std::string description() const override { return recording_->description(); }
   bool times_are_assumed() const override { return recording_->times_are_assumed(); }
+  std::vector<RecordingNotice> notices() const override { return recording_->notices(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     EventSelection told = selection;
     told.point_time_unit = config_.point_time_unit;
