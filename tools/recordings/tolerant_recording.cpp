@@ -37,6 +37,7 @@ class TolerantRecording final : public Recording {
   const std::vector<Topic>& topics() const override { return recording_->topics(); }
   std::string description() const override { return recording_->description(); }
   bool times_are_assumed() const override { return recording_->times_are_assumed(); }
+  std::vector<RecordingNotice> notices() const override { return recording_->notices(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     return std::make_unique<TolerantStream>(recording_->events(selection), damage_);
   }
