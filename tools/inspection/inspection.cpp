@@ -128,9 +128,9 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
 
 }  // namespace
 
-Inspection inspect(const std::filesystem::path& path, const Config& config,
+Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config& config,
                    const DeviceOptions& device) {
-  const std::unique_ptr<Recording> recording = open_recording(path, config.recording);
+  const std::unique_ptr<Recording> recording = open_recording(paths, config.recording);
   Inspection result;
   result.description = recording->description();
   result.topics = recording->topics();
@@ -144,6 +144,9 @@ Inspection inspect(const std::filesystem::path& path, const Config& config,
   if (recording->times_are_assumed()) {
     add({{Severity::notice, "assumed_times", "", "nothing in it tells the times of the sweeps",
           "10 Hz is assumed, and speeds are as wrong as that", "Add a times.txt"}});
+  }
+  for (const RecordingNotice& notice : recording->notices()) {
+    add({{Severity::notice, notice.kind, "", notice.found, notice.effect, notice.remedy}});
   }
   add(find_in_recording(result.topics));
   const bool simulated = has_simulated_time(result.topics);

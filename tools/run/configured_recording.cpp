@@ -70,6 +70,7 @@ class ConfiguredRecording final : public Recording {
   const std::vector<Topic>& topics() const override { return recording_->topics(); }
   std::string description() const override { return recording_->description(); }
   bool times_are_assumed() const override { return recording_->times_are_assumed(); }
+  std::vector<RecordingNotice> notices() const override { return recording_->notices(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     EventSelection told = selection;
     told.point_time_unit = config_.point_time_unit;
@@ -103,8 +104,13 @@ EventValue corrected(EventValue value, const RecordingConfig& config) {
 
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingConfig& config) {
+  return open_recording(std::vector{path}, config);
+}
+
+std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::path>& paths,
+                                          const RecordingConfig& config) {
   std::unique_ptr<Recording> recording =
-      open_recording(path, std::filesystem::path(config.metadata.value_or("")));
+      open_recording(paths, std::filesystem::path(config.metadata.value_or("")));
   if (config == RecordingConfig{}) {
     return recording;
   }
