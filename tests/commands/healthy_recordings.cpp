@@ -127,11 +127,14 @@ HealthyRecording write_messages(const fs::path& folder, const std::string& forma
 std::vector<HealthyFormat> write_healthy_recordings(const fs::path& folder,
                                                     const std::vector<Recorded>& events) {
   std::vector<HealthyFormat> formats;
+  std::vector<Recorded> grouped = events;
+  std::ranges::stable_sort(grouped, {}, &Recorded::topic);
   for (const char* name : {"bag", "mcap", "rosbag2", "rosbag2_mcap"}) {
     HealthyFormat format{.name = name, .recordings = {}};
-    for (std::size_t variant = 0; variant < 4; ++variant) {
+    for (std::size_t variant = 0; variant < 5; ++variant) {
       const fs::path here = folder / (name + std::to_string(variant));
-      format.recordings.push_back(write_messages(here, name, variant, events));
+      format.recordings.push_back(
+          write_messages(here, name, variant, variant == 4 ? grouped : events));
     }
     formats.push_back(std::move(format));
   }

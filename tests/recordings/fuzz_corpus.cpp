@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tests/recordings/fuzz_corpus.hpp"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 
 #include "adit/tests/recordings/container_support.hpp"
@@ -43,6 +45,7 @@ class Corpus {
       add("containers", "mcap", "depth", content_of(folder_ / "seed"));
     }
     add_mcap("no_chunks", {.chunks = false, .summary = false}, Encoding::cdr);
+    add_grouped();
     for (const auto& [name, compression] : {std::pair{"none", Compression::none},
                                             {"lz4", Compression::lz4},
                                             {"bz2", Compression::bz2}}) {
@@ -216,6 +219,15 @@ class Corpus {
     add("folders", "tum", "poses", "g1305031102.1758 1.0 2.0 3.0 0 0 0.6 0.8\n");
     add("folders", "tum", "accelerations", "a1305031102.1 -0.5 8.25 -2.5\n");
     add("folders", "tum", "calibration", "c525.0 525.0 319.5 239.5\n");
+    const std::string bag = "mrosbag2_bagfile_information:\n  relative_file_paths:\n";
+    const std::string topics =
+        "  message_count: 9\n  topics_with_message_count:\n    - topic_metadata:\n        name: "
+        "/imu\n        offered_qos_profiles: \"- depth: 1\\n\"\n      message_count: 9\n";
+    add("folders", "rosbag2", "missing_split",
+        bag + "    - drive_0.mcap\n    - drive_1.mcap\n" + topics);
+    add("folders", "rosbag2", "wrong_counts", bag + "  - 'drive_0.mcap'\n" + topics);
+    add("folders", "rosbag2", "flow",
+        "mrosbag2_bagfile_information:\n  relative_file_paths: [\"drive_0.mcap\"]\n");
   }
 
   void add_images() {
@@ -224,6 +236,35 @@ class Corpus {
   }
 
  private:
+  /// Topic by topic, in small chunks; also as a converter writes it, received in that order.
+  void add_grouped() {
+    for (const bool as_written : {false, true}) {
+      const std::string name = as_written ? "grouped_as_written" : "grouped";
+      McapWriter mcap(folder_ / "seed", {.compression = Compression::none, .chunk_bytes = 200});
+      write_grouped(mcap, Encoding::cdr, as_written);
+      add("containers", "mcap", name, content_of(folder_ / "seed"));
+      BagWriter bag(folder_ / "seed", {.compression = Compression::none, .chunk_bytes = 200});
+      write_grouped(bag, Encoding::ros1, as_written);
+      add("containers", "bag", name, content_of(folder_ / "seed"));
+    }
+  }
+
+  static void write_grouped(MessageWriter& writer, Encoding encoding, bool as_written) {
+    std::vector<std::size_t> ids;
+    for (Channel channel : sample_channels(encoding)) {
+      channel.definition.clear();
+      ids.push_back(writer.add_channel(channel));
+    }
+    std::vector<SampleMessage> messages = sample_messages(encoding, 8);
+    std::ranges::stable_sort(messages, {}, &SampleMessage::channel);
+    Nanoseconds time = kStart;
+    for (const SampleMessage& message : messages) {
+      time += std::chrono::milliseconds(1);
+      writer.write(ids[message.channel], as_written ? time : message.received, message.bytes);
+    }
+    writer.close();
+  }
+
   static constexpr const char* kSentence =
       "$GPRMC,220001,A,4139.0000,N,00052.8000,W,000.0,000.0,141123,,,A*67\r\n";
 

@@ -6,8 +6,10 @@
 // events or InputErrors.
 #include <fstream>
 
+#include "adit/tests/recordings/container_support.hpp"
 #include "adit/tests/recordings/fuzz_support.hpp"
 #include "adit/tests/support/depth_images.hpp"
+#include "adit/tools/containers/mcap_writer.hpp"
 
 namespace {
 
@@ -49,6 +51,8 @@ class Layouts {
     add('g', "groundtruth.txt");
     add('a', "accelerometer.txt");
     add('c', "calibration.txt");
+    folder_.write("m/drive_0.mcap", small_mcap());
+    add('m', "metadata.yaml");
   }
 
   const Layout* find(char letter) const {
@@ -61,6 +65,14 @@ class Layouts {
   }
 
  private:
+  static std::string small_mcap() {
+    const adit::test::TemporaryFolder folder;
+    adit::McapWriter writer(folder / "seed", {});
+    adit::test::write_sample(writer, adit::Encoding::cdr, 1, false);
+    writer.close();
+    return adit::test::content_of(folder / "seed");
+  }
+
   void add(char letter, const std::string& file) {
     const fs::path path = folder_.write(std::string(1, letter) + "/" + file, "");
     layouts_.push_back({letter, folder_ / std::string(1, letter), path});

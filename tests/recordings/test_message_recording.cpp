@@ -98,7 +98,7 @@ TEST(MessageRecording, CloudsWithoutTimesAreAskedForTheirUnitOnce) {
   int asked = 0;
   std::vector<std::unique_ptr<MessageFile>> files;
   files.push_back(std::make_unique<CountedFile>(open_mcap(folder / "one.mcap"), asked));
-  const auto recording = make_message_recording(folder / "one.mcap", std::move(files), {});
+  const auto recording = make_message_recording({folder / "one.mcap"}, std::move(files));
   const auto events = recording->events({});
   int sweeps = 0;
   while (events->next()) {

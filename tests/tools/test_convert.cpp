@@ -39,6 +39,7 @@ class Convert : public testing::Test {
   fs::path convert(const fs::path& input, const std::string& name, ConvertOptions options = {}) {
     options.input = input;
     options.output = folder_ / name;
+    options.overwrite = true;
     report_ = convert_recording(options);
     return options.output;
   }
@@ -250,8 +251,10 @@ TEST_F(Convert, DamageBeforeTheFirstMessageIsAFailure) {
     folder_.write(name, bytes.substr(0, head) + std::string(64, '\xff'));
     std::ostringstream out;
     std::ostringstream err;
-    EXPECT_EQ(convert_command({.input = folder_ / name, .output = folder_ / "out.mcap"}, out, err),
-              1)
+    EXPECT_EQ(
+        convert_command(
+            {.input = folder_ / name, .overwrite = true, .output = folder_ / "out.mcap"}, out, err),
+        1)
         << name;
     EXPECT_NE(err.str().find(std::string(name) + ", byte "), std::string::npos) << err.str();
     EXPECT_NE(err.str().find("nothing could be read"), std::string::npos) << err.str();
@@ -289,6 +292,69 @@ TEST_F(Convert, NamesOfNoFormatAreUsageErrors) {
   EXPECT_TRUE(fs::is_regular_file(convert(in, "drive.MCAP")));
   convert(in, "drive.2024/");
   EXPECT_TRUE(fs::is_regular_file(folder_ / "drive.2024/drive.2024_0.db3"));
+}
+
+TEST_F(Convert, WhatIsThereIsReplacedOnlyWhereThatIsWanted) {
+  const fs::path in = sample_mcap(Encoding::cdr);
+  convert(in, "rosbag2");
+  folder_.write("file.mcap", "kept");
+  for (const char* name : {"file.mcap", "rosbag2"}) {
+    const fs::path out = folder_ / name;
+    const fs::path file = fs::is_directory(out) ? out / "rosbag2_0.db3" : out;
+    const std::string before = test::content_of(file);
+    std::ostringstream text;
+    EXPECT_EQ(convert_command({.input = in, .output = out}, text, text), 2) << name;
+    EXPECT_NE(text.str().find("--overwrite"), std::string::npos) << text.str();
+    EXPECT_EQ(test::content_of(file), before) << name;
+    // Where the input cannot be read nothing is lost either.
+    EXPECT_EQ(
+        convert_command({.input = folder_ / "none", .overwrite = true, .output = out}, text, text),
+        1);
+    EXPECT_EQ(test::content_of(file), before) << name;
+    EXPECT_EQ(convert_command({.input = in, .overwrite = true, .output = out}, text, text), 0)
+        << text.str();
+    EXPECT_EQ(messages(out).size(), 29U) << name;
+  }
+  // Other files in the folder stay, and keep a recording from being written beside them.
+  folder_.write("rosbag2/notes.txt", "mine");
+  std::ostringstream text;
+  EXPECT_EQ(
+      convert_command({.input = in, .overwrite = true, .output = folder_ / "rosbag2"}, text, text),
+      1);
+  EXPECT_TRUE(fs::exists(folder_ / "rosbag2/notes.txt"));
+  // What is read is never replaced.
+  convert(in, "other");
+  EXPECT_EQ(
+      convert_command(
+          {.input = folder_ / "other/other_0.db3", .overwrite = true, .output = folder_ / "other"},
+          text, text),
+      2);
+  EXPECT_TRUE(fs::exists(folder_ / "other/other_0.db3"));
+}
+
+TEST_F(Convert, PartsThatFollowEachOtherBecomeOne) {
+  const fs::path in = sample_mcap(Encoding::cdr);
+  const fs::path first = convert(in, "first.mcap", {.end_s = 0.15});
+  const fs::path second = convert(in, "second.bag", {.begin_s = 0.15});
+  const fs::path both = convert(second, "both.mcap", {.further_inputs = {first}});
+  EXPECT_EQ(report_.error_count, 0U);
+  const std::vector<test::SampleMessage> all = messages(both);
+  EXPECT_EQ(all.size(), 30U) << "the static transform is in both";
+  EXPECT_TRUE(std::ranges::is_sorted(all, {}, &test::SampleMessage::received));
+}
+
+TEST_F(Convert, WhatMetadataDeclaresAndIsNotThereIsAnError) {
+  convert(sample_mcap(Encoding::cdr), "bag");
+  const fs::path metadata = folder_ / "bag/metadata.yaml";
+  std::string text = test::content_of(metadata);
+  const std::string listed = "relative_file_paths:\n";
+  text.insert(text.find(listed) + listed.size(), "    - bag_7.db3\n");
+  folder_.write("bag/metadata.yaml", text);
+  std::ostringstream told;
+  EXPECT_EQ(convert_command({.input = folder_ / "bag", .output = folder_ / "out.mcap"}, told, told),
+            1);
+  EXPECT_NE(told.str().find("bag_7.db3"), std::string::npos) << told.str();
+  EXPECT_EQ(messages(folder_ / "out.mcap").size(), 29U);
 }
 
 TEST_F(Convert, OptionsThatContradictEachOtherAreUsageErrors) {

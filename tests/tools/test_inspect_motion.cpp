@@ -117,7 +117,7 @@ TEST(InspectMotion, KeepsHowBothTurnedFromSweepToSweep) {
       imu->angular_velocity += Eigen::Vector3d(0.1, 0.0, -0.1);
     }
   }
-  const Inspection inspection = inspect(test::write(folder, events), {}, {});
+  const Inspection inspection = inspect({test::write(folder, events)}, {}, {});
   ASSERT_EQ(inspection.motion.size(), 1U);
   const MotionCheck& check = inspection.motion[0];
   EXPECT_EQ(check.mapped.size(), check.sweeps);

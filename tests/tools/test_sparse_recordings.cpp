@@ -133,6 +133,44 @@ TEST_F(SparseRecordings, WhereNoSweepCanBeDecodedThatIsTold) {
   EXPECT_NE(mapped.text.find("/points"), std::string::npos) << mapped.text;
 }
 
+TEST_F(SparseRecordings, SweepsThatARecordingDeclaresAndDoesNotHoldAreCountedAndStrictFails) {
+  const fs::path file =
+      write([](const Recorded&, const std::vector<std::byte>& bytes) { return Bytes(bytes); });
+  fs::create_directories(folder_ / "bag");
+  fs::rename(file, folder_ / "bag/drive_0.mcap");
+  folder_.write("bag/metadata.yaml",
+                "rosbag2_bagfile_information:\n"
+                "  relative_file_paths:\n"
+                "    - drive_0.mcap\n"
+                "    - drive_1.mcap\n"
+                "  topics_with_message_count:\n"
+                "    - topic_metadata:\n"
+                "        name: /points\n"
+                "      message_count: 25\n");
+  const Told inspected = inspect(folder_ / "bag");
+  EXPECT_EQ(inspected.code, 1);
+  EXPECT_NE(inspected.text.find("problem: drive_1.mcap: metadata.yaml lists this file"),
+            std::string::npos)
+      << inspected.text;
+  const Told mapped = map(folder_ / "bag");
+  EXPECT_EQ(mapped.code, 0) << mapped.text;
+  EXPECT_NE(mapped.text.find("sweeps that the recording declares are not in it"), std::string::npos)
+      << mapped.text;
+  const auto summary = nlohmann::json::parse(std::ifstream(folder_ / "run/summary.json"));
+  EXPECT_EQ(summary["left_out"]["sweeps_missing"], 25 - summary["sweeps"]["processed"].get<int>());
+  EXPECT_EQ(summary["left_out"]["declarations"].size(), 2U);
+  for (const bool strict_input : {false, true}) {
+    RunCommandOptions options;
+    options.recording = folder_ / "bag";
+    options.output = folder_ / "strict";
+    options.device.opened = &context();
+    options.strict = !strict_input;
+    options.strict_input = strict_input;
+    std::ostringstream out;
+    EXPECT_EQ(run_command(options, out, out), 1) << out.str();
+  }
+}
+
 TEST_F(SparseRecordings, AFileThatWasCutOffAnywhereIsInspectedToItsEnd) {
   const fs::path whole =
       write([](const Recorded&, const std::vector<std::byte>& bytes) { return Bytes(bytes); });

@@ -83,9 +83,17 @@ int convert_run(const ConvertOptions& options, std::ostream& out, std::ostream& 
 
 int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err) {
   if (options.foxglove) {
+    if (!options.further_inputs.empty()) {
+      throw UsageError("--as foxglove shows one run; name its folder alone.");
+    }
+    keep_input("OUT", options.output, options.input);
+    require_free_output(options);
     return convert_run(options, out, err);
   }
   keep_input("OUT", options.output, options.input);
+  for (const fs::path& input : options.further_inputs) {
+    keep_input("OUT", options.output, input);
+  }
   const ConvertReport report = convert_recording(options);
   for (const std::string& error : report.errors) {
     err << "adit convert: " << error << "\n";
@@ -125,16 +133,22 @@ void add_convert_command(Command app, std::function<void(int)> done) {
       "for Foxglove, Lichtblick and Rerun; a layout, NAME.foxglove.json, comes beside it.\n\n"
       "Examples:\n"
       "  adit convert drive.bag drive.mcap\n"
+      "  adit convert drive_0.bag drive_1.bag drive.mcap\n"
       "  adit convert drive.mcap part.mcap --begin 10 --end 40 --topic /points --topic /imu "
       "--topic /tf_static\n"
       "  adit convert kitti_0001 kitti.mcap --compression lz4\n"
       "  adit convert drive.bag right.mcap --repair --config drive.toml\n"
       "  adit convert out run.mcap --as foxglove\n\n"
       "Exit codes: 0 done, 1 failed, or the recording is damaged, 2 usage.");
-  command.option("input", options->input, "The recording; with --as foxglove a run or a map")
+  auto inputs = std::make_shared<std::vector<fs::path>>();
+  command
+      .option("input", *inputs,
+              "The recording, in one part or several that follow each other in time; with --as "
+              "foxglove a run or a map")
       .required()
       .value_name("IN");
-  command.option("output", options->output, "What to write").required().value_name("OUT").written();
+  // The last of all words: the reader of the command line gives every one to IN.
+  command.option("output", options->output, "What to write").value_name("OUT").written();
   command.choice<bool>("--as", "What other viewers show of a run, by Foxglove's schemas",
                        options->foxglove, {{"foxglove", true}});
   command.option("--topic", options->topics, "Keep this topic; may be given again")
@@ -152,6 +166,7 @@ void add_convert_command(Command app, std::function<void(int)> done) {
                                {"lz4", Compression::lz4},
                                {"zstd", Compression::zstd},
                                {"bz2", Compression::bz2}});
+  command.flag("--overwrite", options->overwrite, "Replace OUT where it is there already");
   auto repair = std::make_shared<bool>(false);
   auto config = std::make_shared<ConfigSource>();
   command.flag("--repair", *repair,
@@ -159,7 +174,13 @@ void add_convert_command(Command app, std::function<void(int)> done) {
                "seconds after the stamp, and what --config corrects");
   add_config_options(command, *config);
   add_metadata_option(command, *config);
-  command.action([options, repair, config, done = std::move(done)] {
+  command.action([options, inputs, repair, config, done = std::move(done)] {
+    if (inputs->size() < 2) {
+      miss_argument("OUT");
+    }
+    options->output = inputs->back();
+    options->input = inputs->front();
+    options->further_inputs.assign(inputs->begin() + 1, inputs->end() - 1);
     done(guarded("adit convert", std::cout, std::cerr, [&] {
       if (!*repair && (config->file || !config->overrides.empty() || !config->preset.empty())) {
         throw UsageError("--config, --set and --preset are of use with --repair alone.");

@@ -200,11 +200,14 @@ int inspect_run(const InspectCommandOptions& options, std::ostream& out) {
 
 int inspect_command(const InspectCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit inspect", out, err, [&] {
-    if (is_run(options.recording)) {
+    if (options.further_recordings.empty() && is_run(options.recording)) {
       return inspect_run(options, out);
     }
     const Config config = load_config(options.config);
-    const Inspection inspection = inspect(options.recording, config, options.device);
+    std::vector<std::filesystem::path> recordings = {options.recording};
+    recordings.insert(recordings.end(), options.further_recordings.begin(),
+                      options.further_recordings.end());
+    const Inspection inspection = inspect(recordings, config, options.device);
     if (options.json) {
       out << to_json(inspection).dump(2, ' ', false, ordered_json::error_handler_t::replace)
           << std::endl;
@@ -242,9 +245,10 @@ void add_inspect_command(Command app, std::function<void(int)> done) {
       "Exit codes: 0 no fault found, 1 a problem found, or it cannot be opened, 2 usage; of a run "
       "0 "
       "where it can be read.");
+  auto recordings = std::make_shared<std::vector<std::filesystem::path>>();
   command
-      .option("recording", options->recording,
-              "Any recording that `adit run` reads, or the folder of a run")
+      .option("recording", *recordings,
+              "Any recording that `adit run` reads, several that are one, or the folder of a run")
       .required()
       .value_name("RECORDING");
   command.flag("--json", options->json, "Print JSON instead of text");
@@ -261,7 +265,9 @@ void add_inspect_command(Command app, std::function<void(int)> done) {
   add_config_options(command, options->config);
   add_metadata_option(command, options->config);
   add_device_options(command, options->device);
-  command.action([command, options, done = std::move(done)] {
+  command.action([command, options, recordings, done = std::move(done)] {
+    options->recording = recordings->front();
+    options->further_recordings.assign(recordings->begin() + 1, recordings->end());
     const std::string other =
         command.given_besides({"recording", "--json", "--html", "--write-config"});
     if (!other.empty() && is_run(options->recording)) {

@@ -17,7 +17,8 @@ namespace adit {
 class Command;
 
 struct InspectCommandOptions {
-  std::filesystem::path recording;                      ///< or the folder of a run
+  std::filesystem::path recording;                          ///< or the folder of a run
+  std::vector<std::filesystem::path> further_recordings{};  ///< parts of it that follow in time
   DeviceOptions device{};                               ///< to compare the sensors' rotations on
   ConfigSource config{};                                ///< how the recording is to be understood
   std::optional<std::filesystem::path> html{};          ///< for a page with plots

@@ -79,6 +79,7 @@ RunDescription describe_run(const RunCommandOptions& options, const Config& conf
                             const Recording& recording, const SweepChoice& sweeps,
                             const engine::Context& context) {
   return {.recording = options.recording,
+          .further_recordings = options.further_recordings,
           .recording_description = recording.description(),
           .topic = recording.topics()[sweeps.topic].name,
           .recording_sweeps = sweeps.size,
@@ -163,13 +164,12 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   const RunCommandOptions& options = chosen.options;
   const std::optional<EarlierRun>& continued = chosen.continued;
   // A map that is gone on with shows that the folder is a run's.
-  const bool replaces_a_run =
-      continued.has_value() || check_output_folder(options.recording, options.output);
+  const bool replaces_a_run = continued.has_value() || check_output_folder(options);
   if (!continued && !options.overwrite) {
     require_no_results(options.output);
   }
   const Config config = load_config(options.config);
-  const std::unique_ptr<Recording> recording = open_recording(options.recording, config.recording);
+  const auto recording = open_recording(recordings_of(options), config.recording);
   require_packets(options.config, options.recording);
   const SweepChoice sweeps = choose_sweeps(
       *recording, options, options.topic ? options.topic : config.recording.sweep_topic);
@@ -218,6 +218,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     say_detail(err, "recording: " + description.recording_description + "; its sweeps are on " +
                         description.topic);
     say_detail(err, "settings: " + describe(options.config));
+    err << notes_of(*recording);
   }
   const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points),
                            config.mapping.enabled);
@@ -281,7 +282,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   std::function<void(const InputError&)> damaged;
   if (!options.strict_input) {
     damaged = [&](const InputError& error) {
-      const auto note = statistics.left_out().add_damage(error);
+      const auto note = statistics.left_out().add_damage(error, description.topic);
       if (note && !options.quiet) {
         progress.note(*note);
       }
@@ -335,11 +336,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   if (!options.quiet && statistics.sweeps() > 0) {
     say_detail(err, "verdict: " + std::string(to_string(trust)));
   }
-  if (options.strict && code == 0 && trust != Trust::reliable) {
-    err << "adit run: the run is " << to_string(trust)
-        << " (--strict); verdict.stretches in summary.json tells where and why" << std::endl;
-    code = 1;
-  }
+  code = options.strict && code == 0 ? judge_strictly(statistics, err) : code;
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end
@@ -418,6 +415,7 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "  adit run drive.mcap                  the results go to ./drive\n"
       "  adit run drive/ -o out\n"
       "  adit run drive.mcap --topic /points -o out --odometry\n"
+      "  adit run drive_0.bag drive_1.bag -o out\n"
       "  adit run drive/ -o out --map-resolution 0.1 --set preprocess.r_input=0.5\n"
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n"
       "  adit run drive/ -o out --view\n"
@@ -426,7 +424,8 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
       "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
-  command.option("recording", options->recording, "File or folder to map").value_name("RECORDING");
+  auto recordings = std::make_shared<std::vector<std::filesystem::path>>();
+  command.option("recording", *recordings, "Files or folder to map").value_name("RECORDING");
   command
       .option("-o,--output", options->output,
               "Folder for the results, made if need be; without it ./NAME, the recording's name")
@@ -479,8 +478,10 @@ void add_run_command(Command app, std::function<void(int)> done) {
   add_serve_options(command, options->serve, "With --view: ");
   command.flag("--json", options->json, "Print summary.json instead of the table");
   command.flag("--quiet", options->quiet, "Print errors alone");
-  command.action(
-      [options, done = std::move(done)] { done(run_command(*options, std::cout, std::cerr)); });
+  command.action([options, recordings, done = std::move(done)] {
+    take_recordings(*options, *recordings);
+    done(run_command(*options, std::cout, std::cerr));
+  });
 }
 
 }  // namespace adit

@@ -10,6 +10,7 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "adit/tools/commands/served_page.hpp"
 #include "adit/tools/results/high_rate_output.hpp"
@@ -23,6 +24,7 @@ class Command;
 
 struct RunCommandOptions {
   std::filesystem::path recording;  ///< empty: that of the map that is gone on with or begun from
+  std::vector<std::filesystem::path> further_recordings{};  ///< parts of it that follow in time
   std::filesystem::path output;     ///< empty: default_output() of the recording
   ConfigSource config{};
   DeviceOptions device{};
@@ -46,6 +48,11 @@ struct RunCommandOptions {
   bool view = false;                                ///< the run is shown in a browser
   ServeOptions serve{};                             ///< where, if so
 };
+
+/// The recording and those that are parts of it.
+std::vector<std::filesystem::path> recordings_of(const RunCommandOptions& options);
+/// Sets them; empty: none is named.
+void take_recordings(RunCommandOptions& options, const std::vector<std::filesystem::path>& all);
 
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,
 /// 128 + signal when stopped by one. What was computed before a failure stays in the output folder.

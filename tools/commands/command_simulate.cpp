@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -102,8 +103,21 @@ std::string summary_text(const SimulationOptions& options, const SimulationSumma
       format_duration(seconds), options.duration / seconds);
 }
 
+/// Throws UsageError where a recording is there that is none of a simulation: those have their
+/// truth beside them, and can be made again.
+void require_free_output(const SimulateCommandOptions& command, const SimulationOptions& options) {
+  std::error_code unknown;
+  if (!command.overwrite && std::filesystem::exists(options.output, unknown) &&
+      !std::filesystem::exists(SimulationFiles(options.output).trajectory, unknown)) {
+    throw UsageError("-o: " + options.output.string() +
+                     " is there already, and no simulation wrote it. Name another file, or give "
+                     "--overwrite.");
+  }
+}
+
 int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std::ostream& err) {
   const SimulationOptions options = simulation_of(command);
+  require_free_output(command, options);
   const auto start = std::chrono::steady_clock::now();
   std::optional<Progress> progress;
   const SimulationSummary summary = simulate(options, [&](std::size_t done, std::size_t total) {
@@ -170,6 +184,8 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       .required()
       .value_name("FILE.mcap")
       .written();
+  command.flag("--overwrite", options->overwrite,
+               "Replace FILE.mcap also where it is no simulated recording");
   command.option("--sensor", simulation.lidars.front().sensor, "Range sensor")
       .value_name("NAME")
       .suggest(range_sensor_names())

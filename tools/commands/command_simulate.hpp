@@ -18,6 +18,7 @@ struct SimulateCommandOptions {
   SimulationOptions simulation;
   std::string layout;                ///< empty: the driver's
   bool perfect = false;              ///< none of the range sensor's errors
+  bool overwrite = false;            ///< replace a file that no simulation wrote, too
   bool quiet = false;                ///< errors alone
   std::string besides_scene_file{};  ///< an option that a scene file excludes; empty: none
 };

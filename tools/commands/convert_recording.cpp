@@ -13,6 +13,7 @@
 #include "adit/tools/containers/mcap_writer.hpp"
 #include "adit/tools/containers/ros_definitions.hpp"
 #include "adit/tools/containers/rosbag2_metadata.hpp"
+#include "adit/tools/containers/rosbag2_reader.hpp"
 #include "adit/tools/containers/rosbag2_writer.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
 #include "adit/tools/recordings/packet_messages.hpp"
@@ -20,6 +21,7 @@
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/recordings/ros_transcode.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
+#include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -128,8 +130,9 @@ std::unique_ptr<MessageWriter> make_writer(const ConvertOptions& options,
     throw UsageError("--compression lz4: rosbag2's SQLite storage knows none and zstd.");
   }
   return std::make_unique<Rosbag2Writer>(
-      options.output, Rosbag2Options{.pack_messages = chosen == Compression::zstd,
-                                     .ros_distro = ros_distro_of(options.input, files)});
+      options.output,
+      Rosbag2Options{.pack_messages = chosen == Compression::zstd,
+                     .ros_distro = ros_distro_of(without_metadata_file(options.input), files)});
 }
 
 /// Throws UsageError for times that cut nothing out.
@@ -177,6 +180,22 @@ std::optional<TimeSpan> span_of(const Recording& recording) {
   return first ? std::optional(TimeSpan{first->received, Nanoseconds::max()}) : std::nullopt;
 }
 
+/// Removes the recording in a folder: its containers and metadata.yaml. Other files stay, and the
+/// writer refuses them.
+void remove_rosbag2(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    return;
+  }
+  std::vector<fs::path> files = container_files(folder);
+  files.push_back(folder / "metadata.yaml");
+  for (const fs::path& file : files) {
+    if (!fs::remove(file, error) && error) {
+      throw OutputError(file, file.string() + ": it cannot be removed: " + error.message());
+    }
+  }
+}
+
 void require_topics(const ConvertOptions& options, const std::vector<std::string>& names) {
   for (const std::string& topic : options.topics) {
     if (std::ranges::count(names, topic) == 0) {
@@ -188,6 +207,30 @@ void require_topics(const ConvertOptions& options, const std::vector<std::string
 
 }  // namespace
 
+std::vector<fs::path> inputs_of(const ConvertOptions& options) {
+  std::vector<fs::path> all = {options.input};
+  all.insert(all.end(), options.further_inputs.begin(), options.further_inputs.end());
+  return all;
+}
+
+void require_free_output(const ConvertOptions& options) {
+  std::error_code unknown;
+  const fs::path& output = options.output;
+  const bool is_folder = fs::is_directory(output, unknown);
+  for (const fs::path& input : inputs_of(options)) {
+    if (is_folder && is_within(input, output)) {
+      throw UsageError(output.string() + ": it holds " + input.string() +
+                       ", which is read. Name another folder.");
+    }
+  }
+  const bool there = is_folder ? !fs::is_empty(output, unknown) : fs::exists(output, unknown);
+  if (there && !options.overwrite) {
+    throw UsageError(output.string() +
+                     " is there already, and is not replaced. Name another one, or give "
+                     "--overwrite.");
+  }
+}
+
 ConvertReport convert_recording(const ConvertOptions& options) {
   const std::optional<Encoding> only = encoding_of(format_of(options.output));
   if (options.encoding && only && options.encoding != only) {
@@ -196,7 +239,7 @@ ConvertReport convert_recording(const ConvertOptions& options) {
   }
   check_times(options);
   const bool cut = options.begin_s || options.end_s;
-  const auto files = open_message_files(options.input);
+  const auto files = open_message_files(inputs_of(options));
   std::unique_ptr<Recording> sweeps;
   std::vector<std::string> names;
   std::optional<TimeSpan> all;
@@ -221,6 +264,10 @@ ConvertReport convert_recording(const ConvertOptions& options) {
   }
   require_topics(options, names);
   const TimeSpan span = chosen_span(options, all);
+  require_free_output(options);
+  if (options.overwrite) {
+    remove_rosbag2(options.output);
+  }
   const std::unique_ptr<MessageWriter> writer = make_writer(options, files);
   RecordingConverter converter({.topics = options.topics,
                                 .encoding = options.encoding ? options.encoding : only,

@@ -17,6 +17,8 @@ namespace adit {
 
 struct ConvertOptions {
   std::filesystem::path input{};
+  std::vector<std::filesystem::path> further_inputs{};  ///< parts of it that follow in time
+  bool overwrite = false;                    ///< replace a recording that is there already
   std::filesystem::path output{};            ///< NAME.mcap, NAME.bag (ROS 1), or a folder (rosbag2)
   std::vector<std::string> topics{};         ///< those to keep; empty: all
   std::optional<double> begin_s{};           ///< s after the first message
@@ -37,5 +39,9 @@ struct ConvertOptions {
 /// `foxglove` is not looked at here. Throws UsageError where the options contradict each other,
 /// InputError where the input cannot be opened, OutputError where the result cannot be written.
 ConvertReport convert_recording(const ConvertOptions& options);
+
+/// Throws UsageError where the output is there already and is not to be replaced, or is a folder
+/// that holds what is read.
+void require_free_output(const ConvertOptions& options);
 
 }  // namespace adit

@@ -108,12 +108,16 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   const CloudSelection selection = selection_of(job, coordinates);
   const RecordingConfig settings =
       parse_config(sessions.front().configuration, options.map).recording;
-  const fs::path path = options.recording
-                            ? *options.recording
-                            : fs::path(provenance(sessions.front(), "recording").value_or(""));
-  keep_input("-o", *options.output, path);
-  const std::unique_ptr<Recording> recording = open_recording(path, settings);
-  const bool same = is_recording_of(sessions.front(), path);
+  std::vector<fs::path> paths = recordings_of(sessions.front());
+  if (options.recording || paths.empty()) {
+    paths = {options.recording.value_or(fs::path())};
+  }
+  const fs::path& path = paths.front();
+  for (const fs::path& one : paths) {
+    keep_input("-o", *options.output, one);
+  }
+  const std::unique_ptr<Recording> recording = open_recording(paths, settings);
+  const bool same = is_recording_of(sessions.front(), paths);
   if (!same && !options.recording) {
     throw InputError(path, {}, "it is not what the map was made of any more, by its content",
                      "Name the recording that it was made of: --recording REC");

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/given_option.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "adit/tools/results/kept_inputs.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -29,9 +31,26 @@ void keep(const GivenOption& input, const GivenOption& output) {
   }
 }
 
+/// Reports and products are made again as often as one likes. Recordings and maps are not.
+void keep_recordings(const GivenOption& output) {
+  if (output.written && !output.values.empty() && is_recording_or_map(output.values.back())) {
+    throw UsageError(
+        output.name + ": " + output.values.back() +
+        " is a recording or a map, and is not replaced. Name another file, or remove it "
+        "first.");
+  }
+}
+
 }  // namespace
 
 void keep_inputs(std::span<const GivenOption> options) {
+  const bool asks = std::ranges::any_of(
+      options, [](const GivenOption& option) { return option.name == "--overwrite"; });
+  for (const GivenOption& output : options) {
+    if (!asks) {  // others decide by themselves
+      keep_recordings(output);
+    }
+  }
   for (const GivenOption& output : options) {
     for (const GivenOption& input : options) {
       if (output.written && !output.values.empty() && !input.written) {

@@ -163,11 +163,16 @@ void RecordingConverter::copy(const MessageFile& file, const TimeSpan& span) {
     }
   }
   const uint64_t errors = report_.error_count;
+  std::vector<std::optional<uint64_t>> counts(file.channels().size());
+  for (const std::size_t channel : selection.channels) {
+    counts[channel] = 0;
+  }
   if (!selection.channels.empty()) {
     const auto stream = file.messages(selection);
     run([&] {
       const std::optional<RawMessage> message = stream->next();
       if (message) {
+        ++*counts[message->channel];
         write(file, routes[message->channel], *message);
       }
       return message.has_value();
@@ -175,6 +180,14 @@ void RecordingConverter::copy(const MessageFile& file, const TimeSpan& span) {
   }
   if (report_.error_count == errors && file.damage()) {
     add_error(*file.damage());  // before the first message, or outside of the span
+  }
+  if (span.begin == Nanoseconds::min() && span.end == Nanoseconds::max()) {
+    for (const DeclarationError& error : contradictions_of(file, counts)) {
+      const std::vector<std::string>& kept = conversion_.topics;
+      if (error.topic().empty() || kept.empty() || std::ranges::count(kept, error.topic()) > 0) {
+        add_error(error);
+      }
+    }
   }
 }
 

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
 
 #include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
@@ -16,6 +18,13 @@ namespace adit {
 /// Says what went wrong with a run and returns the exit code.
 int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
               std::ostream& err);
+
+/// Of a run that ended well: 1 where its verdict is not reliable, or where the recording lacks
+/// sweeps that it declares, and says so.
+int judge_strictly(const RunStatistics& statistics, std::ostream& err);
+
+/// What opening a recording found worth knowing, a line each.
+std::string notes_of(const Recording& recording);
 
 /// What is known of a run that has nothing left to do: as if it had ended now. Returns the exit
 /// code.

@@ -3,8 +3,11 @@
 #include "adit/tools/commands/wanted_run.hpp"
 
 #include <system_error>
+#include <utility>
 
+#include "adit/tools/containers/rosbag2_metadata.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
+#include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/run/run_timeline.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -74,18 +77,37 @@ EarlierRun run_to_continue(const RunCommandOptions& options) {
   return earlier;
 }
 
-/// The recording that the map says it is of, unless another one is named.
-std::filesystem::path recording_of(const RunCommandOptions& options, const EarlierRun& earlier) {
+/// With the recording that the map says it is of, unless another one is named.
+RunCommandOptions with_recording(RunCommandOptions options, const EarlierRun& earlier) {
   if (!options.recording.empty()) {
-    return options.recording;
+    return options;
   }
-  std::error_code unknown;
-  if (!std::filesystem::exists(earlier.recording, unknown)) {
-    throw InputError(earlier.map, {},
-                     "its recording " + earlier.recording.string() + " is not there",
-                     "Name it: adit run RECORDING ...");
+  options.recording = earlier.recording;
+  options.further_recordings = earlier.further_recordings;
+  for (const std::filesystem::path& one : recordings_of(options)) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(one, unknown)) {
+      throw InputError(earlier.map, {}, "its recording " + one.string() + " is not there",
+                       "Name it: adit run RECORDING ...");
+    }
   }
-  return earlier.recording;
+  return options;
+}
+
+/// A folder of rosbag2 by its metadata.yaml is the folder. Several recordings are all there.
+RunCommandOptions with_folders(RunCommandOptions options) {
+  options.recording = without_metadata_file(options.recording);
+  for (std::filesystem::path& one : options.further_recordings) {
+    one = without_metadata_file(one);
+    std::error_code unknown;
+    if (!std::filesystem::exists(one, unknown)) {
+      throw UsageError("RECORDING " + one.string() +
+                       ": there is no such file or folder. The folder for the results is named "
+                       "with -o: -o " +
+                       one.string() + ".");
+    }
+  }
+  return options;
 }
 
 /// The earlier run's settings. What tells of the sensor may lie elsewhere now.
@@ -101,7 +123,7 @@ KeptConfig kept(const RunCommandOptions& options, const EarlierRun& earlier, con
 
 /// As the earlier run was.
 RunCommandOptions continuing(RunCommandOptions options, const EarlierRun& earlier) {
-  options.recording = recording_of(options, earlier);
+  options = with_recording(std::move(options), earlier);
   options.config.kept =
       kept(options, earlier, parse_config(earlier.session.configuration, earlier.map));
   options.topic = earlier.topic;
@@ -120,8 +142,8 @@ RunCommandOptions repeating(RunCommandOptions options, const EarlierRun& earlier
       options.count = earlier.sweeps;
     }
   }
-  options.recording = recording_of(options, earlier);
-  if (!is_recording_of(earlier.session, options.recording)) {
+  options = with_recording(std::move(options), earlier);
+  if (!is_recording_of(earlier.session, recordings_of(options))) {
     throw InputError(options.recording, {},
                      "it is not what " + earlier.map.string() + " was made of, by its content",
                      "Name that recording; to map this one alike, give it the settings with "
@@ -167,6 +189,27 @@ WantedRun wanted(const RunCommandOptions& given) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> recordings_of(const RunCommandOptions& options) {
+  std::vector<std::filesystem::path> all = {options.recording};
+  all.insert(all.end(), options.further_recordings.begin(), options.further_recordings.end());
+  return all;
+}
+
+void take_recordings(RunCommandOptions& options, const std::vector<std::filesystem::path>& all) {
+  if (!all.empty()) {
+    options.recording = all.front();
+    options.further_recordings.assign(all.begin() + 1, all.end());
+  }
+}
+
+bool check_output_folder(const RunCommandOptions& options) {
+  bool holds_a_run = false;
+  for (const std::filesystem::path& one : recordings_of(options)) {
+    holds_a_run = check_output_folder(one, options.output);
+  }
+  return holds_a_run;
+}
+
 std::filesystem::path default_output(const std::filesystem::path& recording) {
   const std::filesystem::path whole =
       (std::filesystem::absolute(recording) / "").lexically_normal().parent_path();
@@ -182,7 +225,7 @@ std::filesystem::path default_output(const std::filesystem::path& recording) {
 
 WantedRun wanted_run(const RunCommandOptions& given) {
   check_options(given);
-  return wanted(completed(given));
+  return wanted(completed(with_folders(given)));
 }
 
 }  // namespace adit

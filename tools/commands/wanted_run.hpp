@@ -22,6 +22,9 @@ std::filesystem::path default_output(const std::filesystem::path& recording);
 
 /// Throws UsageError where options do not fit together or a recording is missing, and InputError
 /// for a map that cannot be gone on with.
-WantedRun wanted_run(const RunCommandOptions& given);
+WantedRun wanted_run(const RunCommandOptions& options);
+
+/// As check_output_folder() of each of the recordings: whether an earlier run's results are there.
+bool check_output_folder(const RunCommandOptions& options);
 
 }  // namespace adit

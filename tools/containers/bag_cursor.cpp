@@ -60,7 +60,7 @@ std::optional<Record> Cursor::next_in_chunk() {
       at_in_chunk_ = begin + (size - reader.remaining());
       const std::optional<Opcode> opcode = header.opcode();
       if (opcode == Opcode::connection || opcode == Opcode::message) {
-        return Record{*opcode, header, data, chunk_};
+        return Record{*opcode, header, data, chunk_, true};
       }
     } catch (const InputError&) {
       if (!chunk_damage_) {
@@ -119,7 +119,7 @@ std::optional<Record> Cursor::next_in_file() {
   }
   packed_.resize(data_length);
   file_->read(data_at, packed_);
-  return Record{*opcode, header, ByteReader(file_->path(), data_at, packed_), offset};
+  return Record{*opcode, header, ByteReader(file_->path(), data_at, packed_), offset, false};
 }
 
 /// Makes records_ what the chunk holds; what is wrong with it goes to chunk_damage_ or is thrown.

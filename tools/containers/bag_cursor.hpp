@@ -21,6 +21,7 @@ struct Record {
   Fields header;
   ByteReader data;  ///< valid until the next call of Cursor::next()
   uint64_t offset = 0;
+  bool in_chunk = false;
 };
 
 /// Walks over the messages and connections of a bag, from the first to the last, and through what
@@ -33,6 +34,9 @@ class Cursor {
 
   /// The chunks at these bytes of the file are passed over unread.
   void skip_chunks(std::set<uint64_t> offsets) { skipped_ = std::move(offsets); }
+
+  /// Begins at this byte of the file, where a record begins, instead of at the first.
+  void start_at(uint64_t offset) { at_ = offset; }
 
   /// The next connection or message; nothing at the end. Throws InputError at a damaged place. The
   /// call after that goes on behind the damaged chunk, or finds the end where nothing tells how to

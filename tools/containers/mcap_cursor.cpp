@@ -70,7 +70,7 @@ std::optional<Record> Cursor::next_in_chunk() {
     ByteReader content = reader.part(length, "a record");
     at_in_chunk_ = whole + kRecordHeader + length;
     if (is_wanted(opcode)) {
-      return Record{opcode, content, chunk_};
+      return Record{opcode, content, chunk_, true};
     }
   }
   return std::nullopt;
@@ -79,7 +79,7 @@ std::optional<Record> Cursor::next_in_chunk() {
 /// One record outside of chunks. Nothing also where it was a chunk or is of no interest.
 std::optional<Record> Cursor::next_in_file() {
   const uint64_t offset = at_;
-  const uint64_t left = file_->size() - offset;
+  const uint64_t left = file_->size() - std::min(offset, file_->size());
   if (left < kRecordHeader) {
     fail_at_end(offset, "the file ends where a record was expected, without the end mark of MCAP");
   }
@@ -116,7 +116,7 @@ std::optional<Record> Cursor::next_in_file() {
   }
   packed_.resize(length);
   file_->read(content, packed_);
-  return Record{opcode, ByteReader(file_->path(), content, packed_), offset};
+  return Record{opcode, ByteReader(file_->path(), content, packed_), offset, false};
 }
 
 /// Makes records_ what the chunk holds; what is wrong with it goes to chunk_damage_ or is thrown.
@@ -149,7 +149,9 @@ void Cursor::open_chunk(uint64_t content, uint64_t length) {
     throw;
   }
   const bool has_times = header.begin != 0 || header.end != 0;
-  if (has_times && (to_time(header.end) < begin_ || to_time(header.begin) > end_)) {
+  const bool is_outside =
+      has_times && (to_time(header.end) < begin_ || to_time(header.begin) > end_);
+  if (is_outside || skipped_.contains(chunk_)) {
     if (cut_off) {
       throw InputError(cut);
     }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
@@ -21,6 +22,7 @@ struct Record {
   Opcode opcode = Opcode::header;
   ByteReader content;   ///< valid until the next call of Cursor::next()
   uint64_t offset = 0;  ///< byte of the file where it, or the chunk around it, begins
+  bool in_chunk = false;
 };
 
 /// Walks over the records of the data section, from the first to the last, and through what the
@@ -30,6 +32,11 @@ class Cursor {
   /// Chunks without a message of this time are passed over unread.
   explicit Cursor(const SeekableFile& file, Nanoseconds begin = Nanoseconds::min(),
                   Nanoseconds end = Nanoseconds::max());
+
+  /// Begins at this byte of the file, where a record begins, instead of at the first.
+  void start_at(uint64_t offset) { at_ = offset; }
+  /// The chunks at these bytes of the file are passed over unread.
+  void skip_chunks(std::set<uint64_t> offsets) { skipped_ = std::move(offsets); }
 
   /// The next schema, channel, message or metadata record; nothing where the data section ends.
   /// Throws InputError at a damaged place. The call after that goes on behind the damaged chunk, or
@@ -51,6 +58,7 @@ class Cursor {
   Nanoseconds begin_;
   Nanoseconds end_;
   uint64_t at_ = kMagic.size();
+  std::set<uint64_t> skipped_;
   bool complete_ = false;
   std::set<std::string> compressions_;
   std::vector<std::byte> packed_;  // the chunk's bytes in the file, or a record outside of chunks

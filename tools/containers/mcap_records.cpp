@@ -2,10 +2,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/containers/mcap_records.hpp"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace adit::mcap {
 namespace {
+
+/// Numbers of messages by channel, from the places of their indexes: one behind the other in the
+/// file, 16 bytes a message. Empty where they make no sense.
+std::map<uint16_t, uint64_t> message_counts(const std::map<uint16_t, uint64_t>& offsets,
+                                            uint64_t length) {
+  constexpr uint64_t kIndexHead = kRecordHeader + sizeof(uint16_t) + sizeof(uint32_t);
+  constexpr uint64_t kEntry = 2 * sizeof(uint64_t);
+  std::vector<std::pair<uint64_t, uint16_t>> places;
+  for (const auto& [channel, offset] : offsets) {
+    places.emplace_back(offset, channel);
+  }
+  std::ranges::sort(places);
+  std::map<uint16_t, uint64_t> counts;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const uint64_t begin = places[i].first - places.front().first;
+    const uint64_t end =
+        i + 1 < places.size() ? places[i + 1].first - places.front().first : length;
+    if (end < begin || end - begin < kIndexHead || (end - begin - kIndexHead) % kEntry != 0) {
+      return {};
+    }
+    counts[places[i].second] = (end - begin - kIndexHead) / kEntry;
+  }
+  return counts;
+}
 
 /// A length in bytes and as many bytes of names and values.
 std::map<std::string, std::string> read_pairs(ByteReader& record, const char* what) {
@@ -64,7 +90,9 @@ Statistics read_statistics(ByteReader record) {
   statistics.messages = record.number<uint64_t>("the statistics");
   record.number<uint16_t>("the statistics");  // schemas
   statistics.channels = record.number<uint32_t>("the statistics");
-  record.bytes(12, "the statistics");  // attachments, metadata, chunks
+  statistics.attachments = record.number<uint32_t>("the statistics");
+  record.number<uint32_t>("the statistics");  // metadata
+  statistics.chunks = record.number<uint32_t>("the statistics");
   statistics.begin = record.number<uint64_t>("the statistics");
   statistics.end = record.number<uint64_t>("the statistics");
   const auto length = record.number<uint32_t>("the statistics");
@@ -76,12 +104,22 @@ Statistics read_statistics(ByteReader record) {
   return statistics;
 }
 
-std::string read_chunk_index_compression(ByteReader record) {
-  record.bytes(32, "a chunk's index");  // times, place, length
-  const auto length = record.number<uint32_t>("a chunk's index");
-  record.bytes(length, "a chunk's index");            // message indexes
-  record.bytes(sizeof(uint64_t), "a chunk's index");  // their length
-  return record.text("a chunk's index");
+ChunkIndex read_chunk_index(ByteReader record) {
+  ChunkIndex index;
+  index.begin = record.number<uint64_t>("a chunk's index");
+  index.end = record.number<uint64_t>("a chunk's index");
+  index.offset = record.number<uint64_t>("a chunk's index");
+  record.number<uint64_t>("a chunk's index");  // length
+  ByteReader places = record.part(record.number<uint32_t>("a chunk's index"), "a chunk's index");
+  std::map<uint16_t, uint64_t> offsets;
+  while (places.remaining() > 0) {
+    const auto channel = places.number<uint16_t>("a chunk's index");
+    offsets[channel] = places.number<uint64_t>("a chunk's index");
+  }
+  const auto length = record.number<uint64_t>("a chunk's index");
+  index.channel_messages = message_counts(offsets, length);
+  index.compression = record.text("a chunk's index");
+  return index;
 }
 
 Metadata read_metadata(ByteReader record) {

@@ -76,14 +76,23 @@ ChunkHeader read_chunk_header(ByteReader& record);
 struct Statistics {
   uint64_t messages = 0;
   uint32_t channels = 0;
+  uint32_t attachments = 0;
+  uint32_t chunks = 0;
   uint64_t begin = 0;  ///< ns
   uint64_t end = 0;
-  std::map<uint16_t, uint64_t> channel_messages;
+  std::map<uint16_t, uint64_t> channel_messages;  ///< empty: not given
 };
 Statistics read_statistics(ByteReader record);
 
-/// The compression that an entry of the chunk index names.
-std::string read_chunk_index_compression(ByteReader record);
+/// An entry of the chunk index.
+struct ChunkIndex {
+  uint64_t begin = 0;  ///< ns, earliest log time; 0 with `end` 0 where there are no messages
+  uint64_t end = 0;
+  uint64_t offset = 0;                            ///< byte of the file where the chunk begins
+  std::map<uint16_t, uint64_t> channel_messages;  ///< empty: there is no index of messages
+  std::string compression;
+};
+ChunkIndex read_chunk_index(ByteReader record);
 
 /// A record of names and values for programs, such as rosbag2's.
 struct Metadata {

@@ -32,4 +32,17 @@ std::string ros2_type_name(std::string_view type) {
   return slash == std::string::npos ? name : name.insert(slash, "/msg");
 }
 
+std::vector<DeclarationError> contradictions_of(
+    const MessageFile& file, const std::vector<std::optional<uint64_t>>& counts) {
+  std::vector<DeclarationError> found = file.contradictions();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const Channel& channel = file.channels()[i];
+    if (counts[i] && channel.messages && *channel.messages != *counts[i]) {
+      found.push_back(wrong_count(file.path(), "the file's index", channel.topic, *channel.messages,
+                                  *counts[i]));
+    }
+  }
+  return found;
+}
+
 }  // namespace adit

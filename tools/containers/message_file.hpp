@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/tools/containers/declaration_error.hpp"
 #include "adit/tools/containers/time_span.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -57,6 +58,30 @@ struct MessageSelection {
   std::vector<std::size_t> channels{};     ///< indices; empty: all
   Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
+  uint64_t from = 0;                       ///< RawMessage::offset to start at; 0: the first message
+  bool by_index = false;  ///< pass over chunks that have none of the channels, by the index
+};
+
+/// A stretch of a file without messages of a channel.
+struct ChannelPause {
+  Nanoseconds length{0};  ///< from receipt to receipt, as far as the index tells
+  uint64_t before = 0;    ///< RawMessage::offset of the message before it, or of its chunk
+  uint64_t after = 0;     ///< likewise
+};
+
+/// Where the messages of a channel are in a file.
+struct ChannelLayout {
+  std::optional<TimeSpan> received{};  ///< covers all of them; none: there are no messages
+  uint64_t last = 0;                   ///< RawMessage::offset of the last one, or of its chunk
+  ChannelPause pause{};                ///< the longest
+};
+
+/// How the channels of a file are interleaved.
+struct MessageLayout {
+  std::vector<ChannelLayout> channels{};  ///< by channel; empty: the index does not tell
+  /// Messages of one channel are received long before those of other channels that precede them in
+  /// the file, and each channel is in the order of receipt.
+  bool grouped = false;
 };
 
 class MessageStream {
@@ -88,8 +113,16 @@ class MessageFile {
   virtual std::string ros_distro() const { return {}; }
   /// What opening found wrong, if anything; messages() gives what can be read all the same.
   virtual const std::optional<InputError>& damage() const = 0;
+  /// Where the file does not hold what it declares, as far as opening can tell.
+  virtual std::vector<DeclarationError> contradictions() const { return {}; }
+  virtual MessageLayout layout() const { return {}; }
   /// Reads from the beginning. The file must outlive the stream; several streams may be open.
   virtual std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const = 0;
 };
+
+/// Where the file does not hold what it declares, once it was read: `counts` are of the messages
+/// by channel; none: the channel was not read.
+std::vector<DeclarationError> contradictions_of(const MessageFile& file,
+                                                const std::vector<std::optional<uint64_t>>& counts);
 
 }  // namespace adit

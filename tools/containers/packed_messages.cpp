@@ -67,6 +67,14 @@ class PackedFile final : public MessageFile {
   std::string format() const override { return file_->format() + ", packed with zstd"; }
   std::string ros_distro() const override { return file_->ros_distro(); }
   const std::optional<InputError>& damage() const override { return damage_; }
+  std::vector<DeclarationError> contradictions() const override {
+    std::vector<DeclarationError> renamed;
+    for (const DeclarationError& one : file_->contradictions()) {
+      renamed.emplace_back(packed_, one.found(), one.remedy(), one.topic(), one.missing());
+    }
+    return renamed;
+  }
+  MessageLayout layout() const override { return file_->layout(); }
   std::unique_ptr<MessageStream> messages(const MessageSelection& selection) const override {
     return std::make_unique<PackedStream>(file_->messages(selection), packed_);
   }

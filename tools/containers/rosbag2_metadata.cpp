@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "adit/tools/containers/yaml_text.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {
@@ -16,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMetadataFile = "metadata.yaml";
+constexpr std::string_view kBag = "rosbag2_bagfile_information";
 constexpr std::string_view kQosKey = "offered_qos_profiles";
 constexpr std::string_view kHashKey = "topic_type_hash";
 
@@ -90,6 +93,22 @@ std::string to_yaml(const Channel& channel) {
          "\n      message_count: " + std::to_string(channel.messages.value_or(0)) + "\n";
 }
 
+/// metadata.yaml in the folder; nothing where there is none, or none of a size that makes sense.
+std::optional<std::string> metadata_text(const fs::path& folder) {
+  constexpr uint64_t kLargest = 1U << 24U;
+  const fs::path file = folder / kMetadataFile;
+  std::error_code error;
+  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kLargest || error) {
+    return std::nullopt;
+  }
+  return read_text_file(file);
+}
+
+std::optional<uint64_t> number_in(const YamlNode& mapping, std::string_view key) {
+  const YamlNode* value = mapping.find(key);
+  return value == nullptr ? std::nullopt : parse_unsigned(value->scalar);
+}
+
 }  // namespace
 
 std::string to_yaml(const Rosbag2Metadata& metadata) {
@@ -133,16 +152,55 @@ std::string named_qos_profiles(const std::string& text) {
   return named;
 }
 
+std::optional<Rosbag2Declaration> read_rosbag2_declaration(const fs::path& folder) {
+  const std::optional<std::string> text = metadata_text(folder);
+  if (!text) {
+    return std::nullopt;
+  }
+  const std::optional<YamlNode> document = parse_yaml(*text);
+  const YamlNode* bag = document ? document->find(kBag) : nullptr;
+  const YamlNode* files = bag == nullptr ? nullptr : bag->find("relative_file_paths");
+  Rosbag2Declaration declared;
+  if (files != nullptr) {
+    for (const YamlNode& file : files->items) {
+      declared.files.emplace_back(file.scalar);
+    }
+  }
+  if (declared.files.empty()) {
+    throw UnusableMetadata(folder / kMetadataFile, {},
+                           "it does not list the files of the recording",
+                           "All containers in the folder are read; write it anew (ros2 bag "
+                           "reindex)");
+  }
+  declared.messages = number_in(*bag, "message_count");
+  const YamlNode* topics = bag->find("topics_with_message_count");
+  for (const YamlNode& topic : topics == nullptr ? std::vector<YamlNode>() : topics->items) {
+    const YamlNode* about = topic.find("topic_metadata");
+    const YamlNode* name = about == nullptr ? nullptr : about->find("name");
+    const std::optional<uint64_t> messages = number_in(topic, "message_count");
+    if (name != nullptr && messages) {
+      declared.topics.emplace_back(name->scalar, *messages);
+    }
+  }
+  return declared;
+}
+
+fs::path without_metadata_file(const fs::path& path) {
+  if (path.filename() != kMetadataFile) {
+    return path;
+  }
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::optional<std::string> text = metadata_text(folder);
+  return text && text->find(kBag) != std::string::npos ? folder : path;
+}
+
 std::string told_ros_distro(const fs::path& folder) {
-  constexpr uint64_t kLargest = 1U << 24U;
   constexpr std::string_view kKey = "ros_distro:";
-  const fs::path file = folder / "metadata.yaml";
-  std::error_code error;
-  if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kLargest || error) {
+  const std::optional<std::string> text = metadata_text(folder);
+  if (!text) {
     return {};
   }
-  const std::string text = read_text_file(file);
-  LineReader lines(text);
+  LineReader lines(*text);
   while (const auto line = lines.next()) {
     const std::vector<std::string_view> words = split_words(*line);
     if (words.size() == 2 && words[0] == kKey) {

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "adit/tools/clouds/sweep_times.hpp"
 #include "adit/tools/containers/compression.hpp"
+#include "adit/tools/containers/message_blocks.hpp"
 #include "adit/tools/containers/packed_messages.hpp"
 #include "adit/tools/containers/seekable_file.hpp"
 #include "adit/tools/containers/sqlite_database.hpp"
@@ -36,18 +39,43 @@ Encoding encoding_of(const std::string& format) {
   return format == "cdr" ? Encoding::cdr : format == "ros1" ? Encoding::ros1 : Encoding::other;
 }
 
+/// In which order the messages of a database are read.
+enum class RowOrder {
+  rows,
+  times,         ///< there is an index of times
+  sorted_times,  ///< there is none: SQLite sorts the times, without the messages
+};
+
+/// The messages of the channels, by the ids of their topics. What is sorted by SQLite itself comes
+/// without the data. The '+' keeps SQLite from other indexes than that of the order.
+std::string query_of(const std::map<int64_t, std::size_t>& channels, RowOrder order) {
+  std::string topics;
+  for (const auto& [id, channel] : channels) {
+    topics += (topics.empty() ? "" : ", ") + std::to_string(id);
+  }
+  return std::string("SELECT id, topic_id, timestamp") +
+         (order == RowOrder::sorted_times ? "" : ", data") +
+         " FROM messages WHERE timestamp >= ?1 AND timestamp <= ?2 AND +id >= ?3 AND +topic_id IN "
+         "(" +
+         topics + ") ORDER BY " + (order == RowOrder::rows ? "id" : "timestamp, id");
+}
+
 class DatabaseStream final : public MessageStream {
  public:
   DatabaseStream(const SqliteDatabase& database, const fs::path& path,
                  std::map<int64_t, std::size_t> channels, const MessageSelection& selection,
-                 bool by_time)
+                 RowOrder order)
       : path_(&path),
         channels_(std::move(channels)),
-        statement_(database.prepare(
-            std::string("SELECT id, topic_id, timestamp, data FROM messages WHERE timestamp >= ?1 "
-                        "AND timestamp <= ?2 ORDER BY ") +
-            (by_time ? "timestamp, id" : "id"))) {
-    statement_.bind(1, selection.begin.count()).bind(2, selection.end.count());
+        statement_(database.prepare(query_of(channels_, order))) {
+    if (order == RowOrder::sorted_times) {
+      data_.emplace(database.prepare("SELECT data FROM messages WHERE id = ?1"));
+    }
+    const uint64_t first = std::min<uint64_t>(selection.from, std::numeric_limits<int64_t>::max());
+    statement_.bind(1, selection.begin.count())
+        .bind(2, selection.end.count())
+        .bind(3, selection.from == 0 ? std::numeric_limits<int64_t>::min()
+                                     : static_cast<int64_t>(first));
   }
 
   std::optional<RawMessage> next() override {
@@ -59,19 +87,29 @@ class DatabaseStream final : public MessageStream {
       ended_ = false;
       const auto channel = channels_.find(statement_.integer(1));
       if (channel != channels_.end()) {
-        return RawMessage{channel->second, Nanoseconds(statement_.integer(2)),
-                          unpacker_.unpack(statement_.blob(3), *path_,
-                                           "row " + std::to_string(statement_.integer(0))),
-                          static_cast<uint64_t>(statement_.integer(0))};
+        return RawMessage{
+            channel->second, Nanoseconds(statement_.integer(2)),
+            unpacker_.unpack(blob(), *path_, "row " + std::to_string(statement_.integer(0))),
+            static_cast<uint64_t>(statement_.integer(0))};
       }
     }
     return std::nullopt;
   }
 
  private:
+  std::span<const std::byte> blob() {
+    if (!data_) {
+      return statement_.blob(3);
+    }
+    data_->reset();
+    data_->bind(1, statement_.integer(0));
+    return data_->step() ? data_->blob(0) : std::span<const std::byte>();
+  }
+
   const fs::path* path_;
   std::map<int64_t, std::size_t> channels_;
   SqliteStatement statement_;
+  std::optional<SqliteStatement> data_;  // where `statement_` comes without them
   MessageUnpacker unpacker_;
   bool ended_ = false;
 };
@@ -109,11 +147,11 @@ class DatabaseFile final : public MessageFile {
       keep("offered_qos_profiles", topics.text(4));
       keep("topic_type_hash", topics.text(5));
     }
-    count();
     SqliteStatement index = database_.prepare(
         "SELECT count(*) FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql "
         "LIKE '%timestamp%'");
-    by_time_ = index.step() && index.integer(0) > 0;
+    order_ = index.step() && index.integer(0) > 0 ? RowOrder::times : RowOrder::rows;
+    count();
   }
 
   const fs::path& path() const override { return path_; }
@@ -121,6 +159,7 @@ class DatabaseFile final : public MessageFile {
   std::optional<TimeSpan> span() const override { return span_; }
   std::string format() const override { return format_; }
   const std::optional<InputError>& damage() const override { return damage_; }
+  MessageLayout layout() const override { return layout_; }
 
   std::string ros_distro() const override {
     if (!has_column("schema", "ros_distro")) {
@@ -137,8 +176,7 @@ class DatabaseFile final : public MessageFile {
         wanted[ids_[i]] = i;
       }
     }
-    return std::make_unique<DatabaseStream>(database_, path_, std::move(wanted), selection,
-                                            by_time_);
+    return std::make_unique<DatabaseStream>(database_, path_, std::move(wanted), selection, order_);
   }
 
  private:
@@ -163,21 +201,28 @@ class DatabaseFile final : public MessageFile {
     return row.step() ? row.text(0) : std::string();
   }
 
+  /// Walks over the rows, without their messages.
   void count() {
+    LayoutObserver observer(channels_.size());
     try {
-      SqliteStatement rows = database_.prepare(
-          "SELECT topic_id, count(*), min(timestamp), max(timestamp) FROM messages GROUP BY "
-          "topic_id");
+      SqliteStatement rows =
+          database_.prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY id");
       while (rows.step()) {
-        const TimeSpan span{Nanoseconds(rows.integer(2)), Nanoseconds(rows.integer(3))};
-        span_ = span_ ? TimeSpan{std::min(span_->begin, span.begin), std::max(span_->end, span.end)}
-                      : span;
-        const auto id = std::ranges::find(ids_, rows.integer(0));
-        if (id != ids_.end()) {
-          channels_[static_cast<std::size_t>(id - ids_.begin())].messages =
-              static_cast<uint64_t>(rows.integer(1));
+        const Nanoseconds time(rows.integer(2));
+        span_ = span_ ? TimeSpan{std::min(span_->begin, time), std::max(span_->end, time)}
+                      : TimeSpan{time, time};
+        const auto found = std::ranges::find(ids_, rows.integer(1));
+        if (found != ids_.end()) {
+          const auto channel = static_cast<std::size_t>(found - ids_.begin());
+          channels_[channel].messages = *channels_[channel].messages + 1;
+          observer.add(channel, {time, time}, static_cast<uint64_t>(rows.integer(0)));
         }
       }
+      layout_ = std::move(observer).take();
+      if (layout_.grouped && order_ == RowOrder::rows) {
+        order_ = RowOrder::sorted_times;
+      }
+      layout_.grouped = false;  // the order of times is that of the stream
     } catch (const InputError& error) {
       damage_ = error;
       for (Channel& channel : channels_) {
@@ -193,7 +238,8 @@ class DatabaseFile final : public MessageFile {
   std::optional<TimeSpan> span_;
   std::string format_;
   std::optional<InputError> damage_;
-  bool by_time_ = false;
+  RowOrder order_ = RowOrder::rows;
+  MessageLayout layout_;
 };
 
 }  // namespace
@@ -206,14 +252,16 @@ std::unique_ptr<MessageFile> open_rosbag2_database(const fs::path& file) {
   return std::make_unique<DatabaseFile>(file);
 }
 
-std::vector<fs::path> rosbag2_files(const fs::path& folder) {
+std::vector<fs::path> container_files(const fs::path& folder) {
+  constexpr std::array kSuffixes = {".db3",       ".db3.zstd", ".mcap",
+                                    ".mcap.zstd", ".bag",      ".bag.active"};
   std::vector<fs::path> files;
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   for (const fs::directory_iterator end; !error && entries != end; entries.increment(error)) {
     const std::string name = entries->path().filename().string();
-    if (name.ends_with(".db3") || name.ends_with(".db3.zstd") || name.ends_with(".mcap") ||
-        name.ends_with(".mcap.zstd")) {
+    if (std::ranges::any_of(kSuffixes,
+                            [&](const char* suffix) { return name.ends_with(suffix); })) {
       files.push_back(entries->path());
     }
   }

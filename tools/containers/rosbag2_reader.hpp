@@ -17,8 +17,8 @@ bool is_rosbag2_database(const std::filesystem::path& file);
 /// one by one are unpacked. Throws InputError where it is no such database.
 std::unique_ptr<MessageFile> open_rosbag2_database(const std::filesystem::path& file);
 
-/// The storage files in a folder that rosbag2 wrote (.db3, .mcap, either with .zstd), in the order
-/// of their numbers; none where it is no such folder. metadata.yaml is not needed.
-std::vector<std::filesystem::path> rosbag2_files(const std::filesystem::path& folder);
+/// The files in a folder that are named as containers are (.db3, .mcap, either with .zstd, .bag,
+/// .bag.active), in the order of the numbers in their names; none where there is none.
+std::vector<std::filesystem::path> container_files(const std::filesystem::path& folder);
 
 }  // namespace adit

@@ -128,9 +128,9 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
 
 }  // namespace
 
-Inspection inspect(const std::filesystem::path& path, const Config& config,
+Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config& config,
                    const DeviceOptions& device) {
-  const std::unique_ptr<Recording> recording = open_recording(path, config.recording);
+  const std::unique_ptr<Recording> recording = open_recording(paths, config.recording);
   Inspection result;
   result.description = recording->description();
   result.topics = recording->topics();

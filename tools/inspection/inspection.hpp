@@ -26,11 +26,11 @@ struct Inspection {
   std::vector<Finding> findings;
 };
 
-/// Reads all of a recording, and a stretch of it a second time to compare its sensors' rotations on
-/// the device. Throws InputError where it cannot be opened, UsageError for a device that is not
-/// there; where there is none at all the rotations are not compared, and a finding says so.
-/// `config` says how the recording is to be understood.
-Inspection inspect(const std::filesystem::path& path, const Config& config,
+/// Reads all of a recording (see open_recording() of several paths), and a stretch of it a second
+/// time to compare its sensors' rotations on the device. Throws InputError where it cannot be
+/// opened, UsageError for a device that is not there; where there is none at all the rotations are
+/// not compared, and a finding says so. `config` says how the recording is to be understood.
+Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config& config,
                    const DeviceOptions& device);
 
 bool has_problem(const Inspection& inspection);

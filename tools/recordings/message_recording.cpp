@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <iterator>
 #include <string>
 #include <utility>
 
 #include "adit/tools/clouds/point_time_vote.hpp"
 #include "adit/tools/recordings/message_cameras.hpp"
 #include "adit/tools/recordings/packet_messages.hpp"
+#include "adit/tools/recordings/recording_parts.hpp"
 #include "adit/tools/recordings/ros_codec.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/recordings/ros_messages.hpp"
@@ -20,12 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file and the topic of each of its channels.
-struct Part {
-  std::unique_ptr<MessageFile> file;
-  std::vector<std::size_t> topics;
-  std::vector<std::unique_ptr<DepthCamera>> cameras;  // by channel; null where it has no depths
-};
+using Part = RecordingPart;
 
 /// The packets of a sensor in messages, and the topics of its events.
 struct PacketTopics {
@@ -87,7 +84,8 @@ std::optional<double> told_time_unit(const std::vector<Part>& parts, std::size_t
 class MessageEventStream final : public EventStream {
  public:
   MessageEventStream(const std::vector<Part>& parts, const std::vector<Topic>& topics,
-                     const PacketTopics* packets, EventSelection selection)
+                     const MessageTimes& times, const PacketTopics* packets,
+                     EventSelection selection)
       : parts_(&parts),
         selection_(std::move(selection)),
         packets_(packets),
@@ -97,6 +95,9 @@ class MessageEventStream final : public EventStream {
       const bool chosen = selection_.topics.empty() || std::ranges::count(selection_.topics, i) > 0;
       wanted_.push_back(chosen && topics[i].kind != TopicKind::other);
     }
+    stream_ = read_parts(
+        parts, topics,
+        {.wanted = wanted_, .received = {selection_.begin, selection_.end}, .times = times});
     if (packets_ != nullptr) {
       decoder_.emplace(packets_->sensor, true);
       const Nanoseconds first = packets_->begin;
@@ -119,10 +120,7 @@ class MessageEventStream final : public EventStream {
         take_held(*held);
         continue;
       }
-      if (!stream_ && !open_next()) {
-        if (!std::exchange(ended_, true)) {
-          continue;
-        }
+      if (ended_) {
         std::optional<Event> last = decoder_ ? decoder_->finish() : std::nullopt;
         decoder_.reset();
         if (!last) {
@@ -136,27 +134,8 @@ class MessageEventStream final : public EventStream {
   }
 
  private:
-  /// The next file that has a topic of interest.
-  bool open_next() {
-    while (part_ < parts_->size()) {
-      const Part& part = (*parts_)[part_++];
-      MessageSelection selection{.channels = {}, .begin = selection_.begin, .end = selection_.end};
-      for (std::size_t i = 0; i < part.topics.size(); ++i) {
-        if (wanted_[part.topics[i]]) {
-          selection.channels.push_back(i);
-        }
-      }
-      if (!selection.channels.empty() || part.file->damage()) {
-        reading_ = current_ = &part;
-        stream_ = part.file->messages(selection);
-        return true;
-      }
-    }
-    return false;
-  }
-
   void read() {
-    std::optional<RawMessage> message;
+    std::optional<PartMessage> message;
     try {
       message = stream_->next();
     } catch (const InputError& error) {
@@ -167,9 +146,10 @@ class MessageEventStream final : public EventStream {
       return;
     }
     if (!message) {
-      stream_.reset();
+      ended_ = true;
     } else if (packets_ == nullptr) {
-      take(*message);
+      current_ = message->part;
+      take(message->message);
     } else {
       hold(*message);
     }
@@ -177,14 +157,15 @@ class MessageEventStream final : public EventStream {
 
   /// Packets of the sensor take their places in the order of its clock; what lies between them
   /// keeps its own.
-  void hold(const RawMessage& message) {
-    const Channel& channel = reading_->file->channels()[message.channel];
+  void hold(const PartMessage& part_message) {
+    const RawMessage& message = part_message.message;
+    const Channel& channel = part_message.part->file->channels()[message.channel];
     const std::optional<Datagram> datagram =
         is_packet_channel(channel) ? datagram_of(channel, message) : std::nullopt;
     const std::optional<PacketPlace> place =
         datagram ? place_of(*datagram, packets_->sensor) : std::nullopt;
     HeldMessage held{.received = message.received,
-                     .part = reading_,
+                     .part = part_message.part,
                      .message = message,
                      .bytes = {message.bytes.begin(), message.bytes.end()}};
     if (place) {
@@ -298,19 +279,17 @@ class MessageEventStream final : public EventStream {
   std::vector<uint64_t> taken_;                                   // messages so far, by topic
   std::vector<std::optional<std::optional<double>>> time_units_;  // s, by topic, if asked for
   uint64_t skipped_ = 0;
-  std::size_t part_ = 0;
-  const Part* reading_ = nullptr;  // that of stream_
-  const Part* current_ = nullptr;  // that of the message that is taken
-  std::unique_ptr<MessageStream> stream_;
+  const Part* current_ = nullptr;
+  std::unique_ptr<PartStream> stream_;
   std::deque<Event> ready_;
 };
 
 class MessageRecording final : public Recording {
  public:
-  MessageRecording(fs::path path, std::vector<std::unique_ptr<MessageFile>> files,
+  MessageRecording(std::vector<fs::path> paths, std::vector<std::unique_ptr<MessageFile>> files,
                    const fs::path& metadata)
-      : path_(std::move(path)) {
-    if (std::optional<PacketSensor> sensor = packet_sensor_of(files, path_, metadata)) {
+      : paths_(std::move(paths)) {
+    if (std::optional<PacketSensor> sensor = packet_sensor_of(files, paths_.front(), metadata)) {
       packets_.emplace(PacketTopics{.sensor = std::move(*sensor)});
     }
     std::vector<const MessageFile*> all;
@@ -331,6 +310,7 @@ class MessageRecording final : public Recording {
     if (packets_) {
       find_packet_topics();
     }
+    times_ = times_of(parts_, topics_);
   }
 
   const std::vector<Topic>& topics() const override { return topics_; }
@@ -338,14 +318,37 @@ class MessageRecording final : public Recording {
   std::vector<RecordingNotice> notices() const override { return packet_notices_; }
 
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
-    return std::make_unique<MessageEventStream>(parts_, topics_, packets_ ? &*packets_ : nullptr,
-                                                selection);
+    return std::make_unique<MessageEventStream>(parts_, topics_, times_,
+                                                packets_ ? &*packets_ : nullptr, selection);
+  }
+
+  std::vector<RecordingNotice> notices() const override {
+    std::vector<RecordingNotice> notices;
+    for (const fs::path& path : paths_) {
+      std::ranges::move(unlisted_file_notices(path), std::back_inserter(notices));
+    }
+    if (times_.order != MessageOrder::files) {
+      const bool stamps = times_.order == MessageOrder::stamps;
+      notices.push_back(
+          {.kind = "grouped_by_topic",
+           .found = std::string("its messages are grouped by topic") +
+                    (stamps ? ", and by their times of receipt the topics follow each other; by "
+                              "their stamps they were measured at the same time"
+                            : ""),
+           .effect = stamps ? "they are read in the order of their stamps"
+                            : "they are read in the order of their times of receipt",
+           .remedy = "Nothing need be done"});
+    }
+    return notices;
   }
 
   std::string description() const override {
-    std::string text = path_.string() + ": " + parts_.front().file->format();
-    if (parts_.size() > 1) {
-      text += " in " + std::to_string(parts_.size()) + " files";
+    const auto is_there = [](const Part& part) { return !part.file->format().empty(); };
+    const auto files = std::ranges::count_if(parts_, is_there);
+    std::string text =
+        text_of(paths_) + ": " + std::ranges::find_if(parts_, is_there)->file->format();
+    if (files > 1) {
+      text += " in " + std::to_string(files) + " files";
     }
     std::optional<TimeSpan> span;
     for (const Part& part : parts_) {
@@ -420,19 +423,20 @@ class MessageRecording final : public Recording {
     return topics_.size() - 1;
   }
 
-  fs::path path_;
+  std::vector<fs::path> paths_;
   std::optional<PacketTopics> packets_;
   std::vector<RecordingNotice> packet_notices_;
   std::vector<Part> parts_;
+  MessageTimes times_;
   std::vector<Topic> topics_;
 };
 
 }  // namespace
 
-std::unique_ptr<Recording> make_message_recording(const fs::path& path,
+std::unique_ptr<Recording> make_message_recording(std::vector<fs::path> paths,
                                                   std::vector<std::unique_ptr<MessageFile>> files,
                                                   const fs::path& metadata) {
-  return std::make_unique<MessageRecording>(path, std::move(files), metadata);
+  return std::make_unique<MessageRecording>(std::move(paths), std::move(files), metadata);
 }
 
 }  // namespace adit

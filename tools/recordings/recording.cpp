@@ -4,10 +4,6 @@
 
 #include <type_traits>
 
-#include "adit/tools/containers/bag_reader.hpp"
-#include "adit/tools/containers/mcap_reader.hpp"
-#include "adit/tools/containers/packed_messages.hpp"
-#include "adit/tools/containers/rosbag2_reader.hpp"
 #include "adit/tools/packets/packet_capture.hpp"
 #include "adit/tools/recordings/capture_recording.hpp"
 #include "adit/tools/recordings/euroc_folder.hpp"
@@ -80,49 +76,6 @@ std::size_t sweep_topic(const Recording& recording, const fs::path& path,
   return *found;
 }
 
-namespace {
-
-/// One that is not packed.
-std::unique_ptr<MessageFile> open_plain_file(const fs::path& path) {
-  if (is_mcap(path)) {
-    return open_mcap(path);
-  }
-  if (is_bag(path)) {
-    return open_bag(path);
-  }
-  return is_rosbag2_database(path) ? open_rosbag2_database(path) : nullptr;
-}
-
-/// Recognised by content; null where it is no container.
-std::unique_ptr<MessageFile> open_message_file(const fs::path& path) {
-  if (is_zstd_file(path)) {
-    return open_packed_file(path, open_plain_file);
-  }
-  return open_plain_file(path);
-}
-
-}  // namespace
-
-std::vector<std::unique_ptr<MessageFile>> open_message_files(const fs::path& path) {
-  std::error_code ignored;
-  std::vector<std::unique_ptr<MessageFile>> files;
-  if (fs::is_regular_file(path, ignored)) {
-    if (std::unique_ptr<MessageFile> file = open_message_file(path)) {
-      files.push_back(std::move(file));
-    }
-  } else if (fs::is_directory(path, ignored)) {
-    for (const fs::path& part : rosbag2_files(path)) {
-      std::unique_ptr<MessageFile> file = open_message_file(part);
-      if (!file) {
-        throw InputError(part, Place::byte(0), "it is neither an MCAP file nor an SQLite database",
-                         "The file is damaged: copy it again, or move it out of the folder");
-      }
-      files.push_back(std::move(file));
-    }
-  }
-  return files;
-}
-
 std::unique_ptr<Recording> open_recording(const fs::path& path, const fs::path& metadata) {
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && is_packet_capture(path)) {
@@ -136,7 +89,21 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const fs::path& 
   }
   std::vector<std::unique_ptr<MessageFile>> files = open_message_files(path);
   return files.empty() ? open_sweep_files(path)
-                       : make_message_recording(path, std::move(files), metadata);
+                       : make_message_recording({path}, std::move(files), metadata);
+}
+
+std::unique_ptr<Recording> open_recording(const std::vector<fs::path>& paths,
+                                          const fs::path& metadata) {
+  return paths.size() == 1 ? open_recording(paths.front(), metadata)
+                           : make_message_recording(paths, open_message_files(paths), metadata);
+}
+
+std::string text_of(const std::vector<fs::path>& paths) {
+  std::string text;
+  for (const fs::path& path : paths) {
+    text += (text.empty() ? "" : ", ") + path.string();
+  }
+  return text;
 }
 
 }  // namespace adit

@@ -84,8 +84,9 @@ class EventStream {
   EventStream(const EventStream&) = delete;
   EventStream& operator=(const EventStream&) = delete;
 
-  /// The next event, nothing at the end. Throws InputError at a damaged place; the call after that
-  /// goes on behind it if there is a way to, else finds the end.
+  /// The next event, nothing at the end. Throws InputError at a damaged place, DeclarationError
+  /// where messages that a container declares are not there; the call after that goes on behind it
+  /// if there is a way to, else finds the end.
   virtual std::optional<Event> next() = 0;
 };
 
@@ -133,7 +134,9 @@ std::size_t sweep_topic(const Recording& recording, const std::filesystem::path&
 /// - MCAP files (none, LZ4, Zstandard), with ROS 1 or ROS 2 messages.
 /// - ROS 1 bags of version 2.0 (none, LZ4, bzip2).
 /// - rosbag2 folders and their files (.db3 or .mcap, packed as a whole or message by message),
-///   split or not, with or without metadata.yaml.
+///   split or not. With metadata.yaml, which may be named instead of its folder, the files that it
+///   lists are read; without it all.
+/// - Folders of MCAP files or ROS 1 bags that follow each other in time.
 /// - Captures of a sensor's packets: see open_packet_capture().
 /// - Folders of IMU samples and poses in EuRoC's layout: see open_euroc_folder().
 /// - Folders of depth images in TUM RGB-D's layout: see open_tum_folder().
@@ -143,5 +146,14 @@ std::size_t sweep_topic(const Recording& recording, const std::filesystem::path&
 /// lies beside counts. Throws InputError: nothing there or nothing readable in it.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const std::filesystem::path& metadata = {});
+
+/// Several recordings of messages that follow each other in time, in any order, as one. One path is
+/// opened as above. Throws InputError also where their times overlap, or where a topic has several
+/// types.
+std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::path>& paths,
+                                          const std::filesystem::path& metadata = {});
+
+/// The paths for people: "a.bag, b.bag".
+std::string text_of(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace adit

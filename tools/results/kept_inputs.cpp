@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
+#include <string_view>
 #include <system_error>
 
 #include "adit/tools/results/output_folder.hpp"
@@ -69,6 +71,21 @@ bool would_change(const fs::path& output, const fs::path& input) {
          std::ranges::any_of(kBesideDatabases, [&](const char* end) {
            return file == resolved(input).string() + end;
          });
+}
+
+bool is_recording_or_map(const fs::path& file) {
+  constexpr std::array<std::string_view, 3> kBegins = {"\x89MCAP", "#ROSBAG V", "SQLite format 3"};
+  if (!is_file(file)) {
+    return false;
+  }
+  constexpr std::size_t kApplication = 68;  // where SQLite names the program that a file is of
+  std::array<char, kApplication + 4> bytes{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), bytes.size());
+  const std::string_view begin(bytes.data(), static_cast<std::size_t>(stream.gcount()));
+  const bool is_geopackage = begin.size() == bytes.size() && begin.substr(kApplication) == "GPKG";
+  return !is_geopackage &&
+         std::ranges::any_of(kBegins, [&](std::string_view one) { return begin.starts_with(one); });
 }
 
 void keep_input(const std::string& option, const fs::path& output, const fs::path& input) {

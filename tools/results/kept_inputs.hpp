@@ -22,6 +22,10 @@ bool is_within(const std::filesystem::path& path, const std::filesystem::path& o
 /// are never read.
 bool would_change(const std::filesystem::path& output, const std::filesystem::path& input);
 
+/// Whether the file is a recording (MCAP, a ROS 1 bag) or a database (a map, a rosbag2 recording,
+/// no GeoPackage).
+bool is_recording_or_map(const std::filesystem::path& file);
+
 /// Throws UsageError, which begins with the option that names the output, where would_change().
 void keep_input(const std::string& option, const std::filesystem::path& output,
                 const std::filesystem::path& input);

@@ -104,8 +104,13 @@ EventValue corrected(EventValue value, const RecordingConfig& config) {
 
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingConfig& config) {
+  return open_recording(std::vector{path}, config);
+}
+
+std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::path>& paths,
+                                          const RecordingConfig& config) {
   std::unique_ptr<Recording> recording =
-      open_recording(path, std::filesystem::path(config.metadata.value_or("")));
+      open_recording(paths, std::filesystem::path(config.metadata.value_or("")));
   if (config == RecordingConfig{}) {
     return recording;
   }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "adit/slam/core/recording_config.hpp"
 #include "adit/tools/recordings/recording.hpp"
@@ -17,6 +18,8 @@ EventValue corrected(EventValue value, const RecordingConfig& config);
 /// of receipt, and with them the selection by time, are the recorder's own. Throws as
 /// open_recording() does.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
+                                          const RecordingConfig& config);
+std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::path>& paths,
                                           const RecordingConfig& config);
 
 /// Reads the first sweeps of a topic and throws InputError where the times of their points cannot

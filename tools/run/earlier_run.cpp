@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/fingerprint.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 // Where the recording and what tells of its sensor lie is no part of what they are.
 constexpr std::string_view kRecording = "recording";
+constexpr std::string_view kFurtherRecording = "recording part ";  // and its number, from 2
 constexpr std::string_view kTopic = "topic";
 constexpr std::string_view kGraphBytes = "graph bytes at most";
 constexpr std::string_view kFingerprint = "recording fingerprint";
@@ -68,10 +70,16 @@ std::vector<std::string> settings_of(const std::string& toml) {
   return settings;
 }
 
+std::vector<std::filesystem::path> recordings_of(const RunDescription& run) {
+  std::vector<std::filesystem::path> all = {run.recording};
+  all.insert(all.end(), run.further_recordings.begin(), run.further_recordings.end());
+  return all;
+}
+
 /// What the recording is, without its name.
 std::string kind_of(const RunDescription& run) {
   const std::string& text = run.recording_description;
-  const std::string name = run.recording.string() + ": ";
+  const std::string name = text_of(recordings_of(run)) + ": ";
   return text.starts_with(name) ? text.substr(name.size()) : text;
 }
 
@@ -92,7 +100,7 @@ std::vector<std::pair<std::string, std::string>> provenance_of(const engine::Dev
 }
 
 MapSession session_of(const RunDescription& run) {
-  const Fingerprint print = fingerprint(run.recording);
+  const Fingerprint print = fingerprint(recordings_of(run));
   Config config = run.config;
   std::optional<std::string>& metadata = config.recording.metadata;
   if (metadata) {
@@ -110,6 +118,10 @@ MapSession session_of(const RunDescription& run) {
        {"recording sweeps", std::to_string(run.recording_sweeps)},
        {"first sweep", std::to_string(run.range.first)},
        {"sweeps", std::to_string(run.range.count)}});
+  for (std::size_t i = 0; i < run.further_recordings.size(); ++i) {
+    session.provenance.emplace_back(std::string(kFurtherRecording) + std::to_string(i + 2),
+                                    std::filesystem::absolute(run.further_recordings[i]).string());
+  }
   if (!is_named_by_its_folder(run)) {
     session.provenance.emplace_back(kTopic, run.topic);
   }
@@ -136,11 +148,14 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
   }
   const MapSession& session = sessions.front();
   const std::string* topic = told(session, kTopic);
+  const std::vector<std::filesystem::path> recordings = recordings_of(session);
+  require(map, session, kRecording);
   return {
       .map = map,
       .session = session,
       .progress = database.progress(session.id),
-      .recording = require(map, session, kRecording),
+      .recording = recordings.front(),
+      .further_recordings = {recordings.begin() + 1, recordings.end()},
       .topic = topic == nullptr ? std::nullopt : std::optional(*topic),
       .first_sweep = require_number(map, session, "first sweep"),
       .sweeps = require_number(map, session, "sweeps"),
@@ -150,16 +165,28 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
               : std::optional(static_cast<uint64_t>(require_number(map, session, kGraphBytes)))};
 }
 
-bool is_recording_of(const MapSession& session, const std::filesystem::path& recording) {
+bool is_recording_of(const MapSession& session,
+                     const std::vector<std::filesystem::path>& recordings) {
   const std::string* before = told(session, kFingerprint);
-  return before == nullptr || *before == fingerprint(recording).hash;
+  return before == nullptr || *before == fingerprint(recordings).hash;
+}
+
+std::vector<std::filesystem::path> recordings_of(const MapSession& session) {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& [key, value] : session.provenance) {
+    if (key == kRecording || key.starts_with(kFurtherRecording)) {
+      paths.emplace_back(value);
+    }
+  }
+  return paths;
 }
 
 void require_same(const EarlierRun& earlier, const MapSession& now) {
   std::vector<std::string> differences;
   for (const auto& [key, value] : now.provenance) {
     const std::string* before = told(earlier.session, key);
-    if (key != kRecording && key != kCommit && (before == nullptr || *before != value)) {
+    if (key != kRecording && !key.starts_with(kFurtherRecording) && key != kCommit &&
+        (before == nullptr || *before != value)) {
       differences.push_back(key + ": " + (before == nullptr ? "not known" : *before) + " then, " +
                             value + " now");
     }

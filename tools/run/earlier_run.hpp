@@ -28,6 +28,7 @@ struct EarlierRun {
   MapSession session;
   SessionProgress progress;
   std::filesystem::path recording;
+  std::vector<std::filesystem::path> further_recordings;  ///< parts of it that follow in time
   std::optional<std::string> topic;  ///< the sweeps'; none: the only one there is
   int64_t first_sweep = 0;           ///< of the recording
   int64_t sweeps = 0;                ///< from there on
@@ -38,9 +39,14 @@ struct EarlierRun {
 /// Throws InputError: no map, one of several recordings, one that does not say where it comes from.
 EarlierRun earlier_run(const std::filesystem::path& map);
 
-/// Whether the recording is the one that the session is of, by its fingerprint. Of sessions that do
-/// not say: yes. Throws InputError where there is no such recording.
-bool is_recording_of(const MapSession& session, const std::filesystem::path& recording);
+/// Whether the recording, in one or several parts, is the one that the session is of, by its
+/// fingerprint. Of sessions that do not say: yes. Throws InputError where there is no such
+/// recording.
+bool is_recording_of(const MapSession& session,
+                     const std::vector<std::filesystem::path>& recordings);
+
+/// The paths of the session's recording; none where it does not say.
+std::vector<std::filesystem::path> recordings_of(const MapSession& session);
 
 /// Throws InputError where the run could not go on with the earlier one's map, with all that
 /// differs.

@@ -7,13 +7,15 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/containers/declaration_error.hpp"
+
 namespace adit {
 namespace {
 
 constexpr std::size_t kNoted = 5;  // per kind
 constexpr std::size_t kKept = 10;  // for the summary
 
-std::string counted(std::size_t count, const char* one, const char* many) {
+std::string counted(uint64_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
@@ -30,7 +32,15 @@ std::optional<std::string> LeftOut::add(Kind& kind, const std::string& reason) {
   return kind.count < kNoted ? reason : reason + " (further ones like it are only counted)";
 }
 
-std::optional<std::string> LeftOut::add_damage(const InputError& error) {
+std::optional<std::string> LeftOut::add_damage(const InputError& error,
+                                               const std::string& sweep_topic) {
+  if (const auto* declared = dynamic_cast<const DeclarationError*>(&error)) {
+    const uint64_t missing = declared->missing().value_or(0);
+    missing_messages_ += missing;
+    missing_sweeps_ += declared->topic() == sweep_topic ? missing : 0;
+    lacks_files_ = lacks_files_ || !declared->missing();
+    return add(contradictions_, error.what());
+  }
   const std::optional<std::string> reason = add(damage_, error.what());
   return reason ? std::optional("left out: " + *reason) : std::nullopt;
 }
@@ -55,17 +65,23 @@ std::string LeftOut::first_damage() const {
 }
 
 nlohmann::ordered_json LeftOut::to_json() const {
-  return {{"damaged_places", damage_.count},
-          {"sweeps_not_rising", stamps_.count},
-          {"sweeps_put_in_order", order_.count},
-          {"damage", damage_.first},
-          {"stamps", stamps_.first}};
+  return {{"damaged_places", damage_.count},       {"sweeps_missing", missing_sweeps_},
+          {"messages_missing", missing_messages_}, {"sweeps_not_rising", stamps_.count},
+          {"sweeps_put_in_order", order_.count},   {"damage", damage_.first},
+          {"declarations", contradictions_.first}, {"stamps", stamps_.first}};
 }
 
 std::string LeftOut::text() const {
   std::string text;
+  if (missing_sweeps_ > 0) {
+    text = counted(missing_sweeps_, "sweep that the recording declares is not in it",
+                   "sweeps that the recording declares are not in it");
+  } else if (contradictions_.count > 0) {
+    text = "the recording does not hold what it declares";
+  }
   if (damaged() > 0) {
-    text += counted(damaged(), "damaged place", "damaged places") +
+    text += std::string(text.empty() ? "" : "; ") +
+            counted(damaged(), "damaged place", "damaged places") +
             " in the recording (`adit inspect` lists them, --strict-input ends at the first)";
   }
   if (not_rising() > 0) {

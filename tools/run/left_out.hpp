@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,9 +18,10 @@ namespace adit {
 /// What of a recording a run left out or took in another order, counted, with the first reasons.
 class LeftOut {
  public:
-  /// A damaged place. Each add_ returns the reason as a note for people, or nothing once enough of
-  /// its kind were noted.
-  std::optional<std::string> add_damage(const InputError& error);
+  /// A damaged place; a DeclarationError counts as what the recording declares and does not hold,
+  /// on `sweep_topic` as sweeps. Each add_ returns the reason as a note for people, or nothing once
+  /// enough of its kind were noted.
+  std::optional<std::string> add_damage(const InputError& error, const std::string& sweep_topic);
 
   /// A sweep whose stamp is not after `last`, that of the sweep before it: it would have no place
   /// in a trajectory.
@@ -29,10 +31,14 @@ class LeftOut {
   /// `index` of the trajectory.
   std::optional<std::string> add_put_in_order(std::size_t index);
 
-  std::size_t damaged() const { return damage_.count; }      ///< places
-  std::size_t not_rising() const { return stamps_.count; }   ///< sweeps
+  std::size_t damaged() const { return damage_.count; }     ///< places
+  std::size_t not_rising() const { return stamps_.count; }  ///< sweeps
+  /// Sweeps that the recording declares and does not hold, as far as it tells how many.
+  uint64_t missing_sweeps() const { return missing_sweeps_; }
+  /// The recording declares sweeps, or a file, that it does not hold.
+  bool lacks_sweeps() const { return missing_sweeps_ > 0 || lacks_files_; }
   std::size_t put_in_order() const { return order_.count; }  ///< sweeps; they are not left out
-  bool any() const { return damaged() + not_rising() > 0; }
+  bool any() const { return damaged() + not_rising() + contradictions_.count > 0; }
   /// The first damage; empty where there is none.
   std::string first_damage() const;
 
@@ -51,6 +57,10 @@ class LeftOut {
   static std::optional<std::string> add(Kind& kind, const std::string& reason);
 
   Kind damage_;
+  Kind contradictions_;
+  uint64_t missing_sweeps_ = 0;
+  uint64_t missing_messages_ = 0;  // with the sweeps
+  bool lacks_files_ = false;
   Kind stamps_;
   Kind order_;
 };

@@ -27,6 +27,9 @@ ordered_json describe_run(const RunDescription& run, std::string_view status,
   json["input"] = {{"path", run.recording.string()}, {"description", run.recording_description},
                    {"sweeps", run.recording_sweeps}, {"times_are_assumed", run.times_are_assumed},
                    {"first", run.range.first},       {"count", run.range.count}};
+  for (const std::filesystem::path& one : run.further_recordings) {
+    json["input"]["further_paths"].push_back(one.string());
+  }
   json["device"] = to_json(run.device);
   json["device"]["requested"] = run.device_requested;
   json["device"]["software_fallback"] = run.software_fallback;

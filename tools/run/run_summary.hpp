@@ -24,6 +24,7 @@ namespace adit {
 /// What is known before the first sweep.
 struct RunDescription {
   std::filesystem::path recording;
+  std::vector<std::filesystem::path> further_recordings{};  ///< parts of it that follow in time
   std::string recording_description;
   std::string topic;  ///< the sweeps'
   std::size_t recording_sweeps = 0;

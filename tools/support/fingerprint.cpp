@@ -133,4 +133,24 @@ Fingerprint fingerprint(const fs::path& path) {
   return result;
 }
 
+Fingerprint fingerprint(const std::vector<fs::path>& paths) {
+  if (paths.size() == 1) {
+    return fingerprint(paths.front());
+  }
+  std::vector<std::string> hashes;
+  Fingerprint result;
+  for (const fs::path& path : paths) {
+    const Fingerprint one = fingerprint(path);
+    hashes.push_back(one.hash);
+    result.bytes += one.bytes;
+  }
+  std::ranges::sort(hashes);
+  Hash hash;
+  for (const std::string& one : hashes) {
+    hash.add(one);
+  }
+  result.hash = hash.text();
+  return result;
+}
+
 }  // namespace adit

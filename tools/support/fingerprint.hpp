@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace adit {
 
@@ -18,5 +19,8 @@ struct Fingerprint {
 /// not be read count for nothing, files that may not for their size. Throws InputError where there
 /// is no such file.
 Fingerprint fingerprint(const std::filesystem::path& path);
+
+/// Of several, in whatever order; of one the same as above.
+Fingerprint fingerprint(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace adit

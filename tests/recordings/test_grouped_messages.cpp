@@ -1,0 +1,242 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Recordings whose messages are grouped by topic: all clouds, then all IMU samples. They are read
+// in the order of their times.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "adit/tests/recordings/sequence_support.hpp"
+#include "adit/tests/support/temporary_folder.hpp"
+
+namespace adit {
+namespace {
+
+using test::Container;
+using test::kContainers;
+using test::SampleMessage;
+using test::TemporaryFolder;
+
+constexpr Nanoseconds kPeriod = std::chrono::milliseconds(100);
+
+std::vector<std::string> kinds_of(const std::vector<RecordingNotice>& notices) {
+  std::vector<std::string> kinds;
+  for (const RecordingNotice& notice : notices) {
+    kinds.push_back(notice.kind);
+  }
+  return kinds;
+}
+
+/// Every event of the messages, in whatever order.
+std::multiset<std::pair<std::size_t, Nanoseconds>> stamps_of(const std::vector<Event>& events) {
+  std::multiset<std::pair<std::size_t, Nanoseconds>> stamps;
+  for (const Event& event : events) {
+    if (!std::holds_alternative<StaticTransform>(event.value)) {
+      stamps.insert({event.topic, stamp_of(event)});
+    }
+  }
+  return stamps;
+}
+
+TEST(GroupedMessages, AreReadInTheOrderOfTheirTimesOfReceipt) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    const auto messages = test::grouped_messages(test::encoding_of(container));
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    const test::ReadEvents read = test::read_all(*recording);
+    EXPECT_TRUE(read.errors.empty()) << static_cast<int>(container);
+    EXPECT_LT(test::largest_step_back(read.events), kPeriod) << static_cast<int>(container);
+    const auto ordered = open_recording(write_messages(
+        folder, "b", container, test::sample_messages(test::encoding_of(container), 20)));
+    EXPECT_EQ(stamps_of(read.events), stamps_of(test::read_all(*ordered).events));
+    EXPECT_TRUE(ordered->notices().empty()) << static_cast<int>(container);
+    if (container != Container::rosbag2) {  // SQLite has an index of times
+      EXPECT_EQ(kinds_of(recording->notices()), std::vector<std::string>{"grouped_by_topic"})
+          << static_cast<int>(container);
+    }
+  }
+}
+
+/// Times of receipt as a converter writes them: later from message to message, a millisecond each.
+std::vector<SampleMessage> received_as_written(std::vector<SampleMessage> messages) {
+  Nanoseconds time = test::kStart + std::chrono::hours(1);
+  for (SampleMessage& message : messages) {
+    message.received = time;
+    time += std::chrono::milliseconds(1);
+  }
+  return messages;
+}
+
+TEST(GroupedMessages, AreReadInTheOrderOfTheirStampsWhereTheyWereReceivedAsTheyAreWritten) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    const auto messages = received_as_written(test::grouped_messages(test::encoding_of(container)));
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    const test::ReadEvents read = test::read_all(*recording);
+    EXPECT_TRUE(read.errors.empty()) << static_cast<int>(container);
+    EXPECT_EQ(read.events.size(), 20U * 7U + 2U) << static_cast<int>(container);
+    EXPECT_EQ(test::largest_step_back(read.events), Nanoseconds(0)) << static_cast<int>(container);
+    EXPECT_EQ(kinds_of(recording->notices()), std::vector<std::string>{"grouped_by_topic"});
+    for (const Event& event : read.events) {
+      EXPECT_LT(event.received - test::kStart, std::chrono::seconds(3))
+          << "the stamps are the times of receipt";
+    }
+  }
+}
+
+TEST(GroupedMessages, ThatAreReceivedOneTopicAfterTheOtherAreReadByTheirStamps) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    auto messages = test::grouped_messages(test::encoding_of(container));
+    for (SampleMessage& message : messages) {  // each topic a minute after the one before
+      message.received += std::chrono::minutes(message.channel);
+    }
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    const test::ReadEvents read = test::read_all(*recording);
+    EXPECT_TRUE(read.errors.empty()) << static_cast<int>(container);
+    EXPECT_EQ(test::largest_step_back(read.events), Nanoseconds(0)) << static_cast<int>(container);
+  }
+}
+
+TEST(GroupedMessages, TopicsWhoseClocksDifferStayInTheOrderOfTheFile) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    auto messages = test::sample_messages(test::encoding_of(container), 40);
+    for (SampleMessage& message : messages) {  // the IMU is a leap of TAI ahead
+      if (message.channel == 1) {
+        const auto i = static_cast<uint32_t>((message.received - test::kStart) / kPeriod);
+        ros::Imu imu = test::imu_message(i);
+        imu.header.stamp += std::chrono::seconds(37);
+        message.bytes = ros::encode(test::encoding_of(container), imu);
+      }
+    }
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    EXPECT_TRUE(recording->notices().empty()) << static_cast<int>(container);
+    const test::ReadEvents read = test::read_all(*recording);
+    EXPECT_TRUE(std::ranges::is_sorted(read.events, {}, &Event::received));
+  }
+}
+
+TEST(GroupedMessages, AnImuThatStartsLateOrStopsEarlyIsNotGrouped) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    auto messages = test::sample_messages(test::encoding_of(container), 60);
+    std::erase_if(messages, [](const SampleMessage& message) {
+      const auto round = (message.received - test::kStart) / kPeriod;
+      return message.channel == 1 && (round < 20 || round > 40);
+    });
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    EXPECT_TRUE(recording->notices().empty()) << static_cast<int>(container);
+  }
+}
+
+TEST(GroupedMessages, ARecordersClockThatIsSetBackIsNoGrouping) {
+  for (const Container container : {Container::mcap, Container::mcap_one_chunk, Container::bag}) {
+    const TemporaryFolder folder;
+    auto messages = test::sample_messages(test::encoding_of(container), 40);
+    for (SampleMessage& message : messages) {
+      if (message.received > test::kStart + 20 * kPeriod) {
+        message.received -= std::chrono::seconds(10);
+      }
+    }
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    EXPECT_TRUE(recording->notices().empty()) << static_cast<int>(container);
+    const test::ReadEvents read = test::read_all(*recording);
+    EXPECT_EQ(test::largest_step_back(read.events), Nanoseconds(0));
+  }
+}
+
+TEST(GroupedMessages, OfSeveralBlocksAreReadInTheOrderOfTheirTimes) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    for (const bool as_written : {false, true}) {
+      auto messages = test::sample_messages(test::encoding_of(container), 60);
+      std::ranges::stable_sort(messages, {}, [](const SampleMessage& message) {
+        return std::pair((message.received - test::kStart) / (15 * kPeriod), message.channel);
+      });
+      if (as_written) {
+        messages = received_as_written(std::move(messages));
+      }
+      const auto recording =
+          open_recording(write_messages(folder, as_written ? "a" : "b", container, messages));
+      EXPECT_LT(test::largest_step_back(test::read_all(*recording).events), kPeriod)
+          << static_cast<int>(container) << as_written;
+    }
+  }
+}
+
+TEST(GroupedMessages, ASensorThatPausesIsNotGrouped) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    auto messages = test::sample_messages(test::encoding_of(container), 60);
+    std::erase_if(messages, [](const SampleMessage& message) {
+      const auto round = (message.received - test::kStart) / kPeriod;
+      return message.channel == 0 && round > 20 && round < 45;
+    });
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    EXPECT_TRUE(recording->notices().empty()) << static_cast<int>(container);
+  }
+}
+
+TEST(GroupedMessages, SplitsThatHoldATopicEachAreReadTogether) {
+  const TemporaryFolder folder;
+  const auto all = test::sample_messages(Encoding::cdr, 20);
+  std::string listed;
+  for (const std::size_t channel : {0U, 1U, 2U}) {
+    auto one = all;
+    std::erase_if(one, [&](const SampleMessage& message) { return message.channel != channel; });
+    const std::string name = "drive_" + std::to_string(channel);
+    write_messages(folder, "bag/" + name, Container::mcap, one);
+    listed += "    - " + name + ".mcap\n";
+  }
+  folder.write("bag/metadata.yaml",
+               "rosbag2_bagfile_information:\n  relative_file_paths:\n" + listed);
+  const test::ReadEvents read = test::read_all(*open_recording(folder / "bag"));
+  EXPECT_TRUE(read.errors.empty());
+  EXPECT_EQ(read.events.size(), 60U);
+  EXPECT_LT(test::largest_step_back(read.events), kPeriod);
+}
+
+TEST(GroupedMessages, APartOfTheTimeIsThatOfTheOrderTheyAreReadIn) {
+  const TemporaryFolder folder;
+  for (const bool as_written : {false, true}) {
+    auto messages = test::grouped_messages(Encoding::cdr);
+    if (as_written) {
+      messages = received_as_written(std::move(messages));
+    }
+    const auto recording =
+        open_recording(write_messages(folder, as_written ? "a" : "b", Container::mcap, messages));
+    const test::ReadEvents read =
+        test::read_all(*recording, {.topics = {0, 1},
+                                    .begin = test::kStart + 5 * kPeriod,
+                                    .end = test::kStart + 10 * kPeriod - Nanoseconds(1)});
+    EXPECT_EQ(read.events.size(), 10U) << as_written;
+    EXPECT_TRUE(read.errors.empty()) << as_written;
+  }
+}
+
+TEST(GroupedMessages, DamageIsReportedOnceAndTheOthersAreRead) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file =
+      write_messages(folder, "a", Container::mcap, test::grouped_messages(Encoding::cdr));
+  std::string bytes = test::content_of(file);
+  const std::size_t whole = test::read_all(*open_recording(file)).events.size();
+  bytes[bytes.size() / 3] = static_cast<char>(~bytes[bytes.size() / 3]);
+  const auto damaged = open_recording(folder.write("damaged.mcap", bytes));
+  const test::ReadEvents read = test::read_all(*damaged);
+  EXPECT_GT(read.events.size(), whole * 8 / 10);
+  EXPECT_LT(read.events.size(), whole);
+  std::set<std::string> texts;
+  for (const InputError& error : read.errors) {
+    EXPECT_TRUE(texts.insert(error.what()).second) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace adit
