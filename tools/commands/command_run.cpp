@@ -157,6 +157,11 @@ RunOutcome with_complete_files(RunOutcome outcome, RunOutputs& outputs, HighRate
       outcome.result.end = input ? RunEnd::input_error : RunEnd::output_error;
       outcome.result.reason = error.what();
     }
+  } catch (const std::exception& error) {
+    if (outcome.result.end == RunEnd::completed) {
+      outcome.result.end = RunEnd::failed;
+      outcome.result.reason = error.what();
+    }
   }
   outcome.map_points = outputs.map_points();
   if (high_rate != nullptr) {
