@@ -17,8 +17,8 @@
 namespace adit {
 namespace {
 
-constexpr float kNearestReturn = 0.1F;  // m
-constexpr size_t kFewestReturns = 1000;
+constexpr float kNearestDirection = 0.1F;  // m
+constexpr size_t kFewestDirections = 1000;
 constexpr size_t kAsked = 600;  // returns whose neighbours are looked for
 constexpr size_t kFewestSteps = 100;
 // Neighbours are looked for so far away: beams of few sensors are farther apart.
@@ -50,12 +50,12 @@ int cell_of(double coordinate) {
   return static_cast<int>(std::floor(coordinate / kCell)) + kCellsAcross / 2;
 }
 
-uint32_t key_of(int x, int y, int z) {
+uint32_t cell_key(int x, int y, int z) {
   return static_cast<uint32_t>((z * kCellsAcross + y) * kCellsAcross + x);
 }
 
-uint32_t key_of(const Eigen::Vector3d& direction) {
-  return key_of(cell_of(direction.x()), cell_of(direction.y()), cell_of(direction.z()));
+uint32_t cell_key(const Eigen::Vector3d& direction) {
+  return cell_key(cell_of(direction.x()), cell_of(direction.y()), cell_of(direction.z()));
 }
 
 /// Directions of returns, in the order of their cells.
@@ -64,10 +64,10 @@ class Directions {
   explicit Directions(std::span<const Point> points) {
     for (const Point& point : points) {
       const float range = std::hypot(point.x, point.y, point.z);
-      if (std::isfinite(range) && range > kNearestReturn) {
+      if (std::isfinite(range) && range > kNearestDirection) {
         const Eigen::Vector3d direction =
             Eigen::Vector3d(point.x, point.y, point.z) / static_cast<double>(range);
-        all_.emplace_back(key_of(direction), direction.normalized());
+        all_.emplace_back(cell_key(direction), direction.normalized());
       }
     }
     std::ranges::stable_sort(all_, {}, &Entry::first);
@@ -85,8 +85,8 @@ class Directions {
       for (int y = cells[1] - 1; y <= cells[1] + 1; ++y) {
         // Cells along x lie behind each other.
         const auto first =
-            std::ranges::lower_bound(all_, key_of(cells[0] - 1, y, z), {}, &Entry::first);
-        const uint32_t last = key_of(cells[0] + 1, y, z);
+            std::ranges::lower_bound(all_, cell_key(cells[0] - 1, y, z), {}, &Entry::first);
+        const uint32_t last = cell_key(cells[0] + 1, y, z);
         for (auto other = first; other != all_.end() && other->first <= last; ++other) {
           const Eigen::Vector3d way = other->second - at;
           const double squared = way.squaredNorm();
@@ -178,7 +178,7 @@ Support best_told(std::span<const Step> steps) {
 
 Eigen::Vector3d spin_axis(std::span<const Point> points) {
   const Directions directions(points);
-  if (directions.size() < kFewestReturns) {
+  if (directions.size() < kFewestDirections) {
     return Eigen::Vector3d::UnitZ();
   }
   std::vector<Step> steps;

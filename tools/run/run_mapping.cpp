@@ -282,6 +282,12 @@ MappingResult map_events(const Mapping& mapping) {
 
 }  // namespace
 
+RunEnd end_of(const std::exception& error) {
+  return dynamic_cast<const InputError*>(&error) != nullptr  ? RunEnd::input_error
+         : dynamic_cast<const FileError*>(&error) != nullptr ? RunEnd::output_error
+                                                             : RunEnd::failed;
+}
+
 std::string_view to_string(RunEnd end) {
   switch (end) {
     case RunEnd::completed:

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -35,6 +36,8 @@ enum class RunEnd {
   failed,        ///< something else went wrong, in the program or its host memory
 };
 std::string_view to_string(RunEnd end);
+/// How a run ends with an error of its files, or another.
+RunEnd end_of(const std::exception& error);
 
 /// A part of a recording.
 struct SweepRange {
