@@ -84,10 +84,18 @@ class OfflineSlam final : public Slam {
       fix->stamp += nanoseconds(gnss_.time_offset);
     }
     flushing_ = false;
-    feed_.add(std::move(measurement));
+    if (std::optional<Measurement> passed = gate_.pass(std::move(measurement))) {
+      feed_.add(std::move(*passed));
+    }
   }
 
-  void add(const StaticTransform& transform) override { transforms_.add(transform); }
+  void add(const StaticTransform& transform) override {
+    if (gate_.pass(transform)) {
+      transforms_.add(transform);
+    }
+  }
+
+  MeasurementFaults faults() const override { return gate_.faults(); }
 
   void flush() override {
     feed_.flush();
@@ -99,7 +107,13 @@ class OfflineSlam final : public Slam {
       if (!results_.empty() && is_known(results_.front())) {
         return take_front();
       }
-      if (failed_) {
+      if (map_failure_ && results_.empty()) {
+        if (std::exchange(map_error_told_, true)) {
+          return std::nullopt;
+        }
+        std::rethrow_exception(map_failure_);
+      }
+      if (failed_ || map_failure_) {
         settle();  // what came before the failure is told first
       } else if (std::optional<Measurement> due = feed_.next()) {
         take_or_fail(std::move(*due));
@@ -125,12 +139,16 @@ class OfflineSlam final : public Slam {
       return std::nullopt;
     }
     settle();
-    if (map_error_ && !std::exchange(map_error_told_, true)) {
+    if (map_error_) {
+      if (std::exchange(map_error_told_, true)) {
+        return std::nullopt;
+      }
       std::rethrow_exception(map_error_);
     }
     begin_map();
     mapper_->finish();
     MapReport report = mapper_->report();
+    report.gnss.left_out = gate_.faults().fixes_left_out;
     report.waited_s = waits_.sum;
     report.longest_wait_s = waits_.longest;
     return report;
@@ -165,8 +183,7 @@ class OfflineSlam final : public Slam {
     try {
       in_map.placed.mapped = in_map.mapped.get();
     } catch (...) {
-      map_error_told_ = true;
-      throw;
+      map_failure_ = std::current_exception();  // the odometry has placed the sweep all the same
     }
     return std::move(in_map.placed);
   }
@@ -325,6 +342,7 @@ class OfflineSlam final : public Slam {
   std::optional<std::array<double, 7>> configured_;
   GnssConfig gnss_;
   bool inertial_;
+  MeasurementGate gate_;
   SensorFeed feed_;
   Odometry odometry_;
   engine::Context* context_;
@@ -340,8 +358,9 @@ class OfflineSlam final : public Slam {
   std::deque<Result> results_;                           ///< not asked for yet, in their order
   std::deque<std::shared_future<MapPlacement>> behind_;  ///< sweeps that the map may work on
   bool flushing_ = false;
-  bool failed_ = false;           ///< the last of results_ is a failure
-  std::exception_ptr map_error_;  ///< the worker's: to be read once that was waited for
+  bool failed_ = false;             ///< the last of results_ is a failure
+  std::exception_ptr map_error_;    ///< the worker's: to be read once that was waited for
+  std::exception_ptr map_failure_;  ///< the same, as it was seen in the results
   bool map_error_told_ = false;
   FrameTree transforms_;
   std::string lidar_frame_;

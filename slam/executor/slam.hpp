@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/executor/measurement_gate.hpp"
 #include "adit/slam/executor/sensor_feed.hpp"
 #include "adit/slam/fusion/high_rate_stream.hpp"
 #include "adit/slam/mapping/mapper.hpp"
@@ -87,7 +88,8 @@ class Slam {
 
   /// Takes a measurement, in any order of arrival (SensorFeed puts them into theirs). `frame` names
   /// the sensor's frame, where static transforms are to tell the mounting. GNSS fixes tie the map
-  /// to the world, and are passed over where none is made.
+  /// to the world, and are passed over where none is made. Values that are not finite go no farther
+  /// (MeasurementGate); faults() counts them.
   virtual void add(Measurement measurement, std::string_view frame = {}) = 0;
 
   /// How two frames are mounted; counts for the mounting if it comes before the first sweep is
@@ -99,7 +101,8 @@ class Slam {
 
   /// The next result; nothing where that needs more measurements, or a flush(), or where a sweep is
   /// not in the map yet, so that asking again later gives it. Throws engine::Error where the device
-  /// fails, and what the map's store throws.
+  /// fails. Where the map fails, sweeps that were placed come first, without `mapped`; then it
+  /// throws what the map's store threw, once, and nothing comes any more.
   virtual std::optional<SlamResult> next() = 0;
 
   /// Waits until the map has what the odometry has placed: next() gives it then.
@@ -111,8 +114,11 @@ class Slam {
   /// The configuration in force: lengths that were left at 0 are as the first sweep shows them.
   virtual const Config& config() const = 0;
 
+  /// What was left out or mended of the measurements so far, as no sensor measures it.
+  virtual MeasurementFaults faults() const { return {}; }
+
   /// Ends the map: its last keyframe is stored, and its final poses. No sweep may come after that.
-  /// Nothing where no map is made.
+  /// Nothing where no map is made, or where it failed and next() has thrown that.
   virtual std::optional<MapReport> finish_map() = 0;
 };
 

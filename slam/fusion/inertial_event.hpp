@@ -4,6 +4,7 @@
 // What happens to an inertial sensor, as values; tools/run/inertial_text makes sentences of them.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <variant>
@@ -35,9 +36,17 @@ struct UnitChanged {};
 /// not tell it either: the other fits better, but not clearly.
 struct SignUnclear {};
 
+/// Too few sweeps could be aligned, and have readings between them, one after another.
+struct FewAligned {
+  std::size_t sweeps = 0;
+  double duration = 0.0;         ///< s
+  std::size_t needed = 0;        ///< sweeps
+  double needed_duration = 0.0;  ///< s
+};
+
 /// What keeps a sensor from being started.
-using InertialHindrance =
-    std::variant<NoReadings, GapTooLong, StuckAxis, UnitChanged, SignUnclear, ImuStartReason>;
+using InertialHindrance = std::variant<NoReadings, GapTooLong, StuckAxis, FewAligned, UnitChanged,
+                                       SignUnclear, ImuStartReason>;
 
 /// What is held to bounds before and after a sweep is fused.
 enum class StateQuantity {

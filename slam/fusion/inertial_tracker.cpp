@@ -150,7 +150,7 @@ std::optional<CoverageFault> InertialTracker::fault_of(const ImuInterval& interv
 }
 
 std::optional<InertialPrediction> InertialTracker::predict(Nanoseconds stamp, double duration) {
-  timed_ = duration > 0.0;
+  timed_ = timed_ || duration > 0.0;  // a sweep without points has no times
   auto* fused = std::get_if<Fused>(&state_);
   if (fused == nullptr) {
     return std::nullopt;
@@ -216,7 +216,7 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
     if (alignment != nullptr) {
       collect(T_map_lidar, unheld_directions(*alignment));
     } else {
-      collected()->clear();
+      collected()->note_unaligned(T_map_lidar.stamp);
     }
     start_if_possible();
   }
@@ -225,10 +225,11 @@ InertialReport InertialTracker::update(const StampedPose& T_map_lidar,
       leave(Refused{}, *worse);
     }
   }
-  // Turns that no match holds are the prediction's own.
+  // Turns that no match holds are the prediction's own. A sweep that was not aligned interrupts
+  // nothing: the next turn is the one since the last that was.
   if (alignment != nullptr && holds_rotation(*alignment)) {
     watch({T_map_lidar.stamp, alignment->T_target_source}, deskewed);
-  } else {
+  } else if (alignment != nullptr) {
     watch_.broken();
   }
   if (!is<Fused>()) {
@@ -370,6 +371,7 @@ bool InertialTracker::lose_by_axis() {
 void InertialTracker::leave(State next, const InertialCause& why) {
   event_ = InertialEvent{.cause = why, .passing = passing_cause()};
   state_ = std::move(next);
+  hindrance_.reset();
 }
 
 }  // namespace adit

@@ -101,6 +101,10 @@ void InertialTracker::note_begin(const StampedPose& T_map_lidar) {
 }
 
 void InertialTracker::note_restart() {
+  if (StartCollection* const waiting = collected()) {
+    waiting->clear();
+  }
+  watch_.broken();
   if (auto* lost = std::get_if<Lost>(&state_)) {
     lost->after_gap = false;
   }
@@ -108,7 +112,13 @@ void InertialTracker::note_restart() {
 
 void InertialTracker::start_if_possible() {
   const StartCollection& waiting = *collected();
-  if (watch_.is_pending() || waiting.poses().size() < 2) {
+  if (watch_.is_pending()) {
+    return;
+  }
+  if (!hindrance_ || std::holds_alternative<FewAligned>(*hindrance_)) {
+    hindrance_ = few_aligned(waiting);
+  }
+  if (waiting.poses().size() < 2) {
     return;
   }
   const std::optional<FusedBefore> before =
@@ -128,7 +138,6 @@ void InertialTracker::start_if_possible() {
   if (found == nullptr) {
     return;
   }
-  hindrance_.reset();
   if (found->how.status == ImuStartStatus::in_motion) {
     history_.moved_unclearly = !is_sign_told(found->how) && (!before || before->sign_assumed);
     history_.rested_at.reset();
@@ -143,6 +152,7 @@ void InertialTracker::start_if_possible() {
 }
 
 void InertialTracker::start(const SensorStart& start) {
+  hindrance_.reset();
   event_ = InertialEvent{.cause = SensorStarted{.how = start.how.reason, .since = start.since}};
   history_.accel_scale = start.how.accel_scale;
   history_.fused = start.state;

@@ -13,6 +13,9 @@ constexpr size_t kStartPoses = 8;
 constexpr size_t kMostPoses = 24;
 constexpr double kRestDistance = 0.05;  // m
 constexpr double kRestTurn = 0.02;      // rad
+// Constant velocity leads no farther (slam/odometry/motion_model.cpp): after that a sweep may be
+// aligned in another place.
+constexpr double kLongestUnaligned = 1.0;  // s
 
 }  // namespace
 
@@ -30,6 +33,12 @@ void StartCollection::add(const StampedPose& T_map_body,
     poses_.pop_front();
     readings_.pop_front();
     unheld_.pop_front();
+  }
+}
+
+void StartCollection::note_unaligned(Nanoseconds stamp) {
+  if (!poses_.empty() && seconds(stamp - poses_.back().stamp) > kLongestUnaligned) {
+    clear();
   }
 }
 
@@ -71,11 +80,22 @@ StateFactor<3> rest_factor(const Eigen::Vector3d& reading, const NavState& state
   return factor;
 }
 
+std::optional<InertialHindrance> few_aligned(const StartCollection& collected) {
+  const std::deque<StampedPose>& poses = collected.poses();
+  const double duration = poses.empty() ? 0.0 : seconds(poses.back().stamp - poses.front().stamp);
+  if (poses.size() >= kStartPoses && duration >= kStartDuration) {
+    return std::nullopt;
+  }
+  return FewAligned{.sweeps = poses.size(),
+                    .duration = duration,
+                    .needed = kStartPoses,
+                    .needed_duration = kStartDuration};
+}
+
 StartAttempt try_start(const StartCollection& collected, const InertialReadings& readings,
                        const ImuNoise& noise, const std::optional<FusedBefore>& before) {
   const std::deque<StampedPose>& poses = collected.poses();
-  if (poses.size() < kStartPoses ||
-      seconds(poses.back().stamp - poses.front().stamp) < kStartDuration) {
+  if (few_aligned(collected)) {
     return std::monostate{};
   }
   const StampedPose& first = poses.front();

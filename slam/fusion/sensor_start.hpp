@@ -23,6 +23,9 @@ class StartCollection {
   /// `unheld`: directions, unit, map axes, in which nothing held its position.
   void add(const StampedPose& T_map_body, std::optional<std::vector<ImuSample>> since,
            std::vector<Eigen::Vector3d> unheld = {});
+  /// A sweep of that time could not be aligned. One empty message ends nothing; after a longer time
+  /// the next pose may be in the wrong place, and the collection begins anew.
+  void note_unaligned(Nanoseconds stamp);
   void clear();
 
   const std::deque<StampedPose>& poses() const { return poses_; }
@@ -36,6 +39,9 @@ class StartCollection {
   std::deque<std::vector<ImuSample>> readings_;
   std::deque<std::vector<Eigen::Vector3d>> unheld_;
 };
+
+/// What a start still needs of aligned sweeps; nothing where there are enough.
+std::optional<InertialHindrance> few_aligned(const StartCollection& collected);
 
 /// A sensor as it was when it was fused last.
 struct FusedBefore {

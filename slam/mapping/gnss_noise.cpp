@@ -29,16 +29,19 @@ bool is_stated(const std::optional<Eigen::Matrix3d>& covariance) {
   return covariance && covariance->allFinite() && covariance->diagonal().minCoeff() > 0.0;
 }
 
-}  // namespace
-
-Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config) {
+/// As if the fix had a height.
+Eigen::Matrix3d covariance_in_space(const GnssFix& fix, const GnssConfig& config) {
   const double best = best_sigma(fix.kind);
   const Eigen::Vector3d least = Eigen::Vector3d(best, best, kUpwards * best).cwiseAbs2();
-  if (!is_stated(fix.covariance)) {
+  std::optional<Eigen::Matrix3d> stated = fix.covariance;
+  if (stated && !has_height(*stated)) {
+    (*stated)(2, 2) = stated->topLeftCorner<2, 2>().diagonal().maxCoeff();
+  }
+  if (!is_stated(stated)) {
     return (kUnstated * kUnstated * config.noise_scale * config.noise_scale * least).asDiagonal();
   }
   // By its own axes where it is that of an ellipsoid, so that what raises one leaves the others.
-  Eigen::Matrix3d covariance = config.noise_scale * config.noise_scale * *fix.covariance;
+  Eigen::Matrix3d covariance = config.noise_scale * config.noise_scale * *stated;
   covariance = (0.5 * (covariance + covariance.transpose())).eval();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> scaled(
       least.cwiseSqrt().cwiseInverse().asDiagonal() * covariance *
@@ -48,6 +51,20 @@ Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config) {
                                  scaled.eigenvectors().transpose();
   covariance = least.cwiseSqrt().asDiagonal() * raised * least.cwiseSqrt().asDiagonal();
   return 0.5 * (covariance + covariance.transpose());
+}
+
+}  // namespace
+
+Eigen::Matrix3d without_height(Eigen::Matrix3d covariance) {
+  covariance.row(2).setZero();
+  covariance.col(2).setZero();
+  covariance(2, 2) = kUnknownHeight * kUnknownHeight;
+  return covariance;
+}
+
+Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config) {
+  const Eigen::Matrix3d covariance = covariance_in_space(fix, config);
+  return fix.covariance && !has_height(*fix.covariance) ? without_height(covariance) : covariance;
 }
 
 Eigen::Matrix3d fix_information(const Eigen::Matrix3d& covariance, bool height) {

@@ -17,12 +17,23 @@ namespace adit {
 inline constexpr double kFixGate = 11.34;
 /// Standard deviation of the map's own shape, m.
 inline constexpr double kShapeNoise = 0.1;
+/// Standard deviation of an altitude that was not measured, m: all of the Earth's surface is
+/// within.
+inline constexpr double kUnknownHeight = 1e4;
 
 /// The covariance (east north up, m^2) that a fix counts with: the receiver's times the configured
 /// scale, but no standard deviation below that of a good receiver with such a fix, since many state
 /// a tenth of their errors: ground-augmented (RTK) 0.02 m, satellite-augmented 0.3 m, single 1.5 m,
-/// upwards twice that. What the receiver does not state is three times those.
+/// upwards twice that. What the receiver does not state is three times those. The altitude of a fix
+/// without one has a standard deviation of kUnknownHeight.
 Eigen::Matrix3d fix_covariance(const GnssFix& fix, const GnssConfig& config);
+
+/// Of a fix without an altitude (or none that is known): the same with kUnknownHeight upwards.
+Eigen::Matrix3d without_height(Eigen::Matrix3d covariance);
+/// Whether a fix with such a covariance has an altitude.
+inline bool has_height(const Eigen::Matrix3d& covariance) {
+  return covariance(2, 2) < kUnknownHeight * kUnknownHeight;
+}
 
 /// What a fix with such a covariance tells (1/m^2); nothing about its height, where that does not
 /// count.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "adit/slam/mapping/loop_move.hpp"
 #include "adit/slam/mapping/loop_search.hpp"
 #include "adit/slam/mapping/loop_verification.hpp"
 #include "adit/slam/mapping/loop_voting.hpp"
@@ -29,6 +30,9 @@ struct LoopReport {
   std::size_t accepted_by_appearance = 0;           ///< among the accepted
   std::array<std::size_t, kLoopReasons> refused{};  ///< by LoopReason; those taken back, too
   std::size_t optimizations = 0;
+  /// The accepted loop that is farthest from where the odometry alone has it, in its standard
+  /// deviations; known at the run's end.
+  std::optional<LoopMove> farthest_from_odometry{};
   double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
   std::vector<float> search_ms;     ///< host time per keyframe, with its waits for the device
 };

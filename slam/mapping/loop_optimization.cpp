@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/mapping/condensation.hpp"
 #include "adit/slam/mapping/drift_claim.hpp"
@@ -152,6 +154,7 @@ OptimizedGraph robust_optimum(PoseGraph graph, bool all_drift, const OnStep& on_
   }
   OptimizedGraph optimum = optimize_condensed(graph, settings);
   optimum.report.cost_before = cost_before;
+  optimum.report.iterations += all_believed.report.iterations;
   return optimum;
 }
 
@@ -213,6 +216,34 @@ OptimizationSettings loop_kernels() {
   return {.convention = ResidualConvention::rotation,
           .odometry_kernel = kOdometryKernel,
           .loop_kernel = {.kernel = Kernel::dcs}};
+}
+
+// The sum of the squared sines between a direction of the map and the nodes' z axes is least along
+// the eigenvector of the largest eigenvalue.
+Eigen::Isometry3d levelled_world(const PoseGraph& graph) {
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const LevelledNode& level : graph.levels()) {
+    const auto edges = graph.edges_of(level.node);
+    const bool tied = std::ranges::any_of(
+        edges, [&](std::size_t edge) { return graph.edges()[edge].status == EdgeStatus::active; });
+    if (tied) {
+      const Eigen::Vector3d z =
+          graph.nodes()[graph.index_of(level.node)].T_map_node.linear().col(2);
+      squares += level.information * z * z.transpose();
+      sum += level.information * z;
+    }
+  }
+  if (!graph.fixes().empty() || !(sum.norm() > 0.0)) {
+    return graph.T_world_map();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(squares);
+  const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
+  const Eigen::Vector3d up = axis.dot(sum) < 0.0 ? Eigen::Vector3d(-axis) : axis;
+  Eigen::Isometry3d T_world_map = Eigen::Isometry3d::Identity();
+  T_world_map.linear() =
+      Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return T_world_map;
 }
 
 PoseGraph as_weighted(const PoseGraph& graph) {

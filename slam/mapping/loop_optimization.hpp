@@ -17,6 +17,11 @@ inline constexpr double kLoopReview = 22.5;
 /// The kernels of optimize_with_loops(): against the odometry's few large errors and wrong loops.
 OptimizationSettings loop_kernels();
 
+/// Where a map lies that only its verticals tie to the world (no fixes): turned the shortest way to
+/// where its nodes, as they are, meet their verticals best; without verticals as it is. A map does
+/// not keep it, and its cost is a cost of the poses alone with it.
+Eigen::Isometry3d levelled_world(const PoseGraph& graph);
+
 /// With what these leave of each edge where the graph is.
 PoseGraph as_weighted(const PoseGraph& graph);
 

@@ -106,6 +106,9 @@ void Mapper::finish() {
   }
   assembly_.finish();
   report_.loops = assembly_.loops();
+  if (report_.loops) {
+    report_.loops->farthest_from_odometry = farthest_from_odometry(assembly_.graph());
+  }
   report_.outgrown = assembly_.outgrown();
   report_.gnss = assembly_.world().report();
   report_.components = connected_components(assembly_.graph()).components.size();

@@ -23,6 +23,7 @@ constexpr double kMoved = 0.5;      // m, while which a receiver does not repeat
 constexpr std::size_t kFewestFixes = 5;
 constexpr double kLeastExtent = 10.0;      // m, of the fixes that agree
 constexpr std::size_t kManyOutliers = 20;  // more than are used: the place is wrong
+constexpr std::size_t kManyUsed = 10;      // for each outlier: no reason to look for a jump
 constexpr double kDrift = 0.01;  // of the way since the last fix that the map was fitted to
 constexpr std::size_t kNodesBetween = 20;  // optimisations, at the least
 constexpr int kMostRounds = 4;
@@ -171,8 +172,9 @@ std::vector<std::size_t> WorldTies::told_by(const PoseGraph& graph) {
   return part;
 }
 
-std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const std::size_t> part,
-                                       const WorldFrame& frame, bool swapped) const {
+std::vector<PositionPair> WorldTies::pairs_of(const PoseGraph& graph,
+                                              std::span<const std::size_t> part,
+                                              const WorldFrame& frame, bool swapped) const {
   const Matrix3d level = levelling(graph);
   std::vector<PositionPair> pairs;
   for (const std::size_t i : part) {
@@ -186,7 +188,20 @@ std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const s
                      .covariance = fix.covariance,
                      .time = seconds(fix.stamp - fixes_.front().stamp)});
   }
-  return fit_world(pairs, config_.correlation);
+  return pairs;
+}
+
+std::optional<WorldFit> WorldTies::fit(const PoseGraph& graph, std::span<const std::size_t> part,
+                                       const WorldFrame& frame, bool swapped) const {
+  return fit_world(pairs_of(graph, part, frame, swapped), config_.correlation);
+}
+
+/// About one of the middle: the first may lie anywhere.
+WorldFrame WorldTies::middle_frame(std::vector<std::size_t> part) const {
+  const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+  std::ranges::nth_element(part, middle, {},
+                           [&](std::size_t i) { return std::pair(fixes_[i].place.latitude, i); });
+  return WorldFrame(fixes_[*middle].place);
 }
 
 // From all fixes so far; false: they do not tell it yet, or no better than it is known.
@@ -196,12 +211,7 @@ bool WorldTies::find_place(PoseGraph& graph, const PlaceNeeds& needs) {
   if (part.size() < kFewestFixes) {
     return false;
   }
-  // About one of the middle: the first may lie anywhere.
-  std::vector<std::size_t> by_latitude = part;
-  const auto middle = by_latitude.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-  std::ranges::nth_element(by_latitude, middle, {},
-                           [&](std::size_t i) { return std::pair(fixes_[i].place.latitude, i); });
-  const std::optional<WorldFit> found = fit(graph, part, WorldFrame(fixes_[*middle].place), false);
+  const std::optional<WorldFit> found = fit(graph, part, middle_frame(part), false);
   if (!found) {
     return false;
   }
@@ -320,18 +330,24 @@ void WorldTies::settle(PoseGraph& graph) {
 /// What is left of the used fixes, and how far all lie apart.
 void WorldTies::measure(const PoseGraph& graph) {
   Vector3d squared = Vector3d::Zero();
+  std::size_t heights = 0;
   Eigen::AlignedBox2d box;
   for (const MapFix& fix : fixes_) {
     const Vector3d p = p_map(graph, fix);
     box.extend(p.head<2>());
     if (fix.verdict == FixVerdict::used) {
-      squared += (graph.T_world_map() * p - frame_->position_of(fix.place)).cwiseAbs2();
+      const Vector3d left = graph.T_world_map() * p - frame_->position_of(fix.place);
+      squared.head<2>() += left.head<2>().cwiseAbs2();
+      squared.z() += has_height(fix.covariance) ? left.z() * left.z() : 0.0;
+      heights += has_height(fix.covariance) ? 1U : 0U;
     }
   }
   report_.extent = box.sizes().maxCoeff();
   const auto used = static_cast<double>(std::max<std::size_t>(1, count(FixVerdict::used)));
   report_.horizontal = std::sqrt(squared.head<2>().sum() / used);
-  report_.vertical = std::sqrt(squared.z() / used);
+  report_.vertical =
+      std::sqrt(squared.z() / static_cast<double>(std::max<std::size_t>(1, heights)));
+  report_.heights = heights;
 }
 
 // Not where exchanging them makes no place on the Earth.
@@ -348,6 +364,20 @@ bool WorldTies::would_agree_exchanged(const PoseGraph& graph) {
   const std::optional<WorldFit> found = fit(graph, part, frame, true);
   return found && found->yaw_sigma < PlaceNeeds{}.yaw_sigma &&
          10 * found->agreeing > 8 * part.size();
+}
+
+// Where many fixes do not agree with the others.
+void WorldTies::look_for_jump(const PoseGraph& graph) {
+  const std::vector<std::size_t> part = told_by(graph);
+  if (part.size() < kFewestFixes ||
+      (frame_ && kManyUsed * count(FixVerdict::outlier) < count(FixVerdict::used))) {
+    return;
+  }
+  const std::vector<PositionPair> pairs = pairs_of(graph, part, middle_frame(part), false);
+  const std::optional<WorldFit> found = fit_world(pairs, config_.correlation);
+  report_.asked = part.size();
+  report_.agreeing = found ? found->agreeing : 0;
+  report_.jump = found ? find_jump(pairs, *found) : std::nullopt;
 }
 
 WorldTies::Change WorldTies::take_change(const PoseGraph& graph, bool moved, bool had_place) {
@@ -408,6 +438,7 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
     calibrate_antenna(graph);
   }
   report_.swapped = !frame_ && would_agree_exchanged(graph);
+  look_for_jump(graph);
   measure(graph);
   Change change = take_change(graph, had_place || frame_, had_place);
   report_.georeference = change.georeference;

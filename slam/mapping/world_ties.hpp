@@ -15,6 +15,7 @@
 #include "adit/slam/mapping/antenna_calibration.hpp"
 #include "adit/slam/mapping/map_fix.hpp"
 #include "adit/slam/mapping/odometry_track.hpp"
+#include "adit/slam/mapping/receiver_jump.hpp"
 #include "adit/slam/mapping/world_fit.hpp"
 #include "adit/slam/mapping/world_frame.hpp"
 
@@ -44,19 +45,24 @@ struct GnssReport {
   std::size_t fixes = 0;             ///< with a position, among the map's sweeps
   std::size_t without_position = 0;  ///< the receiver had none
   std::size_t outside = 0;           ///< before the first sweep, after the last or in a gap
+  std::size_t left_out = 0;          ///< without a finite latitude and longitude
   std::array<std::size_t, kFixVerdicts> verdicts{};  ///< by FixVerdict
   std::optional<Georeference> georeference{};        ///< none: the fixes do not tell it
   double extent = 0.0;      ///< m, between the places that are farthest apart, along x or y
   double yaw_sigma = 0.0;   ///< rad, where a fit was found; 0: none
   double horizontal = 0.0;  ///< m, rms of what is left of used fixes
   double vertical = 0.0;
+  std::size_t heights = 0;   ///< used fixes with an altitude; 0: the map's altitude is a guess
+  std::size_t asked = 0;     ///< fixes that could agree on a place, where many do not
+  std::size_t agreeing = 0;  ///< and those of them that do
+  std::optional<ReceiverJump> jump{};  ///< that explains it; times from the first fix on
   bool swapped = false;  ///< with latitude and longitude exchanged the fixes would agree
   std::size_t optimizations = 0;
   double level_drift_scale = 1.0;  ///< of the last one (LoopOptimum)
   AntennaReport antenna{};
 
   /// There was a receiver at all.
-  bool any() const { return fixes + without_position + outside > 0; }
+  bool any() const { return fixes + without_position + outside + left_out > 0; }
 };
 
 /// Ties a map to the world by GNSS fixes: looks for its place until that is known well enough,
@@ -98,6 +104,10 @@ class WorldTies {
   void judge_new(const PoseGraph& graph, NodeId last);
   bool judge_again(const PoseGraph& graph, double gate_of_used);
   std::vector<std::size_t> told_by(const PoseGraph& graph);
+  std::vector<PositionPair> pairs_of(const PoseGraph& graph, std::span<const std::size_t> part,
+                                     const WorldFrame& frame, bool swapped) const;
+  WorldFrame middle_frame(std::vector<std::size_t> part) const;
+  void look_for_jump(const PoseGraph& graph);
   std::optional<WorldFit> fit(const PoseGraph& graph, std::span<const std::size_t> part,
                               const WorldFrame& frame, bool swapped) const;
   /// What a place has to have for it to be known.

@@ -236,7 +236,9 @@ OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& r
     motion.restart(pose);
     submap.clear();
     usual_fit.forget();
-    inertial.note_restart();
+    if (!begins) {
+      inertial.note_restart();
+    }
     submap.push(points, pose.pose);
     result.renewed = !begins && expected.inertial && expected.prediction.trusted;
     return begins           ? OdometryState::initializing
@@ -244,7 +246,9 @@ OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& r
                             : OdometryState::restarted;
   }
   ++failures_in_a_row;
-  motion.update(pose, false);
+  if (can_start) {
+    motion.update(pose, false);
+  }  // else too few points tell nothing: the motion goes on as if the sweep had not come
   return OdometryState::coasting;
 }
 

@@ -197,7 +197,8 @@ SweepMotion Odometry::Impl::motion_at(const Sweep& sweep, const Vector6d& twist)
 // was unknown. With the second sweep's alignment it is known: both are done again, de-skewed, until
 // the velocity stays: an alignment of sweeps that are bent otherwise is off.
 void Odometry::Impl::begin_again(Begun& second) {
-  if (!first || !second.aligns) {
+  // A sweep with too few points is no second one: the next may be.
+  if (!first || !second.aligns || second.result.cloud_points < config.registration.min_inliers) {
     return;
   }
   const Sweep begins = *std::exchange(first, std::nullopt);

@@ -84,6 +84,14 @@ std::string_view to_string(DoubtCause cause) {
   return "unknown";
 }
 
+Verdict with_loops(Verdict verdict, const MovedByLoops& moved) {
+  if (moved.sigmas > kMostLoopSigmas) {
+    verdict.trust = std::max(verdict.trust, Trust::doubtful);
+    verdict.moved = moved;
+  }
+  return verdict;
+}
+
 UncertainPose RunAssessor::pose_of(const Seen& seen) {
   return {.stamp = seen.stamp, .T_map_lidar = seen.T_map_lidar, .uncertainty = seen.uncertainty};
 }

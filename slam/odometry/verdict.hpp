@@ -56,11 +56,25 @@ struct DoubtfulStretch {
   bool inertial() const { return 2 * fused > last - first + 1; }
 };
 
+/// Loops moved keyframes of the map against each other by more than the odometry bears out: it
+/// drifted more than its covariances say, or another place was taken for this one.
+struct MovedByLoops {
+  double distance = 0.0;  ///< m
+  double sigmas = 0.0;    ///< standard deviations of the odometry's relative pose
+  double path = 0.0;      ///< m of odometry between the two
+};
+/// More of MovedByLoops::sigmas than this are doubtful.
+inline constexpr double kMostLoopSigmas = 5.0;
+
 /// What a run is worth: as much as its worst stretch.
 struct Verdict {
   Trust trust = Trust::reliable;           ///< of the run as a whole
   std::vector<DoubtfulStretch> stretches;  ///< by their causes, and in order of time
+  std::optional<MovedByLoops> moved{};     ///< where that is in doubt
 };
+
+/// The same with what loops did to the map.
+Verdict with_loops(Verdict verdict, const MovedByLoops& moved);
 
 /// Watches the results of a run as they come and says where they are not to be relied on
 /// (docs/theory/odometry.md, section 5). It needs no truth, and cannot see everything: what it

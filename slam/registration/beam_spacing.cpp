@@ -9,7 +9,11 @@
 #include <numbers>
 #include <vector>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/registration/spin_axis.hpp"
 
 namespace adit {
 namespace {
@@ -40,9 +44,8 @@ double median_by_length(std::vector<double> gaps) {
   return 0.0;
 }
 
-}  // namespace
-
-std::optional<double> measured_beam_spacing(std::span<const Point> points) {
+/// About z.
+std::optional<double> spacing_about_z(std::span<const Point> points) {
   std::array<std::vector<double>, kSectors> elevations;
   size_t returns = 0;
   for (const Point& p : points) {
@@ -66,6 +69,23 @@ std::optional<double> measured_beam_spacing(std::span<const Point> points) {
     }
   }
   return std::clamp(median_by_length(std::move(gaps)), kNarrowest, kWidest);
+}
+
+}  // namespace
+
+std::optional<double> measured_beam_spacing(std::span<const Point> points) {
+  const Eigen::Vector3d axis = spin_axis(points);
+  if (axis == Eigen::Vector3d::UnitZ()) {
+    return spacing_about_z(points);
+  }
+  const Eigen::Matrix3d R =
+      Eigen::Quaterniond::FromTwoVectors(axis, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  std::vector<Point> turned(points.begin(), points.end());
+  for (Point& p : turned) {
+    const Eigen::Vector3f q = (R * Eigen::Vector3d(p.x, p.y, p.z)).cast<float>();
+    p = {.x = q.x(), .y = q.y(), .z = q.z(), .intensity = p.intensity};
+  }
+  return spacing_about_z(turned);
 }
 
 std::optional<double> measured_voxel_size(std::span<const Point> points) {

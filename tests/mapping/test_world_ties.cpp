@@ -184,6 +184,49 @@ TEST(WorldTies, AReceiverThatJumpsHalfWayIsNotFollowed) {
   EXPECT_LT(survey.world_error(), 0.2);
 }
 
+TEST(WorldTies, AJumpIsReportedWithItsTimeItsSizeAndWhatIsOnEitherSide) {
+  for (const NodeId last : {74, 40, 110}) {
+    Survey survey(150, 0.02, 3);
+    survey.change(
+        [&](MapFix& fix) { fix.place.latitude += fix.keyframe > last ? 50.0 / 111000.0 : 0.0; });
+    const WorldTies ties = survey.run({.correlation = 1.0});
+    ASSERT_TRUE(ties.report().jump) << last;
+    const ReceiverJump& jump = *ties.report().jump;
+    EXPECT_NEAR(jump.distance, 50.0, 1.0) << last;
+    EXPECT_EQ(jump.before + jump.after, ties.report().asked);
+    const auto at = std::ranges::find(survey.fixes(), last + 1, &MapFix::keyframe);
+    EXPECT_NEAR(jump.time, seconds(at->stamp - survey.fixes().front().stamp), 1.0) << last;
+  }
+}
+
+TEST(WorldTies, NoJumpIsReportedWhereThereIsNone) {
+  Survey healthy(150, 0.02, 3);
+  EXPECT_FALSE(healthy.run({.correlation = 1.0}).report().jump);
+  Survey scattered(150, 0.02, 4);
+  scattered.change(
+      [](MapFix& fix) { fix.place.latitude += fix.id % 3 == 0 ? 50.0 / 111000.0 : 0.0; });
+  EXPECT_FALSE(scattered.run({.correlation = 1.0}).report().jump) << "many paths, no jump";
+}
+
+TEST(WorldTies, FixesWithoutAnAltitudeCountWithTheirLevelPosition) {
+  Survey survey(100, 0.02, 4, 0.0);
+  survey.change([](MapFix& fix) {
+    if (fix.id % 2 == 0) {
+      fix.place.altitude = 0.0;
+      fix.covariance.row(2).setZero();
+      fix.covariance.col(2).setZero();
+      fix.covariance(2, 2) = kUnknownHeight * kUnknownHeight;
+    }
+  });
+  const WorldTies ties = survey.run({.correlation = 1.0});
+  ASSERT_TRUE(ties.report().georeference);
+  EXPECT_EQ(survey.count(FixVerdict::outlier), 0U);
+  EXPECT_LT(ties.report().vertical, 0.1);
+  EXPECT_GT(ties.report().heights, 20U);
+  EXPECT_LT(ties.report().heights, survey.count(FixVerdict::used));
+  EXPECT_LT(survey.world_error(), 0.2);
+}
+
 TEST(WorldTies, WithoutHeightsOnlyTheLevelPositionCounts) {
   Survey survey(100, 0.02, 4, 0.0);
   survey.change([](MapFix& fix) { fix.place.altitude += fix.id % 2 == 0 ? 300.0 : -300.0; });

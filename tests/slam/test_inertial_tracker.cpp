@@ -112,6 +112,30 @@ TEST(InertialTracker, ReadingsThatAreNoNumbersAreLeftOut) {
   EXPECT_LE(outcome.error_after(2.0), 0.05);
 }
 
+TEST(InertialTracker, SweepsThatAreMissingHereAndThereDoNotKeepItFromStarting) {
+  for (const int every : {10, 5, 2}) {
+    const Outcome outcome = test::run_tracker(
+        [](std::vector<ImuSample>&) {}, 10.0, test::tracker_config(), test::hand_held_motion(),
+        {.unaligned = [=](int i) { return i % every == every - 1; }});
+    EXPECT_EQ(outcome.state_at(4.0), InertialState::fused) << every << "\n" << outcome.events();
+    EXPECT_FALSE(outcome.reports.back().hindrance);
+    EXPECT_LE(outcome.error_after(4.0), 0.05) << every;
+  }
+}
+
+TEST(InertialTracker, SaysHowManySweepsAStartStillNeeds) {
+  // One in fifteen is aligned, which is one in 1.5 s.
+  const Outcome outcome =
+      test::run_tracker([](std::vector<ImuSample>&) {}, 6.0, test::tracker_config(),
+                        test::hand_held_motion(), {.unaligned = [](int i) { return i % 15 != 1; }});
+  EXPECT_EQ(outcome.state_at(5.9), InertialState::starting) << outcome.events();
+  ASSERT_TRUE(outcome.reports.back().hindrance);
+  const auto* few = std::get_if<FewAligned>(&*outcome.reports.back().hindrance);
+  ASSERT_NE(few, nullptr);
+  EXPECT_LE(few->sweeps, 1U);
+  EXPECT_EQ(few->needed, 8U);
+}
+
 TEST(InertialTracker, AnAccelerometerInGOrOfTheOtherSignIsUnderstood) {
   for (const double scale : {1.0 / kStandardGravity, -1.0, -1.0 / kStandardGravity}) {
     const Outcome outcome =

@@ -175,6 +175,31 @@ INSTANTIATE_TEST_SUITE_P(Street, OdometryHoleTest,
                                          Hole{4, 5, false, 1.5}, Hole{2, 1, false, 2.0},
                                          Hole{9, 2, false, 3.0}));
 
+TEST_F(OdometryFailureTest, ASweepWithoutPointsIsAsIfItHadNotCome) {
+  Drive drive = make_drive(24, 1.0);
+  std::vector<Sweep> gappy = drive.sweeps;
+  std::vector<Sweep> missing;
+  for (size_t i = 0; i < gappy.size(); ++i) {
+    if (i % 5 == 1) {  // the second one, too
+      gappy[i] = nothing(drive.truth[i].stamp);
+    } else {
+      missing.push_back(gappy[i]);
+    }
+  }
+  const std::vector<SweepResult> with_empty = run_odometry(context(), gappy);
+  const std::vector<SweepResult> without = run_odometry(context(), missing);
+  size_t at = 0;
+  for (size_t i = 0; i < gappy.size(); ++i) {
+    if (i % 5 == 1) {
+      EXPECT_EQ(with_empty[i].state, OdometryState::coasting) << i;
+      continue;
+    }
+    EXPECT_EQ(with_empty[i].state, without[at].state) << i;
+    EXPECT_EQ(with_empty[i].T_map_lidar.matrix(), without[at].T_map_lidar.matrix()) << i;
+    ++at;
+  }
+}
+
 TEST_F(OdometryFailureTest, SweepsBeforeTheFirstGoodOneAreWaitedThrough) {
   const Drive drive = make_drive(4, 1.0);
   Odometry odometry(context(), street_config());

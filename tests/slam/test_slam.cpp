@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <random>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -159,6 +161,71 @@ TEST_F(SlamFacade, ASweepWhoseTimeDoesNotRiseIsLeftOut) {
     ASSERT_NE(left_out, nullptr);
     EXPECT_EQ(left_out->sweep.stamp, late.stamp);
     EXPECT_EQ(left_out->last, sweep.stamp);
+  }
+}
+
+/// Takes some keyframes, then fails as a disk that is full.
+class FullStore : public MapStore {
+ public:
+  explicit FullStore(std::size_t room) : room_(room) {}
+  SessionId add_session(const MapSession&) override { return 1; }
+  void store(const KeyframeRecord&) override {
+    if (room_ == 0) {
+      throw std::runtime_error("no space left on device");
+    }
+    --room_;
+  }
+  void revise(const MapRevision&) override {}
+  void begin_end(Nanoseconds) override {}
+  std::vector<MapSession> sessions() const override { return {}; }
+  std::vector<MapKeyframe> keyframes() const override { return {}; }
+  PoseGraph graph() const override { return PoseGraph{}; }
+  std::vector<LoopCandidate> candidates() const override { return {}; }
+  std::vector<MapFix> fixes() const override { return {}; }
+  std::optional<Georeference> georeference() const override { return std::nullopt; }
+  MapSubmap submap(NodeId) const override { return {}; }
+  std::vector<std::byte> chunk(NodeId, std::size_t) const override { return {}; }
+  std::vector<NodeId> submaps_within(const Eigen::Vector3d&,
+                                     const Eigen::Vector3d&) const override {
+    return {};
+  }
+
+ private:
+  std::size_t room_;
+};
+
+TEST_F(SlamFacade, WhereTheMapFailsAllSweepsThatWerePlacedComeBeforeItsError) {
+  for (const std::size_t room : {0U, 1U}) {
+    FullStore store(room);
+    const auto slam = make_slam(context(), test::street_config(),
+                                {.inertial = false, .map = &store, .session = 1});
+    for (const Sweep& sweep : drive().sweeps) {
+      slam->add(sweep);
+    }
+    slam->flush();
+    std::size_t placed = 0;
+    std::size_t mapped = 0;
+    std::string error;
+    const auto drain = [&] {
+      try {
+        while (const auto result = slam->next()) {
+          const auto& sweep = std::get<SweepPlaced>(*result);
+          EXPECT_EQ(sweep.result.stamp, drive().sweeps[placed].stamp);
+          ++placed;
+          mapped += sweep.mapped ? 1U : 0U;
+        }
+      } catch (const std::runtime_error& failure) {
+        error = failure.what();
+      }
+    };
+    drain();
+    EXPECT_EQ(error, "no space left on device");
+    EXPECT_GT(placed, mapped) << "the odometry is ahead of the map";
+    EXPECT_GT(mapped, 0U);
+    EXPECT_FALSE(slam->finish_map()) << "there is no whole map";
+    error.clear();
+    drain();
+    EXPECT_EQ(error, "") << "it is thrown once";
   }
 }
 

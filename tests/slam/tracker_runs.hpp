@@ -106,6 +106,7 @@ using Fault = std::function<void(std::vector<ImuSample>&)>;
 struct SweepFault {
   std::function<double(int)> delay{};  ///< s, of its stamp
   std::function<void(int, RegistrationResult&)> alignment{};
+  std::function<bool(int)> unaligned{};  ///< it was empty, or matched nothing
 };
 
 /// Ten seconds by hand, alignments good to 2 mm and 0.3 mrad.
@@ -144,13 +145,14 @@ inline Outcome run_tracker(const Fault& fault, double duration = 10.0,
     if (sweeps.alignment) {
       sweeps.alignment(i, alignment);
     }
-    const StampedPose pose{stamp, alignment.T_target_source};
-    outcome.reports.push_back(tracker.update(pose, i == 0 ? nullptr : &alignment, guess));
+    const bool aligned = i > 0 && !(sweeps.unaligned && sweeps.unaligned(i));
+    const StampedPose pose{stamp, aligned || i == 0 ? alignment.T_target_source : guess};
+    outcome.reports.push_back(tracker.update(pose, aligned ? &alignment : nullptr, guess));
     const InertialReport& report = outcome.reports.back();
     const Eigen::Isometry3d result = report.nav ? tracker.T_map_lidar(*report.nav) : pose.pose;
     EXPECT_TRUE(result.matrix().allFinite());
     outcome.errors.push_back((result.translation() - truth.translation()).norm());
-    steady.update({stamp, result}, true);
+    steady.update({stamp, result}, aligned || i == 0);
   }
   return outcome;
 }

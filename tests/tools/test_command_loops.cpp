@@ -91,7 +91,8 @@ TEST_F(LoopsCommand, TellsWhatFoundALoopItsVotesAndItsPose) {
                             .figure = 31.5};
   MapDatabase(map_, MapAccess::write).revise({.candidates = {alike}});
   const std::string text = test::ran(loops_command, {.map = map_}).out;
-  for (const char* part : {"found by", "residual chi2", "votes", "position", "appearance 0.72"}) {
+  for (const char* part : {"found by", "from graph before", "1.000 m   0.0 deg", "residual chi2",
+                           "votes", "position", "appearance 0.72"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
   const auto json =
@@ -101,7 +102,9 @@ TEST_F(LoopsCommand, TellsWhatFoundALoopItsVotesAndItsPose) {
   EXPECT_EQ(in.at("T_from_to"), nlohmann::json({49.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}));
   EXPECT_NEAR(in.at("T_from_to_sigma_m")[0].get<double>(), 0.05, 1e-9) << "information of 400";
   EXPECT_EQ(in.at("T_from_to_sigma_rad").size(), 3U);
-  EXPECT_TRUE(in.at("correction_chi2").is_null());
+  EXPECT_NEAR(in.at("correction_m").get<double>(), 1.0, 1e-6) << "against the graph before it";
+  EXPECT_GT(in.at("correction_chi2").get<double>(), 0.0);
+  EXPECT_NEAR(in.at("path_m").get<double>(), 50.0, 1e-6);
   EXPECT_TRUE(in.at("residual_chi2").is_number());
   EXPECT_EQ(in.at("correction_from"), "graph");
   const auto& out = json.at("loops")[2];

@@ -8,6 +8,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "adit/slam/mapping/solver.hpp"
 #include "adit/tests/mapping/map_support.hpp"
@@ -122,6 +123,35 @@ TEST(OptimizeCommand, TakesItsOptionsFromTheCommandLine) {
   EXPECT_EQ(code("--convention", "se3", "--initial", "tree", "--loop-kernel", "dcs"), 0);
   EXPECT_EQ(code("--convention", "half"), 2);
   EXPECT_EQ(code("--max-iterations", "0"), 2);
+}
+
+TEST(OptimizeCommand, ASecondCallOnAMapWithoutGnssReportsNoChange) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "map.adit";
+  {
+    MapDatabase map(file, MapAccess::write);
+    const SessionId session = test::add_session(map);
+    for (NodeId id = 0; id < 6; ++id) {
+      KeyframeRecord record = test::record(id, session);
+      // The map leans by 0.2 rad, which its verticals show.
+      record.keyframe.T_map_keyframe =
+          Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()) * record.keyframe.T_map_keyframe;
+      record.keyframe.vertical = Vertical::gravity;
+      map.store(record);
+    }
+    map.revise(test::loops_of_six());
+  }
+  const auto costs = [&] {
+    const auto json = nlohmann::json::parse(optimized({.input = file, .json = true}).out);
+    return std::array{json.at("cost_file").get<double>(), json.at("cost_after").get<double>()};
+  };
+  const auto first = costs();
+  EXPECT_GE(first[0], first[1]);
+  const auto second = costs();
+  EXPECT_NEAR(second[0], second[1], 1e-6 * second[1] + 1e-9);
+  const test::Ran third = optimized({.input = file});
+  EXPECT_EQ(third.code, 0) << third.err;
+  EXPECT_NE(third.out.find("wrote        nothing"), std::string::npos) << third.out;
 }
 
 TEST(OptimizeCommand, WritesAMapThatHasMovedInTheWorldAlone) {

@@ -29,6 +29,7 @@ TEST(GnssText, SaysWhereTheMapLies) {
   gnss.georeference = north_west();
   gnss.horizontal = 0.012;
   gnss.vertical = 0.034;
+  gnss.heights = 40;
   const std::string text = describe(gnss);
   for (const std::string_view part :
        {"40 of 40 fixes used", "0.012 m level", "0.034 m in height", "315.00 degrees (+- 0.06)",
@@ -40,6 +41,10 @@ TEST(GnssText, SaysWhereTheMapLies) {
   EXPECT_NEAR(json["georeference"]["heading_deg"], 315.0, 1e-6);
   EXPECT_EQ(json["residual_vertical_m"], 0.034);
   EXPECT_FALSE(json.contains("why_not"));
+  gnss.heights = 0;
+  EXPECT_NE(describe(gnss).find("no fix that was used has an altitude"), std::string::npos)
+      << describe(gnss);
+  EXPECT_TRUE(to_json(gnss)["residual_vertical_m"].is_null());
 }
 
 TEST(GnssText, SaysWhereTheAntennaReallySitsAndHowLateItsFixesAre) {
@@ -93,11 +98,22 @@ TEST(GnssText, SaysWhyAMapHasNoPlaceAndWhatToDo) {
   unrelated.extent = 50.0;
   GnssReport little = report(6, FixVerdict::waiting);
   little.yaw_sigma = 0.1;
+  GnssReport jumping = report(121, FixVerdict::waiting);
+  jumping.jump = ReceiverJump{.time = 30.5, .distance = 50.0, .before = 60, .after = 61};
+  GnssReport unclear = report(90, FixVerdict::waiting);
+  unclear.yaw_sigma = 0.001;
+  unclear.asked = 90;
+  unclear.agreeing = 20;
+  GnssReport no_numbers;
+  no_numbers.left_out = 30;
   for (const auto& [gnss, why] :
        {std::pair(swapped, "latitude and longitude exchanged"), std::pair(late, "gnss.time_offset"),
         std::pair(blind, "30 without a position"), std::pair(blind, "had no position"),
         std::pair(report(30, FixVerdict::impossible), "a position on the Earth"),
-        std::pair(unrelated, "do not move as the map does"), std::pair(little, "a longer way")}) {
+        std::pair(unrelated, "do not move as the map does"), std::pair(little, "a longer path"),
+        std::pair(jumping, "two places"),
+        std::pair(jumping, "jumps by 50.0 m, 30.5 s after its first fix: 60 fixes before and 61"),
+        std::pair(unclear, "only 20 of 90 fixes agree"), std::pair(no_numbers, "30 not finite")}) {
     EXPECT_NE(describe(gnss).find(why), std::string::npos) << describe(gnss);
     EXPECT_TRUE(to_json(gnss)["georeference"].is_null());
     EXPECT_FALSE(to_json(gnss)["why_not"].get<std::string>().empty());

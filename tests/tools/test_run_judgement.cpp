@@ -38,6 +38,23 @@ TEST(RunJudgement, OfAFolderThatGoesAwayNothingIsSaidToBeKept) {
   }
 }
 
+TEST(RunJudgement, ValuesThatAreNoneAreCountedByKind) {
+  RunOutcome outcome;
+  outcome.result.faults = {.fixes = 60, .fixes_left_out = 2, .fixes_without_height = 15};
+  const RunDescription run;
+  const RunStatistics statistics{run.config};
+  std::ostringstream said;
+  EXPECT_EQ(judge_run(outcome, statistics, run, said), 0);
+  for (const char* part : {"warning: 2 of 60 fixes are not finite and were left out",
+                           "warning: 15 of 60 fixes have no altitude"}) {
+    EXPECT_NE(said.str().find(part), std::string::npos) << said.str();
+  }
+  const std::string table = summary_table(run, outcome, statistics, false);
+  EXPECT_NE(table.find("values   2 of 60 fixes are not finite and were left out\n"),
+            std::string::npos)
+      << table;
+}
+
 TEST(RunJudgement, TheTableHasTheLengthsInForce) {
   RunDescription run;
   run.config.preprocess.r_input = 0.03;

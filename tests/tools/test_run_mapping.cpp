@@ -321,6 +321,26 @@ TEST_F(MapRecording, LostDeviceEndsTheRunAndKeepsWhatCameBefore) {
   EXPECT_EQ(written(), 4U);
 }
 
+TEST_F(MapRecording, WhateverElseGoesWrongEndsTheRunAndKeepsWhatCameBefore) {
+  const auto fails_with = [&](const auto& error) {
+    test::MemoryRecording recording(10);
+    return map(recording, {.first = 0, .count = 10}, [&](const Sweep& sweep) {
+      if (sweep.source == "sweep_4") {
+        throw error;
+      }
+      return test::placed(sweep);
+    });
+  };
+  const MappingResult broken = fails_with(std::logic_error("an accepted loop has no edge"));
+  EXPECT_EQ(broken.end, RunEnd::failed);
+  EXPECT_NE(broken.reason.find("an accepted loop has no edge"), std::string::npos) << broken.reason;
+  EXPECT_EQ(written(), 4U);
+  const MappingResult poor = fails_with(std::bad_alloc());
+  EXPECT_EQ(poor.end, RunEnd::failed);
+  EXPECT_NE(poor.reason.find("out of memory"), std::string::npos) << poor.reason;
+  EXPECT_EQ(written(), 4U);
+}
+
 TEST_F(MapRecording, FailedSweepsAreNotedWithIndexFileAndReasonAndTheRunGoesOn) {
   test::MemoryRecording recording(20);
   const MappingResult result = map(recording, {.first = 0, .count = 20}, [](const Sweep& sweep) {

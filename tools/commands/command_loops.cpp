@@ -7,8 +7,10 @@
 #include <cmath>
 #include <cstddef>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -17,6 +19,7 @@
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/mapping/loop_by_hand.hpp"
+#include "adit/slam/mapping/loop_move.hpp"
 #include "adit/slam/mapping/loop_optimization.hpp"
 #include "adit/slam/mapping/loop_reason.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
@@ -88,10 +91,38 @@ std::string finding_of(const LoopCandidate& candidate) {
              : source;
 }
 
-/// Where the pose comes from that the correction is of.
-std::string correction_from(const LoopCandidate& candidate) {
-  return candidate.source == LoopSource::position ? "graph"
-                                                  : std::string(to_string(candidate.source));
+/// By the ids of candidates with an edge: how far each is from the graph before it came in.
+using MovesById = std::map<int64_t, LoopMove>;
+
+MovesById moves_of(const std::vector<LoopCandidate>& candidates, const PoseGraph& graph) {
+  std::map<std::pair<NodeId, NodeId>, LoopMove> by_ends;
+  const auto moves = moves_from_graph_before(graph);
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (moves[i]) {
+      by_ends.emplace(std::pair(graph.edges()[i].from, graph.edges()[i].to), *moves[i]);
+    }
+  }
+  MovesById result;
+  for (const LoopCandidate& one : candidates) {
+    const auto move = by_ends.find({one.from, one.to});
+    if (was_accepted(one) && move != by_ends.end()) {
+      result.emplace(one.id, move->second);
+    }
+  }
+  return result;
+}
+
+const LoopMove* find(const MovesById& moves, const LoopCandidate& candidate) {
+  const auto found = moves.find(candidate.id);
+  return found == moves.end() ? nullptr : &found->second;
+}
+
+/// Where the pose comes from that the correction is of: that of a loop that came in is of the graph
+/// before it, whatever its alignment started from.
+std::string correction_from(const LoopCandidate& candidate, const LoopMove* move) {
+  return move != nullptr || candidate.source == LoopSource::position
+             ? "graph"
+             : std::string(to_string(candidate.source));
 }
 
 /// Later keyframes that agree; known of what the vote has let in.
@@ -102,8 +133,9 @@ std::optional<int> votes_of(const LoopCandidate& candidate) {
 }
 
 std::string text_of(const LoopsCommandOptions& options,
-                    const std::vector<LoopCandidate>& candidates,
+                    const std::vector<LoopCandidate>& candidates, const PoseGraph& graph,
                     const std::optional<LoopChange>& changed) {
+  const MovesById moves = moves_of(candidates, graph);
   std::string text;
   if (changed) {
     text += fmt::format(
@@ -115,18 +147,27 @@ std::string text_of(const LoopsCommandOptions& options,
            " has no loops: none were looked for (mapping.loops), or no place was seen again\n";
   }
   text +=
-      "    id    from      to  found by         verdict   overlap  correction          its chi2  "
+      "    id    from      to  found by         verdict   overlap  from graph before   its chi2  "
       "residual chi2  votes  reason\n";
   for (const LoopCandidate& one : candidates) {
     const bool has_edge = was_accepted(one);
-    const std::string chi2 = fmt::format("{:.2f}", one.chi2);
+    const LoopMove* const move = find(moves, one);
+    // That of what was refused is of where its alignment started.
+    const bool known = move != nullptr || correction_from(one, move) == "graph";
+    const std::string correction =
+        known
+            ? fmt::format("{:6.3f} m {:5.1f} deg", move != nullptr ? move->metres : one.correction,
+                          (move != nullptr ? move->radians : one.turn) * kDegreesPerRadian)
+            : "-";
+    const std::string chi2 = move != nullptr      ? fmt::format("{:.2f}", move->chi2)
+                             : has_edge || !known ? "-"
+                                                  : fmt::format("{:.2f}", one.chi2);
+    const std::string residual = has_edge ? fmt::format("{:.2f}", one.chi2) : "-";
     const std::optional<int> votes = votes_of(one);
     text += fmt::format(
-        "{:6}  {:6}  {:6}  {:<15}  {:<8}  {:7.2f}  {:6.3f} m {:5.1f} deg  {:>8}  {:>13}  {:>5}  "
-        "{}\n",
-        one.id, one.from, one.to, finding_of(one), to_string(one.verdict), one.overlap,
-        one.correction, one.turn * kDegreesPerRadian, has_edge ? "-" : chi2, has_edge ? chi2 : "-",
-        votes ? std::to_string(*votes) : "-", reason_of(one));
+        "{:6}  {:6}  {:6}  {:<15}  {:<8}  {:7.2f}  {:>18}  {:>8}  {:>13}  {:>5}  {}\n", one.id,
+        one.from, one.to, finding_of(one), to_string(one.verdict), one.overlap, correction, chi2,
+        residual, votes ? std::to_string(*votes) : "-", reason_of(one));
   }
   const auto accepted =
       std::ranges::count(candidates, CandidateVerdict::accepted, &LoopCandidate::verdict);
@@ -154,7 +195,8 @@ std::optional<Vector6d> sigmas_of(const LoopCandidate& candidate, const PoseGrap
   return symmetric_inverse(edge->information).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-nlohmann::ordered_json json_of(const LoopCandidate& one, const PoseGraph& graph) {
+nlohmann::ordered_json json_of(const LoopCandidate& one, const PoseGraph& graph,
+                               const LoopMove* move) {
   using Json = nlohmann::ordered_json;
   const std::optional<Vector6d> sigmas = sigmas_of(one, graph);
   const auto three = [&](int first) {
@@ -174,10 +216,13 @@ nlohmann::ordered_json json_of(const LoopCandidate& one, const PoseGraph& graph)
           {"T_from_to_sigma_rad", three(3)},
           {"overlap", one.overlap},
           {"rms_m", one.rms},
-          {"correction_from", correction_from(one)},
-          {"correction_m", one.correction},
-          {"correction_rad", one.turn},
-          {"correction_chi2", has_edge ? Json() : Json(one.chi2)},
+          {"correction_from", correction_from(one, move)},
+          {"correction_m", move != nullptr ? move->metres : one.correction},
+          {"correction_rad", move != nullptr ? move->radians : one.turn},
+          {"correction_chi2", move != nullptr ? Json(move->chi2)
+                              : has_edge      ? Json()
+                                              : Json(one.chi2)},
+          {"path_m", move != nullptr ? Json(move->path) : Json()},
           {"seen_through", one.through},
           {"found_by", std::string(to_string(one.source))},
           {"found_at", one.score},
@@ -198,9 +243,10 @@ std::string json_of(const LoopsCommandOptions& options, const MapDatabase& map,
                        {"moved_m", changed->moved}};
   }
   const PoseGraph graph = map.graph();
+  const MovesById moves = moves_of(candidates, graph);
   json["loops"] = nlohmann::ordered_json::array();
   for (const LoopCandidate& one : candidates) {
-    json["loops"].push_back(json_of(one, graph));
+    json["loops"].push_back(json_of(one, graph, find(moves, one)));
   }
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -258,7 +304,7 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
     page->take_its_place();
   }
   out << (options.json ? json_of(options, map, candidates, changed)
-                       : text_of(options, candidates, changed));
+                       : text_of(options, candidates, map.graph(), changed));
   if (options.html && !options.json) {
     out << "look at  " << options.html->string() << "\n";
   }

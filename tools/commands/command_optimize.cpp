@@ -190,6 +190,10 @@ OptimizeOutcome optimize_file(const OptimizeCommandOptions& options, std::ostrea
   settings.loop_kernel.width = options.kernel_width.value_or(RobustLoss{}.width);
   settings.max_iterations = most_iterations(options);
   settings.on_step = IterationProgress(err);
+  if (outcome.is_map) {
+    // What a map without a place on the Earth does not keep.
+    graph.set_T_world_map(levelled_world(graph));
+  }
   outcome.file_cost = graph_cost(graph, settings);
   const PoseGraph before = graph;
   if (options.control) {

@@ -130,10 +130,9 @@ RunOutcome with_complete_files(RunOutcome outcome, RunOutputs& outputs, HighRate
     if (sweeps > 0) {
       write_map_page(RunFiles(run.output), outputs.page_cloud(), run.recording.filename().string());
     }
-  } catch (const FileError& error) {
+  } catch (const std::exception& error) {
     if (outcome.result.end == RunEnd::completed) {
-      const bool input = dynamic_cast<const InputError*>(&error) != nullptr;
-      outcome.result.end = input ? RunEnd::input_error : RunEnd::output_error;
+      outcome.result.end = end_of(error);
       outcome.result.reason = error.what();
     }
   }

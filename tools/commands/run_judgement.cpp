@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/run/gnss_text.hpp"
+#include "adit/tools/run/measurement_faults_text.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 
@@ -36,6 +38,12 @@ int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const 
         << "adit run: ended early, " << statistics.sweeps() << " of " << run.range.count
         << " sweeps done; " << what_is_kept(outcome, run) << std::endl;
     return outcome.result.end == RunEnd::interrupted ? 128 + StopSignal::received() : 1;
+  }
+  for (const std::string& fault : describe(outcome.result.faults)) {
+    err << "adit run: warning: " << fault << std::endl;
+  }
+  if (outcome.result.map && outcome.result.map->gnss.jump) {
+    err << "adit run: warning: " << describe(*outcome.result.map->gnss.jump) << std::endl;
   }
   if (statistics.left_out().any()) {
     err << "adit run: warning: left out: " << statistics.left_out().text() << std::endl;

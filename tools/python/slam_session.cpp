@@ -108,7 +108,9 @@ std::optional<MapReport> SlamSession::finish_map() {
     return std::nullopt;
   }
   std::optional<MapReport> report = slam_->finish_map();
-  map_->set_complete(session_);
+  if (report) {  // else the map failed, which next() has said
+    map_->set_complete(session_);
+  }
   finished_ = true;
   mounting_ = slam_->mounting();
   config_ = slam_->config();

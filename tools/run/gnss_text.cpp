@@ -29,13 +29,18 @@ double yaw_sigma(const Georeference& georeference) {
 }
 
 std::string why_not(const GnssReport& gnss) {
+  if (gnss.jump) {
+    return "they give the map two places; map the part before or after the jump alone (--start, "
+           "--count)";
+  }
   if (gnss.swapped) {
     return "with latitude and longitude exchanged the fixes would agree with the map: the "
            "receiver's "
            "driver has them the wrong way round";
   }
   if (gnss.fixes == 0) {
-    return gnss.outside > 0
+    return gnss.left_out > 0 ? "no fix has a finite latitude and longitude between the sweeps"
+           : gnss.outside > 0
                ? "no fix falls between the sweeps: is the receiver's clock another one "
                  "(gnss.time_offset)?"
                : "the receiver had no position";
@@ -49,10 +54,18 @@ std::string why_not(const GnssReport& gnss) {
         "(gnss.time_offset), and are they all one antenna's (recording.gnss_topic)?",
         gnss.extent);
   }
+  const double sigma = gnss.yaw_sigma * 180.0 / std::numbers::pi;
+  if (sigma < 1.0 && 2 * gnss.agreeing < gnss.asked) {
+    return fmt::format(
+        "only {} of {} fixes agree on one place of it, half are needed: are they all one "
+        "antenna's (recording.gnss_topic), and is their time that of the sweeps "
+        "(gnss.time_offset)?",
+        gnss.agreeing, gnss.asked);
+  }
   return fmt::format(
-      "over {:.0f} m they tell the map's heading to {:.1f} degrees only, or less than "
-      "half of them agree; 1 degree is needed: a longer way, or better fixes",
-      gnss.extent, gnss.yaw_sigma * 180.0 / std::numbers::pi);
+      "over {:.0f} m they estimate the map's heading to {:.1f} degrees, and 1 degree is needed, "
+      "from fixes that are 10 m apart at least: a longer path, or better fixes",
+      gnss.extent, sigma);
 }
 
 constexpr std::array<std::string_view, 4> kAntennaParts{"x", "y", "z", "delay"};
@@ -148,6 +161,13 @@ std::string describe_antenna(const GnssReport& gnss) {
                    rest;
 }
 
+std::string describe(const ReceiverJump& jump) {
+  return fmt::format(
+      "the receiver jumps by {:.1f} m, {:.1f} s after its first fix: {} fixes before and {} after "
+      "the jump agree with the map, each group by itself",
+      jump.distance, jump.time, jump.before, jump.after);
+}
+
 std::string describe(const GnssReport& gnss) {
   const std::size_t used = count(gnss, FixVerdict::used);
   std::string text = fmt::format("{} of {} fixes used", used, gnss.fixes);
@@ -160,17 +180,26 @@ std::string describe(const GnssReport& gnss) {
   if (gnss.without_position > 0) {
     text += fmt::format(", {} without a position", gnss.without_position);
   }
+  if (gnss.left_out > 0) {
+    text += fmt::format(", {} not finite", gnss.left_out);
+  }
   if (gnss.outside > 0) {
     text += fmt::format(", {} outside of the sweeps' time", gnss.outside);
+  }
+  if (gnss.jump) {
+    text += "; " + describe(*gnss.jump);
   }
   if (!gnss.georeference) {
     return text + "; the map has no place in the world: " + why_not(gnss);
   }
   const Georeference& world = *gnss.georeference;
+  const std::string height =
+      gnss.heights > 0 ? fmt::format(", {:.3f} m in height (rms)", gnss.vertical)
+                       : " (rms), the height is not known: no fix that was used has an altitude";
   return text + fmt::format(
-                    "; left {:.3f} m level, {:.3f} m in height (rms); map's x axis heads "
+                    "; left {:.3f} m level{}; map's x axis heads "
                     "{:.2f} degrees (+- {:.2f}), origin {:.7f}, {:.7f}, {:.2f} m",
-                    gnss.horizontal, gnss.vertical, heading(world), yaw_sigma(world),
+                    gnss.horizontal, height, heading(world), yaw_sigma(world),
                     world.origin.latitude, world.origin.longitude, world.origin.altitude);
 }
 
@@ -182,9 +211,16 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
   nlohmann::ordered_json json = {{"fixes", gnss.fixes},
                                  {"without_position", gnss.without_position},
                                  {"outside", gnss.outside},
+                                 {"not_finite", gnss.left_out},
                                  {"verdicts", verdicts},
                                  {"optimizations", gnss.optimizations},
                                  {"level_drift_scale", gnss.level_drift_scale}};
+  if (gnss.jump) {
+    json["jump"] = {{"after_s", gnss.jump->time},
+                    {"distance_m", gnss.jump->distance},
+                    {"fixes_before", gnss.jump->before},
+                    {"fixes_after", gnss.jump->after}};
+  }
   if (!gnss.georeference) {
     json["georeference"] = nullptr;
     json["why_not"] = why_not(gnss);
@@ -198,7 +234,8 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
   const Eigen::Vector3d& t = world.T_world_map.translation();
   const Eigen::Quaterniond q(world.T_world_map.linear());
   json["residual_horizontal_m"] = gnss.horizontal;
-  json["residual_vertical_m"] = gnss.vertical;
+  json["residual_vertical_m"] =
+      gnss.heights > 0 ? nlohmann::ordered_json(gnss.vertical) : nlohmann::ordered_json();
   json["georeference"] = {{"latitude", world.origin.latitude},
                           {"longitude", world.origin.longitude},
                           {"altitude_m", world.origin.altitude},

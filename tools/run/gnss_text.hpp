@@ -14,6 +14,8 @@ namespace adit {
 
 /// One line; where the map has no place in the world, why, and what to do about it.
 std::string describe(const GnssReport& gnss);
+/// When it was, how far, and what is on either side of it.
+std::string describe(const ReceiverJump& jump);
 /// One line on where the antenna really sits and how late its fixes are, with the settings that say
 /// so; empty: nothing is known of it.
 std::string describe_antenna(const GnssReport& gnss);

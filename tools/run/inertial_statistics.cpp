@@ -44,8 +44,13 @@ ordered_json json_of(const RotationComparison& found) {
 }
 
 /// What the readings' gate kept out, for people; empty where that is nothing.
-std::string dropped_text(std::size_t spikes, std::size_t impossible, std::size_t readings) {
+std::string dropped_text(std::size_t spikes, std::size_t impossible, std::size_t not_finite,
+                         std::size_t readings) {
   std::string text;
+  if (not_finite > 0) {
+    text += "; " + std::to_string(not_finite) + (not_finite == 1 ? " reading" : " readings") +
+            " with values that are not finite dropped";
+  }
   if (spikes > 0) {
     text += "; " + std::to_string(spikes) + (spikes == 1 ? " spike" : " spikes") + " dropped";
   }
@@ -159,7 +164,8 @@ std::string InertialStatistics::text() const {
                     bridged_, bridged_ == 1 ? "sweep" : "sweeps");
     text += gaps;
   }
-  text += dropped_text(count(ImuArrival::spike), count(ImuArrival::impossible), readings());
+  text += dropped_text(count(ImuArrival::spike), count(ImuArrival::impossible),
+                       count(ImuArrival::not_finite), readings());
   return hindrance_.empty() ? text : text + "; not started: " + hindrance_;
 }
 

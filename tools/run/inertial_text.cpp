@@ -215,6 +215,12 @@ struct HindranceText {
 
   std::string operator()(const StuckAxis& stuck) const { return describe(stuck); }
 
+  std::string operator()(const FewAligned& few) const {
+    return "only " + std::to_string(few.sweeps) + " sweeps over " + in_digits(few.duration) +
+           " s in a row are aligned and have IMU readings between them; a start needs " +
+           std::to_string(few.needed) + " over " + in_digits(few.needed_duration) + " s";
+  }
+
   std::string operator()(const UnitChanged&) const {
     return "the readings look as if their unit or sign had changed since the last start";
   }

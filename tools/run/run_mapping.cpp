@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
 #include <set>
 #include <utility>
@@ -280,6 +282,12 @@ MappingResult map_events(const Mapping& mapping) {
 
 }  // namespace
 
+RunEnd end_of(const std::exception& error) {
+  return dynamic_cast<const InputError*>(&error) != nullptr  ? RunEnd::input_error
+         : dynamic_cast<const FileError*>(&error) != nullptr ? RunEnd::output_error
+                                                             : RunEnd::failed;
+}
+
 std::string_view to_string(RunEnd end) {
   switch (end) {
     case RunEnd::completed:
@@ -294,6 +302,8 @@ std::string_view to_string(RunEnd end) {
       return "device_error";
     case RunEnd::memory_limit:
       return "memory_limit";
+    case RunEnd::failed:
+      return "failed";
   }
   return "unknown";
 }
@@ -313,6 +323,10 @@ MappingResult caught(const std::function<MappingResult()>& body) {
     return {RunEnd::device_error, describe(error)};
   } catch (const engine::Error& error) {
     return {RunEnd::device_error, error.what()};
+  } catch (const std::bad_alloc&) {
+    return {RunEnd::failed, "out of memory. Allow more, or map a part with --start and --count."};
+  } catch (const std::exception& error) {
+    return {RunEnd::failed, std::string("an error of adit itself: ") + error.what()};
   }
 }
 
@@ -327,6 +341,12 @@ MappingResult map_recording(const Mapping& mapping) {
     return ended;
   });
   result.map = end.map;
+  result.faults = mapping.slam.faults();
+  if (result.map && result.map->loops && result.map->loops->farthest_from_odometry) {
+    const LoopMove& farthest = *result.map->loops->farthest_from_odometry;
+    mapping.statistics.note(MovedByLoops{
+        .distance = farthest.metres, .sigmas = farthest.sigmas(), .path = farthest.path});
+  }
   if (result.end == RunEnd::completed && end.end != RunEnd::completed) {
     result.end = end.end;
     result.reason = end.reason;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <string>
@@ -32,8 +33,11 @@ enum class RunEnd {
   output_error,  ///< a result could not be written
   device_error,  ///< the device or its memory failed
   memory_limit,  ///< more memory was needed than it was allowed
+  failed,        ///< something else went wrong, in the program or its host memory
 };
 std::string_view to_string(RunEnd end);
+/// How a run ends with an error of its files, or another.
+RunEnd end_of(const std::exception& error);
 
 /// A part of a recording.
 struct SweepRange {
@@ -45,6 +49,7 @@ struct MappingResult {
   RunEnd end = RunEnd::completed;
   std::string reason;              ///< for people; empty when completed
   std::optional<MapReport> map{};  ///< where one was made and could be ended
+  MeasurementFaults faults{};      ///< values that no sensor measures
 };
 
 /// What map_recording() works with.

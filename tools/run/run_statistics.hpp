@@ -93,7 +93,9 @@ class RunStatistics {
   std::optional<Nanoseconds> first_stamp() const {
     return first_ ? std::optional(first_->stamp) : std::nullopt;
   }
-  Verdict verdict() const { return assessor_.verdict(); }  ///< on all sweeps so far
+  /// On all sweeps so far and, once it is known, on what loops did to the map.
+  Verdict verdict() const { return with_loops(assessor_.verdict(), moved_by_loops_); }
+  void note(const MovedByLoops& moved) { moved_by_loops_ = moved; }
 
   std::size_t sweeps() const { return sweeps_; }
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps
@@ -128,6 +130,7 @@ class RunStatistics {
   InertialStatistics inertial_;
   LeftOut left_out_;
   RunAssessor assessor_;
+  MovedByLoops moved_by_loops_;
   std::size_t sweeps_ = 0;
   std::size_t deskewed_ = 0;
   std::size_t keyframes_ = 0;

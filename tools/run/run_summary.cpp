@@ -10,6 +10,7 @@
 #include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/gnss_text.hpp"
 #include "adit/tools/run/loop_reasons.hpp"
+#include "adit/tools/run/measurement_faults_text.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {
@@ -119,6 +120,15 @@ ordered_json describe_outputs(const RunDescription& run, const RunOutcome& outco
   return json;
 }
 
+ordered_json farthest_json(const std::optional<LoopMove>& move) {
+  return move ? ordered_json{{"distance_m", move->metres},
+                             {"turn_rad", move->radians},
+                             {"chi2", move->chi2},
+                             {"sigmas", move->sigmas()},
+                             {"path_m", move->path}}
+              : ordered_json();
+}
+
 ordered_json describe_loops(const LoopReport& loops) {
   const Distribution times = distribution(loops.search_ms);
   return {{"candidates", loops.candidates},
@@ -129,6 +139,7 @@ ordered_json describe_loops(const LoopReport& loops) {
           {"refused", reasons_to_json(loops.refused)},
           {"optimizations", loops.optimizations},
           {"largest_correction_m", loops.largest_correction},
+          {"farthest_from_odometry", farthest_json(loops.farthest_from_odometry)},
           {"keyframe_ms",
            {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
 }
@@ -182,6 +193,7 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
     json["verdict"] = to_json(statistics.verdict(), *start);
   }
   json["left_out"] = statistics.left_out().to_json();
+  json["not_finite"] = to_json(outcome.result.faults);
   if (statistics.inertial().any()) {
     json["imu"] = statistics.inertial().to_json();
     json["imu"]["host_ms"] = describe_stage(statistics.inertial_stage());

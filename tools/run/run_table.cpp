@@ -10,6 +10,7 @@
 #include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/gnss_text.hpp"
 #include "adit/tools/run/loop_reasons.hpp"
+#include "adit/tools/run/measurement_faults_text.hpp"
 #include "adit/tools/run/verdict_text.hpp"
 #include "adit/tools/support/progress.hpp"
 
@@ -131,6 +132,11 @@ std::string loops_text(const LoopReport& loops) {
   }
   const std::string refused = reasons_text(loops.refused);
   const Distribution times = distribution(loops.search_ms);
+  if (loops.farthest_from_odometry) {
+    text +=
+        fmt::format("; up to {:.2f} m from the odometry, {:.1f} of its standard deviations",
+                    loops.farthest_from_odometry->metres, loops.farthest_from_odometry->sigmas());
+  }
   return text + (refused.empty() ? "" : "; refused: " + refused) +
          fmt::format("; corrected by up to {:.2f} m; {:.1f} ms a keyframe, {:.1f} at most",
                      loops.largest_correction, times.mean, times.max);
@@ -204,6 +210,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
   }
   if (statistics.left_out().any()) {
     text += "left out " + statistics.left_out().text() + "\n";
+  }
+  for (const std::string& fault : describe(outcome.result.faults)) {
+    text += "values   " + fault + "\n";
   }
   if (statistics.left_out().put_in_order() > 0) {
     text += "order    " + statistics.left_out().order_text() + "\n";

@@ -54,6 +54,15 @@ std::string cause_text(const DoubtfulStretch& stretch) {
   return "";
 }
 
+std::string text_of(const MovedByLoops& moved) {
+  return fmt::format(
+      "loops moved the map by {:.2f} m over a path of {:.0f} m, {:.1f} standard deviations of the "
+      "odometry (at most {:.0f} are reliable): a place that looks alike may have been taken for "
+      "it; "
+      "`adit loops OUT/map.adit` lists them, and --revoke takes one back",
+      moved.distance, moved.path, moved.sigmas, kMostLoopSigmas);
+}
+
 }  // namespace
 
 std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
@@ -64,13 +73,18 @@ std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
 }
 
 std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t indent) {
+  const std::string moved =
+      verdict.moved ? "\n" + std::string(indent, ' ') + text_of(*verdict.moved) : std::string();
+  if (verdict.moved && verdict.stretches.empty()) {
+    return std::string(to_string(verdict.trust)) + moved;
+  }
   if (verdict.stretches.empty()) {
     return verdict.trust == Trust::reliable
                ? "reliable: no sweep is in doubt"
                : std::string(to_string(verdict.trust)) + ": no sweep could be aligned";
   }
   const std::size_t named = std::min(kNamed, verdict.stretches.size());
-  std::string text(to_string(verdict.trust));
+  std::string text = std::string(to_string(verdict.trust)) + moved;
   for (std::size_t i = 0; i < named; ++i) {
     text += "\n" + std::string(indent, ' ') + describe(verdict.stretches[i], start);
   }
@@ -82,6 +96,12 @@ std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t inde
 
 ordered_json to_json(const Verdict& verdict, Nanoseconds start) {
   ordered_json json = {{"state", to_string(verdict.trust)}, {"stretches", ordered_json::array()}};
+  if (verdict.moved) {
+    json["moved_by_loops"] = {{"distance_m", verdict.moved->distance},
+                              {"sigmas", verdict.moved->sigmas},
+                              {"path_m", verdict.moved->path},
+                              {"text", text_of(*verdict.moved)}};
+  }
   for (const DoubtfulStretch& stretch : verdict.stretches) {
     const Eigen::Vector3d& d = stretch.direction;
     json["stretches"].push_back(

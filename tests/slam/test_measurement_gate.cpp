@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/executor/measurement_gate.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "adit/slam/mapping/gnss_noise.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+GnssFix good_fix() {
+  return {.kind = GnssFixKind::single,
+          .latitude = 41.6,
+          .longitude = -0.9,
+          .altitude = 200.0,
+          .covariance = std::nullopt};
+}
+
+/// What is left of the fix; fails where nothing is.
+GnssFix passed(MeasurementGate& gate, const GnssFix& fix) {
+  const auto result = gate.pass(fix);
+  EXPECT_TRUE(result);
+  return result ? std::get<GnssFix>(*result) : GnssFix{};
+}
+
+TEST(MeasurementGate, AFixWithoutAFiniteLatitudeAndLongitudeIsLeftOut) {
+  MeasurementGate gate;
+  for (const double bad : {kNan, kInfinite, -kInfinite}) {
+    GnssFix fix = good_fix();
+    fix.latitude = bad;
+    EXPECT_FALSE(gate.pass(fix));
+    fix = good_fix();
+    fix.longitude = bad;
+    EXPECT_FALSE(gate.pass(fix));
+  }
+  EXPECT_TRUE(gate.pass(good_fix()));
+  EXPECT_EQ(gate.faults().fixes, 7U);
+  EXPECT_EQ(gate.faults().fixes_left_out, 6U);
+}
+
+TEST(MeasurementGate, AFixWithoutAnAltitudeKeepsItsLevelPosition) {
+  MeasurementGate gate;
+  EXPECT_FALSE(passed(gate, good_fix()).covariance);
+  GnssFix fix = good_fix();
+  fix.altitude = kNan;
+  fix.covariance = Eigen::Vector3d(0.01, 0.01, kNan).asDiagonal();
+  const GnssFix level = passed(gate, fix);
+  EXPECT_EQ(level.altitude, 200.0) << "of the fix before";
+  const Eigen::Matrix3d covariance = fix_covariance(level, {});
+  EXPECT_TRUE(covariance.allFinite());
+  EXPECT_FALSE(has_height(covariance));
+  EXPECT_LT(covariance(0, 0), 10.0);
+  EXPECT_TRUE(has_height(fix_covariance(good_fix(), {})));
+  fix.covariance.reset();
+  EXPECT_FALSE(has_height(fix_covariance(passed(gate, fix), {})));
+  EXPECT_EQ(gate.faults().fixes_without_height, 2U);
+  EXPECT_EQ(gate.faults().fixes_left_out, 0U);
+}
+
+TEST(MeasurementGate, ACovarianceThatIsNoneIsNotUsed) {
+  MeasurementGate gate;
+  for (const double bad : {kNan, kInfinite, -1.0}) {
+    GnssFix fix = good_fix();
+    fix.covariance = Eigen::Vector3d(bad, 1.0, 1.0).asDiagonal();
+    EXPECT_FALSE(passed(gate, fix).covariance) << bad;
+  }
+  EXPECT_EQ(gate.faults().fixes_without_covariance, 3U);
+  GnssFix fix = good_fix();
+  fix.covariance = Eigen::Vector3d(1.0, 1.0, kInfinite).asDiagonal();
+  EXPECT_FALSE(has_height(fix_covariance(passed(gate, fix), {}))) << "the level part is whole";
+  fix.covariance = Eigen::Matrix3d::Zero();
+  EXPECT_TRUE(has_height(fix_covariance(passed(gate, fix), {})))
+      << "a driver that fills nothing in is no fault";
+  EXPECT_EQ(gate.faults().fixes_without_covariance, 3U);
+}
+
+TEST(MeasurementGate, AReceiverThatSaysItHasNoFixIsNoFault) {
+  MeasurementGate gate;
+  GnssFix blind = good_fix();
+  blind.kind = GnssFixKind::none;
+  blind.latitude = blind.longitude = blind.altitude = kNan;
+  EXPECT_TRUE(gate.pass(blind));
+  EXPECT_FALSE(gate.faults().any());
+}
+
+TEST(MeasurementGate, IntensitiesAndTimesOfPointsThatAreNoneAreReplaced) {
+  constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
+  MeasurementGate gate;
+  Sweep sweep;
+  sweep.points = {{1.0F, 2.0F, 3.0F, kNoNumber}, {1.0F, 2.0F, 3.0F, 5.0F}};
+  sweep.times = {1e30F, 0.1F};
+  const auto result = gate.pass(sweep);
+  ASSERT_TRUE(result);
+  const Sweep& mended = std::get<Sweep>(*result);
+  EXPECT_EQ(mended.points[0].intensity, 0.0F);
+  EXPECT_EQ(mended.points[1].intensity, 5.0F);
+  EXPECT_TRUE(std::isnan(mended.times[0]));
+  EXPECT_EQ(duration_of(mended), static_cast<double>(0.1F));
+  EXPECT_EQ(gate.faults().intensities, 1U);
+  EXPECT_EQ(gate.faults().times, 1U);
+}
+
+TEST(MeasurementGate, ATransformThatIsNotFiniteIsLeftOut) {
+  MeasurementGate gate;
+  StaticTransform transform{.parent = "imu", .child = "lidar"};
+  EXPECT_TRUE(gate.pass(transform));
+  transform.T_parent_child.translation().x() = kNan;
+  EXPECT_FALSE(gate.pass(transform));
+  EXPECT_EQ(gate.faults().transforms, 1U);
+}
+
+}  // namespace
+}  // namespace adit
