@@ -64,6 +64,15 @@ int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const 
   return outcome.validation_messages.empty() ? 0 : 1;
 }
 
+int judge_strictly(int code, Trust trust, std::ostream& err) {
+  if (code != 0 || trust == Trust::reliable) {
+    return code;
+  }
+  err << "adit run: the run is " << to_string(trust)
+      << " (--strict); verdict in summary.json says where and why" << std::endl;
+  return 1;
+}
+
 int tell_of_complete_run(const EarlierRun& run, const RunCommandOptions& options, std::ostream& out,
                          std::ostream& err) {
   if (!options.quiet) {

@@ -17,6 +17,10 @@ namespace adit {
 int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
               std::ostream& err);
 
+/// With --strict: the exit code of a run with that verdict, 1 where `code` is 0 and the run is not
+/// reliable, and says so.
+int judge_strictly(int code, Trust trust, std::ostream& err);
+
 /// What is known of a run that has nothing left to do: as if it had ended now. Returns the exit
 /// code.
 int tell_of_complete_run(const EarlierRun& run, const RunCommandOptions& options, std::ostream& out,

@@ -14,6 +14,12 @@
 
 namespace adit {
 
+/// Where the clock of the sweeps was set back.
+struct ClockStep {
+  std::size_t sweep = 0;  ///< the first after it, in the recording
+  double back = 0.0;      ///< s, from the last sweep before it
+};
+
 /// What of a recording a run left out or took in another order, counted, with the first reasons.
 class LeftOut {
  public:
@@ -32,6 +38,10 @@ class LeftOut {
   std::size_t damaged() const { return damage_.count; }      ///< places
   std::size_t not_rising() const { return stamps_.count; }   ///< sweeps
   std::size_t put_in_order() const { return order_.count; }  ///< sweeps; they are not left out
+  /// Sweeps of the recording that were left out, of whatever kind.
+  std::size_t sweeps() const { return stamps_.count; }
+  /// The first of them, in their order.
+  const std::vector<ClockStep>& clock_steps() const { return clock_steps_; }
   bool any() const { return damaged() + not_rising() > 0; }
   /// The first damage; empty where there is none.
   std::string first_damage() const;
@@ -40,6 +50,8 @@ class LeftOut {
   nlohmann::ordered_json to_json() const;
   /// One line for people, without its end; empty where nothing was left out.
   std::string text() const;
+  /// Where the clock was set back and what to do about it; empty where it was not.
+  std::string clock_text() const;
   /// Likewise of the sweeps that were put in order.
   std::string order_text() const;
 
@@ -53,6 +65,8 @@ class LeftOut {
   Kind damage_;
   Kind stamps_;
   Kind order_;
+  std::vector<ClockStep> clock_steps_;
+  std::size_t last_left_out_ = 0;  ///< sweep, in the recording
 };
 
 }  // namespace adit
