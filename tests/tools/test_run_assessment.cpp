@@ -149,17 +149,20 @@ TEST(RunAssessment, EachStepOfTheClockIsNamedAndLateSweepsAreNone) {
   MadeRun run(100);
   run.place_all(0, 40);
   run.leave_out(40, milliseconds(3800), milliseconds(3900));
+  run.leave_out(59, milliseconds(5800), milliseconds(5900));
   run.leave_out(60, milliseconds(1000), milliseconds(5900));
   run.leave_out(61, milliseconds(1100), milliseconds(5900));
+  run.leave_out(62, milliseconds(-9000), milliseconds(5900));
   run.leave_out(80, milliseconds(0), milliseconds(7900));
   const std::vector<ClockStep>& steps = run.statistics.left_out().clock_steps();
-  ASSERT_EQ(steps.size(), 2U);
+  ASSERT_EQ(steps.size(), 3U);
   EXPECT_EQ(steps[0].sweep, 60U);
   EXPECT_NEAR(steps[0].back, 4.9, 1e-9);
-  EXPECT_EQ(steps[1].sweep, 80U);
+  EXPECT_EQ(steps[1].sweep, 62U) << "set back again";
+  EXPECT_EQ(steps[2].sweep, 80U);
   const auto json = run.statistics.left_out().to_json();
-  EXPECT_EQ(json["clock_set_back"].size(), 2U);
-  EXPECT_EQ(json["clock_set_back"][1]["sweep"], 80);
+  EXPECT_EQ(json["clock_set_back"].size(), 3U);
+  EXPECT_EQ(json["clock_set_back"][2]["sweep"], 80);
 }
 
 TEST(RunAssessment, OneSweepAloneWasNotChecked) {

@@ -41,10 +41,13 @@ std::optional<std::string> LeftOut::add_damage(const InputError& error) {
 std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sweep,
                                               Nanoseconds last) {
   const double back = seconds(last - sweep.stamp);
-  const bool goes_on = stamps_.count > 0 && last_left_out_ + 1 == index;
-  last_left_out_ = index;
-  if (back > kClockSetBack && !goes_on && clock_steps_.size() < kKept) {
-    clock_steps_.push_back({.sweep = index, .back = back});
+  if (back > kClockSetBack) {
+    const bool goes_on = !clock_steps_.empty() && after_step_.index + 1 == index &&
+                         seconds(after_step_.stamp - sweep.stamp) < kClockSetBack;
+    after_step_ = {.index = index, .stamp = sweep.stamp};
+    if (!goes_on && clock_steps_.size() < kKept) {
+      clock_steps_.push_back({.sweep = index, .back = back});
+    }
   }
   const std::string how =
       back > 0.0 ? fmt::format("{:.6f} s before that", back) : std::string("that");

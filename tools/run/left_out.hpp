@@ -66,7 +66,11 @@ class LeftOut {
   Kind stamps_;
   Kind order_;
   std::vector<ClockStep> clock_steps_;
-  std::size_t last_left_out_ = 0;  ///< sweep, in the recording
+  struct Stamped {
+    std::size_t index = 0;
+    Nanoseconds stamp{0};
+  };
+  Stamped after_step_;  ///< the last sweep that was left out since the clock was set back
 };
 
 }  // namespace adit
