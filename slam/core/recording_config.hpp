@@ -13,6 +13,8 @@ struct RecordingConfig {
   std::optional<std::string> sweep_topic{};
   std::optional<std::string> imu_topic{};
   std::optional<std::string> gnss_topic{};
+  std::optional<std::string> sweep_frame{};
+  std::optional<std::string> imu_frame{};
   std::optional<std::string> metadata{};
   std::optional<double> point_time_unit{};   ///< s
   std::optional<double> coordinate_scale{};  ///< m
@@ -28,9 +30,15 @@ struct RecordingConfig {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& field) {
     field("sweep_topic", self.sweep_topic, "",
-          "the topic of sweeps to map; not given: the only one");
-    field("imu_topic", self.imu_topic, "", "the topic of the IMU; not given: the first");
-    field("gnss_topic", self.gnss_topic, "", "the topic of fixes; not given: the first");
+          "the topic of sweeps to map; not given: the only one that has points");
+    field("imu_topic", self.imu_topic, "",
+          "the topic of the IMU; not given: the best one by its readings, frame and rate");
+    field("gnss_topic", self.gnss_topic, "", "the topic of fixes; not given: the first with a fix");
+    field("sweep_frame", self.sweep_frame, "",
+          "the frame of the sensor to map, where several publish sweeps on one topic; not given: "
+          "the one with most messages at the start");
+    field("imu_frame", self.imu_frame, "",
+          "the frame of the IMU, where several publish on one topic; not given: the best one");
     field("metadata", self.metadata, "",
           "file that tells of the sensor whose packets are recorded (Ouster's JSON, Hesai's angle "
           "correction); not given: what lies beside the recording");

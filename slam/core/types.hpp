@@ -109,6 +109,7 @@ struct StaticTransform {
   std::string parent;  ///< frame that the other is placed in
   std::string child;   ///< frame that is placed
   Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();  ///< where it is
+  double quaternion_length = 1.0;  ///< of its rotation in the source, before it was normalised
 };
 
 /// A pose at a time: T_map_lidar maps lidar coordinates to the map frame.

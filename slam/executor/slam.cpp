@@ -14,7 +14,6 @@
 #include <variant>
 #include <vector>
 
-#include "adit/slam/core/frame_tree.hpp"
 #include "adit/slam/executor/worker.hpp"
 
 namespace adit {
@@ -77,6 +76,7 @@ class OfflineSlam final : public Slam {
     if (named->empty()) {
       *named = frame;
     }
+    has_readings_ = has_readings_ || std::holds_alternative<ImuSample>(measurement);
     if (auto* fix = std::get_if<GnssFix>(&measurement)) {
       if (map_ == nullptr || !gnss_.use) {
         return;
@@ -92,6 +92,7 @@ class OfflineSlam final : public Slam {
   void add(const StaticTransform& transform) override {
     if (gate_.pass(transform)) {
       transforms_.add(transform);
+      transforms_are_new_ = true;
     }
   }
 
@@ -240,15 +241,31 @@ class OfflineSlam final : public Slam {
     }
   }
 
+  /// Looked for until it is found: its transform may arrive after the first fix.
   Eigen::Vector3d antenna() {
-    if (!p_lidar_antenna_) {
-      const bool named = !gnss_frame_.empty() && !lidar_frame_.empty();
-      const auto told = named ? transforms_.transform(lidar_frame_, gnss_frame_) : std::nullopt;
-      p_lidar_antenna_ = gnss_.antenna ? Eigen::Vector3d(gnss_.antenna->data())
-                         : told        ? Eigen::Vector3d(told->translation())
-                                       : Eigen::Vector3d::Zero();
+    if (!p_lidar_antenna_ && gnss_.antenna) {
+      p_lidar_antenna_ = Eigen::Vector3d(gnss_.antenna->data());
+    } else if (!p_lidar_antenna_ && !gnss_frame_.empty() && !lidar_frame_.empty()) {
+      if (const auto T = transforms_.transform(lidar_frame_, gnss_frame_)) {
+        p_lidar_antenna_ = Eigen::Vector3d(T->translation());
+      }
     }
-    return *p_lidar_antenna_;
+    return p_lidar_antenna_.value_or(Eigen::Vector3d::Zero());
+  }
+
+  /// The frame of a sensor is known once one of its measurements has arrived.
+  void look_up_mounting() {
+    const bool open =
+        !mounting_ || (transforms_are_new_ && mounting_->source == MountingSource::assumed);
+    if (!inertial_ || !has_readings_ || !open) {
+      return;
+    }
+    transforms_are_new_ = false;
+    const Mounting found = find_mounting();
+    if (!mounting_ || found.source != MountingSource::assumed) {
+      odometry_.mount(found.T_imu_lidar);
+    }
+    mounting_ = found;
   }
 
   void place(Sweep sweep) {
@@ -258,10 +275,7 @@ class OfflineSlam final : public Slam {
       return;
     }
     last_sweep_ = sweep.stamp;
-    if (inertial_ && !mounting_) {
-      mounting_ = find_mounting();
-      odometry_.mount(mounting_->T_imu_lidar);
-    }
+    look_up_mounting();
     SweepResult result = odometry_.step(sweep);
     if (high_rate_) {
       high_rate_->update(result.inertial);
@@ -335,7 +349,8 @@ class OfflineSlam final : public Slam {
     const auto told = named ? transforms_.transform(imu_frame_, lidar_frame_) : std::nullopt;
     // By its numbers, so that the same setting gives the same bytes.
     return told ? Mounting{.source = MountingSource::transforms,
-                           .T_imu_lidar = pose_of(numbers_of(*told))}
+                           .T_imu_lidar = pose_of(numbers_of(*told)),
+                           .conflict = transforms_.conflict(imu_frame_, lidar_frame_)}
                 : Mounting{.source = MountingSource::assumed};
   }
 
@@ -366,7 +381,9 @@ class OfflineSlam final : public Slam {
   std::string lidar_frame_;
   std::string imu_frame_;
   std::string gnss_frame_;
-  std::optional<Eigen::Vector3d> p_lidar_antenna_;  ///< once it is asked for
+  bool has_readings_ = false;                       ///< of the inertial sensor, used or not yet
+  bool transforms_are_new_ = false;                 ///< since the mounting was looked up
+  std::optional<Eigen::Vector3d> p_lidar_antenna_;  ///< once it is known
   std::optional<Mounting> mounting_;
   std::optional<Nanoseconds> last_sweep_;  ///< its stamp
   Worker worker_;                          ///< last: it uses the others

@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/slam/core/frame_tree.hpp"
 #include "adit/slam/executor/measurement_gate.hpp"
 #include "adit/slam/executor/sensor_feed.hpp"
 #include "adit/slam/fusion/high_rate_stream.hpp"
@@ -62,6 +63,8 @@ struct Mounting {
   MountingSource source = MountingSource::assumed;  ///< who told it
   Eigen::Isometry3d T_imu_lidar =
       Eigen::Isometry3d::Identity();  ///< maps lidar coordinates to the IMU
+  /// Transforms that mount the sensors differently, where some do; see FrameTree.
+  std::optional<MountingConflict> conflict{};
 };
 
 /// What a Slam is to do besides odometry.
@@ -92,8 +95,8 @@ class Slam {
   /// (MeasurementGate); faults() counts them.
   virtual void add(Measurement measurement, std::string_view frame = {}) = 0;
 
-  /// How two frames are mounted; counts for the mounting if it comes before the first sweep is
-  /// placed.
+  /// How two frames are mounted. The mounting of the IMU is looked up for the first sweep after the
+  /// first reading; while no transform gives it, each further transform is a reason to look again.
   virtual void add(const StaticTransform& transform) = 0;
 
   /// Nothing more comes for now: sweeps wait no longer. add() may go on after that.
@@ -108,7 +111,8 @@ class Slam {
   /// Waits until the map has what the odometry has placed: next() gives it then.
   virtual void settle() = 0;
 
-  /// How the sensors are mounted; nothing before the first sweep, or without an inertial sensor.
+  /// How the sensors are mounted; nothing before the first sweep after the first reading of an
+  /// inertial sensor.
   virtual std::optional<Mounting> mounting() const = 0;
 
   /// The configuration in force: lengths that were left at 0 are as the first sweep shows them.

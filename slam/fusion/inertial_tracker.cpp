@@ -116,6 +116,15 @@ InertialTracker::InertialTracker(const ImuConfig& config, double configured_offs
       readings_(config),
       watch_(config, configured_offset) {}
 
+void InertialTracker::mount(const Eigen::Isometry3d& T_imu_lidar) {
+  T_body_lidar_ = T_imu_lidar;
+  if (!is<Absent>()) {
+    state_ = Starting{};
+    history_ = {};
+    watch_.forget();
+  }
+}
+
 std::vector<TakenReading> InertialTracker::add(const ImuSample& sample) {
   std::vector<TakenReading> taken = readings_.add(sample);
   for (const TakenReading& one : taken) {

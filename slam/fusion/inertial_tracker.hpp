@@ -34,8 +34,8 @@ class InertialTracker {
   /// have in them of recording.imu_time_offset: remedies name the sum.
   explicit InertialTracker(const ImuConfig& config, double configured_offset = 0.0);
 
-  /// In place of the settings' mounting, before the first sweep.
-  void mount(const Eigen::Isometry3d& T_imu_lidar) { T_body_lidar_ = T_imu_lidar; }
+  /// In place of the settings' mounting. What was started with another one starts anew.
+  void mount(const Eigen::Isometry3d& T_imu_lidar);
 
   /// Takes a reading. Returns those whose fate is known with it: one that jumps waits for the next.
   std::vector<TakenReading> add(const ImuSample& sample);

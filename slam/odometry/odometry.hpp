@@ -105,8 +105,8 @@ class Odometry {
   Odometry(const Odometry&) = delete;
   Odometry& operator=(const Odometry&) = delete;
 
-  /// How the sensors are mounted to each other, in place of imu.T_imu_lidar; before the first
-  /// sweep.
+  /// How the sensors are mounted to each other, in place of imu.T_imu_lidar. An inertial sensor
+  /// that was started with another mounting starts anew.
   void mount(const Eigen::Isometry3d& T_imu_lidar);
 
   /// Takes an inertial reading, in the sensor's own units. A sweep wants all of them from before

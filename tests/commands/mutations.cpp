@@ -21,6 +21,21 @@ double number(Dice& dice) {
   return kNumbers[dice.below(kNumbers.size())];
 }
 
+/// Between frames of the rig or others: to itself, in loops, without names, anywhere.
+Recorded some_transform(Nanoseconds received, Dice& dice) {
+  constexpr std::array<const char*, 8> kFrames = {"base_link", "lidar", "imu", "/imu",
+                                                  "fix",       "odom",  "",    "mast"};
+  StaticTransform transform{kFrames[dice.below(kFrames.size())],
+                            kFrames[dice.below(kFrames.size())], Eigen::Isometry3d::Identity()};
+  if (dice.one_in(2)) {
+    transform.T_parent_child.translation().x() = number(dice);
+  }
+  if (dice.one_in(3)) {
+    transform.T_parent_child.linear() = so3_exp({0.0, 0.0, static_cast<double>(dice.below(7))});
+  }
+  return {"/tf_static", received, transform};
+}
+
 Nanoseconds stamp(Nanoseconds before, Dice& dice) {
   constexpr int64_t kSecond = 1'000'000'000;
   const std::array<int64_t, 10> stamps = {0,
@@ -244,7 +259,7 @@ void damage_events(std::vector<Recorded>& events, Dice& dice) {
     const auto begin = events.begin() + static_cast<std::ptrdiff_t>(at);
     const auto end = begin + static_cast<std::ptrdiff_t>(length);
     const std::string topic = begin->topic;
-    switch (dice.below(8)) {
+    switch (dice.below(12)) {
       case 0:
         events.erase(begin, end);
         break;
@@ -263,6 +278,28 @@ void damage_events(std::vector<Recorded>& events, Dice& dice) {
         break;
       case 5:
         begin->received = stamp(begin->received, dice);
+        break;
+      case 6:
+        events.insert(begin, some_transform(begin->received, dice));
+        break;
+      case 7: {
+        // Messages of one sensor on two topics, or of two on one.
+        const std::string other = dice.one_in(2) ? topic + "_b" : "/points";
+        for (auto event = begin; event != end; ++event) {
+          event->topic =
+              event->topic == topic && event->topic != "/tf_static" ? other : event->topic;
+        }
+        break;
+      }
+      case 8:
+        // Mountings as a robot without /tf_static publishes them.
+        for (int k = 0; k < 40; ++k) {
+          const Nanoseconds at_time = MovingRig::kBegin + std::chrono::milliseconds(100 * k);
+          const auto transform = std::get<StaticTransform>(some_transform(at_time, dice).value);
+          events.push_back({"/tf", at_time,
+                            ReferencePose{at_time, transform.parent, transform.child,
+                                          transform.T_parent_child}});
+        }
         break;
       default:
         for (auto event = begin; event != end; ++event) {

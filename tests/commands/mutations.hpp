@@ -42,7 +42,8 @@ void damage_text(std::string& text, Dice& dice);
 void damage_numbers(std::string& text, Dice& dice);
 
 /// Events left out, doubled, exchanged and sent to other topics; stamps anywhere; numbers that are
-/// none, or huge; clouds without points, with one, with all in one place. One to four kinds of it.
+/// none, or huge; clouds without points, with one, with all in one place; transforms that make no
+/// tree; sensors on two topics. One to four kinds of it.
 void damage_events(std::vector<Recorded>& events, Dice& dice);
 
 }  // namespace adit::test

@@ -166,6 +166,10 @@ class Corpus {
       add_one(odometry_message(1));
       add_one(pose_message(1));
       add_one(ros::TFMessage{{transform_message(1, "lidar"), transform_message(1, "imu")}});
+      ros::TransformStamped zero = transform_message(1, "camera");
+      zero.rotation = {0.0, 0.0, 0.0, 0.0};
+      add_one(ros::TFMessage{{transform_message(1, "base_link"), transform_message(1, ""), zero,
+                              transform_message(1, "/lidar")}});
       add_one(livox_message(1));
       add_one(depth_image_message(1).message);
       add_one(camera_info_message(1));

@@ -333,6 +333,35 @@ TEST(MessageRecording, PoseWithoutRotationIsAnError) {
   EXPECT_NE(read.errors[0].found().find("quaternion of length 0"), std::string::npos);
 }
 
+TEST(MessageRecording, OneBadTransformOfAMessageLeavesTheOthers) {
+  const test::TemporaryFolder folder;
+  ros::TransformStamped zero = test::transform_message(0, "camera");
+  zero.rotation = {0.0, 0.0, 0.0, 0.0};
+  ros::TransformStamped scaled = test::transform_message(0, "imu");
+  scaled.rotation = {0.0, 0.0, 3.0, 0.0};
+  const std::filesystem::path file = folder / "transforms.mcap";
+  McapWriter writer(file, {});
+  const std::size_t channel = writer.add_channel({.topic = "/tf_static",
+                                                  .type = std::string(ros::TFMessage::kType),
+                                                  .encoding = Encoding::cdr,
+                                                  .definition = {},
+                                                  .messages = std::nullopt});
+  const ros::TFMessage message{{test::transform_message(0, "lidar"), zero, scaled}};
+  writer.write(channel, test::kStart, ros::encode(Encoding::cdr, message));
+  writer.close();
+  const auto read = test::read_all(*open_recording(file));
+  ASSERT_EQ(read.events.size(), 2U);
+  EXPECT_EQ(std::get<StaticTransform>(read.events[0].value).child, "lidar");
+  const auto& imu = std::get<StaticTransform>(read.events[1].value);
+  EXPECT_EQ(imu.child, "imu");
+  EXPECT_EQ(imu.quaternion_length, 3.0);
+  EXPECT_NEAR(imu.T_parent_child.linear().determinant(), 1.0, 1e-12);
+  ASSERT_EQ(read.errors.size(), 1U);
+  EXPECT_NE(read.errors[0].found().find("from 'base_link' to 'camera': its pose has a quaternion"),
+            std::string::npos)
+      << read.errors[0].found();
+}
+
 TEST(MessageRecording, SeveralTopicsOfSweepsAskForAChoice) {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "all.mcap";

@@ -130,10 +130,48 @@ TEST_F(SlamFacade, TheMountingComesFromTheSettingsElseFromTransformsElseItIsAssu
 
   const auto nameless = make_slam(context(), test::street_config());
   nameless->add(StaticTransform{"imu", "lidar", T_imu_lidar()});
+  nameless->add(drive().readings.front());
   nameless->add(drive().sweeps.front());
   nameless->flush();
-  ASSERT_TRUE(nameless->next());
+  while (nameless->next()) {
+  }
+  ASSERT_TRUE(nameless->mounting());
   EXPECT_EQ(nameless->mounting()->source, MountingSource::assumed);
+}
+
+/// A drive whose IMU's axes are far from the lidar's: with another mounting it cannot be fused.
+TEST_F(SlamFacade, TheMountingIsLookedUpWhenTheFirstReadingArrives) {
+  const Nanoseconds late = drive().sweeps[6].stamp;
+  std::vector<Measurement> measurements = arrivals();
+  std::erase_if(measurements, [&](const Measurement& one) {
+    return std::holds_alternative<ImuSample>(one) && stamp_of(one) < late;
+  });
+  const std::vector<SweepPlaced> placed = sweeps(run(measurements));
+  ASSERT_TRUE(mounting_);
+  EXPECT_EQ(mounting_->source, MountingSource::transforms);
+  EXPECT_TRUE(mounting_->T_imu_lidar.isApprox(T_imu_lidar(), 1e-12));
+  EXPECT_EQ(placed.back().result.inertial.state, InertialState::fused);
+}
+
+TEST_F(SlamFacade, ATransformThatComesLateIsUsedFromThenOn) {
+  const auto slam = make_slam(context(), test::street_config());
+  std::size_t placed = 0;
+  InertialState last = InertialState::absent;
+  for (const Measurement& measurement : arrivals()) {
+    slam->add(measurement, std::holds_alternative<Sweep>(measurement) ? "lidar" : "imu");
+    while (const auto result = slam->next()) {
+      if (const auto* sweep = std::get_if<SweepPlaced>(&*result)) {
+        last = sweep->result.inertial.state;
+        if (++placed == 4) {
+          EXPECT_EQ(slam->mounting()->source, MountingSource::assumed);
+          slam->add(StaticTransform{"imu", "lidar", T_imu_lidar()});
+        }
+      }
+    }
+  }
+  ASSERT_GT(placed, 15U);
+  EXPECT_EQ(slam->mounting()->source, MountingSource::transforms);
+  EXPECT_EQ(last, InertialState::fused);
 }
 
 TEST_F(SlamFacade, WithoutAnInertialSensorNothingWaits) {

@@ -27,7 +27,7 @@ TopicStatistics topic(const std::function<double(double)>& delay, double seconds
 
 std::vector<Finding> compare(const TopicStatistics& sweeps, const TopicStatistics& imu) {
   return find_clock_drift(
-      {{"/points", "", TopicKind::sweeps, {}}, {"/imu", "", TopicKind::imu, {}}}, {sweeps, imu});
+      {{"/points", "", TopicKind::sweeps, {}}, {"/imu", "", TopicKind::imu, {}}}, {sweeps, imu}, 0);
 }
 
 double steady(double) {

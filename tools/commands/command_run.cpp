@@ -23,6 +23,7 @@
 #include "adit/tools/commands/run_view.hpp"
 #include "adit/tools/commands/wanted_run.hpp"
 #include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
@@ -34,7 +35,6 @@
 #include "adit/tools/run/run_statistics.hpp"
 #include "adit/tools/run/run_summary.hpp"
 #include "adit/tools/run/sensor_topics.hpp"
-#include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/message_buffer.hpp"
@@ -173,12 +173,12 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   require_packets(options.config, options.recording);
   const SweepChoice sweeps = choose_sweeps(
       *recording, options, options.topic ? options.topic : config.recording.sweep_topic);
+  const RecordedSensors sensors = choose_sensors(*recording, sweeps.topic, config);
+  const OneSensorRecording mapped(*recording, sensors.frames);
   const std::size_t most_points =
-      require_clear_point_times(*recording, sweeps.topic, options.recording);
-  const std::optional<std::size_t> imu = imu_topic(*recording, config);
-  const std::optional<std::size_t> fixes = gnss_topic(*recording, config);
-  const std::optional<std::size_t> gnss = config.mapping.enabled ? fixes : std::nullopt;
-  if (fixes && !gnss && !options.quiet) {
+      require_clear_point_times(mapped, sweeps.topic, options.recording);
+  const std::optional<std::size_t> gnss = config.mapping.enabled ? sensors.gnss : std::nullopt;
+  if (sensors.gnss && !gnss && !options.quiet) {
     err << kFixesAreLeftOut;
   }
   const HighRateFiles high_rate_files(options.output);
@@ -218,11 +218,11 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     say_detail(err, "recording: " + description.recording_description + "; its sweeps are on " +
                         description.topic);
     say_detail(err, "settings: " + describe(options.config));
-    err << notes_of(*recording);
+    err << notes_of(*recording) << as_notes(notes_of(sensors));
   }
   const MemoryLimit memory(options.max_ram_bytes, working_bytes(config.mapping, most_points),
                            config.mapping.enabled);
-  SlamOptions wanted{.inertial = imu.has_value(), .map_memory = memory.map_memory()};
+  SlamOptions wanted{.inertial = sensors.imu.has_value(), .map_memory = memory.map_memory()};
   if (continued) {  // so that it makes the same map
     wanted.map_memory.graph_bytes = continued->graph_bytes.value_or(MapMemory{}.graph_bytes);
   }
@@ -271,7 +271,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     wanted.high_rate_smoothing = options.high_rate.smoothing;
   }
   std::unique_ptr<Slam> slam = make_slam(context, config, wanted);
-  for (const StaticTransform& transform : static_transforms(*recording)) {
+  for (const StaticTransform& transform : sensors.transforms.transforms) {
     slam->add(transform);
   }
   const double start_s =
@@ -294,10 +294,10 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
     view->set_doing("mapping");
     placed = [&](const SweepPlaced& sweep) { view->add(sweep, statistics, sweeps.range.count); };
   }
-  RunOutcome outcome = map_sweeps({.recording = *recording,
+  RunOutcome outcome = map_sweeps({.recording = mapped,
                                    .topic = sweeps.topic,
                                    .range = sweeps.range,
-                                   .imu_topic = imu,
+                                   .imu_topic = sensors.imu,
                                    .gnss_topic = gnss,
                                    .slam = *slam,
                                    .stop = [] { return StopSignal::received() != 0; },
@@ -325,7 +325,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   }
   progress.finish();
   if (!options.quiet) {
-    err << notes_of(config, description.config, mounting);
+    err << notes_of(config, description.config, mounting) << as_notes(mapped.notes());
   }
   outcome.start_s = start_s;
   outcome.device_peak_bytes = context.memory_peak();

@@ -3,7 +3,9 @@
 #include "adit/tools/commands/export_cloud.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <fmt/core.h>
@@ -16,7 +18,9 @@
 #include "adit/tools/maps/tile_folder.hpp"
 #include "adit/tools/maps/tiled_cloud.hpp"
 #include "adit/tools/maps/trajectory_products.hpp"
+#include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
+#include "adit/tools/recordings/topic_survey.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/configured_recording.hpp"
@@ -136,7 +140,14 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
   std::size_t without_pose = 0;
   std::size_t damaged = 0;
   const auto whole = pass_over_damage(*recording, [&](const InputError&) { ++damaged; });
-  const auto stream = whole->events({.topics = {topic}});
+  std::map<std::size_t, std::string> frames;
+  if (settings.sweep_frame) {
+    frames[topic] = plain_frame(*settings.sweep_frame);
+  } else if (const auto first = first_samples(*whole, topic); !first.empty()) {
+    frames[topic] = first.front().frame;
+  }
+  const OneSensorRecording mapped(*whole, frames);
+  const auto stream = mapped.events({.topics = {topic}});
   while (const std::optional<Event> event = stream->next()) {
     const auto& sweep = std::get<Sweep>(event->value);
     const auto stretch = sensor.from(sweep.stamp);

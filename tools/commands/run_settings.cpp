@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/recordings/packet_messages.hpp"
+#include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
@@ -31,6 +32,14 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting) {
   return config;
 }
 
+std::string as_notes(const std::vector<std::string>& texts) {
+  std::string notes;
+  for (const std::string& text : texts) {
+    notes += "note: " + text + "\n";
+  }
+  return notes;
+}
+
 std::string notes_of(const Config& stated, const Config& used,
                      const std::optional<Mounting>& mounting) {
   std::string notes;
@@ -43,6 +52,10 @@ std::string notes_of(const Config& stated, const Config& used,
   }
   if (mounting && mounting->source == MountingSource::assumed) {
     notes += kMountingIsAssumed;
+  }
+  if (mounting && mounting->conflict) {
+    notes += "note: " + describe(*mounting->conflict, "the IMU on the range sensor") +
+             "; set imu.T_imu_lidar to choose\n";
   }
   return notes;
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "adit/slam/executor/slam.hpp"
 #include "adit/tools/run/config_file.hpp"
@@ -23,6 +24,9 @@ Config with_mounting(Config config, const std::optional<Mounting>& mounting);
 /// Lines about settings that a run has not used as they were stated; empty where there are none.
 std::string notes_of(const Config& stated, const Config& used,
                      const std::optional<Mounting>& mounting);
+
+/// A line for each sentence.
+std::string as_notes(const std::vector<std::string>& texts);
 
 /// A line.
 inline constexpr const char* kFixesAreLeftOut =

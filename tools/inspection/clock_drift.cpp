@@ -82,14 +82,14 @@ std::optional<ClockTrend> clock_trend(const TopicTimeline& timeline) {
 }
 
 std::vector<Finding> find_clock_drift(const std::vector<Topic>& topics,
-                                      const std::vector<TopicStatistics>& statistics) {
+                                      const std::vector<TopicStatistics>& statistics,
+                                      std::optional<std::size_t> range) {
   std::vector<Finding> findings;
-  const auto sweeps = std::ranges::find(topics, TopicKind::sweeps, &Topic::kind);
-  if (sweeps == topics.end()) {
+  if (!range) {
     return findings;
   }
-  const auto reference =
-      clock_trend(statistics[static_cast<std::size_t>(sweeps - topics.begin())].timeline);
+  const Topic& sweeps = topics[*range];
+  const auto reference = clock_trend(statistics[*range].timeline);
   for (std::size_t i = 0; i < topics.size() && reference; ++i) {
     const bool sensor = topics[i].kind == TopicKind::imu || topics[i].kind == TopicKind::sweeps ||
                         topics[i].kind == TopicKind::gnss;
@@ -105,7 +105,7 @@ std::vector<Finding> find_clock_drift(const std::vector<Topic>& topics,
     }
     const std::string found = fmt::format(
         "its clock runs {:.0f} ppm {} than that of {} (+- {:.0f}): {:.1f} ms over the recording",
-        1e6 * std::abs(rate), rate > 0.0 ? "faster" : "slower", sweeps->name, 1e6 * kSure * sigma,
+        1e6 * std::abs(rate), rate > 0.0 ? "faster" : "slower", sweeps.name, 1e6 * kSure * sigma,
         1e3 * std::abs(gained));
     findings.push_back({Severity::problem, "clock_drift", topics[i].name, found,
                         "what fits at the start does not at the end",

@@ -23,9 +23,10 @@ struct ClockTrend {
 /// where its two halves do not tell the same: a queue that fills is no clock.
 std::optional<ClockTrend> clock_trend(const TopicTimeline& timeline);
 
-/// Topics whose clock runs at another rate than that of the first sweeps, by 5 ms or more over the
-/// recording. `statistics`: one a topic.
+/// Topics whose clock runs at another rate than that of the sweeps on the topic `range`, by 5 ms or
+/// more over the recording. `statistics`: one a topic.
 std::vector<Finding> find_clock_drift(const std::vector<Topic>& topics,
-                                      const std::vector<TopicStatistics>& statistics);
+                                      const std::vector<TopicStatistics>& statistics,
+                                      std::optional<std::size_t> range);
 
 }  // namespace adit

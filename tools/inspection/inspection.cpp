@@ -11,9 +11,11 @@
 
 #include "adit/engine/error.hpp"
 #include "adit/slam/odometry/odometry.hpp"
+#include "adit/tools/inspection/choice_findings.hpp"
 #include "adit/tools/inspection/clock_drift.hpp"
 #include "adit/tools/inspection/rotation_profile.hpp"
 #include "adit/tools/inspection/unknown_mounting.hpp"
+#include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 
 namespace adit {
@@ -24,6 +26,40 @@ constexpr Nanoseconds kStretch = std::chrono::seconds(20);
 constexpr uint64_t kLeastSweeps = 20;  // for a comparison
 
 using Profiles = std::map<std::size_t, RotationProfile>;  // by topic
+
+void add_if_scaled(const StaticTransform& transform, std::vector<StaticTransform>& scaled) {
+  const bool known = std::ranges::any_of(scaled, [&](const StaticTransform& one) {
+    return one.parent == transform.parent && one.child == transform.child;
+  });
+  if (is_scaled(transform) && !known && scaled.size() < kListedErrors) {
+    scaled.push_back(transform);
+  }
+}
+
+/// As a run chooses them; where it would ask for a choice, the first topic that has sweeps.
+void choose_topics(const Recording& recording, const std::filesystem::path& path, Config config,
+                   Inspection& result) {
+  const auto forget_unknown = [&](std::optional<std::string>& name) {
+    if (name && std::ranges::find(result.topics, *name, &Topic::name) == result.topics.end()) {
+      name.reset();  // the configuration of another recording
+    }
+  };
+  forget_unknown(config.recording.imu_topic);
+  forget_unknown(config.recording.gnss_topic);
+  try {
+    result.sweeps = sweep_topic(recording, path, config.recording.sweep_topic);
+  } catch (const InputError&) {
+    for (std::size_t i = result.topics.size(); i-- > 0 && !config.recording.sweep_topic;) {
+      if (result.topics[i].kind == TopicKind::sweeps && result.topics[i].messages != 0U) {
+        result.sweeps = i;
+      }
+    }
+  }
+  if (!result.sweeps) {
+    return;
+  }
+  result.sensors = choose_sensors(recording, *result.sweeps, config);
+}
 
 /// Reads it to the end; what is damaged becomes findings.
 Profiles read_all(const Recording& recording, Inspection& result) {
@@ -43,6 +79,7 @@ Profiles read_all(const Recording& recording, Inspection& result) {
         profiles[event->topic].add(event->received, sample->angular_velocity);
       } else if (const auto* transform = std::get_if<StaticTransform>(&event->value)) {
         result.frames.add(*transform);
+        add_if_scaled(*transform, result.scaled);
       }
     } catch (const InputError& error) {
       if (++errors <= kListedErrors) {
@@ -58,26 +95,21 @@ Profiles read_all(const Recording& recording, Inspection& result) {
   return profiles;
 }
 
-/// The first topic of sweeps with each IMU.
+/// The sweeps that a run maps with each IMU.
 std::vector<MotionPair> pairs_to_check(const Inspection& inspection, const Profiles& profiles,
                                        const Config& config) {
   std::vector<MotionPair> pairs;
-  const std::optional<std::string>& sweep_topic_name = config.recording.sweep_topic;
-  const auto sweeps = std::ranges::find_if(inspection.topics, [&](const Topic& topic) {
-    return topic.kind == TopicKind::sweeps &&
-           (!sweep_topic_name || topic.name == *sweep_topic_name);
-  });
-  if (sweeps == inspection.topics.end()) {
+  if (!inspection.sweeps) {
     return pairs;
   }
-  const auto sweep_topic = static_cast<std::size_t>(sweeps - inspection.topics.begin());
+  const std::size_t sweep_topic = *inspection.sweeps;
   const TopicStatistics& range = inspection.statistics[sweep_topic];
   for (const auto& [topic, profile] : profiles) {
     const std::optional<TimeSpan> stretch = profile.liveliest(kStretch);
     if (!stretch || range.events < kLeastSweeps) {
       continue;
     }
-    MotionPair pair{.sweeps = *sweeps,
+    MotionPair pair{.sweeps = inspection.topics[sweep_topic],
                     .sweep_topic = sweep_topic,
                     .imu = inspection.topics[topic],
                     .imu_topic = topic,
@@ -126,6 +158,35 @@ void compare_motion(const Recording& recording, const std::vector<MotionPair>& p
   }
 }
 
+/// By topic: a run does not pass over it.
+std::vector<bool> used_topics(const Inspection& inspection) {
+  std::vector<bool> used;
+  for (const Topic& topic : inspection.topics) {
+    used.push_back(std::ranges::find(inspection.sensors.passed_over, topic.name,
+                                     &PassedOver::topic) == inspection.sensors.passed_over.end());
+  }
+  return used;
+}
+
+/// What is wrong with topics that a run passes over does not make it worse.
+void excuse_unused_topics(Inspection& inspection) {
+  const std::vector<bool> used = used_topics(inspection);
+  const auto is_unused = [&](const Finding& finding) {
+    const auto topic = std::ranges::find(inspection.topics, finding.topic, &Topic::name);
+    return topic != inspection.topics.end() &&
+           !used[static_cast<std::size_t>(topic - inspection.topics.begin())];
+  };
+  std::erase_if(inspection.findings, [&](const Finding& finding) {
+    return finding.kind == "mounting_unknown" && is_unused(finding);
+  });
+  for (Finding& finding : inspection.findings) {
+    if (finding.severity == Severity::problem && is_unused(finding)) {
+      finding.severity = Severity::notice;
+      finding.effect = "none, a run does not use the topic";
+    }
+  }
+}
+
 }  // namespace
 
 Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config& config,
@@ -135,8 +196,13 @@ Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config
   result.description = recording->description();
   result.topics = recording->topics();
   result.statistics.resize(result.topics.size());
+  choose_topics(*recording, path, config, result);
   const Profiles profiles = read_all(*recording, result);
-  compare_motion(*recording, pairs_to_check(result, profiles, config), config, device, result);
+  for (const StaticTransform& transform : result.sensors.transforms.constant) {
+    result.frames.add(transform);
+  }
+  const OneSensorRecording mapped(*recording, result.sensors.frames);
+  compare_motion(mapped, pairs_to_check(result, profiles, config), config, device, result);
 
   const auto add = [&](std::vector<Finding> found) {
     std::ranges::move(found, std::back_inserter(result.findings));
@@ -150,18 +216,25 @@ Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config
   }
   add(find_in_recording(result.topics));
   const bool simulated = has_simulated_time(result.topics);
+  add(find_in_choices(result));
+  add(find_in_transforms(result));
   if (config.imu.T_imu_lidar == ImuConfig{}.T_imu_lidar) {
-    add(find_unknown_mountings(result.topics, result.statistics, result.frames));
+    add(find_unknown_mountings(result.topics, result.statistics, result.frames, result.sweeps));
   }
+  const OtherTopics others{
+      .simulated_time = simulated,
+      .shared_clock = share_a_clock(result.topics, result.statistics, used_topics(result)),
+      .range_frame = result.sweeps ? result.statistics[*result.sweeps].frame : ""};
   for (std::size_t i = 0; i < result.topics.size(); ++i) {
-    add(find_in_topic(result.topics[i], result.statistics[i], result.frames, simulated));
+    add(find_in_topic(result.topics[i], result.statistics[i], result.frames, others));
   }
   if (!simulated) {
-    add(find_clock_drift(result.topics, result.statistics));
+    add(find_clock_drift(result.topics, result.statistics, result.sweeps));
   }
   for (const MotionCheck& check : result.motion) {
     add(find_in_motion(check));
   }
+  excuse_unused_topics(result);
   return result;
 }
 

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "adit/tools/inspection/recording_findings.hpp"
 #include "adit/tools/recordings/recording.hpp"
 #include "adit/tools/run/device_session.hpp"
+#include "adit/tools/run/sensor_topics.hpp"
 #include "adit/tools/topics/topic_statistics.hpp"
 
 namespace adit {
@@ -21,8 +24,11 @@ struct Inspection {
   std::string description;
   std::vector<Topic> topics;
   std::vector<TopicStatistics> statistics;  ///< one a topic
-  FrameTree frames;
-  std::vector<MotionCheck> motion;  ///< from the first sweeps, with every IMU
+  FrameTree frames;                         ///< of all static transforms, and what a run adds
+  std::optional<std::size_t> sweeps{};      ///< the topic that a run maps, or the first with sweeps
+  RecordedSensors sensors{};                ///< what a run uses besides
+  std::vector<StaticTransform> scaled{};    ///< whose quaternions are not of length 1, each once
+  std::vector<MotionCheck> motion;          ///< from the first sweeps, with every IMU
   std::vector<Finding> findings;
 };
 

@@ -14,6 +14,7 @@
 #include "adit/slam/inertial/reading_gate.hpp"
 #include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/run/inertial_text.hpp"
+#include "adit/tools/topics/clock_watch.hpp"
 
 namespace adit {
 namespace {
@@ -42,19 +43,15 @@ void for_each_event(const Recording& recording, const EventSelection& selection,
 /// Whole seconds from a topic's clock to the recorder's; 0 where they agree.
 class ClockShift {
  public:
-  void add(const Event& event) {
-    sum_ += seconds(event.received - stamp_of(event));
-    ++events_;
-  }
+  void add(const Event& event) { clock_.add(event.received, stamp_of(event)); }
   Nanoseconds value() const {
-    const double mean = events_ == 0 ? 0.0 : sum_ / static_cast<double>(events_);
-    return std::abs(mean) < 1.0 ? Nanoseconds(0)
-                                : std::chrono::seconds(static_cast<int64_t>(std::llround(mean)));
+    const double delay = clock_.typical_delay();
+    return std::abs(delay) < 1.0 ? Nanoseconds(0)
+                                 : std::chrono::seconds(static_cast<int64_t>(std::llround(delay)));
   }
 
  private:
-  double sum_ = 0.0;
-  uint64_t events_ = 0;
+  ClockWatch clock_;
 };
 
 /// When its points were taken, on average: what the pose of a sweep holds for.

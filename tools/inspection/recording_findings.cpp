@@ -7,10 +7,13 @@
 
 #include <fmt/core.h>
 
+#include "adit/slam/core/config.hpp"
 #include "adit/slam/core/text.hpp"
 #include "adit/slam/core/units.hpp"
 
 #include "adit/tools/containers/declaration_error.hpp"
+#include "adit/tools/inspection/clock_findings.hpp"
+#include "adit/tools/inspection/topic_findings.hpp"
 #include "adit/tools/run/inertial_text.hpp"
 
 namespace adit {
@@ -18,149 +21,105 @@ namespace {
 
 constexpr double kLongUnchanged = 5.0;  // s
 constexpr double kScaleError = 0.04;    // share of gravity: sensors that are right stay below
+/// Measurements that arrive out of order are sorted within this (SensorFeed).
+constexpr double kSorted = 0.5;  // s
 
 std::string of(uint64_t part, uint64_t whole) {
   return std::to_string(part) + " of " + std::to_string(whole);
 }
 
-/// Collects what is found in one topic.
-class Findings {
- public:
-  Findings(const Topic& topic, std::vector<Finding>& findings)
-      : topic_(&topic), findings_(&findings) {}
-
-  void problem(std::string kind, std::string found, std::string effect, std::string remedy) {
-    add(Severity::problem, std::move(kind), std::move(found), std::move(effect), std::move(remedy));
-  }
-  void notice(std::string kind, std::string found, std::string effect, std::string remedy) {
-    add(Severity::notice, std::move(kind), std::move(found), std::move(effect), std::move(remedy));
-  }
-
- private:
-  void add(Severity severity, std::string kind, std::string found, std::string effect,
-           std::string remedy) {
-    findings_->push_back({severity, std::move(kind), topic_->name, std::move(found),
-                          std::move(effect), std::move(remedy)});
-  }
-
-  const Topic* topic_;
-  std::vector<Finding>* findings_;
+/// Whether a run makes up for stamps of that kind.
+struct StampsHandled {
+  bool repeats = false;
+  bool order = false;
+  bool gaps = false;
 };
 
-/// s. How far a topic's clock leaps against the recorder's; 0 where it does not. Receipts may be
-/// late by seconds, but not by just those that clocks are known to leap by.
-double leap_of(const TopicStatistics& s);
+StampsHandled handled_stamps(const Topic& topic, const StampStatistics& s) {
+  const bool imu = topic.kind == TopicKind::imu;
+  return {
+      .repeats = (imu || topic.kind == TopicKind::gnss) && 2 * s.repeated <= s.events,
+      .order = imu && s.farthest_back < kSorted,
+      .gaps = topic.kind == TopicKind::gnss || (imu && s.largest_interval <= ImuConfig{}.max_gap)};
+}
 
 /// Checks one series of a topic, `of_what` for people. Poses are only looked at, not mapped with:
 /// what is odd about their stamps is no problem.
-void check_stamps(const TopicStatistics& topic, const StampStatistics& s,
-                  const std::string& of_what, bool poses, Findings& findings) {
-  const auto add = [&](const char* kind, const std::string& found, const char* effect,
-                       const char* remedy) {
+void check_stamps(const Topic& topic, const TopicStatistics& statistics, const StampStatistics& s,
+                  const std::string& of_what, TopicFindings& findings) {
+  const bool poses = topic.kind == TopicKind::poses;
+  const auto add = [&](const char* kind, const std::string& found, bool handled, const char* how,
+                       const char* effect, const char* remedy) {
     if (poses) {
       findings.notice(kind, of_what + found, "none for mapping, which does not use them", remedy);
+    } else if (handled) {
+      findings.handled(kind, of_what + found, how);
     } else {
       findings.problem(kind, of_what + found, effect, remedy);
     }
   };
+  const StampsHandled handled = handled_stamps(topic, s);
   if (s.repeated > 0) {
     add("repeated_stamps", of(s.repeated, s.events) + " messages have the time of the one before",
+        handled.repeats, "the repeats are left out",
         "measurements counted twice, or a clock that stands still",
         "Record without the second publisher, or leave the repeats out");
   }
-  const double leap = leap_of(topic);
-  if (s.backwards > (leap < 0.0 ? 1U : 0U)) {
+  uint64_t ahead = 0;
+  uint64_t back = 0;
+  bool step_is_longest = false;
+  for (const ClockStep& step : poses ? std::vector<ClockStep>{} : statistics.clock.steps()) {
+    (step.seconds > 0.0 ? ahead : back) += 1;
+    step_is_longest = step_is_longest || std::abs(s.largest_interval - step.seconds) < 1.0;
+  }
+  if (s.backwards > back) {
     add("stamps_go_back", of(s.backwards, s.events) + " messages have a time before the one before",
-        "their order cannot be told", "Check the sensor's clock and its publishers");
+        handled.order, "they are put in order", "their order cannot be told",
+        "Check the sensor's clock and its publishers");
   }
   // A leap of the clock is no gap.
-  const bool leaps = leap > 0.0 && std::abs(s.largest_interval - leap) < 1.0;
-  const uint64_t gaps = s.gaps() - (leaps ? 1U : 0U);
+  const uint64_t gaps = s.gaps() - (step_is_longest ? std::min(s.gaps(), ahead) : 0U);
   if (gaps > 0 && s.tells_gaps()) {
-    const std::chrono::duration<double> at = s.largest_interval_at - topic.stamps->begin;
+    const std::chrono::duration<double> at = s.largest_interval_at - statistics.stamps->begin;
     add("gaps",
         std::to_string(gaps) + (gaps == 1 ? " gap" : " gaps") + ", the longest of " +
             with_decimals(s.largest_interval, 3) + " s, where " + with_decimals(s.period(), 4) +
             " s is usual; it starts " + with_decimals(at.count(), 3) + " s after the first",
+        handled.gaps,
+        topic.kind == TopicKind::gnss ? "the map continues without fixes meanwhile"
+                                      : "gaps up to imu.max_gap are bridged",
         "the motion within is guessed", "Check the connection and the recorder's load");
   }
 }
 
-/// What an offset between two clocks looks like, where it is one that is known; empty otherwise.
-std::string known_offset(double seconds) {
-  struct Known {
-    double seconds;
-    const char* name;
-  };
-  constexpr Known kKnown[] = {{37.0, "the difference of TAI and UTC"},
-                              {18.0, "the difference of GPS time and UTC"},
-                              {19.0, "the difference of TAI and GPS time"}};
-  for (const Known& known : kKnown) {
-    if (std::abs(std::abs(seconds) - known.seconds) < 0.5) {
-      return known.name;
-    }
-  }
-  return {};
-}
-
-double leap_of(const TopicStatistics& s) {
-  const double spread = s.delay.greatest - s.delay.least;
-  if (known_offset(spread).empty()) {
-    return 0.0;
-  }
-  return s.first_delay > s.delay.mean() ? spread : -spread;
-}
-
-void check_clock(const TopicStatistics& s, Findings& findings) {
-  const std::string remedy = "Set the sensor's clock to UTC, or shift its times";
-  if (const double leap = leap_of(s); leap != 0.0) {
-    findings.problem("clock_leap",
-                     "its clock leaps by " + with_decimals(leap, 3) +
-                         " s against the recorder's: " + known_offset(leap),
-                     "before or after the leap it does not fit to the other topics", remedy);
-    return;
-  }
-  const double delay = s.delay.mean();
-  if (std::abs(delay) < 1.0) {
-    return;
-  }
-  const std::string known = known_offset(delay);
-  const bool since_boot = delay > 1e8;
-  findings.problem(
-      "clock_offset",
-      "its clock is " + with_decimals(std::abs(delay), 3) + " s " +
-          (delay > 0 ? "behind" : "ahead of") + " the recorder's" +
-          (!known.empty() ? ": " + known
-           : since_boot   ? ": it counts from when the sensor was started"
-                          : ""),
-      "it does not fit to topics whose clock is right",
-      known.empty() && !since_boot ? "Synchronise the clocks (PTP, GPS, NTP)" : remedy);
-}
-
-/// Gravity's direction in the frame that all others are mounted to, if that is known.
-void check_gravity(const TopicStatistics& topic, const FrameTree& frames, Findings& findings) {
+/// Gravity's direction in the frame that all others are mounted to and in that of the range sensor.
+/// Either sensor may be mounted upside down, but both frames are only where the sign is wrong.
+void check_gravity(const TopicStatistics& topic, const FrameTree& frames,
+                   const std::string& range_frame, TopicFindings& findings) {
   const Eigen::Vector3d& a = topic.imu.mean_acceleration;
   if (a.norm() < 0.5 * topic.imu.acceleration.mean()) {
     return;  // no direction
   }
+  const auto is_down = [](const Eigen::Vector3d& v) { return v.normalized().z() < -0.7; };
   const bool known = frames.knows(topic.frame);
-  const auto mounting = known ? frames.mounting(topic.frame) : std::nullopt;
-  const Eigen::Vector3d up = (mounting ? mounting->T_root_frame.linear() * a : a).normalized();
-  if (up.z() > -0.7) {
+  const auto mounting = known ? std::optional(frames.mounting(topic.frame)) : std::nullopt;
+  const auto T_range_imu = known ? frames.transform(range_frame, topic.frame) : std::nullopt;
+  if (!is_down(mounting ? Eigen::Vector3d(mounting->T_root_frame.linear() * a) : a) ||
+      (T_range_imu && !is_down(T_range_imu->linear() * a))) {
     return;
   }
   if (mounting) {
     findings.problem("gravity_direction",
                      "as /tf_static mounts it, it reads gravity along -z of " + mounting->root +
                          " (the usual reading is +9.8 along z)",
-                     "the map would be upside down, and speeds would grow without bound",
-                     "Negate its accelerations if the driver flips the sign, else correct the "
-                     "transform");
+                     "the sweeps contradict it once the sensor moves, and it is left out",
+                     "Negate its accelerations if the driver flips the sign "
+                     "(recording.accelerometer_scale = -1), else correct the transform");
   } else {
     findings.notice("gravity_direction",
                     "at rest it reads gravity along -z: it is mounted upside down, or its driver "
                     "flips the sign (the usual reading is +9.8 along z)",
-                    "with the wrong sign the map would be upside down",
+                    "with the wrong sign the sweeps contradict it, and it is left out",
                     "Compare with how it is mounted");
   }
 }
@@ -176,17 +135,18 @@ std::optional<double> gravity_at_rest(const ImuStatistics& s) {
   return longest.acceleration.norm();
 }
 
-void check_imu(const ImuStatistics& s, Findings& findings) {
-  if (s.not_finite > 0) {
-    findings.problem("not_finite", std::to_string(s.not_finite) + " samples have no finite numbers",
-                     "they are left out", "Check the driver");
-  }
+void check_imu(const ImuStatistics& s, TopicFindings& findings) {
   const uint64_t readings = s.acceleration.count + s.spikes + s.impossible;
+  if (s.not_finite > 0) {
+    findings.left_out("not_finite", s.not_finite, readings + s.not_finite,
+                      std::to_string(s.not_finite) + " samples have no finite numbers",
+                      "Check the driver");
+  }
   if (s.spikes > 0) {
-    findings.problem("spikes",
-                     of(s.spikes, readings) +
-                         " samples are spikes: far from those before and after them, which agree",
-                     "they are left out", "Check the sensor's cable, supply and driver");
+    findings.left_out("spikes", s.spikes, readings,
+                      of(s.spikes, readings) +
+                          " samples are spikes: far from those before and after them, which agree",
+                      "Check the sensor's cable, supply and driver");
   }
   if (s.stuck) {
     findings.problem("stuck_axis", describe(*s.stuck), "mapping goes on without it meanwhile",
@@ -199,11 +159,11 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
                     "Turn the sensor about that axis, and see whether it shows");
   }
   if (s.impossible > 0) {
-    findings.problem("impossible_readings",
-                     of(s.impossible, readings) +
-                         " samples are beyond what sensors read (imu.max_rate, "
-                         "imu.max_acceleration)",
-                     "they are left out", "Check the sensor's cable, supply and driver");
+    findings.left_out("impossible_readings", s.impossible, readings,
+                      of(s.impossible, readings) +
+                          " samples are beyond what sensors read (imu.max_rate, "
+                          "imu.max_acceleration)",
+                      "Check the sensor's cable, supply and driver");
   }
   if (s.acceleration.count == 0) {
     return;
@@ -217,9 +177,8 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
   const bool stuck_accelerometer = s.stuck && !s.stuck->gyroscope;
   const std::string mean = "the acceleration is " + with_decimals(norm, 3) + " on average";
   if (norm > 0.8 && norm < 1.3) {
-    findings.problem("accelerometer_unit", mean + ": it is in g, not in m/s²",
-                     "gravity would be a tenth of what it is",
-                     "Multiply the accelerations by 9.80665");
+    findings.handled("accelerometer_unit", mean + ": it is in g, not in m/s²",
+                     "the start of the IMU finds the unit");
   } else if (norm > 1.3 * kStandardGravity ||
              (norm < 0.8 * kStandardGravity && !stuck_accelerometer)) {
     findings.problem("accelerometer_unit", mean + ", neither 1 g nor 9.8 m/s²",
@@ -240,9 +199,10 @@ void check_imu(const ImuStatistics& s, Findings& findings) {
   // motion.
   if (s.rotation.mean() > 3.5) {
     findings.problem("gyroscope_unit",
-                     "it turns at " + with_decimals(s.rotation.mean(), 1) + " rad/s on average",
-                     "rotations would be far too large",
-                     "Check whether the rates are in degrees per second");
+                     "it turns at " + with_decimals(s.rotation.mean(), 1) +
+                         " rad/s on average: its rates may be in degrees per second",
+                     "the sweeps contradict it, and it is left out",
+                     "Set recording.gyroscope_scale = 0.0174533 where they are");
   }
 }
 
@@ -253,16 +213,18 @@ std::string better_unit(const TopicStatistics& topic) {
               : "Set recording.point_time_unit to the seconds that a step of the times is";
 }
 
-void check_sweeps(const TopicStatistics& topic, Findings& findings) {
+void check_sweeps(const TopicStatistics& topic, TopicFindings& findings) {
   const SweepStatistics& s = topic.sweeps;
   if (s.empty > 0) {
-    findings.problem("empty_sweeps", of(s.empty, topic.events) + " sweeps have no return",
+    findings.problem("empty_sweeps", of(s.empty, topic.events) + " sweeps are empty: no return",
                      "they cannot be placed", "Check the sensor and its filters");
   }
-  if (s.with_times < topic.events) {
+  // Sweeps without points have no times for want of points.
+  if (s.with_times < topic.with_points()) {
     findings.notice(
         "no_point_times",
-        of(topic.events - s.with_times, topic.events) + " sweeps have no time per point",
+        of(topic.with_points() - s.with_times, topic.with_points()) +
+            " sweeps have no time per point",
         "motion within a sweep cannot be corrected",
         "Record with a driver that writes them (a field time, t or timestamp). A scanner that "
         "turns "
@@ -292,7 +254,7 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
   }
 }
 
-void check_gnss(const TopicStatistics& topic, Findings& findings) {
+void check_gnss(const TopicStatistics& topic, TopicFindings& findings) {
   const GnssStatistics& s = topic.gnss;
   if (s.without_fix > 0) {
     findings.notice("no_fix", of(s.without_fix, topic.events) + " messages are without a fix",
@@ -317,9 +279,9 @@ bool has_simulated_time(const std::vector<Topic>& topics) {
 }
 
 std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& statistics,
-                                   const FrameTree& frames, bool simulated_time) {
+                                   const FrameTree& frames, const OtherTopics& others) {
   std::vector<Finding> all;
-  Findings findings(topic, all);
+  TopicFindings findings(topic, all);
   if (statistics.events == 0 && topic.kind == TopicKind::sweeps && topic.messages != 0U) {
     findings.problem("no_events", "not one sweep could be made of what it holds",
                      "there is nothing to map with",
@@ -328,17 +290,16 @@ std::vector<Finding> find_in_topic(const Topic& topic, const TopicStatistics& st
   if (statistics.events == 0 || topic.kind == TopicKind::transforms) {
     return all;
   }
-  if (!simulated_time) {
-    check_clock(statistics, findings);
+  if (!others.simulated_time) {
+    check_clock(topic, statistics, others.shared_clock, findings);
   }
   for (const auto& [name, one] : statistics.series) {
     const bool named = statistics.series.size() > 1;
-    check_stamps(statistics, one, named ? "of frame '" + name + "' " : "",
-                 topic.kind == TopicKind::poses, findings);
+    check_stamps(topic, statistics, one, named ? "of frame '" + name + "' " : "", findings);
   }
   if (topic.kind == TopicKind::imu) {
     check_imu(statistics.imu, findings);
-    check_gravity(statistics, frames, findings);
+    check_gravity(statistics, frames, others.range_frame, findings);
   } else if (topic.kind == TopicKind::sweeps) {
     check_sweeps(statistics, findings);
   } else if (topic.kind == TopicKind::gnss) {

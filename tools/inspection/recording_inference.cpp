@@ -32,9 +32,9 @@ std::string times_text(const PointTimeNature& times, const SweepStatistics& s) {
 std::string sweeps_text(const TopicStatistics& topic) {
   const SweepStatistics& s = topic.sweeps;
   const double share = s.points.sum > 0 ? s.returns.sum / s.points.sum : 0;
-  std::string text =
-      fmt::format("{:.0f} points a sweep, {:.1f} % of them returns; {}; ", s.points.mean(),
-                  100.0 * share, s.with_rings == topic.events ? "rings" : "no rings");
+  std::string text = fmt::format(
+      "{:.0f} points a sweep, {:.1f} % of them returns; {}; ", s.points.mean(), 100.0 * share,
+      s.with_rings > 0 && s.with_rings >= topic.with_points() ? "rings" : "no rings");
   return text + (topic.point_times ? times_text(*topic.point_times, s) : "no times");
 }
 
@@ -75,9 +75,11 @@ bool found(const Inspection& inspection, const std::string& kind, const std::str
 
 /// s to add to a topic's times where its clock is off by whole seconds or more.
 double whole_offset(const Inspection& inspection, std::size_t topic) {
-  return found(inspection, "clock_offset", inspection.topics[topic].name)
-             ? std::round(inspection.statistics[topic].delay.mean())
-             : 0.0;
+  const std::string& name = inspection.topics[topic].name;
+  const bool off = std::ranges::any_of(inspection.findings, [&](const Finding& f) {
+    return f.kind == "clock_offset" && f.topic == name && f.severity == Severity::problem;
+  });
+  return off ? std::round(inspection.statistics[topic].clock.typical_delay()) : 0.0;
 }
 
 std::optional<std::size_t> first_of(const Inspection& inspection, TopicKind kind,
@@ -175,10 +177,16 @@ std::vector<Inference> infer(const Inspection& inspection) {
 
 Config suggest_config(const Inspection& inspection, const Config& read_with) {
   Config config = read_with;
-  if (const auto topic = first_of(inspection, TopicKind::sweeps, read_with.recording.sweep_topic)) {
+  const auto chosen = [&](std::optional<std::size_t> by_run, TopicKind kind,
+                          const std::optional<std::string>& name) {
+    return by_run ? by_run : first_of(inspection, kind, name);
+  };
+  if (const auto topic =
+          chosen(inspection.sweeps, TopicKind::sweeps, read_with.recording.sweep_topic)) {
     correct_sweeps(inspection, *topic, config);
   }
-  if (const auto topic = first_of(inspection, TopicKind::imu, read_with.recording.imu_topic)) {
+  if (const auto topic =
+          chosen(inspection.sensors.imu, TopicKind::imu, read_with.recording.imu_topic)) {
     correct_imu(inspection, *topic, config);
   }
   return config;

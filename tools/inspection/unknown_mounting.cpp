@@ -10,13 +10,14 @@ namespace adit {
 
 std::vector<Finding> find_unknown_mountings(const std::vector<Topic>& topics,
                                             const std::vector<TopicStatistics>& statistics,
-                                            const FrameTree& frames) {
+                                            const FrameTree& frames,
+                                            std::optional<std::size_t> range) {
   std::vector<Finding> findings;
-  const auto sweeps = std::ranges::find(topics, TopicKind::sweeps, &Topic::kind);
-  if (sweeps == topics.end()) {
+  if (!range) {
     return findings;
   }
-  const std::string& lidar = statistics[static_cast<std::size_t>(sweeps - topics.begin())].frame;
+  const Topic& sweeps = topics[*range];
+  const std::string& lidar = statistics[*range].frame;
   for (std::size_t i = 0; i < topics.size(); ++i) {
     // Without a gyroscope it is not used.
     if (topics[i].kind != TopicKind::imu || statistics[i].imu.rotation.count == 0 ||
@@ -25,7 +26,7 @@ std::vector<Finding> find_unknown_mountings(const std::vector<Topic>& topics,
     }
     findings.push_back(
         {Severity::notice, "mounting_unknown", topics[i].name,
-         "no transform in it leads from '" + lidar + "', the frame of " + sweeps->name + ", to '" +
+         "no transform in it leads from '" + lidar + "', the frame of " + sweeps.name + ", to '" +
              statistics[i].frame + "', the IMU's",
          "the IMU's axes are taken for the range sensor's; where they are not, "
          "mapping with it fails at the first turn",

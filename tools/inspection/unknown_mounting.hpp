@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "adit/slam/core/frame_tree.hpp"
@@ -11,10 +13,11 @@
 
 namespace adit {
 
-/// An IMU of which nothing tells how it is mounted to the first range sensor: `run` takes its axes
-/// for the sensor's.
+/// IMUs that no transform connects with the range sensor, whose topic is `range`: `run` takes their
+/// axes for the sensor's.
 std::vector<Finding> find_unknown_mountings(const std::vector<Topic>& topics,
                                             const std::vector<TopicStatistics>& statistics,
-                                            const FrameTree& frames);
+                                            const FrameTree& frames,
+                                            std::optional<std::size_t> range);
 
 }  // namespace adit

@@ -14,7 +14,6 @@
 #include "adit/tools/recordings/tolerant_recording.hpp"
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/sensor_topics.hpp"
-#include "adit/tools/run/static_transforms.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -26,10 +25,10 @@ using SharedRecording = std::shared_ptr<const RecordingFile>;
 /// The events of a recording, as a Python iterator; static transforms first.
 class EventIterator {
  public:
-  EventIterator(SharedRecording recording, const std::vector<std::size_t>& topics,
+  EventIterator(SharedRecording recording, std::unique_ptr<EventStream> events,
                 std::vector<StaticTransform> transforms)
       : recording_(std::move(recording)),
-        events_(recording_->events(topics)),
+        events_(std::move(events)),
         transforms_(std::move(transforms)) {}
 
   py::object next() {
@@ -61,8 +60,8 @@ std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& rec
   const py::gil_scoped_release released;
   std::vector<std::size_t> topics;
   if (!names) {
-    topics = recording->sensors().all();
-    return std::make_unique<EventIterator>(recording, topics, recording->transforms());
+    return std::make_unique<EventIterator>(recording, recording->mapped_events(),
+                                           recording->transforms());
   }
   for (const std::string& name : *names) {
     topics.push_back(recording->topic_named(name));
@@ -70,7 +69,8 @@ std::unique_ptr<EventIterator> iterate(const std::shared_ptr<RecordingFile>& rec
   if (topics.empty()) {
     throw py::value_error("topics: none is named");
   }
-  return std::make_unique<EventIterator>(recording, topics, std::vector<StaticTransform>{});
+  return std::make_unique<EventIterator>(recording, recording->events(topics),
+                                         std::vector<StaticTransform>{});
 }
 
 }  // namespace
@@ -100,18 +100,22 @@ RecordingFile::RecordingFile(const std::filesystem::path& path, const Config& co
 SensorTopics RecordingFile::sensors() const {
   const std::lock_guard lock(mutex_);
   if (!sensors_) {
-    const SensorTopics sensors{
-        .sweeps = sweep_topic(*recording_, path_, config_.recording.sweep_topic),
-        .imu = imu_topic(*recording_, config_),
-        .gnss = gnss_topic(*recording_, config_)};
-    static_cast<void>(require_clear_point_times(*recording_, sensors.sweeps, path_));
+    const std::size_t sweeps = sweep_topic(*recording_, path_, config_.recording.sweep_topic);
+    RecordedSensors chosen = choose_sensors(*recording_, sweeps, config_);
+    const SensorTopics sensors{.sweeps = sweeps, .imu = chosen.imu, .gnss = chosen.gnss};
+    transforms_ = std::move(chosen.transforms.transforms);
+    mapped_.emplace(whole_ ? *whole_ : *recording_, chosen.frames);
+    static_cast<void>(require_clear_point_times(OneSensorRecording(*recording_, chosen.frames),
+                                                sensors.sweeps, path_));
     sensors_ = sensors;
   }
   return *sensors_;
 }
 
 std::vector<StaticTransform> RecordingFile::transforms() const {
-  return static_transforms(*recording_);
+  static_cast<void>(sensors());  // which looks them up
+  const std::lock_guard lock(mutex_);
+  return transforms_;
 }
 
 std::size_t RecordingFile::topic_named(const std::string& name) const {
@@ -127,6 +131,11 @@ std::size_t RecordingFile::topic_named(const std::string& name) const {
 
 std::unique_ptr<EventStream> RecordingFile::events(const std::vector<std::size_t>& topics) const {
   return (whole_ ? *whole_ : *recording_).events({.topics = topics});
+}
+
+std::unique_ptr<EventStream> RecordingFile::mapped_events() const {
+  const std::vector<std::size_t> topics = sensors().all();
+  return mapped_->events({.topics = topics});
 }
 
 std::vector<std::string> RecordingFile::damage() const {

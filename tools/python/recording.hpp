@@ -14,6 +14,7 @@
 #include <pybind11/pybind11.h>
 
 #include "adit/slam/core/config.hpp"
+#include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
 namespace adit::python {
@@ -48,6 +49,8 @@ class RecordingFile {
 
   /// Unless `strict`, damage is passed over and listed.
   std::unique_ptr<EventStream> events(const std::vector<std::size_t>& topics) const;
+  /// The events of sensors(), of one frame a topic.
+  std::unique_ptr<EventStream> mapped_events() const;
   std::vector<std::string> damage() const;
 
  private:
@@ -58,6 +61,8 @@ class RecordingFile {
   mutable std::mutex mutex_;
   std::vector<std::string> damage_;
   mutable std::optional<SensorTopics> sensors_;
+  mutable std::optional<OneSensorRecording> mapped_;  ///< with sensors_
+  mutable std::vector<StaticTransform> transforms_;   ///< with sensors_
 };
 
 void bind_recording(py::module_& module);

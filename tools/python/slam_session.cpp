@@ -122,7 +122,7 @@ std::optional<MapReport> SlamSession::finish_map() {
 PlacedSweeps::PlacedSweeps(std::shared_ptr<SlamSession> slam,
                            std::shared_ptr<const RecordingFile> recording)
     : slam_(std::move(slam)), recording_(std::move(recording)) {
-  events_ = recording_->events(recording_->sensors().all());
+  events_ = recording_->mapped_events();
   for (const StaticTransform& transform : recording_->transforms()) {
     slam_->add(transform);
   }

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "adit/tools/clouds/point_time_vote.hpp"
 #include "adit/tools/recordings/message_cameras.hpp"
 #include "adit/tools/recordings/packet_messages.hpp"
@@ -236,6 +238,7 @@ class MessageEventStream final : public EventStream {
                           const std::string& remedy) {
       throw InputError(file, Place::named(place + at), found, remedy);
     };
+    std::vector<std::string> left_out;
     try {
       ros::MessageEvents events = ros::to_events(
           channel, message, file, {time_unit(topic, channel), selection_.coordinate_scale},
@@ -248,12 +251,18 @@ class MessageEventStream final : public EventStream {
                           ready_.empty() ? message.bytes.size() : 0, events.frame,
                           events.point_times, number, events.has_intensity});
       }
+      left_out = std::move(events.left_out);
     } catch (const ros::CodecError& error) {
       fail(
           "", "it is no whole " + channel.type + ": " + error.what(),
           "The message is damaged, or not of the type that the file tells; the others can be read");
     } catch (const InputError& error) {
       fail(", " + error.place(), error.found(), error.remedy());
+    }
+    if (!left_out.empty()) {
+      const std::size_t others = left_out.size() - 1;
+      fail("", left_out.front() + (others == 0 ? "" : fmt::format(" (and {} more)", others)),
+           "It is left out, and the others of the message are read; correct its publisher");
     }
   }
 

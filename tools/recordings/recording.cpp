@@ -45,37 +45,6 @@ Nanoseconds stamp_of(const Event& event) {
       event.value);
 }
 
-std::size_t sweep_topic(const Recording& recording, const fs::path& path,
-                        const std::optional<std::string>& name) {
-  std::string known;
-  std::optional<std::size_t> found;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
-    const Topic& topic = recording.topics()[i];
-    if (topic.kind != TopicKind::sweeps) {
-      continue;
-    }
-    ++count;
-    known += (known.empty() ? "" : ", ") + topic.name;
-    if (!name || topic.name == *name) {
-      found = i;
-    }
-  }
-  if (count == 0) {
-    throw InputError(path, {}, "there are no sweeps in it",
-                     "`adit inspect` lists what it holds; mapping needs point clouds "
-                     "(sensor_msgs/PointCloud2 or Livox's CustomMsg)");
-  }
-  if (!found) {
-    throw InputError(path, {}, "it has no topic of sweeps named " + *name, "It has " + known);
-  }
-  if (!name && count > 1) {
-    throw InputError(path, {}, "it has " + std::to_string(count) + " topics of sweeps: " + known,
-                     "Choose one with --topic");
-  }
-  return *found;
-}
-
 std::unique_ptr<Recording> open_recording(const fs::path& path, const fs::path& metadata) {
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && is_packet_capture(path)) {

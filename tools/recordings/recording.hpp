@@ -124,8 +124,8 @@ class Recording {
   virtual std::vector<RecordingNotice> notices() const { return {}; }
 };
 
-/// The one topic of sweeps, or the one that is named. Throws InputError where there is none, or
-/// where there are several and none is named.
+/// The topic of sweeps that is named, else the only one that has messages with points, by its first
+/// ones. Throws InputError where there is none, or where there are several and none is named.
 std::size_t sweep_topic(const Recording& recording, const std::filesystem::path& path,
                         const std::optional<std::string>& name);
 

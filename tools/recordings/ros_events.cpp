@@ -29,10 +29,11 @@ Vector3 vector(const Eigen::Vector3d& v) {
 Eigen::Isometry3d isometry(const Vector3& position, const Quaternion& rotation) {
   const Eigen::Quaterniond q(rotation.w, rotation.x, rotation.y, rotation.z);
   const double norm = q.norm();
-  if (!(norm > 0.5 && norm < 2.0)) {
-    const std::string told =
+  // A scaled quaternion still names one rotation. Far from 1, digits or the field are not its own.
+  if (!(norm > 1e-3 && norm < 1e3)) {
+    const std::string found =
         norm < 1e3 ? "length " + std::to_string(norm) : "a length beyond 1000, or of none";
-    throw CodecError("its pose has a quaternion of " + told + " (expected: 1)");
+    throw CodecError("its pose has a quaternion of " + found + " (expected: 1)");
   }
   if (!is_position(vector(position))) {
     throw CodecError("its pose has a position that is not finite, or beyond 1e12 m");
@@ -88,7 +89,9 @@ ReferencePose to_event(const PoseStamped& pose, const RawMessage& message) {
 EventValue to_event(const TransformStamped& transform, const RawMessage& message, bool is_static) {
   const Eigen::Isometry3d pose = isometry(transform.translation, transform.rotation);
   if (is_static) {
-    return StaticTransform{transform.header.frame, transform.child_frame, pose};
+    const Quaternion& q = transform.rotation;
+    return StaticTransform{transform.header.frame, transform.child_frame, pose,
+                           Eigen::Quaterniond(q.w, q.x, q.y, q.z).norm()};
   }
   return ReferencePose{time_of(transform.header, message), transform.header.frame,
                        transform.child_frame, pose};
@@ -118,7 +121,12 @@ MessageEvents transforms(const Channel& channel, const RawMessage& message) {
   MessageEvents events;
   for (const TransformStamped& one :
        decode<TFMessage>(channel.encoding, message.bytes).transforms) {
-    events.values.push_back(to_event(one, message, is_static(channel)));
+    try {
+      events.values.push_back(to_event(one, message, is_static(channel)));
+    } catch (const CodecError& error) {
+      events.left_out.push_back("the transform from '" + one.header.frame + "' to '" +
+                                one.child_frame + "': " + error.what());
+    }
   }
   return events;
 }

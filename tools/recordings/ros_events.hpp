@@ -28,6 +28,7 @@ struct MessageEvents {
   std::string frame;                           ///< the header's; empty where there are several
   std::optional<PointTimeNature> point_times;  ///< for a sweep with times
   bool has_intensity = true;                   ///< false: those of a sweep's points are made up
+  std::vector<std::string> left_out{};         ///< damaged parts, a clause each, for people
 };
 
 /// The events in a message, in its order; none for kinds that are not understood. A message whose

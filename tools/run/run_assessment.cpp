@@ -40,9 +40,9 @@ Coverage coverage_of(const RunDescription& run, const RunStatistics& statistics)
   return coverage;
 }
 
-MaybeReason judge_coverage(const Coverage& coverage, bool lacks_files) {
-  const bool many = lacks_files || static_cast<double>(coverage.missing()) >
-                                       kMostMissing * static_cast<double>(coverage.sweeps);
+MaybeReason judge_coverage(const Coverage& coverage) {
+  const bool many =
+      static_cast<double>(coverage.missing()) > kMostMissing * static_cast<double>(coverage.sweeps);
   if (!many && coverage.longest_seconds <= kLongestExtrapolation) {
     return std::nullopt;
   }
@@ -55,6 +55,16 @@ MaybeReason judge_coverage(const Coverage& coverage, bool lacks_files) {
       .text = fmt::format("{} of {} sweeps are not in the trajectory{}; `adit inspect` of the "
                           "recording lists its faults",
                           coverage.missing(), coverage.sweeps, in_a_row)};
+}
+
+MaybeReason judge_files(const LeftOut& left_out) {
+  if (!left_out.lacks_files()) {
+    return std::nullopt;
+  }
+  return VerdictReason{.cause = "missing files",
+                       .text =
+                           "the recording lists files that are not there; how many sweeps they "
+                           "held is unknown"};
 }
 
 MaybeReason judge_clock(const LeftOut& left_out) {
@@ -144,7 +154,7 @@ RunAssessment assess_run(const RunDescription& run, const RunOutcome& outcome,
   RunAssessment assessment{.coverage = coverage_of(run, statistics), .moved = verdict.moved};
   for (MaybeReason& reason :
        std::array{judge_end(outcome), judge_clock(statistics.left_out()),
-                  judge_coverage(assessment.coverage, statistics.left_out().lacks_files()),
+                  judge_coverage(assessment.coverage), judge_files(statistics.left_out()),
                   judge_comparisons(statistics, verdict), judge_imu(statistics),
                   judge_parts(outcome), judge_loops(verdict.moved)}) {
     if (reason) {

@@ -3,19 +3,45 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "adit/slam/core/config.hpp"
 #include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/run/static_transforms.hpp"
 
 namespace adit {
 
-/// The topic of the IMU that a run uses: the one that recording.imu_topic names, else the first.
-/// None where there is none, or imu.use is off. Throws UsageError where the recording has not what
-/// is named.
-std::optional<std::size_t> imu_topic(const Recording& recording, const Config& config);
+/// A topic that is not used, and why.
+struct PassedOver {
+  std::string topic;
+  std::string why;  ///< a clause
+};
 
-/// The same of GNSS fixes: recording.gnss_topic, gnss.use.
-std::optional<std::size_t> gnss_topic(const Recording& recording, const Config& config);
+/// The sensors that a run uses besides the range sensor, and how all are mounted.
+struct RecordedSensors {
+  std::optional<std::size_t> imu{};   ///< its topic; none: there is none, or imu.use is off
+  std::optional<std::size_t> gnss{};  ///< likewise, with gnss.use
+  /// By topic: the frame whose messages are used, of the sweeps, too; empty names are left out.
+  std::map<std::size_t, std::string> frames{};
+  RecordedTransforms transforms{};
+  std::vector<PassedOver> passed_over{};  ///< those of sweeps first, then of IMUs and receivers
+};
+
+/// Chooses by the first messages, not by names. Topics without messages are passed over. Of several
+/// IMUs the one is chosen whose readings can be used, whose frame transforms connect with that of
+/// the sweeps, and whose rate is higher, in this order; of several receivers the first with a fix.
+/// recording.imu_topic and recording.gnss_topic choose themselves. Throws UsageError where the
+/// recording lacks a topic that is named.
+RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
+                               const Config& config);
+
+/// "/camera/imu is not used: it has no messages".
+std::string describe(const PassedOver& passed_over);
+
+/// What is not used and what is odd about the transforms, a sentence each.
+std::vector<std::string> notes_of(const RecordedSensors& sensors);
 
 }  // namespace adit

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "adit/tools/clouds/returns.hpp"
+#include "adit/tools/recordings/topic_survey.hpp"
 
 namespace adit {
 namespace {
@@ -20,6 +21,7 @@ void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
   s.not_finite += static_cast<uint64_t>(
       std::ranges::count_if(sweep.points, [](const Point& p) { return !is_finite(p); }));
   s.empty += returns == 0 ? 1U : 0U;
+  s.without_points += sweep.points.empty() ? 1U : 0U;
   s.with_rings += sweep.rings.empty() ? 0U : 1U;
   constexpr std::size_t kStride = 7;  // shares no factor with usual numbers of beams
   for (std::size_t i = 0; i < sweep.points.size(); i += kStride) {
@@ -109,6 +111,7 @@ void StampStatistics::add(Nanoseconds stamp) {
     ++repeated;
   } else if (last_ && stamp < *last_) {
     ++backwards;
+    farthest_back = std::max(farthest_back, seconds(*last_ - stamp));
   } else if (last_) {
     const double interval = seconds(stamp - *last_);
     intervals.add(interval);
@@ -123,7 +126,10 @@ void StampStatistics::add(Nanoseconds stamp) {
 StampStatistics& TopicStatistics::series_of(const Event& event) {
   constexpr std::size_t kMostSeries = 256;  // a robot has fewer frames; noise has not
   const auto* pose = std::get_if<ReferencePose>(&event.value);
-  const std::string name = pose == nullptr ? std::string() : pose->child;
+  const bool transform = std::holds_alternative<StaticTransform>(event.value);
+  const std::string name = pose != nullptr ? pose->child
+                           : transform     ? std::string()
+                                           : plain_frame(event.frame);
   return series[series.size() < kMostSeries || series.contains(name) ? name : std::string()];
 }
 
@@ -134,18 +140,17 @@ void TopicStatistics::add(const Event& event) {
   if (event.point_times) {
     point_times = event.point_times;
   }
-  if (!event.frame.empty()) {
-    frame = event.frame;
-  }
   stamps = stamps ? TimeSpan{std::min(stamps->begin, stamp), std::max(stamps->end, stamp)}
                   : TimeSpan{stamp, stamp};
   delay.add(seconds(event.received - stamp));
-  if (events == 1) {
-    first_delay = seconds(event.received - stamp);
-  }
+  clock.add(event.received, stamp);
   StampStatistics& one = series_of(event);
   const std::optional<Nanoseconds> last = one.last();
   one.add(stamp);
+  if (!event.frame.empty() && one.events > frame_events_) {
+    frame = event.frame;
+    frame_events_ = one.events;
+  }
   timeline.add(event.received, one_event(last ? std::max(0.0, seconds(stamp - *last)) : 0.0,
                                          seconds(event.received - stamp)));
   std::visit([&](const auto& value) { take(*this, value, event.received); }, event.value);
@@ -156,6 +161,9 @@ uint64_t TopicStatistics::repeated() const {
 }
 uint64_t TopicStatistics::backwards() const {
   return sum_of(series, [](const StampStatistics& s) { return s.backwards; });
+}
+uint64_t TopicStatistics::with_points() const {
+  return events - sweeps.without_points;
 }
 uint64_t TopicStatistics::gaps() const {
   return sum_of(series, [](const StampStatistics& s) { return s.gaps(); });
@@ -184,7 +192,10 @@ double TopicStatistics::period() const {
 }
 
 double TopicStatistics::span() const {
-  return stamps ? seconds(stamps->end - stamps->begin) : 0.0;
+  if (series.size() > 1) {  // frames of poses, each with a clock of its own
+    return stamps ? seconds(stamps->end - stamps->begin) : 0.0;
+  }
+  return clock.span();
 }
 
 bool TopicStatistics::lasts() const {

@@ -14,6 +14,7 @@
 #include "adit/slam/inertial/reading_gate.hpp"
 #include "adit/slam/inertial/stuck_axis.hpp"
 #include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/topics/clock_watch.hpp"
 #include "adit/tools/topics/imu_timeline.hpp"
 #include "adit/tools/topics/interval_histogram.hpp"
 #include "adit/tools/topics/timeline.hpp"
@@ -56,9 +57,10 @@ struct SweepStatistics {
   Extent returns;           ///< a sweep: points that are finite and not (0, 0, 0)
   uint64_t not_finite = 0;  ///< points, of all sweeps
   Extent duration;  ///< s, from the first to the last point; only sweeps with times and returns
-  uint64_t with_times = 0;  ///< sweeps
-  uint64_t empty = 0;       ///< sweeps without a return
-  uint64_t with_rings = 0;  ///< sweeps
+  uint64_t with_times = 0;      ///< sweeps
+  uint64_t empty = 0;           ///< sweeps without a return
+  uint64_t without_points = 0;  ///< sweeps, of the empty ones
+  uint64_t with_rings = 0;      ///< sweeps
   /// Returns for some points of each sweep, by azimuth from 0 on, 5 degrees each.
   std::array<uint64_t, 72> returns_by_azimuth{};
 
@@ -77,6 +79,7 @@ struct StampStatistics {
   uint64_t events = 0;
   uint64_t repeated = 0;               ///< stamps equal to the one before
   uint64_t backwards = 0;              ///< stamps before the one before
+  double farthest_back = 0.0;          ///< s, of these
   IntervalHistogram intervals;         ///< s between stamps, where they increase
   double largest_interval = 0.0;       ///< s
   Nanoseconds largest_interval_at{0};  ///< its start
@@ -99,12 +102,13 @@ struct StampStatistics {
 struct TopicStatistics {
   uint64_t events = 0;
   uint64_t bytes = 0;
-  std::string frame;                           ///< the sensor's, by the last event that names it
+  std::string frame;                           ///< the sensor's, by most events that name one
   std::optional<PointTimeNature> point_times;  ///< as those of the last sweep with times
   std::optional<TimeSpan> stamps;              ///< the first and the last in time
   Extent delay;                                ///< s from the stamp to the receipt
-  double first_delay = 0.0;                    ///< s, of the first event
-  /// By what a message is of: the child frame of poses (a topic such as /tf has many), else "".
+  ClockWatch clock;                            ///< the sensor's against the recorder's
+  /// By what a message is of: the child frame of poses (a topic such as /tf has many), else the
+  /// frame of the sensor, without leading slashes.
   std::map<std::string, StampStatistics> series;
   TopicTimeline timeline;
   ImuStatistics imu;
@@ -113,11 +117,12 @@ struct TopicStatistics {
 
   void add(const Event& event);
 
-  double span() const;              ///< s, from the first stamp to the last
-  bool lasts() const;               ///< long enough for a rate and for plots over time
-  double rate() const;              ///< events a second on average, 0 where it does not last
-  uint64_t repeated() const;        ///< sum over all series, as in StampStatistics
-  uint64_t backwards() const;       ///< likewise
+  double span() const;         ///< s, from the first stamp to the last, without steps of the clock
+  bool lasts() const;          ///< long enough for a rate and for plots over time
+  double rate() const;         ///< events a second on average, 0 where it does not last
+  uint64_t repeated() const;   ///< sum over all series, as in StampStatistics
+  uint64_t backwards() const;  ///< likewise
+  uint64_t with_points() const;     ///< sweeps that have points
   uint64_t gaps() const;            ///< likewise
   double largest_interval() const;  ///< s, of all series
   double period() const;            ///< s, of the series with the most events
@@ -130,6 +135,8 @@ struct TopicStatistics {
 
  private:
   StampStatistics& series_of(const Event& event);
+
+  uint64_t frame_events_ = 0;  ///< of `frame`
 };
 
 }  // namespace adit

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/inspection/choice_findings.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "adit/tools/run/static_transforms.hpp"
+
+namespace adit {
+namespace {
+
+Finding handled(std::string kind, std::string topic, std::string found, const std::string& how,
+                std::string remedy = "Nothing need be done") {
+  return {Severity::notice,
+          std::move(kind),
+          std::move(topic),
+          std::move(found),
+          "handled automatically: " + how,
+          std::move(remedy)};
+}
+
+/// "'front' (40), 'rear' (20)".
+std::string frames_text(const TopicStatistics& statistics) {
+  std::string text;
+  for (const auto& [frame, one] : statistics.series) {
+    text += fmt::format("{}'{}' ({})", text.empty() ? "" : ", ", frame, one.events);
+  }
+  return text;
+}
+
+std::string setting_of_frame(TopicKind kind) {
+  return kind == TopicKind::sweeps ? "recording.sweep_frame chooses another"
+         : kind == TopicKind::imu  ? "recording.imu_frame chooses another"
+                                   : "Record each receiver on a topic of its own";
+}
+
+}  // namespace
+
+std::vector<Finding> find_in_choices(const Inspection& inspection) {
+  std::vector<Finding> findings;
+  for (const PassedOver& one : inspection.sensors.passed_over) {
+    findings.push_back(handled("topic_passed_over", one.topic, one.why, "a run does not use it",
+                               "To use it all the same, name it: recording.sweep_topic, imu_topic "
+                               "or gnss_topic"));
+  }
+  for (const auto& [topic, frame] : inspection.sensors.frames) {
+    const TopicStatistics& statistics = inspection.statistics[topic];
+    if (statistics.series.size() > 1) {
+      findings.push_back(
+          handled("several_frames", inspection.topics[topic].name,
+                  "sensors of several frames share the topic: " + frames_text(statistics),
+                  "a run uses '" + frame + "' and leaves the others out",
+                  setting_of_frame(inspection.topics[topic].kind)));
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> find_in_transforms(const Inspection& inspection) {
+  std::vector<Finding> findings;
+  for (const IgnoredTransform& ignored : inspection.frames.ignored()) {
+    findings.push_back(handled("transform_ignored", "", describe(ignored),
+                               "a run ignores it and uses the others", "Correct its publisher"));
+  }
+  if (!inspection.scaled.empty()) {
+    findings.push_back(handled("scaled_quaternion", "",
+                               "static transforms have quaternions that are not of length 1: " +
+                                   names_of(inspection.scaled),
+                               "they are normalised", "Correct their publisher"));
+  }
+  const RecordedTransforms& transforms = inspection.sensors.transforms;
+  if (!transforms.constant.empty()) {
+    findings.push_back(handled("constant_transforms", "",
+                               "/tf_static does not connect the sensors, and transforms that stay "
+                               "constant on /tf do: " +
+                                   names_of(transforms.constant),
+                               "a run takes them for static", "Record /tf_static to be sure"));
+  }
+  if (!inspection.sweeps) {
+    return findings;
+  }
+  const std::string& lidar = inspection.statistics[*inspection.sweeps].frame;
+  for (const std::optional<std::size_t>& topic :
+       {inspection.sensors.imu, inspection.sensors.gnss}) {
+    const std::string frame = topic ? inspection.statistics[*topic].frame : "";
+    const auto conflict =
+        lidar.empty() || frame.empty() ? std::nullopt : inspection.frames.conflict(frame, lidar);
+    if (conflict) {
+      findings.push_back({Severity::problem, "mounting_ambiguous", inspection.topics[*topic].name,
+                          describe(*conflict, "'" + frame + "' on '" + lidar + "'"),
+                          "a run uses the shortest chain of transforms, and the latest of equals; "
+                          "if that is wrong, "
+                          "mapping with this sensor fails",
+                          "Correct the transforms, or set imu.T_imu_lidar or gnss.antenna"});
+    }
+  }
+  return findings;
+}
+
+}  // namespace adit
