@@ -169,7 +169,7 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
               "beside it")
       .required()
       .value_name("FILE.mcap")
-      .written();
+      .written({".mcap"});
   command.option("--sensor", simulation.lidars.front().sensor, "Range sensor")
       .value_name("NAME")
       .suggest(range_sensor_names())
