@@ -10,6 +10,7 @@
 #include "adit/slam/core/text.hpp"
 #include "adit/slam/core/units.hpp"
 
+#include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/run/inertial_text.hpp"
 
 namespace adit {
@@ -257,6 +258,17 @@ void check_sweeps(const TopicStatistics& topic, Findings& findings) {
   if (s.empty > 0) {
     findings.problem("empty_sweeps", of(s.empty, topic.events) + " sweeps have no return",
                      "they cannot be placed", "Check the sensor and its filters");
+  }
+  if (!s.offset.isZero(0.0)) {
+    findings.notice("large_coordinates",
+                    "its points lie about " + offset_text(s.offset) + " from the origin",
+                    "adit subtracts that from all clouds, so that they keep their millimetres: "
+                    "ranges are measured from there, and results are relative to it",
+                    "Add it to the results for the coordinates of the recording");
+  }
+  if (s.coordinate_step > 0.0) {
+    findings.problem("coarse_coordinates", coarse_note(s.coordinate_step),
+                     "surfaces are rounded away", "Export the clouds again");
   }
   if (s.with_times < topic.events) {
     findings.notice(

@@ -28,6 +28,8 @@ struct MessageEvents {
   std::string frame;                           ///< the header's; empty where there are several
   std::optional<PointTimeNature> point_times;  ///< for a sweep with times
   bool has_intensity = true;                   ///< false: those of a sweep's points are made up
+  double coordinate_step = 0.0;                ///< of a sweep, as CloudFile::coordinate_step
+  std::vector<InputError> faults{};            ///< damage of a sweep that is left out of it
 };
 
 /// The events in a message, in its order; none for kinds that are not understood. A message whose

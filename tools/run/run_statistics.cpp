@@ -108,6 +108,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
     first_ = pose;
   }
   last_ = pose;
+  coordinate_offset_ = sweep.offset;
   ++sweeps_;
   deskewed_ += result.deskewed ? 1 : 0;
   inertial_.add(index, result.inertial);
