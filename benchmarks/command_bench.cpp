@@ -234,8 +234,12 @@ void add_bench_command(Command app, std::function<void(int)> done) {
           .show_default();
   command.flag(
       "--no-peers", [options] { options->peers = false; }, "Leave out what others need");
-  command.option("--json", options->json, "Write all figures").value_name("FILE").written();
-  command.option("--html", options->html, "Write a page with plots").value_name("FILE").written();
+  command.option("--json", options->json, "Write all figures")
+      .value_name("FILE.json")
+      .written({".json"});
+  command.option("--html", options->html, "Write a page with plots")
+      .value_name("FILE.html")
+      .written({".html", ".htm"});
   command
       .option("--report", options->report,
               "Write one file for those who lack this device: the figures, its limits, its "

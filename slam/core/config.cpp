@@ -125,6 +125,8 @@ void check_recording(Checks& checks, const RecordingConfig& r) {
   const double scale = r.coordinate_scale.value_or(1.0);
   checks.require(scale > 0.0 && scale <= 1000.0, "recording.coordinate_scale", scale,
                  "the metres that a step of one stands for: above 0, 1000 at most");
+  checks.require(r.floats_per_point == 0 || (r.floats_per_point >= 3 && r.floats_per_point <= 8),
+                 "recording.floats_per_point", r.floats_per_point, "0, or 3 to 8");
   checks.require(
       r.spin_rate == 0.0 || (std::abs(r.spin_rate) >= 1.0 && std::abs(r.spin_rate) <= 100.0),
       "recording.spin_rate", r.spin_rate, "0, or of 1 to 100 turns a second");

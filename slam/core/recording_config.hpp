@@ -18,12 +18,13 @@ struct RecordingConfig {
   std::optional<std::string> metadata{};
   std::optional<double> point_time_unit{};   ///< s
   std::optional<double> coordinate_scale{};  ///< m
-  double spin_rate = 0.0;                    ///< Hz
-  double beam_elevation = 0.0;               ///< rad
-  double sweep_time_offset = 0.0;            ///< s
-  double imu_time_offset = 0.0;              ///< s
-  double accelerometer_scale = 1.0;          ///< m/s² of a step of one
-  double gyroscope_scale = 1.0;              ///< rad/s of a step of one
+  int floats_per_point = 0;
+  double spin_rate = 0.0;            ///< Hz
+  double beam_elevation = 0.0;       ///< rad
+  double sweep_time_offset = 0.0;    ///< s
+  double imu_time_offset = 0.0;      ///< s
+  double accelerometer_scale = 1.0;  ///< m/s² of a step of one
+  double gyroscope_scale = 1.0;      ///< rad/s of a step of one
 
   bool operator==(const RecordingConfig&) const = default;
 
@@ -48,6 +49,8 @@ struct RecordingConfig {
     field("coordinate_scale", self.coordinate_scale, "m",
           "what one step of the coordinates of points is, such as 0.001; not given: they are "
           "metres, and integers are refused");
+    field("floats_per_point", self.floats_per_point, "",
+          "numbers that a point of a .bin file has, 3 to 8; 0: found by the numbers themselves");
     field(
         "spin_rate", self.spin_rate, "Hz",
         "turns a second of a scanner whose points have no times, about its z axis, negative where "

@@ -51,6 +51,9 @@ struct Sweep {
   std::vector<uint16_t> rings;          ///< beam index, one a point, or empty
   std::string source;                   ///< file or message it came from, for messages to people
   std::optional<std::size_t> number{};  ///< among its recording's sweeps, from 0, where it is known
+  /// m. Points + offset are the coordinates of the source. Not zero where these are so large that
+  /// float32 would round them by more than half a millimetre.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 };
 
 /// From a sweep's stamp to the last of its points' times, s; 0 without times.

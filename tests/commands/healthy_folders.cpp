@@ -25,6 +25,42 @@ std::string pcd_of(const std::vector<Point>& points) {
          bin_of(points);
 }
 
+// UTM, m.
+constexpr std::array<double, 3> kFarAway = {430000.0, 5400000.0, 300.0};
+
+/// In UTM, in double precision.
+template <class Body>
+std::string far_away(const std::vector<Point>& points, const Body& begin) {
+  std::string bytes = begin(std::to_string(points.size()));
+  for (const Point& p : points) {
+    bytes += bytes_of_all(kFarAway[0] + p.x, kFarAway[1] + p.y, kFarAway[2] + p.z);
+  }
+  return bytes;
+}
+
+/// A dialect: small letters, no COUNT, no WIDTH and HEIGHT.
+std::string far_pcd_of(const std::vector<Point>& points) {
+  return far_away(points, [](const std::string& count) {
+    return "version 0.7\nfields x y z\nsize 8 8 8\ntype f f f\npoints " + count + "\ndata binary\n";
+  });
+}
+
+std::string far_ply_of(const std::vector<Point>& points) {
+  return far_away(points, [](const std::string& count) {
+    return "ply\nformat binary_little_endian 1.0\nelement vertex " + count +
+           "\nproperty float64 x\nproperty float64 y\nproperty float64 z\nend_header\n";
+  });
+}
+
+/// x y z intensity ring.
+std::string five_of(const std::vector<Point>& points) {
+  std::string bytes;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bytes += bytes_of(points[i]) + bytes_of(static_cast<float>(i % 16));
+  }
+  return bytes;
+}
+
 std::string ply_of(const std::vector<Point>& points) {
   return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(points.size()) +
          "\nproperty float x\nproperty float y\nproperty float z\nproperty float "
@@ -32,12 +68,15 @@ std::string ply_of(const std::vector<Point>& points) {
          bin_of(points);
 }
 
-std::string las_of(const std::vector<Point>& points) {
+std::string las_of(const std::vector<Point>& points, const std::array<double, 3>& offset) {
   constexpr std::size_t kPointBytes = 28;
   std::string bytes = las_file(1, 2, kPointBytes, 20);
   const std::size_t header = bytes.size() - 2 * kPointBytes;
   bytes.resize(header + kPointBytes * points.size());
   put_at(bytes, 107, static_cast<uint32_t>(points.size()));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    put_at(bytes, 155 + 8 * axis, offset[axis]);
+  }
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t begin = header + kPointBytes * i;
     put_at(bytes, begin, static_cast<int32_t>(1000.0F * points[i].x));
@@ -75,6 +114,12 @@ void write_euroc(const fs::path& folder) {
     poses += stamp + "," + std::to_string(0.01 * i) + ",0.0,0.0,1.0,0.0,0.0,0.0\n";
   }
   write(folder / "mav0/imu0/data.csv", readings);
+  // Another order, another separator, a mark at the start.
+  std::string other = "\xef\xbb\xbftimestamp;a_x [g];a_y [g];a_z [g];w_x;w_y;w_z\r\n";
+  for (int i = 0; i < 10 * kSweeps; ++i) {
+    other += std::to_string(at(0.01 * i).count()) + ";0.01;0.0;1.0;-0.01;0.02;0.01\r\n";
+  }
+  write(folder / "mav0/imu1/data.csv", other);
   write(folder / "mav0/state_groundtruth_estimate0/data.csv", poses);
 }
 
@@ -121,9 +166,16 @@ std::vector<HealthyFormat> write_healthy_folders(const fs::path& folder) {
   const std::vector<Point> points = room_points();
   for (const auto& [suffix, file] :
        {std::pair{"bin", bin_of(points)}, std::pair{"pcd", pcd_of(points)},
-        std::pair{"ply", ply_of(points)}, std::pair{"las", las_of(points)}}) {
+        std::pair{"ply", ply_of(points)}, std::pair{"las", las_of(points, {1.0, 1.0, 1.0})}}) {
     formats.push_back(
         {suffix, {write_series(folder / (std::string(suffix) + "_series"), suffix, file)}});
+  }
+  const std::array others = {five_of(points), far_pcd_of(points), far_ply_of(points),
+                             las_of(points, kFarAway)};
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const std::string suffix = formats[i].name;
+    formats[i].recordings.push_back(
+        write_series(folder / (suffix + "_other_series"), suffix, others[i]));
   }
   write_kitti_raw(folder / "kitti_raw");
   write_euroc(folder / "euroc");

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "adit/tests/recordings/fuzz_support.hpp"
+#include "adit/tools/clouds/bin_reader.hpp"
 #include "adit/tools/clouds/las_reader.hpp"
 #include "adit/tools/clouds/pcd_reader.hpp"
 #include "adit/tools/clouds/ply_reader.hpp"
@@ -15,12 +16,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   const std::string_view content(reinterpret_cast<const char*>(data), size);
-  for (const auto parse : {adit::parse_pcd, adit::parse_ply, adit::parse_las}) {
+  for (const auto parse : {adit::parse_pcd, adit::parse_ply, adit::parse_las, adit::parse_bin}) {
     try {
-      const adit::Sweep sweep =
-          parse("input", content,
-                {.coordinate_scale = size % 2 == 0 ? std::optional(0.001) : std::nullopt})
-              .sweep;
+      adit::CloudReading reading{.coordinate_scale =
+                                     size % 2 == 0 ? std::optional(0.001) : std::nullopt};
+      if (size % 3 == 0) {
+        reading.offset = Eigen::Vector3d(430000.0, 5400000.0, 300.0);
+      }
+      const adit::Sweep sweep = parse("input", content, reading).sweep;
       adit::test::require_valid(sweep);
       if (sweep.points.size() > 88 * size) {  // LZF makes 264 bytes from three at most
         std::abort();

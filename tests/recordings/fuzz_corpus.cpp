@@ -202,6 +202,36 @@ class Corpus {
             bytes_of_all(static_cast<uint32_t>(packed.size()), uint32_t{66}) + packed);
     add("clouds", "las", "format_1", las_file(1, 2, 28, 20));
     add("clouds", "las", "format_6", las_file(6, 4, 30, 22));
+    add_other_clouds();
+  }
+
+  /// Dialects, large coordinates, and numbers without a header.
+  void add_other_clouds() {
+    add("clouds", "pcd", "dialect",
+        "version .7\nfields x _ y z intensity\nsize 4 1 4 4 4\ntype f u f f f\ncount 1 0 1 1 1\n"
+        "points 2\ndata ASCII\n1 2 3 0.5\n4 5 6 0.25\n");
+    add("clouds", "ply", "bool",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty bool a\nproperty float32 "
+        "x\nproperty float32 y\nproperty float32 z\nend_header\n\1" +
+            bytes_of_all(1.0F, 2.0F, 3.0F));
+    std::string far;
+    std::string six;
+    for (int i = 0; i < 40; ++i) {
+      const double along = 0.25 * i;
+      far += bytes_of_all(430000.0 + along, 5400000.0 - along, 300.125);
+      six += bytes_of_all(static_cast<float>(along - 5.1), static_cast<float>(5.3 - along), -1.5F,
+                          0.3F, static_cast<float>(i % 4), 0.0025F * static_cast<float>(i));
+    }
+    add("clouds", "ply", "utm",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 40\nproperty double x\nproperty "
+        "double y\nproperty double z\nend_header\n" +
+            far);
+    std::string las = las_file(1, 2, 28, 20);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      put_at(las, 155 + 8 * axis, axis == 2 ? 300.0 : 430000.0);
+    }
+    add("clouds", "las", "utm", las);
+    add("clouds", "bin", "six", six);
   }
 
   /// The first byte: the letter of fuzz_folders.cpp.
@@ -210,6 +240,9 @@ class Corpus {
         "i#timestamp [ns],w_RS_S_x [rad s^-1]\n"
         "1403715273262142976,-0.25,0.5,0.75,9.0,0.125,-3.5\r\n"
         "1403715273267142976, 0.0, 0.0, 0.0, 9.5, 0.0, -3.0\n");
+    add("folders", "euroc", "names",
+        "i\xef\xbb\xbftimestamp [us];a_x [g];a_y [g];a_z [g];w_x [deg/s];w_y;w_z\r\n"
+        "1403715273262142;0;0;1;10;0.2;0.3\r\n");
     add("folders", "euroc", "poses", "p#t\n1403715273264142976,1.0,2.0,3.0,0.0,0.0,0.0,1.0,0.1\n");
     add("folders", "times", "seconds", "t0.0\n1.036224e-01\n");
     add("folders", "times", "dates",

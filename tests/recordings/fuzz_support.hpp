@@ -54,8 +54,9 @@ class ScratchFile {
 /// What every sweep promises to those that use it.
 inline void require_valid(const Sweep& sweep) {
   const std::size_t n = sweep.points.size();
-  bool valid = (sweep.times.empty() || sweep.times.size() == n) &&
-               (sweep.rings.empty() || sweep.rings.size() == n);
+  bool valid = sweep.offset.cwiseAbs().maxCoeff() <= 1e8;
+  valid = valid && (sweep.times.empty() || sweep.times.size() == n) &&
+          (sweep.rings.empty() || sweep.rings.size() == n);
   for (const float time : sweep.times) {
     valid = valid && time >= 0.0F && time <= 10.0F;
   }

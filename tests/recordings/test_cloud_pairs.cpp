@@ -107,7 +107,10 @@ TEST(CloudPairs, CloudsThatAreNoneSayWhy) {
   EXPECT_NE(said("nan.bin", bin({{nan, nan, nan}, {0.0F, 0.0F, 0.0F}})).find("none is a return"),
             std::string::npos);
   EXPECT_NE(said("utm.bin", bin({{1.0F, 2.0F, 3.0F}, {4.5e5F, 5.4e6F, 300.0F}}))
-                .find("point 1: it lies more than 100 km"),
+                .find("rounded to float32, which has steps of 0.5 m"),
+            std::string::npos);
+  EXPECT_NE(said("far.bin", bin({{1.0F, 2.0F, 3.0F}, {1.0F, 2.0F, 3.0F}, {2e5F, 0.0F, 0.0F}}))
+                .find("point 2: it lies more than 100 km"),
             std::string::npos);
   EXPECT_NE(said("cut.bin", "abc").find("cut.bin"), std::string::npos);
   EXPECT_NE(said("cloud.xyz", "1 2 3").find("no recording"), std::string::npos);

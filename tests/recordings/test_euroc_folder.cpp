@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -95,6 +96,65 @@ TEST_F(EurocFolder, LinesThatAreNoneAreNamedAndPassedOver) {
   EXPECT_NE(read.errors[1].found().find("5 numbers behind the time"), std::string::npos);
   EXPECT_NE(read.errors[2].found().find("no number"), std::string::npos);
   EXPECT_NE(read.errors[3].found().find("more than 4095 bytes"), std::string::npos);
+}
+
+TEST_F(EurocFolder, ColumnsAreFoundByTheirNamesAndUnits) {
+  const std::string stamp = "1403715273262142976";
+  const std::vector<std::string> tables = {
+      "#timestamp [ns],a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2],w_RS_S_x "
+      "[rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1]\n" +
+          stamp + ",1,2,9,0.1,0.2,0.3\n",
+      "timestamp;ax;ay;az;wx;wy;wz\r\n" + stamp + ";1;2;9;0.1;0.2;0.3\r\n",
+      "\xef\xbb\xbf\"timestamp\"\taccel_x\taccel_y\taccel_z\tgyro_x\tgyro_y\tgyro_z\n" + stamp +
+          "\t1\t2\t9\t0.1\t0.2\t0.3\n",
+      "# made by hand\n#gyro_z,temperature [C],gyro_y,gyro_x,acc_z,acc_y,acc_x,time [s]\n"
+      "0.3,25,0.2,0.1,9,2,1,1403715273.262142976\n",
+      "#timestamp [us] wx [rad/s] wy [rad/s] wz [rad/s] ax ay az\n"
+      "1403715273262142.976 0.1 0.2 0.3 1 2 9\n"};
+  for (const std::string& text : tables) {
+    write("imu0", text);
+    const test::ReadEvents read = test::read_all(*open_recording(folder_.path()));
+    ASSERT_EQ(read.events.size(), 1U) << text;
+    EXPECT_TRUE(read.errors.empty()) << text;
+    const auto& imu = std::get<ImuSample>(read.events[0].value);
+    EXPECT_NEAR(seconds(imu.stamp), 1403715273.262142976, 1e-6) << text;
+    EXPECT_EQ(imu.angular_velocity, Eigen::Vector3d(0.1, 0.2, 0.3)) << text;
+    EXPECT_EQ(imu.linear_acceleration, Eigen::Vector3d(1.0, 2.0, 9.0)) << text;
+  }
+  write("imu0", "#t [ns],gx [deg/s],gy [deg/s],gz [deg/s],ax [g],ay [g],az [g]\n" + stamp +
+                    ",90,0,0,0,0,1\n");
+  const test::ReadEvents read = test::read_all(*open_recording(folder_.path()));
+  const auto& imu = std::get<ImuSample>(read.events.at(0).value);
+  EXPECT_NEAR(imu.angular_velocity.x(), 1.5707963, 1e-6);
+  EXPECT_NEAR(imu.linear_acceleration.z(), 9.80665, 1e-9);
+}
+
+TEST_F(EurocFolder, PosesAreFoundByTheirNamesToo) {
+  write("state_groundtruth_estimate0",
+        "#timestamp, q_RS_x [], q_RS_y [], q_RS_z [], q_RS_w [], p_RS_R_z [m], p_RS_R_y [m], "
+        "p_RS_R_x [m]\n1403715273264142976,0,0,1,0,3,2,1\n");
+  const test::ReadEvents read = test::read_all(*open_recording(folder_.path()));
+  ASSERT_EQ(read.events.size(), 1U);
+  const auto& pose = std::get<ReferencePose>(read.events[0].value);
+  EXPECT_EQ(pose.T_parent_child.translation(), Eigen::Vector3d(1.0, 2.0, 3.0));
+  EXPECT_NEAR(pose.T_parent_child.linear()(0, 0), -1.0, 1e-12);
+}
+
+TEST_F(EurocFolder, MissingColumnsAndUnknownUnitsAreNamed) {
+  const auto said = [&](const std::string& head) {
+    write("imu0", head + "\n1403715273262142976,1,2,3,4,5\n");
+    try {
+      open_recording(folder_.path());
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place(), "line 1");
+      return error.found();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(said("#timestamp [ns],wx,wy,wz,ax,ay"),
+            "it names some columns, and none for the acceleration along z");
+  EXPECT_EQ(said("#timestamp [ns],wx [furlong],wy,wz,ax,ay,az"),
+            "the unit of column 'wx [furlong]' is unknown");
 }
 
 TEST_F(EurocFolder, CutOffOrChangedAnywhereItIsReadToAnEnd) {

@@ -12,6 +12,7 @@
 
 #include "adit/tests/recordings/event_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/bin_reader.hpp"
 #include "adit/tools/clouds/las_reader.hpp"
 #include "adit/tools/clouds/pcd_reader.hpp"
 #include "adit/tools/clouds/ply_reader.hpp"
@@ -60,6 +61,7 @@ TEST(FuzzCorpus, CloudsHavePoints) {
     if (seed.fuzzer == "clouds") {
       const auto parse = seed.format == "pcd"   ? parse_pcd
                          : seed.format == "ply" ? parse_ply
+                         : seed.format == "bin" ? parse_bin
                                                 : parse_las;
       EXPECT_FALSE(parse("seed", seed.bytes, {}).sweep.points.empty()) << seed.name;
     }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/clouds/las_reader.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <random>
@@ -71,7 +73,7 @@ TEST(LasReader, WhatItIsNotIsNamed) {
   };
   const std::string good = test::las_file(1, 2, 28, 20);
   EXPECT_EQ(found(good), "nothing");
-  for (std::size_t size = 0; size < good.size(); ++size) {
+  for (std::size_t size = 0; size < good.size() - 28; ++size) {
     EXPECT_NE(found(good.substr(0, size)), "nothing") << size;
   }
   std::string packed = good;
@@ -79,7 +81,92 @@ TEST(LasReader, WhatItIsNotIsNamed) {
   EXPECT_NE(found(packed).find("packed"), std::string::npos);
   std::string many = good;
   test::put_at(many, 107, uint32_t{0xffffffff});
-  EXPECT_NE(found(many).find("promises 4294967295 points"), std::string::npos);
+  EXPECT_NE(found(many.substr(0, 240)).find("promises 4294967295 points"), std::string::npos);
+}
+
+TEST(LasReader, PointsThatAreThereAreReadWhateverTheHeaderPromises) {
+  const std::string good = test::las_file(1, 2, 28, 20);
+  const auto expect_one_fault = [](const std::string& bytes, std::size_t there) {
+    const CloudFile cloud = parse_las("a.las", bytes);
+    EXPECT_EQ(cloud.sweep.points.size(), there);
+    ASSERT_EQ(cloud.faults.size(), 1U);
+    EXPECT_NE(cloud.faults[0].found().find("the file holds " + std::to_string(there)),
+              std::string::npos)
+        << cloud.faults[0].found();
+  };
+  expect_one_fault(good.substr(0, good.size() - 28), 1);
+  expect_one_fault(good.substr(0, good.size() - 3), 1);
+  expect_one_fault(good + good.substr(good.size() - 28), 3);
+  std::string many = good;
+  test::put_at(many, 107, uint32_t{0xffffffff});
+  expect_one_fault(many, 2);
+  // Version 1.4 may have other records behind the points, and some leave its own count at 0.
+  std::string newer = test::las_file(6, 4, 30, 22);
+  EXPECT_TRUE(parse_las("a.las", newer + newer.substr(newer.size() - 30)).faults.empty());
+  test::put_at(newer, 247, uint64_t{0});
+  EXPECT_EQ(parse_las("a.las", newer).sweep.points.size(), 2U);
+}
+
+/// A hundred points a millimetre apart, the first at `offset` (m), a millisecond after each other.
+std::string las_survey(const std::array<double, 3>& offset) {
+  std::string bytes = test::las_file(1, 2, 28, 20).substr(0, 227);
+  test::put_at(bytes, 107, uint32_t{100});
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    test::put_at(bytes, 155 + 8 * axis, offset[axis]);
+  }
+  for (int32_t i = 0; i < 100; ++i) {
+    std::string point(28, '\0');
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      test::put_at(point, 4 * axis, i * static_cast<int32_t>(axis + 1));
+    }
+    test::put_at(point, 20, 300000.0 + 0.001 * i);
+    bytes += point;
+  }
+  return bytes;
+}
+
+TEST(LasReader, OneImpossibleTimeLeavesOneOfManyPointsOut) {
+  for (const double time : {1e300, -1e300, std::nan(""), 1e9}) {
+    std::string bytes = las_survey({1.0, 2.0, 3.0});
+    test::put_at(bytes, 227 + 28 * 50 + 20, time);
+    const CloudFile cloud = parse_las("a.las", bytes);
+    ASSERT_EQ(cloud.sweep.points.size(), 100U);
+    EXPECT_TRUE(std::isnan(cloud.sweep.points[50].x));
+    EXPECT_FLOAT_EQ(cloud.sweep.points[51].x, 1.051F);
+    EXPECT_NEAR(cloud.sweep.times[99], 0.099F, 1e-6F);
+    ASSERT_EQ(cloud.faults.size(), 1U) << time;
+    EXPECT_EQ(cloud.faults[0].place(), "point 50");
+    EXPECT_NE(cloud.faults[0].found().find("1 of 100 points"), std::string::npos);
+    EXPECT_LT(std::string(cloud.faults[0].what()).size(), 200U);
+  }
+}
+
+TEST(LasReader, ASurveyThatLastsLongerThanASweepKeepsItsPoints) {
+  std::string bytes = las_survey({1.0, 2.0, 3.0});
+  for (int i = 0; i < 100; ++i) {
+    test::put_at(bytes, 227 + 28 * static_cast<std::size_t>(i) + 20, 300000.0 + i);
+  }
+  const CloudFile cloud = parse_las("a.las", bytes);
+  EXPECT_EQ(cloud.sweep.points.size(), 100U);
+  EXPECT_TRUE(cloud.sweep.times.empty());
+  ASSERT_EQ(cloud.faults.size(), 1U);
+  EXPECT_NE(cloud.faults[0].found().find("times of all points are left out"), std::string::npos);
+}
+
+TEST(LasReader, LargeCoordinatesKeepTheirMillimetres) {
+  const CloudFile cloud = parse_las("a.las", las_survey({430000.0, 5400000.0, 300.0}));
+  EXPECT_EQ(cloud.sweep.offset, Eigen::Vector3d(430000.0, 5400000.0, 300.0));
+  EXPECT_EQ(cloud.coordinate_step, 0.0);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_NEAR(cloud.sweep.points[i].y, 0.002 * static_cast<double>(i), 1e-6);
+  }
+  // All clouds of a recording have the first one's.
+  const CloudReading reading{.offset = Eigen::Vector3d(429000.0, 5400000.0, 300.0)};
+  const CloudFile later = parse_las("b.las", las_survey({430000.0, 5400000.0, 300.0}), reading);
+  EXPECT_EQ(later.sweep.offset, *reading.offset);
+  EXPECT_NEAR(later.sweep.points[1].x, 1000.001, 1e-4);
+  // Far from it they would lose what they have.
+  EXPECT_THROW(parse_las("c.las", las_survey({460000.0, 5400000.0, 300.0}), reading), InputError);
 }
 
 TEST(LasReader, DamagedHeadersAreReadToAnEnd) {

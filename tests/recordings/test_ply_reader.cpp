@@ -106,17 +106,54 @@ TEST(PlyReader, ListsInsideVerticesAreSkipped) {
   }
 }
 
-TEST(PlyReader, TruncatedFileGivesBothNumbers) {
-  const InputError error = ply_error(header("binary_little_endian", "element vertex 3\n" + kXyz) +
-                                     bytes_of_all(1.0F, 2.0F, 3.0F, 4.0F));
-  EXPECT_EQ(error.place(), "element vertex");
-  EXPECT_NE(error.found().find("promises 3 records of 12 bytes or more; 16 bytes are left"),
+TEST(PlyReader, VerticesThatAreThereAreReadWhateverTheHeaderPromises) {
+  const auto expect_one_fault = [](const std::string& content, std::size_t there) {
+    const CloudFile cloud = parse_ply("a", content);
+    ASSERT_EQ(cloud.sweep.points.size(), there) << content;
+    EXPECT_EQ(cloud.sweep.points.back().x, 1.0F + 3.0F * static_cast<float>(there - 1));
+    ASSERT_EQ(cloud.faults.size(), 1U);
+    EXPECT_NE(cloud.faults[0].found().find("the file holds " + std::to_string(there)),
+              std::string::npos);
+  };
+  const std::string two = bytes_of_all(1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F);
+  const std::string lists = kXyz + "property list uchar uchar a\n";
+  const std::string faces = "element face 1\nproperty list uchar int i\n";
+  for (const char* promised : {"1", "3"}) {
+    const std::string vertices = "element vertex " + std::string(promised) + "\n";
+    expect_one_fault(header("binary_little_endian", vertices + kXyz) + two, 2);
+    expect_one_fault(header("ascii", vertices + kXyz) + "1 2 3\n4 5 6\n", 2);
+  }
+  expect_one_fault(header("binary_little_endian", "element vertex 3\n" + kXyz) + two + "cut", 2);
+  expect_one_fault(header("binary_little_endian", "element vertex 3\n" + lists) +
+                       two.substr(0, 12) + '\1' + '\7' + two.substr(12) + '\0' + "cut",
+                   2);
+  // What follows the vertices is not theirs.
+  EXPECT_TRUE(
+      parse_ply("a", header("ascii", "element vertex 1\n" + kXyz + faces) + "1 2 3\n3 0 0 0\n")
+          .faults.empty());
+  EXPECT_NE(ply_error(header("binary_little_endian", "element vertex 3\n" + kXyz) + "short")
+                .found()
+                .find("promises 3 records of 12 bytes or more; 5 bytes are left"),
             std::string::npos);
+}
+
+TEST(PlyReader, TypesOfOtherProgramsAreRead) {
+  const std::string elements =
+      "element vertex 1\nproperty bool valid\nproperty Float32 x\nproperty uint8_t a\nproperty "
+      "float32 y\nproperty int8 b\nproperty FLOAT z\n";
+  expect_point(parse_ply("a", header("binary_little_endian", elements) + '\1' +
+                                  bytes_of_all(1.0F, uint8_t{7}, 2.0F, int8_t{-1}, 3.0F)),
+               0, 1.0F, 2.0F, 3.0F);
+  expect_point(parse_ply("a", header("ascii", elements) + "true 1 7 2 -1 3\n"), 0, 1.0F, 2.0F,
+               3.0F);
 }
 
 TEST(PlyReader, AbsurdCountsTakeNoMemoryAndNoTime) {
   for (const char* format : {"ascii", "binary_little_endian"}) {
-    ply_error(header(format, "element vertex 18446744073709551615\n" + kXyz) + "1 2 3\n");
+    const std::string many = header(format, "element vertex 18446744073709551615\n" + kXyz);
+    EXPECT_EQ(parse_ply("a", many + "1 2 3\n4 5 6\n").sweep.points.size(),
+              format == std::string("ascii") ? 2U : 1U);
+    ply_error(many);
     ply_error(header(format, "element x 18446744073709551615\nelement vertex 1\n" + kXyz) +
               "1 2 3\n");
     ply_error(
@@ -138,10 +175,15 @@ TEST(PlyReader, ListLengthBeyondTheFileIsAnErrorWithTheByte) {
 
 TEST(PlyReader, AsciiErrorsNameTheLine) {
   const std::string text = header("ascii", "element vertex 2\n" + kXyz);
-  EXPECT_EQ(ply_error(text + "1 2 3\n100 200\n").place(), "line 10");
-  EXPECT_EQ(ply_error(text + "1 2 3\n1 2 3 4\n").place(), "line 10");
-  EXPECT_EQ(ply_error(text + "1 2 3\n1 2 three\n").place(), "line 10");
-  EXPECT_EQ(ply_error(text + "1 2 3.00000000\n").place(), "line 10");
+  EXPECT_EQ(ply_error(text + "100 200\n").place(), "line 9");
+  EXPECT_EQ(ply_error(text + "1 2 3 4\n").place(), "line 9");
+  EXPECT_EQ(ply_error(text + "1 2 three\n").place(), "line 9");
+  for (const char* line : {"100 200\n", "1 2 3 4\n", "1 2 three\n"}) {
+    const CloudFile cloud = parse_ply("a", text + "1 2 3\n" + line);
+    expect_point(cloud, 0, 1.0F, 2.0F, 3.0F);
+    ASSERT_EQ(cloud.faults.size(), 1U) << line;
+    EXPECT_EQ(cloud.faults[0].place(), "line 10");
+  }
 }
 
 TEST(PlyReader, HeaderErrorsNameTheLine) {

@@ -177,7 +177,7 @@ TEST_F(AlignCommand, WrongArgumentsAreUsageErrors) {
   expect_refused(options, 2, "--guess takes X Y Z YAW");
   options = of(sweep(0), sweep(1));
   options.picture = folder_ / "both.jpg";
-  expect_refused(options, 2, "name it *.png");
+  expect_refused(options, 2, "name it *.png");  // also where no command line was read
 }
 
 TEST_F(AlignCommand, CloudsThatCannotBeReadAreErrors) {

@@ -373,5 +373,57 @@ TEST_F(Convert, OptionsThatContradictEachOtherAreUsageErrors) {
   EXPECT_FALSE(fs::exists(folder_ / "y.mcap"));
 }
 
+/// Forty points of UTM coordinates a millimetre apart, as double.
+std::string far_ply() {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 40\nproperty double x\nproperty double "
+      "y\nproperty double z\nend_header\n";
+  for (int i = 0; i < 40; ++i) {
+    text += test::bytes_of_all(430000.0, 5400000.0 + 0.001 * i, 300.0);
+  }
+  return text;
+}
+
+TEST_F(Convert, LargeCoordinatesKeepTheirMillimetresAndTheirPlace) {
+  for (const char* name : {"a.ply", "b.ply"}) {
+    folder_.write(std::string("far/") + name, far_ply());
+  }
+  for (const char* name : {"far.mcap", "far.bag"}) {
+    const auto recording = open_recording(convert(folder_ / "far", name));
+    ASSERT_EQ(report_.notes.size(), 1U);
+    EXPECT_NE(report_.notes[0].find("(430000, 5400000, 300) m is subtracted"), std::string::npos)
+        << report_.notes[0];
+    std::size_t clouds = 0;
+    std::size_t transforms = 0;
+    const auto events = recording->events({});
+    while (const std::optional<Event> event = events->next()) {
+      if (const auto* transform = std::get_if<StaticTransform>(&event->value)) {
+        ++transforms;
+        EXPECT_EQ(transform->parent, "lidar");
+        EXPECT_EQ(transform->child, "lidar_local");
+        EXPECT_EQ(transform->T_parent_child.translation(),
+                  Eigen::Vector3d(430000.0, 5400000.0, 300.0));
+      } else {
+        ++clouds;
+        const auto& points = std::get<Sweep>(event->value).points;
+        EXPECT_EQ(event->frame, "lidar_local");
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          EXPECT_NEAR(points[i].y, 0.001 * static_cast<double>(i), 1e-6);
+        }
+      }
+    }
+    EXPECT_EQ(clouds, 2U);
+    EXPECT_EQ(transforms, 1U);
+  }
+}
+
+TEST_F(Convert, DamagedCloudsAreWrittenAsFarAsTheyCanBeRead) {
+  const std::string whole = far_ply();
+  folder_.write("cut/a.ply", whole.substr(0, whole.size() - 7));
+  const auto recording = open_recording(convert(folder_ / "cut", "cut.mcap"));
+  EXPECT_EQ(report_.error_count, 1U);
+  EXPECT_EQ(report_.messages(), 2U);  // the cloud, and where it lies
+}
+
 }  // namespace
 }  // namespace adit

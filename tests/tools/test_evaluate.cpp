@@ -288,6 +288,106 @@ TEST(Evaluate, UnequalNumbersMatchedByIndexAreWarnedOf) {
   EXPECT_EQ(evaluate(estimate, truth, {}).warnings.size(), 1U);
 }
 
+/// Each pose twice, the second `apart` (m) along x.
+Trajectory doubled(const Trajectory& trajectory, double apart) {
+  Trajectory result = trajectory;
+  result.poses.clear();
+  for (const StampedPose& pose : trajectory.poses) {
+    result.poses.push_back(pose);
+    result.poses.push_back(pose);
+    result.poses.back().pose.translation().x() += apart;
+  }
+  return result;
+}
+
+TEST(Evaluate, RepeatedTimesAreAllComparedAndWarnedOf) {
+  const Trajectory truth = winding_path(50);
+  for (const std::size_t more : {0U, 100U}) {  // the estimate is longer, or shorter
+    Trajectory reference = truth;
+    for (std::size_t i = 0; i < more; ++i) {
+      reference.poses.push_back(reference.poses.back());
+      reference.poses.back().stamp += std::chrono::milliseconds(100);
+    }
+    const Evaluation result =
+        evaluate(doubled(truth, 5.0), reference, with_alignment(Alignment::none));
+    EXPECT_EQ(result.association.pairs, 100U);
+    EXPECT_NEAR(result.ate.max, 5.0, 1e-9);
+    EXPECT_EQ(result.association.estimate_stamps.repeated, 50U);
+    ASSERT_EQ(result.warnings.size(), 1U) << more;
+    EXPECT_NE(result.warnings[0].find("50 of the estimate's 100 poses have the time of the pose "
+                                      "before, and 50 of these are other poses, up to 5.000 m"),
+              std::string::npos)
+        << result.warnings[0];
+  }
+  const Evaluation same = evaluate(doubled(truth, 0.0), truth, {});
+  ASSERT_EQ(same.warnings.size(), 1U);
+  EXPECT_NE(same.warnings[0].find("are the same poses"), std::string::npos);
+  const Evaluation of_truth = evaluate(truth, doubled(truth, 5.0), {});
+  EXPECT_LT(of_truth.ate.max, 1e-6);
+  ASSERT_EQ(of_truth.warnings.size(), 1U);
+  EXPECT_NE(of_truth.warnings[0].find("the first of each time is compared"), std::string::npos);
+}
+
+TEST(Evaluate, TimesThatWereRoundedAwayAreRefused) {
+  const Trajectory truth = winding_path(50);
+  Trajectory estimate = truth;
+  for (StampedPose& pose : estimate.poses) {
+    pose.stamp = truth.poses.front().stamp;  // as "%g" leaves 1.7e+09
+  }
+  try {
+    evaluate(estimate, truth, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(error.found().find("50 poses have 1 different times"), std::string::npos)
+        << error.found();
+    EXPECT_NE(error.remedy().find("%.9f"), std::string::npos);
+  }
+}
+
+TEST(Evaluate, CoarseTimesAreNamedWhereTheyCostPairsOrRepeat) {
+  Trajectory truth = winding_path(500);
+  for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+    truth.poses[i].stamp = std::chrono::milliseconds(7 + 37 * static_cast<int>(i));
+  }
+  Trajectory estimate = truth;
+  for (StampedPose& pose : estimate.poses) {
+    const auto tenths = std::chrono::round<std::chrono::milliseconds>(pose.stamp).count() / 100;
+    pose.stamp = std::chrono::milliseconds(100 * tenths);
+  }
+  EXPECT_THROW(evaluate(estimate, truth, {}), InputError);  // most of its poses share a time
+  Trajectory half = estimate;
+  half.poses.clear();
+  for (std::size_t i = 0; i < estimate.poses.size(); i += 2) {
+    half.poses.push_back(estimate.poses[i]);
+  }
+  EvaluationOptions options;
+  options.tolerance = 0.02;
+  const Evaluation result = evaluate(half, truth, options);
+  EXPECT_TRUE(std::ranges::any_of(result.warnings, [](const std::string& warning) {
+    return warning.find("the estimate's times were written to 0.1 s only") != warning.npos;
+  }));
+}
+
+TEST(Evaluate, PairsThatShareAPoseAreWarnedOf) {
+  const Trajectory truth = winding_path(50);
+  Trajectory estimate = truth;
+  for (const StampedPose& pose : truth.poses) {
+    estimate.poses.push_back(pose);
+    estimate.poses.back().stamp += std::chrono::milliseconds(4);
+  }
+  std::ranges::sort(estimate.poses, {}, &StampedPose::stamp);
+  Trajectory longer = truth;
+  for (int i = 0; i < 100; ++i) {
+    longer.poses.push_back(longer.poses.back());
+    longer.poses.back().stamp += std::chrono::milliseconds(100);
+  }
+  const Evaluation result = evaluate(estimate, longer, {});
+  EXPECT_EQ(result.association.shared_truth, 50U);
+  ASSERT_EQ(result.warnings.size(), 1U);
+  EXPECT_NE(result.warnings[0].find("50 of 100 pairs share their pose of the truth"),
+            std::string::npos);
+}
+
 TEST(Evaluate, PoorCoverageIsWarnedOf) {
   const Trajectory truth = winding_path(50);
   Trajectory estimate = truth;

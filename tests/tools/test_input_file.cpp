@@ -5,7 +5,9 @@
 #include <array>
 #include <clocale>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -113,6 +115,65 @@ TEST(InputError, MessageHasFilePlaceFoundAndRemedy) {
   EXPECT_EQ(error.place(), "line 12");
   const InputError whole("a.ply", {}, "is empty", "");
   EXPECT_STREQ(whole.what(), "a.ply: is empty.");
+}
+
+TEST(InputFile, AByteOrderMarkIsNoText) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("a.txt",
+                                 "\xef\xbb\xbf"
+                                 "1 2\n");
+  EXPECT_EQ(read_text_file(file), "1 2\n");
+  EXPECT_EQ(read_whole_file(file).size(), 7U);
+  std::string line;
+  std::ifstream stream = open_text_file(file);
+  std::getline(stream, line);
+  EXPECT_EQ(line, "1 2");
+  for (const char* text : {"", "1", "12", "123"}) {  // shorter than a mark
+    const auto plain = folder.write("b.txt", text);
+    EXPECT_EQ(read_text_file(plain), text);
+    std::ifstream opened = open_text_file(plain);
+    line.clear();
+    std::getline(opened, line);
+    EXPECT_EQ(line, text);
+  }
+}
+
+TEST(InputFile, TextInUtf16IsRefusedInWords) {
+  const test::TemporaryFolder folder;
+  for (const std::string& text : {std::string("\xff\xfe"
+                                              "1\0 \0",
+                                              6),
+                                  std::string("\xfe\xff\0"
+                                              "1\0 ",
+                                              6),
+                                  std::string("1\0 \0"
+                                              "2\0",
+                                              6),
+                                  std::string("\0"
+                                              "1\0 \0"
+                                              "2",
+                                              6),
+                                  std::string("\xff\xfe\0\0"
+                                              "1\0\0\0",
+                                              8),
+                                  std::string("\0\0\xfe\xff\0\0\0"
+                                              "1",
+                                              8)}) {
+    const auto file = folder.write("a.txt", text);
+    for (const bool stream : {false, true}) {
+      try {
+        if (stream) {
+          open_text_file(file);
+        } else {
+          read_text_file(file);
+        }
+        ADD_FAILURE() << text.size();
+      } catch (const InputError& error) {
+        EXPECT_NE(error.found().find("UTF-16"), std::string::npos);
+        EXPECT_NE(error.remedy().find("UTF-8"), std::string::npos);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -245,5 +245,17 @@ TEST(TrajectoryIo, LinesAreReadableAsSoonAsTheyAreFlushed) {
   EXPECT_EQ(read_trajectory(folder / "t.tum").poses.size(), 2U);
 }
 
+TEST(TrajectoryIo, ACommentThatNamesAllColumnsTellsTheirOrder) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write(
+      "a.tum", "\xef\xbb\xbf# timestamp tx ty tz qw qx qy qz\r\n1.5 1 2 3 0 0 0 1\r\n");
+  const Trajectory read = read_trajectory(file);
+  ASSERT_EQ(read.poses.size(), 1U);
+  EXPECT_EQ(read.poses[0].stamp, std::chrono::milliseconds(1500));
+  EXPECT_NEAR(read.poses[0].pose.linear()(0, 0), -1.0, 1e-12);  // half a turn about z
+  const auto usual = folder.write("b.tum", "# timestamp tx ty tz q\n1.5 1 2 3 0 0 0 1\n");
+  EXPECT_TRUE(read_trajectory(usual).poses[0].pose.linear().isIdentity());
+}
+
 }  // namespace
 }  // namespace adit

@@ -11,54 +11,14 @@
 #include <string>
 #include <type_traits>
 
+#include <fmt/core.h>
+
+#include "adit/tools/clouds/cloud_origin.hpp"
+#include "adit/tools/clouds/column_values.hpp"
 #include "adit/tools/clouds/returns.hpp"
 
 namespace adit {
 namespace {
-
-template <class T>
-T load(const std::byte* from, bool swap_bytes) {
-  std::array<std::byte, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), from, sizeof(T));
-  if (swap_bytes) {
-    std::reverse(bytes.begin(), bytes.end());
-  }
-  T value;
-  std::memcpy(&value, bytes.data(), sizeof(T));
-  return value;
-}
-
-/// Calls take(i, value) for each number of the column, in the column's own type.
-template <class Take>
-void for_each_value(const Column& column, std::size_t count, Take&& take) {
-  const auto run = [&]<class T>(T) {
-    for (std::size_t i = 0; i < count; ++i) {
-      take(i, load<T>(column.data + column.offset + i * column.stride, column.swap_bytes));
-    }
-  };
-  switch (column.type) {
-    case ScalarType::i8:
-      return run(int8_t{});
-    case ScalarType::u8:
-      return run(uint8_t{});
-    case ScalarType::i16:
-      return run(int16_t{});
-    case ScalarType::u16:
-      return run(uint16_t{});
-    case ScalarType::i32:
-      return run(int32_t{});
-    case ScalarType::u32:
-      return run(uint32_t{});
-    case ScalarType::i64:
-      return run(int64_t{});
-    case ScalarType::u64:
-      return run(uint64_t{});
-    case ScalarType::f32:
-      return run(float{});
-    case ScalarType::f64:
-      return run(double{});
-  }
-}
 
 /// A double beyond float's range becomes infinity, which counts as no return.
 template <class T>
@@ -72,47 +32,100 @@ float to_float(T value) {
   return static_cast<float>(value);
 }
 
-std::vector<uint16_t> decode_rings(const std::filesystem::path& file, const Column& column,
-                                   std::size_t points) {
-  std::vector<uint16_t> rings(points);
-  for_each_value(column, points, [&](std::size_t i, auto value) {
+/// Points that a field of theirs shows to be damaged. They are left out where they are few.
+struct BadPoints {
+  std::vector<std::size_t> indices{};
+  std::string found{};  ///< of the first, for people
+};
+
+void leave_out(const std::filesystem::path& file, const BadPoints& bad, CloudFile& cloud) {
+  if (bad.indices.empty()) {
+    return;
+  }
+  for (const std::size_t i : bad.indices) {
+    Point& point = cloud.sweep.points[i];
+    point.x = point.y = point.z = std::numeric_limits<float>::quiet_NaN();
+  }
+  const std::size_t count = bad.indices.size();
+  cloud.faults.emplace_back(
+      file, Place::point(bad.indices.front()),
+      bad.found + fmt::format("; {} of {} points {} so and left out", count,
+                              cloud.sweep.points.size(), count == 1 ? "is" : "are"),
+      "The file is damaged there; its other points are read");
+}
+
+/// Throws InputError where many rings are no beam numbers.
+BadPoints decode_rings(const std::filesystem::path& file, const Column& column,
+                       std::vector<uint16_t>& rings) {
+  BadPoints bad;
+  for_each_value(column, rings.size(), [&](std::size_t i, auto value) {
     const auto number = static_cast<double>(value);
-    if (!(number >= 0.0 && number <= 65535.0)) {
-      throw InputError(
-          file, Place::point(i),
-          "its ring is " + std::to_string(number) + ", not a beam number of 0 to 65535",
-          "The file is damaged, or the field means something else: rename it");
+    if (number >= 0.0 && number <= 65535.0) {
+      rings[i] = static_cast<uint16_t>(number);
+      return;
     }
-    rings[i] = static_cast<uint16_t>(number);
+    if (bad.indices.empty()) {
+      bad.found = fmt::format("its ring is {:g}, not a beam number of 0 to 65535", number);
+    }
+    bad.indices.push_back(i);
   });
-  return rings;
+  if (!are_few(bad.indices.size(), rings.size())) {
+    throw InputError(file, Place::point(bad.indices.front()), bad.found,
+                     "The file is damaged, or the field means something else: rename it");
+  }
+  return bad;
+}
+
+/// The times of points, and those of them that cannot be true.
+struct DecodedTimes {
+  PointTimes times;
+  BadPoints bad;
+};
+
+/// `valid` loses the points whose times are impossible.
+template <class T>
+DecodedTimes understood(const std::filesystem::path& file, const std::vector<T>& times,
+                        std::vector<uint8_t> valid, bool single_precision,
+                        const CloudReading& reading) {
+  DecodedTimes decoded;
+  decoded.bad.indices = impossible_times(std::span<const T>(times), valid, reading.time_unit);
+  for (const std::size_t i : decoded.bad.indices) {
+    valid[i] = 0;
+  }
+  if (!decoded.bad.indices.empty()) {
+    decoded.bad.found = fmt::format("its time is {:g}, far from those of the other points",
+                                    static_cast<double>(times[decoded.bad.indices.front()]));
+  }
+  if constexpr (std::is_floating_point_v<T>) {
+    decoded.times =
+        interpret_times(file, times, valid, single_precision, reading.time_unit, reading.longest);
+  } else {
+    decoded.times = interpret_times(file, times, valid, reading.time_unit, reading.longest);
+  }
+  return decoded;
 }
 
 /// Times as integers or doubles, whichever the column holds; 64-bit integers do not pass through a
 /// double.
-PointTimes decode_times(const std::filesystem::path& file, const Column& column,
-                        std::optional<double> unit, const std::vector<uint8_t>& valid) {
+DecodedTimes decode_times(const std::filesystem::path& file, const Column& column,
+                          const CloudReading& reading, const std::vector<uint8_t>& valid) {
   const bool floating = column.type == ScalarType::f32 || column.type == ScalarType::f64;
   if (floating) {
     std::vector<double> times(valid.size());
     for_each_value(column, valid.size(),
                    [&](std::size_t i, auto value) { times[i] = static_cast<double>(value); });
-    return interpret_times(file, times, valid, column.type == ScalarType::f32, unit);
+    return understood(file, times, valid, column.type == ScalarType::f32, reading);
   }
   std::vector<int64_t> times(valid.size());
   for_each_value(column, valid.size(), [&](std::size_t i, auto value) {
     if constexpr (std::is_same_v<decltype(value), uint64_t>) {
-      if (value > static_cast<uint64_t>(std::numeric_limits<int64_t>::max())) {
-        throw InputError(file, Place::point(i),
-                         "its time is " + std::to_string(value) + ", which no clock shows",
-                         "The file is damaged: write it again");
-      }
-    }
-    if constexpr (std::is_integral_v<decltype(value)>) {
+      constexpr auto kMost = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+      times[i] = static_cast<int64_t>(std::min(value, kMost));
+    } else if constexpr (std::is_integral_v<decltype(value)>) {
       times[i] = static_cast<int64_t>(value);
     }
   });
-  return interpret_times(file, times, valid, unit);
+  return understood(file, times, valid, false, reading);
 }
 
 /// Lower case, without CloudCompare's prefix.
@@ -175,8 +188,8 @@ void require_scale(const std::filesystem::path& file, const CloudColumns& column
 }
 
 /// Seconds and nanoseconds, as nanoseconds.
-PointTimes decode_split_times(const std::filesystem::path& file, const CloudColumns& columns,
-                              const std::vector<uint8_t>& valid) {
+DecodedTimes decode_split_times(const std::filesystem::path& file, const CloudColumns& columns,
+                                const std::vector<uint8_t>& valid) {
   constexpr double kMost = 9e9;  // s, 285 years
   std::vector<int64_t> times(valid.size());
   const auto add = [&](FieldRole role, double unit_ns) {
@@ -195,7 +208,9 @@ PointTimes decode_split_times(const std::filesystem::path& file, const CloudColu
   };
   add(FieldRole::time, 1e9);
   add(FieldRole::nanoseconds, 1.0);
-  return interpret_times(file, times, valid, 1e-9);
+  CloudReading reading = columns.reading;
+  reading.time_unit = 1e-9;
+  return understood(file, times, valid, false, reading);
 }
 
 /// True where the values are milliseconds: a surface's curvature is 1/3 at most.
@@ -208,6 +223,59 @@ bool is_time(const Column& curvature, std::size_t points) {
     possible = possible && !(number < 0.0);
   });
   return beyond && possible;
+}
+
+/// The coordinates less `offset`, in double precision until then. No-returns stay at zero.
+void fill_relative(const CloudColumns& columns, const Eigen::Vector3d& offset,
+                   std::vector<Point>& points) {
+  const double scale = columns.reading.coordinate_scale.value_or(1.0);
+  std::vector<Eigen::Vector3d> places(points.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for_each_value(*columns.columns[axis], points.size(), [&](std::size_t i, auto value) {
+      places[i][static_cast<Eigen::Index>(axis)] = scale * static_cast<double>(value);
+    });
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d p =
+        places[i].isZero(0.0) ? places[i] : Eigen::Vector3d(places[i] - offset);
+    points[i].x = to_float(p.x());
+    points[i].y = to_float(p.y());
+    points[i].z = to_float(p.z());
+  }
+}
+
+CloudFile with_rings_and_times(const std::filesystem::path& file, const CloudColumns& columns,
+                               CloudFile cloud) {
+  const std::vector<Point>& points = cloud.sweep.points;
+  if (columns[FieldRole::ring]) {
+    cloud.sweep.rings.resize(points.size());
+    leave_out(file, decode_rings(file, *columns[FieldRole::ring], cloud.sweep.rings), cloud);
+  }
+  const std::optional<Column>& curvature = columns[FieldRole::curvature];
+  const bool by_curvature =
+      !columns[FieldRole::time] && curvature && is_time(*curvature, points.size());
+  if ((columns[FieldRole::time] || by_curvature) && !points.empty()) {
+    std::vector<uint8_t> valid(points.size());
+    std::transform(points.begin(), points.end(), valid.begin(),
+                   [](const Point& p) { return is_return(p) ? 1 : 0; });
+    constexpr double kMilliseconds = 1e-3;  // PCL's users agree on it
+    CloudReading reading = columns.reading;
+    if (by_curvature) {
+      reading.time_unit = reading.time_unit.value_or(kMilliseconds);
+    }
+    DecodedTimes decoded = by_curvature ? decode_times(file, *curvature, reading, valid)
+                           : columns[FieldRole::nanoseconds]
+                               ? decode_split_times(file, columns, valid)
+                               : decode_times(file, *columns[FieldRole::time], reading, valid);
+    leave_out(file, decoded.bad, cloud);
+    PointTimes& times = decoded.times;
+    cloud.times = PointTimeNature{by_curvature ? "curvature" : columns.time_field, times.unit,
+                                  times.absolute, times.absolute ? 0.0 : seconds(times.start)};
+    cloud.sweep.stamp = times.start;
+    cloud.absolute_stamp = times.absolute;
+    cloud.sweep.times = std::move(times.offsets);
+  }
+  return cloud;
 }
 
 }  // namespace
@@ -250,9 +318,19 @@ FieldRoles find_roles(const std::vector<std::string_view>& names) {
   return roles;
 }
 
+InputError with_count(const InputError& first, std::size_t count, std::string_view things) {
+  return {first.file(), Place::named(first.place()),
+          first.found() + (count > 1 ? fmt::format("; {} {} in all cannot be read", count, things)
+                                     : std::string()),
+          "The others are read. " + first.remedy()};
+}
+
 CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& columns) {
   require_scale(file, columns);
   CloudFile cloud;
+  const CloudOrigin origin = find_origin(file, columns);
+  cloud.sweep.offset = origin.offset;
+  cloud.coordinate_step = origin.step;
   cloud.sweep.source = file.string();
   cloud.has_intensity = columns[FieldRole::intensity].has_value();
   std::vector<Point>& points = cloud.sweep.points;
@@ -263,10 +341,14 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
                      [&](std::size_t i, auto value) { points[i].*member = to_float(value); });
     }
   };
+  fill(FieldRole::intensity, &Point::intensity);
+  if (!origin.offset.isZero(0.0)) {
+    fill_relative(columns, origin.offset, points);
+    return with_rings_and_times(file, columns, std::move(cloud));
+  }
   fill(FieldRole::x, &Point::x);
   fill(FieldRole::y, &Point::y);
   fill(FieldRole::z, &Point::z);
-  fill(FieldRole::intensity, &Point::intensity);
   if (columns.reading.coordinate_scale) {
     const double scale = *columns.reading.coordinate_scale;
     for (Point& p : points) {
@@ -275,30 +357,7 @@ CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& co
       p.z = static_cast<float>(scale * static_cast<double>(p.z));
     }
   }
-  if (columns[FieldRole::ring]) {
-    cloud.sweep.rings = decode_rings(file, *columns[FieldRole::ring], points.size());
-  }
-  const std::optional<Column>& curvature = columns[FieldRole::curvature];
-  const bool by_curvature =
-      !columns[FieldRole::time] && curvature && is_time(*curvature, points.size());
-  if ((columns[FieldRole::time] || by_curvature) && !points.empty()) {
-    std::vector<uint8_t> valid(points.size());
-    std::transform(points.begin(), points.end(), valid.begin(),
-                   [](const Point& p) { return is_return(p) ? 1 : 0; });
-    constexpr double kMilliseconds = 1e-3;  // PCL's users agree on it
-    const std::optional<double> unit = columns.reading.time_unit;
-    PointTimes times = by_curvature
-                           ? decode_times(file, *curvature, unit.value_or(kMilliseconds), valid)
-                       : columns[FieldRole::nanoseconds]
-                           ? decode_split_times(file, columns, valid)
-                           : decode_times(file, *columns[FieldRole::time], unit, valid);
-    cloud.times = PointTimeNature{by_curvature ? "curvature" : columns.time_field, times.unit,
-                                  times.absolute, times.absolute ? 0.0 : seconds(times.start)};
-    cloud.sweep.stamp = times.start;
-    cloud.absolute_stamp = times.absolute;
-    cloud.sweep.times = std::move(times.offsets);
-  }
-  return cloud;
+  return with_rings_and_times(file, columns, std::move(cloud));
 }
 
 }  // namespace adit

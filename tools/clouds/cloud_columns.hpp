@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "adit/slam/core/types.hpp"
 #include "adit/tools/clouds/point_times.hpp"
 #include "adit/tools/support/input_error.hpp"
@@ -39,8 +41,11 @@ constexpr std::size_t kFieldRoles = 8;
 
 /// How points are to be understood, where their file does not tell.
 struct CloudReading {
-  std::optional<double> time_unit{};         ///< s, of the times of points; none: inferred
-  std::optional<double> coordinate_scale{};  ///< m of a step of the coordinates; none: metres
+  std::optional<double> time_unit{};           ///< s, of the times of points; none: inferred
+  double longest = kLongestSweep;              ///< s, from the first point to the last
+  std::optional<double> coordinate_scale{};    ///< m of a step of the coordinates; none: metres
+  std::optional<Eigen::Vector3d> offset{};     ///< Sweep::offset; none: chosen by this cloud
+  std::optional<uint32_t> floats_per_point{};  ///< of a .bin file; none: found by its numbers
 };
 
 /// The meaning of each named field; -1 where no field has it. Names are compared without case and
@@ -74,10 +79,19 @@ struct CloudFile {
               ///< false: sweep.stamp is the sweep's start relative to the recording's stamp
   std::optional<PointTimeNature> times{};  ///< how the points' times were understood, where any are
   bool has_intensity = true;               ///< false: those of the points are made up zeros
+  double coordinate_step = 0.0;  ///< m to the next float32, where the source's coordinates are
+                                 ///< rounded to such; 0: within half a millimetre
+  std::optional<uint32_t> floats_per_point{};  ///< of a .bin file, where it was given or found
+  std::vector<InputError> faults{};  ///< damage of the file; the sweep is what could be read
 };
 
-/// Reads the columns. Throws InputError (with the point) where a ring is no beam number or the
-/// times cannot be those of one sweep, or where coordinates are integers whose scale nothing tells.
+/// A fault that was found so many times, in so many `things` ("lines").
+InputError with_count(const InputError& first, std::size_t count, std::string_view things);
+
+/// Reads the columns. A few points whose ring is no beam number, or whose time cannot be of the
+/// same sweep, become NaN and a fault. Throws InputError (with the point) where many are so or the
+/// cloud is small, where coordinates are integers whose scale nothing tells, or where the cloud
+/// lies farther than 16 km from `reading.offset` and has finer coordinates than float32.
 CloudFile decode_cloud(const std::filesystem::path& file, const CloudColumns& columns);
 
 }  // namespace adit

@@ -37,6 +37,7 @@ struct LasHeader {
   std::size_t format = 0;
   std::array<double, 3> scale{};
   std::array<double, 3> offset{};
+  std::optional<InputError> fault{};  ///< of the number of points
 };
 
 LasHeader parse_header(const std::filesystem::path& file, std::span<const std::byte> bytes) {
@@ -61,7 +62,8 @@ LasHeader parse_header(const std::filesystem::path& file, std::span<const std::b
   header.points = load<uint32_t>(bytes, 107);
   constexpr std::size_t kHeader14 = 375;
   if (minor >= 4 && bytes.size() >= kHeader14) {
-    header.points = load<uint64_t>(bytes, 247);
+    const auto points = load<uint64_t>(bytes, 247);
+    header.points = points > 0 ? points : header.points;  // some write the old field alone
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.scale[axis] = load<double>(bytes, 131 + 8 * axis);
@@ -79,14 +81,40 @@ LasHeader parse_header(const std::filesystem::path& file, std::span<const std::b
                      kRemedy);
   }
   const uint64_t left = header.begin > bytes.size() ? 0 : bytes.size() - header.begin;
-  if (header.points > left / header.point_bytes) {
-    throw InputError(file, Place::byte(header.begin),
+  const uint64_t there = left / header.point_bytes;
+  // Later versions may have other records behind the points.
+  const bool points_last = minor < 3 && header.begin < bytes.size();
+  const bool more = points_last && there > header.points && left % header.point_bytes == 0;
+  if (header.points > there || more) {
+    InputError fault(file, Place::byte(header.begin),
                      "the header promises " + std::to_string(header.points) + " points of " +
                          std::to_string(header.point_bytes) + " bytes; the file holds " +
-                         std::to_string(left / header.point_bytes),
+                         std::to_string(there) + (there > 0 ? ", which are read" : ""),
                      kRemedy);
+    if (there == 0) {
+      throw fault;
+    }
+    header.fault = fault;
+    header.points = there;
   }
   return header;
+}
+
+/// Points of a survey span more time than a sweep lasts: they have places all the same.
+CloudFile decoded(const std::filesystem::path& file, CloudColumns& columns) {
+  try {
+    return decode_cloud(file, columns);
+  } catch (const InputError& error) {
+    if (!columns[FieldRole::time]) {
+      throw;
+    }
+    columns[FieldRole::time].reset();
+    CloudFile cloud = decode_cloud(file, columns);
+    cloud.faults.emplace_back(file, Place::named(error.place()),
+                              error.found() + "; the times of all points are left out",
+                              "Sweeps of a recording need a file each");
+    return cloud;
+  }
 }
 
 }  // namespace
@@ -107,7 +135,9 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   CloudColumns columns;
   columns.points = points;
   columns.time_field = "GPS time";
-  columns.reading = {.time_unit = reading.time_unit};  // its header tells the scale
+  columns.reading = reading;
+  columns.reading.coordinate_scale.reset();                     // its header tells it
+  columns.reading.time_unit = reading.time_unit.value_or(1.0);  // GPS time is in seconds
   const auto* first = reinterpret_cast<const std::byte*>(coordinates.data());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     columns.columns[axis] =
@@ -118,11 +148,15 @@ CloudFile parse_las(const std::filesystem::path& file, std::string_view content,
   if (const std::size_t time = kTimeOffsets[header.format]; time > 0) {
     columns[FieldRole::time] = Column{records, time, header.point_bytes, ScalarType::f64, false};
   }
-  return decode_cloud(file, columns);
+  CloudFile cloud = decoded(file, columns);
+  if (header.fault) {
+    cloud.faults.push_back(*header.fault);
+  }
+  return cloud;
 }
 
 CloudFile read_las(const std::filesystem::path& file, const CloudReading& reading) {
-  return parse_las(file, read_text_file(file), reading);
+  return parse_las(file, read_whole_file(file), reading);
 }
 
 }  // namespace adit

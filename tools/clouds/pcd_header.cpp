@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/clouds/pcd_header.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "adit/tools/support/input_file.hpp"
@@ -14,6 +17,13 @@ namespace {
 constexpr std::size_t kLongestHeader = 64 * 1024;
 constexpr uint64_t kMostFieldEntries = 4096;          // per field
 constexpr uint64_t kMostPoints = uint64_t{1} << 31U;  // files end at 2 GiB
+
+char to_upper(char c) {
+  return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+}
+char to_lower(char c) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
 
 constexpr std::string_view kHeaderRemedy =
     "Write the file again with a program that keeps to the PCD format 0.7";
@@ -41,7 +51,7 @@ class HeaderParser {
       header.point_bytes += field.bytes();
       header.numbers += field.count;
     }
-    header.points = points();
+    std::tie(header.points, header.other_points) = points();
     return header;
   }
 
@@ -56,7 +66,8 @@ class HeaderParser {
       if (words.empty() || words.front().front() == '#') {
         continue;
       }
-      const std::string key(words.front());
+      std::string key(words.front());
+      std::ranges::transform(key, key.begin(), to_upper);
       static const std::string_view known[] = {"VERSION",   "FIELDS", "COLUMNS", "SIZE",
                                                "TYPE",      "COUNT",  "WIDTH",   "HEIGHT",
                                                "VIEWPOINT", "POINTS", "DATA"};
@@ -99,7 +110,8 @@ class HeaderParser {
 
   PcdData data() const {
     const Entry& entry = require("DATA");
-    const std::string_view kind = entry.words.size() == 1 ? entry.words[0] : std::string_view();
+    std::string kind(entry.words.size() == 1 ? entry.words[0] : std::string_view());
+    std::ranges::transform(kind, kind.begin(), to_lower);
     if (kind == "ascii") {
       return PcdData::ascii;
     }
@@ -142,9 +154,9 @@ class HeaderParser {
       field.type = *type;
       if (counts != nullptr) {
         const std::optional<uint64_t> count = parse_unsigned(counts->words[i]);
-        if (!count || *count == 0 || *count > kMostFieldEntries) {
+        if (!count || *count > kMostFieldEntries) {
           fail(Place::line(counts->line), "field " + in_quotes(field.name) + " has COUNT " +
-                                              in_quotes(counts->words[i]) + ", expected 1 to 4096");
+                                              in_quotes(counts->words[i]) + ", expected 0 to 4096");
         }
         field.count = static_cast<std::size_t>(*count);
       }
@@ -159,7 +171,8 @@ class HeaderParser {
         {{"I", "8"}, ScalarType::i64}, {{"U", "1"}, ScalarType::u8},  {{"U", "2"}, ScalarType::u16},
         {{"U", "4"}, ScalarType::u32}, {{"U", "8"}, ScalarType::u64}, {{"F", "4"}, ScalarType::f32},
         {{"F", "8"}, ScalarType::f64}};
-    const auto found = kTypes.find({type, size});
+    const std::string upper(1, type.size() == 1 ? to_upper(type.front()) : '?');
+    const auto found = kTypes.find({upper, size});
     return found == kTypes.end() ? std::nullopt : std::optional(found->second);
   }
 
@@ -175,25 +188,19 @@ class HeaderParser {
     return *value;
   }
 
-  uint64_t points() const {
-    const uint64_t width = number("WIDTH");
-    const uint64_t height = number("HEIGHT");
-    const uint64_t cells = width * height;  // each at most 2^31
-    if (find("POINTS") == nullptr) {
-      if (cells > kMostPoints) {
-        fail(Place::line(require("WIDTH").line), "WIDTH x HEIGHT is " + std::to_string(cells) +
-                                                     " points, more than any file holds here");
-      }
-      return cells;
+  /// POINTS, and WIDTH x HEIGHT; the same number twice where the header has one of them.
+  std::pair<uint64_t, uint64_t> points() const {
+    const bool has_points = find("POINTS") != nullptr;
+    const bool has_cells = find("WIDTH") != nullptr && find("HEIGHT") != nullptr;
+    if (has_points && !has_cells) {
+      return {number("POINTS"), number("POINTS")};
     }
-    const uint64_t count = number("POINTS");
-    if (count != cells) {
-      fail(Place::line(require("POINTS").line),
-           "POINTS is " + std::to_string(count) + ", but WIDTH x HEIGHT is " +
-               std::to_string(width) + " x " + std::to_string(height) + " = " +
-               std::to_string(cells));
+    const uint64_t cells = number("WIDTH") * number("HEIGHT");  // each at most 2^31
+    if (!has_points && cells > kMostPoints) {
+      fail(Place::line(require("WIDTH").line),
+           "WIDTH x HEIGHT is " + std::to_string(cells) + " points, more than any file holds here");
     }
-    return count;
+    return {has_points ? number("POINTS") : cells, cells};
   }
 
   const std::filesystem::path& file_;

@@ -15,7 +15,7 @@ namespace adit {
 
 enum class PcdData { ascii, binary, binary_compressed };
 
-/// One entry of FIELDS: `count` numbers of one type in a row.
+/// One entry of FIELDS: `count` numbers of one type in a row; none where `count` is 0.
 struct PcdField {
   std::string name;
   ScalarType type = ScalarType::f32;
@@ -29,7 +29,8 @@ struct PcdField {
 /// file's size).
 struct PcdHeader {
   std::vector<PcdField> fields;
-  uint64_t points = 0;
+  uint64_t points = 0;          ///< POINTS, or WIDTH x HEIGHT
+  uint64_t other_points = 0;    ///< WIDTH x HEIGHT, where POINTS says otherwise; else as `points`
   std::size_t point_bytes = 0;  ///< sum over all fields
   std::size_t numbers = 0;      ///< a point holds, over all fields
   PcdData data = PcdData::ascii;
@@ -38,7 +39,9 @@ struct PcdHeader {
   CloudReading reading{};  ///< what the file does not say
 };
 
-/// Throws InputError with the line or the entry that is missing or contradicts another.
+/// Keywords and types are read in upper and lower case; COUNT may be missing (1 each), and so may
+/// POINTS, or WIDTH and HEIGHT. Throws InputError with the line or the entry that is missing or
+/// contradicts another.
 PcdHeader parse_pcd_header(const std::filesystem::path& file, std::string_view content);
 
 }  // namespace adit

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/clouds/pcd_reader.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,7 +31,7 @@ FieldRoles roles_of(const std::filesystem::path& file, const PcdHeader& header) 
   std::vector<std::string_view> names;
   names.reserve(header.fields.size());
   for (const PcdField& field : header.fields) {
-    names.push_back(field.name);
+    names.push_back(field.count > 0 ? std::string_view(field.name) : std::string_view());
   }
   const FieldRoles roles = find_roles(names);
   for (const FieldRole axis : {FieldRole::x, FieldRole::y, FieldRole::z}) {
@@ -56,74 +59,112 @@ CloudColumns columns_of(const std::filesystem::path& file, const PcdHeader& head
   return columns;
 }
 
-CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header,
-                      std::string_view body) {
-  // A number and its separator take two bytes, the last one of the file perhaps one.
-  if (header.points * header.numbers > body.size() / 2 + 1) {
-    throw InputError(file, Place::named("POINTS"),
-                     "the header promises " + std::to_string(header.points) + " points of " +
-                         std::to_string(header.numbers) + " numbers; the " +
-                         std::to_string(body.size()) + " bytes after it cannot hold them",
-                     "The file is cut off or its header is wrong: write it again");
+/// A cloud of which the header says something else than the file holds: what is there counts.
+InputError count_fault(const std::filesystem::path& file, const PcdHeader& header, uint64_t there) {
+  const bool twice = header.points != header.other_points;
+  return {file, Place::named(twice ? "WIDTH, HEIGHT and POINTS" : "POINTS"),
+          "the header promises " + std::to_string(header.points) + " points" +
+              (twice ? ", by WIDTH x HEIGHT " + std::to_string(header.other_points) : "") +
+              "; the file holds " + std::to_string(there) + ", which are read",
+          "The file is cut off or its header is wrong: write it again"};
+}
+
+/// Points that the header promises: where it gives two numbers, the one that the file holds.
+uint64_t promised(const PcdHeader& header, uint64_t there) {
+  return header.other_points == there ? there : header.points;
+}
+
+/// The numbers of an ASCII file that have a role, as far as its lines can be read.
+class AsciiRows {
+ public:
+  AsciiRows(const std::filesystem::path& file, const PcdHeader& header)
+      : file_(file), roles_(roles_of(file, header)) {
+    for (const PcdField& field : header.fields) {
+      first_word_.push_back(words_.size());
+      words_.resize(words_.size() + field.count);
+    }
   }
-  const FieldRoles roles = roles_of(file, header);
-  std::vector<std::size_t> first_word;  // one per field
-  first_word.reserve(header.fields.size());
-  std::size_t words_per_point = 0;
-  for (const PcdField& field : header.fields) {
-    first_word.push_back(words_per_point);
-    words_per_point += field.count;
-  }
-  const auto points = static_cast<std::size_t>(header.points);
-  std::vector<double> values(points * kFieldRoles);
-  std::vector<std::string_view> words(words_per_point);
-  LineReader lines(body);
-  std::size_t point = 0;
-  while (const std::optional<std::string_view> line = lines.next()) {
-    const std::size_t count = split_words(*line, words);
-    if (count == 0) {
-      continue;
-    }
-    const Place place = Place::line(header.lines + lines.number());
-    if (point == points) {
-      throw InputError(
-          file, place,
-          "there are more points than the " + std::to_string(points) + " of the header",
-          "Correct WIDTH, HEIGHT and POINTS, or delete the surplus lines");
-    }
-    if (count != words_per_point) {
-      throw InputError(file, place,
-                       "it has " + std::to_string(count) + " numbers, expected " +
-                           std::to_string(words_per_point),
-                       "The file is cut off or its header is wrong: write it again");
-    }
-    for (std::size_t role = 0; role < kFieldRoles; ++role) {
-      if (roles.index[role] < 0) {
+
+  void read(std::string_view body, uint64_t header_lines) {
+    LineReader lines(body);
+    while (const std::optional<std::string_view> line = lines.next()) {
+      const std::size_t count = split_words(*line, words_);
+      if (count == 0) {
         continue;
       }
-      const std::string_view word = words[first_word[static_cast<std::size_t>(roles.index[role])]];
+      const Place place = Place::line(header_lines + lines.number());
+      if (count != words_.size()) {
+        refuse(place, "it has " + std::to_string(count) + " numbers, expected " +
+                          std::to_string(words_.size()));
+      } else {
+        add(place);
+      }
+    }
+  }
+
+  const std::vector<double>& values() const { return values_; }
+  std::size_t points() const { return values_.size() / kFieldRoles; }
+  std::size_t refused() const { return refused_; }  ///< lines
+  /// The first of them.
+  const std::optional<InputError>& first() const { return first_; }
+
+ private:
+  void refuse(const Place& place, const std::string& found) {
+    ++refused_;
+    if (!first_) {
+      first_.emplace(file_, place, found,
+                     "The file is cut off or its header is wrong: write it again");
+    }
+  }
+
+  void add(const Place& place) {
+    std::array<double, kFieldRoles> row{};
+    for (std::size_t role = 0; role < kFieldRoles; ++role) {
+      if (roles_.index[role] < 0) {
+        continue;
+      }
+      const std::string_view word =
+          words_[first_word_[static_cast<std::size_t>(roles_.index[role])]];
       const std::optional<double> value = parse_double(word);
       if (!value) {
-        throw InputError(file, place, in_quotes(word) + " is no number",
-                         "Correct or delete the line (and the header's counts)");
+        refuse(place, in_quotes(word) + " is no number");
+        return;
       }
-      values[point * kFieldRoles + role] = *value;
+      row[role] = *value;
     }
-    ++point;
+    values_.insert(values_.end(), row.begin(), row.end());
   }
-  if (point != points) {
-    throw InputError(file, Place::line(header.lines + lines.number() + 1),
-                     "the file ends after " + std::to_string(point) + " of the header's " +
-                         std::to_string(points) + " points",
-                     "The file is cut off or its header is wrong: write it again");
+
+  const std::filesystem::path& file_;
+  FieldRoles roles_;
+  std::vector<std::size_t> first_word_;  // one per field
+  std::vector<std::string_view> words_;  // of the line
+  std::vector<double> values_;
+  std::size_t refused_ = 0;
+  std::optional<InputError> first_;
+};
+
+CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header,
+                      std::string_view body) {
+  AsciiRows rows(file, header);
+  rows.read(body, header.lines);
+  if (rows.points() == 0 && rows.first()) {
+    throw InputError(*rows.first());
   }
+  if (rows.points() == 0 && header.points > 0) {
+    throw InputError(
+        file, Place::named("POINTS"),
+        "the header promises " + std::to_string(header.points) + " points; the file has none",
+        "The file is cut off or its header is wrong: write it again");
+  }
+  const FieldRoles roles = roles_of(file, header);
   CloudColumns columns;
-  columns.points = points;
+  columns.points = rows.points();
   columns.reading = header.reading;
   for (std::size_t role = 0; role < kFieldRoles; ++role) {
     if (roles.index[role] >= 0) {
       columns.columns[role] =
-          Column{reinterpret_cast<const std::byte*>(values.data()),
+          Column{reinterpret_cast<const std::byte*>(rows.values().data()),
                  role * sizeof(double),
                  kFieldRoles * sizeof(double),
                  ScalarType::f64,
@@ -131,30 +172,51 @@ CloudFile parse_ascii(const std::filesystem::path& file, const PcdHeader& header
                  header.fields[static_cast<std::size_t>(roles.index[role])].type};
     }
   }
-  return decode_cloud(file, columns);
+  CloudFile cloud = decode_cloud(file, columns);
+  if (const uint64_t there = rows.points() + rows.refused();
+      there != header.points || there != header.other_points) {
+    cloud.faults.push_back(count_fault(file, header, there));
+  }
+  if (rows.first()) {
+    cloud.faults.push_back(with_count(*rows.first(), rows.refused(), "lines"));
+  }
+  return cloud;
 }
 
-CloudFile parse_binary(const std::filesystem::path& file, const PcdHeader& header,
+CloudFile parse_binary(const std::filesystem::path& file, PcdHeader header,
                        std::span<const std::byte> body) {
-  // points <= 2^31 and a point is far below 2^32 bytes: the product fits.
-  const uint64_t promised = header.points * header.point_bytes;
-  const bool short_by = promised > body.size();
-  if (short_by || body.size() - promised >= header.point_bytes) {
+  const uint64_t there = body.size() / header.point_bytes;
+  const uint64_t wanted = promised(header, there);
+  if (there == 0 && wanted > 0) {
     throw InputError(file, Place::byte(header.bytes),
-                     "the header promises " + std::to_string(header.points) + " points of " +
-                         std::to_string(header.point_bytes) + " bytes, " +
-                         std::to_string(promised) + " in all; the file holds " +
-                         std::to_string(body.size()) + " bytes after its header, " +
-                         std::to_string(body.size() / header.point_bytes) + " points",
-                     short_by ? "The file is cut off or its header is wrong: write it again"
-                              : "Correct WIDTH, HEIGHT and POINTS, or write the file again");
+                     "the header promises " + std::to_string(wanted) + " points of " +
+                         std::to_string(header.point_bytes) + " bytes; the file holds " +
+                         std::to_string(body.size()) + " bytes after its header, no whole point",
+                     "The file is cut off or its header is wrong: write it again");
   }
+  // Bytes behind the points that are no points themselves stay out.
+  const bool more = there > wanted && body.size() % header.point_bytes == 0;
+  std::optional<InputError> fault;
+  if (there < wanted || more || header.points != header.other_points) {
+    fault = count_fault(file, header, more ? there : std::min(there, wanted));
+  } else if (there > wanted) {
+    fault = InputError(file, Place::byte(header.bytes + wanted * header.point_bytes),
+                       std::to_string(body.size() - wanted * header.point_bytes) +
+                           " bytes follow the " + std::to_string(wanted) +
+                           " points of the header; they are left out",
+                       "Correct WIDTH, HEIGHT and POINTS, or write the file again");
+  }
+  header.points = more ? there : std::min(there, wanted);
   std::vector<FieldPlace> places;
   places.reserve(header.fields.size());
   for (const PcdField& field : header.fields) {
     places.push_back({field.offset, header.point_bytes});
   }
-  return decode_cloud(file, columns_of(file, header, body.data(), places));
+  CloudFile cloud = decode_cloud(file, columns_of(file, header, body.data(), places));
+  if (fault) {
+    cloud.faults.push_back(*fault);
+  }
+  return cloud;
 }
 
 uint32_t load_u32(std::span<const std::byte> from) {
@@ -165,7 +227,7 @@ uint32_t load_u32(std::span<const std::byte> from) {
   return value;
 }
 
-CloudFile parse_compressed(const std::filesystem::path& file, const PcdHeader& header,
+CloudFile parse_compressed(const std::filesystem::path& file, PcdHeader header,
                            std::span<const std::byte> body) {
   const std::string remedy = "The file is cut off or damaged: write it again";
   if (body.size() < 8) {
@@ -186,8 +248,13 @@ CloudFile parse_compressed(const std::filesystem::path& file, const PcdHeader& h
   for (const PcdField& field : header.fields) {
     without_padding += field.name == kPadding ? 0 : field.bytes();
   }
-  const bool padded = unpacked == header.points * header.point_bytes;
-  if (!padded && unpacked != header.points * without_padding) {
+  const auto holds = [&](std::size_t bytes) {  // of a point
+    return bytes > 0 &&
+           (unpacked == header.points * bytes || unpacked == header.other_points * bytes);
+  };
+  const bool padded = holds(header.point_bytes) || !holds(without_padding);
+  const std::size_t point_bytes = padded ? header.point_bytes : without_padding;
+  if (unpacked % point_bytes != 0 || (unpacked == 0 && header.points > 0)) {
     throw InputError(file, Place::byte(header.bytes + 4),
                      "the compressed data stands for " + std::to_string(unpacked) +
                          " bytes; the header's " + std::to_string(header.points) + " points of " +
@@ -195,6 +262,12 @@ CloudFile parse_compressed(const std::filesystem::path& file, const PcdHeader& h
                          std::to_string(header.points * header.point_bytes),
                      remedy);
   }
+  const uint64_t there = unpacked / point_bytes;
+  std::optional<InputError> fault;
+  if (there != header.points || there != header.other_points) {
+    fault = count_fault(file, header, there);
+  }
+  header.points = there;
   if (unpacked / kLzfLargestExpansion > packed) {
     throw InputError(file, Place::byte(header.bytes),
                      std::to_string(packed) + " bytes of compressed data cannot stand for " +
@@ -215,7 +288,11 @@ CloudFile parse_compressed(const std::filesystem::path& file, const PcdHeader& h
     const bool stored = padded || field.name != kPadding;
     offset += stored ? field.bytes() * static_cast<std::size_t>(header.points) : 0;
   }
-  return decode_cloud(file, columns_of(file, header, data.data(), places));
+  CloudFile cloud = decode_cloud(file, columns_of(file, header, data.data(), places));
+  if (fault) {
+    cloud.faults.push_back(*fault);
+  }
+  return cloud;
 }
 
 }  // namespace

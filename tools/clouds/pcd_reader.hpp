@@ -10,8 +10,9 @@
 namespace adit {
 
 /// Reads a PCD file: ASCII, binary or binary_compressed; x y z of any numeric type, and intensity,
-/// ring and time where they are. Throws InputError: the header contradicts itself or the file, or a
-/// number cannot be read. Memory is taken only for what the file can hold.
+/// ring and time where they are. What the file holds counts: other numbers of points in the header
+/// and lines that cannot be read are faults of the result. Throws InputError where the header makes
+/// no sense or not one point can be read. Memory is taken only for what the file can hold.
 CloudFile read_pcd(const std::filesystem::path& file, const CloudReading& reading = {});
 
 /// The same from memory; `file` is for messages.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <string>
 #include <utility>
 
 #include "adit/tools/support/input_file.hpp"
@@ -18,17 +20,25 @@ std::optional<ScalarType> scalar_type(std::string_view name) {
     std::string_view text;
     ScalarType type;
   };
-  static constexpr std::array<Name, 20> kNames = {{
-      {"char", ScalarType::i8},     {"int8", ScalarType::i8},     {"uchar", ScalarType::u8},
-      {"uint8", ScalarType::u8},    {"short", ScalarType::i16},   {"int16", ScalarType::i16},
-      {"ushort", ScalarType::u16},  {"uint16", ScalarType::u16},  {"int", ScalarType::i32},
-      {"int32", ScalarType::i32},   {"uint", ScalarType::u32},    {"uint32", ScalarType::u32},
-      {"float", ScalarType::f32},   {"float32", ScalarType::f32}, {"double", ScalarType::f64},
-      {"float64", ScalarType::f64}, {"long", ScalarType::i64},    {"int64", ScalarType::i64},
-      {"ulong", ScalarType::u64},   {"uint64", ScalarType::u64},
+  // The format's own names, those with widths, and those of C and of other programs.
+  static constexpr std::array<Name, 31> kNames = {{
+      {"bool", ScalarType::u8},     {"boolean", ScalarType::u8},   {"byte", ScalarType::i8},
+      {"ubyte", ScalarType::u8},    {"schar", ScalarType::i8},     {"int8_t", ScalarType::i8},
+      {"uint8_t", ScalarType::u8},  {"int16_t", ScalarType::i16},  {"uint16_t", ScalarType::u16},
+      {"int32_t", ScalarType::i32}, {"uint32_t", ScalarType::u32}, {"char", ScalarType::i8},
+      {"int8", ScalarType::i8},     {"uchar", ScalarType::u8},     {"uint8", ScalarType::u8},
+      {"short", ScalarType::i16},   {"int16", ScalarType::i16},    {"ushort", ScalarType::u16},
+      {"uint16", ScalarType::u16},  {"int", ScalarType::i32},      {"int32", ScalarType::i32},
+      {"uint", ScalarType::u32},    {"uint32", ScalarType::u32},   {"float", ScalarType::f32},
+      {"float32", ScalarType::f32}, {"double", ScalarType::f64},   {"float64", ScalarType::f64},
+      {"long", ScalarType::i64},    {"int64", ScalarType::i64},    {"ulong", ScalarType::u64},
+      {"uint64", ScalarType::u64},
   }};
+  std::string lower(name);
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto* const found =
-      std::find_if(kNames.begin(), kNames.end(), [&](const Name& n) { return n.text == name; });
+      std::find_if(kNames.begin(), kNames.end(), [&](const Name& n) { return n.text == lower; });
   return found == kNames.end() ? std::nullopt : std::optional(found->type);
 }
 

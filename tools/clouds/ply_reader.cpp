@@ -3,6 +3,7 @@
 #include "adit/tools/clouds/ply_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <optional>
 #include <span>
@@ -46,6 +47,14 @@ void require_room(const std::filesystem::path& file, const PlyElement& element, 
   }
 }
 
+/// The header says another number of vertices than the file holds: what is there counts.
+InputError count_fault(const std::filesystem::path& file, uint64_t promised, uint64_t there) {
+  return {file, Place::named("element vertex"),
+          "the header promises " + std::to_string(promised) + " vertices; the file holds " +
+              std::to_string(there) + ", which are read",
+          kCutOff};
+}
+
 /// Walks through the records of a binary file.
 class BinaryBody {
  public:
@@ -70,10 +79,29 @@ class BinaryBody {
     }
   }
 
-  CloudFile read(const PlyElement& vertex) {
+  /// `last`: no other element follows.
+  CloudFile read(PlyElement vertex, bool last) {
     const FieldRoles roles = roles_of(file_, vertex);
-    require_room(file_, vertex, vertex.smallest_record(), left());
-    return vertex.has_lists() ? read_lists(vertex, roles) : read_fixed(vertex, roles);
+    const uint64_t record = vertex.smallest_record();
+    const uint64_t room = record == 0 ? 0 : left() / record;
+    if (room == 0 && vertex.count > 0) {
+      require_room(file_, vertex, record, left());
+    }
+    if (vertex.has_lists()) {
+      return read_lists(vertex, room, roles);
+    }
+    const bool more = last && room > vertex.count && left() % record == 0;
+    const uint64_t there = more ? room : std::min(room, vertex.count);
+    std::optional<InputError> fault;
+    if (there != vertex.count) {
+      fault = count_fault(file_, vertex.count, there);
+    }
+    vertex.count = there;
+    CloudFile cloud = read_fixed(vertex, roles);
+    if (fault) {
+      cloud.faults.push_back(*fault);
+    }
+    return cloud;
   }
 
  private:
@@ -139,25 +167,26 @@ class BinaryBody {
   }
 
   /// Records of varying length: the numbers that matter are copied together first.
-  CloudFile read_lists(const PlyElement& vertex, const FieldRoles& roles) {
-    constexpr std::size_t kSlot = 8;
-    constexpr std::size_t kRow = kSlot * kFieldRoles;
-    std::vector<std::byte> rows(static_cast<std::size_t>(vertex.count) * kRow);
-    for (uint64_t record = 0; record < vertex.count; ++record) {
-      for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
-        const std::size_t start = at_;
-        skip(vertex, vertex.properties[i], record);
-        for (std::size_t role = 0; role < kFieldRoles; ++role) {
-          if (roles.index[role] == static_cast<int>(i)) {
-            std::copy_n(content_.data() + start, size_of(vertex.properties[i].type),
-                        rows.data() + static_cast<std::size_t>(record) * kRow + role * kSlot);
-          }
-        }
+  CloudFile read_lists(const PlyElement& vertex, uint64_t room, const FieldRoles& roles) {
+    const uint64_t most = std::min(vertex.count, room);
+    std::vector<std::byte> rows(static_cast<std::size_t>(most) * kRow);
+    std::optional<InputError> fault;
+    uint64_t read = 0;
+    try {
+      for (; read < most; ++read) {
+        read_record(vertex, read, roles, rows.data() + static_cast<std::size_t>(read) * kRow);
       }
+    } catch (const InputError& error) {  // it ends within this record
+      if (read == 0) {
+        throw;
+      }
+    }
+    if (read < vertex.count) {
+      fault = count_fault(file_, vertex.count, read);
     }
     CloudColumns columns;
     columns.reading = reading_;
-    columns.points = static_cast<std::size_t>(vertex.count);
+    columns.points = static_cast<std::size_t>(read);
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
         columns.columns[role] =
@@ -165,9 +194,30 @@ class BinaryBody {
                    vertex.properties[static_cast<std::size_t>(roles.index[role])].type, swap()};
       }
     }
-    return decode_cloud(file_, columns);
+    CloudFile cloud = decode_cloud(file_, columns);
+    if (fault) {
+      cloud.faults.push_back(*fault);
+    }
+    return cloud;
   }
 
+  /// Copies the numbers that have a role into `row`.
+  void read_record(const PlyElement& vertex, uint64_t record, const FieldRoles& roles,
+                   std::byte* row) {
+    for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
+      const std::size_t start = at_;
+      skip(vertex, vertex.properties[i], record);
+      for (std::size_t role = 0; role < kFieldRoles; ++role) {
+        if (roles.index[role] == static_cast<int>(i)) {
+          std::copy_n(content_.data() + start, size_of(vertex.properties[i].type),
+                      row + role * kSlot);
+        }
+      }
+    }
+  }
+
+  static constexpr std::size_t kSlot = 8;                   // bytes of a number
+  static constexpr std::size_t kRow = kSlot * kFieldRoles;  // bytes of a record's numbers
   const std::filesystem::path& file_;
   std::span<const std::byte> content_;
   std::size_t at_;
@@ -191,17 +241,36 @@ class AsciiBody {
     }
   }
 
-  CloudFile read(const PlyElement& vertex) {
+  /// `last`: no other element follows.
+  CloudFile read(const PlyElement& vertex, bool last) {
     const FieldRoles roles = roles_of(file_, vertex);
-    require_room(vertex);
-    std::vector<double> values(static_cast<std::size_t>(vertex.count) * kFieldRoles);
-    for (uint64_t record = 0; record < vertex.count; ++record) {
-      read_record(vertex, roles, next_line(vertex, record),
-                  values.data() + static_cast<std::size_t>(record) * kFieldRoles);
+    std::vector<double> values;
+    uint64_t there = 0;  // records, also those that cannot be read
+    uint64_t refused = 0;
+    std::optional<InputError> first;
+    while (last || there < vertex.count) {
+      const std::optional<std::string_view> line = find_line();
+      if (!line) {
+        break;
+      }
+      ++there;
+      std::array<double, kFieldRoles> row{};
+      try {
+        read_record(vertex, roles, *line, row.data());
+        values.insert(values.end(), row.begin(), row.end());
+      } catch (const InputError& error) {
+        ++refused;
+        if (!first) {
+          first.emplace(error);
+        }
+      }
+    }
+    if (values.empty() && (first || vertex.count > 0)) {
+      throw first ? InputError(*first) : ends_after(vertex, 0);
     }
     CloudColumns columns;
     columns.reading = reading_;
-    columns.points = static_cast<std::size_t>(vertex.count);
+    columns.points = values.size() / kFieldRoles;
     for (std::size_t role = 0; role < kFieldRoles; ++role) {
       if (roles.index[role] >= 0) {
         columns.columns[role] =
@@ -213,7 +282,14 @@ class AsciiBody {
                    vertex.properties[static_cast<std::size_t>(roles.index[role])].type};
       }
     }
-    return decode_cloud(file_, columns);
+    CloudFile cloud = decode_cloud(file_, columns);
+    if (there != vertex.count) {
+      cloud.faults.push_back(count_fault(file_, vertex.count, there));
+    }
+    if (first) {
+      cloud.faults.push_back(with_count(*first, static_cast<std::size_t>(refused), "lines"));
+    }
+    return cloud;
   }
 
  private:
@@ -224,16 +300,28 @@ class AsciiBody {
 
   Place place() const { return Place::line(header_lines_ + lines_.number()); }
 
-  std::string_view next_line(const PlyElement& element, uint64_t record) {
+  /// The next line that is not blank.
+  std::optional<std::string_view> find_line() {
     while (const std::optional<std::string_view> line = lines_.next()) {
       if (line->find_first_not_of(" \t") != std::string_view::npos) {
-        return *line;
+        return line;
       }
     }
-    throw InputError(file_, Place::line(header_lines_ + lines_.number() + 1),
-                     "the file ends after " + std::to_string(record) + " of the " +
-                         std::to_string(element.count) + " records of element " + element.name,
-                     kCutOff);
+    return std::nullopt;
+  }
+
+  InputError ends_after(const PlyElement& element, uint64_t record) const {
+    return {file_, Place::line(header_lines_ + lines_.number() + 1),
+            "the file ends after " + std::to_string(record) + " of the " +
+                std::to_string(element.count) + " records of element " + element.name,
+            kCutOff};
+  }
+
+  std::string_view next_line(const PlyElement& element, uint64_t record) {
+    if (const std::optional<std::string_view> line = find_line()) {
+      return *line;
+    }
+    throw ends_after(element, record);
   }
 
   void read_record(const PlyElement& vertex, const FieldRoles& roles, std::string_view line,
@@ -292,7 +380,7 @@ template <class Body>
 CloudFile read_vertices(const std::filesystem::path& file, const PlyHeader& header, Body body) {
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
-      return body.read(element);
+      return body.read(element, &element == &header.elements.back());
     }
     body.skip(element);
   }

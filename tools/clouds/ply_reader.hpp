@@ -11,8 +11,9 @@ namespace adit {
 
 /// Reads the element `vertex` of a PLY file, ASCII or binary of either byte order; x y z of any
 /// numeric type, and intensity, ring and time where they are. Other elements and list properties
-/// are skipped. Throws InputError: the header is wrong or promises more than the file holds, or a
-/// number cannot be read. Memory is taken only for what the file can hold.
+/// are skipped. What the file holds counts: another number of vertices in the header and lines that
+/// cannot be read are faults of the result. Throws InputError where the header makes no sense or
+/// not one vertex can be read. Memory is taken only for what the file can hold.
 CloudFile read_ply(const std::filesystem::path& file, const CloudReading& reading = {});
 
 /// The same from memory; `file` is for messages.

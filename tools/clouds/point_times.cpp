@@ -9,11 +9,12 @@
 #include <string>
 #include <type_traits>
 
+#include <fmt/core.h>
+
 namespace adit {
 namespace {
 
-constexpr double kLongestSweep = 10.0;  // s; a spinning or Livox sensor's sweep lasts 0.01 to 1 s
-constexpr double kRelativeBelow = 1.0;  // s after zero
+constexpr double kRelativeBelow = 1.0;      // s after zero
 constexpr double kNeededResolution = 1e-4;  // s
 
 /// Index of the earliest and the latest valid point.
@@ -46,6 +47,57 @@ std::optional<Extent> find_extent(const std::filesystem::path& file, std::span<c
     }
   }
   return extent;
+}
+
+template <class T>
+std::vector<std::size_t> find_impossible(std::span<const T> times, std::span<const uint8_t> valid,
+                                         std::optional<double> unit) {
+  // A sweep's points spread evenly over its time, or are a part of it: a hundred times the bulk is
+  // far beyond both.
+  constexpr double kFarthest = 100.0;
+  // The bulk may be of one moment; then the longest sweep counts, by default in the finest unit.
+  const double slowest = kLongestSweep / unit.value_or(1e-9);
+  constexpr std::size_t kSampled = 4096;  // points whose times make the quantiles
+  const std::size_t every = std::max<std::size_t>(1, times.size() / kSampled);
+  std::vector<double> some;
+  std::size_t points = 0;
+  std::size_t finite = 0;
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = -least;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto time = static_cast<double>(times[i]);
+    points += valid[i] != 0 ? 1U : 0U;
+    if (valid[i] == 0 || !std::isfinite(time)) {
+      continue;
+    }
+    if (finite++ % every == 0) {
+      some.push_back(time);
+    }
+    least = std::min(least, time);
+    greatest = std::max(greatest, time);
+  }
+  if (!are_few(points - finite, points) || some.empty()) {
+    return {};
+  }
+  const auto quantile = [&](std::size_t twentieths) {
+    const auto at = some.begin() + static_cast<std::ptrdiff_t>(twentieths * (some.size() - 1) / 20);
+    std::nth_element(some.begin(), at, some.end());
+    return *at;
+  };
+  const double low = quantile(1);
+  const double high = quantile(19);
+  const double reach = high > low ? kFarthest * (high - low) : slowest;
+  if (finite == points && greatest - high <= reach && low - least <= reach) {
+    return {};
+  }
+  std::vector<std::size_t> impossible;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto time = static_cast<double>(times[i]);
+    if (valid[i] != 0 && !(time - high <= reach && low - time <= reach)) {
+      impossible.push_back(i);
+    }
+  }
+  return are_few(impossible.size(), points) ? impossible : std::vector<std::size_t>{};
 }
 
 /// Seconds in one unit of the times, from their spread; where they do not spread, from their size.
@@ -86,7 +138,7 @@ Nanoseconds scaled(T time, double unit) {
 template <class T>
 PointTimes interpret(const std::filesystem::path& file, std::span<const T> times,
                      std::span<const uint8_t> valid, bool single_precision,
-                     std::optional<double> known_unit) {
+                     std::optional<double> known_unit, double longest) {
   PointTimes result;
   result.offsets.resize(times.size());
   const std::optional<Extent> extent = find_extent(file, times, valid);
@@ -109,10 +161,10 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
       known_unit ? *known_unit : unit_from_spread(difference(last), largest, std::is_integral_v<T>);
   result.unit = unit;
   const double duration = difference(last) * unit;
-  if (!(duration <= kLongestSweep)) {
+  if (!(duration <= longest)) {
     throw InputError(
         file, Place::point(extent->latest),
-        "its time is " + std::to_string(duration) + " s after that of point " +
+        fmt::format("its time is {:g} s after that of point ", duration) +
             std::to_string(extent->earliest) + "; a sweep lasts 10 s at most",
         known_unit
             ? "Correct recording.point_time_unit"
@@ -143,15 +195,33 @@ PointTimes interpret(const std::filesystem::path& file, std::span<const T> times
 
 }  // namespace
 
+bool are_few(std::size_t bad, std::size_t points) {
+  constexpr std::size_t kLeast = 20;
+  return bad == 0 || (points >= kLeast && bad <= points / 10);
+}
+
+std::vector<std::size_t> impossible_times(std::span<const double> times,
+                                          std::span<const uint8_t> valid,
+                                          std::optional<double> unit) {
+  return find_impossible(times, valid, unit);
+}
+
+std::vector<std::size_t> impossible_times(std::span<const int64_t> times,
+                                          std::span<const uint8_t> valid,
+                                          std::optional<double> unit) {
+  return find_impossible(times, valid, unit);
+}
+
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
                            std::span<const uint8_t> valid, bool single_precision,
-                           std::optional<double> unit) {
-  return interpret(file, times, valid, single_precision, unit);
+                           std::optional<double> unit, double longest) {
+  return interpret(file, times, valid, single_precision, unit, longest);
 }
 
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
-                           std::span<const uint8_t> valid, std::optional<double> unit) {
-  return interpret(file, times, valid, false, unit);
+                           std::span<const uint8_t> valid, std::optional<double> unit,
+                           double longest) {
+  return interpret(file, times, valid, false, unit, longest);
 }
 
 }  // namespace adit

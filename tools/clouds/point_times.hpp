@@ -17,6 +17,9 @@
 
 namespace adit {
 
+/// s. A sweep of a spinning sensor or a Livox lasts 0.01 to 1 s.
+inline constexpr double kLongestSweep = 10.0;
+
 /// How the times of a sweep's points were understood.
 struct PointTimeNature {
   std::string field;      ///< its name
@@ -33,14 +36,28 @@ struct PointTimes {
   std::vector<float> offsets;  ///< s after `start`, one a point, none negative
 };
 
+/// So few of so many points may be damaged and left out: a tenth, of 20 points or more.
+bool are_few(std::size_t bad, std::size_t points);
+
+/// Points, among those with valid[i] != 0, whose time cannot be of the same sweep as the times of
+/// nearly all others: not finite, or a hundred times as far from the middle nine tenths as these
+/// spread. None where they are more than a few. `unit`: s, where it is known.
+std::vector<std::size_t> impossible_times(std::span<const double> times,
+                                          std::span<const uint8_t> valid,
+                                          std::optional<double> unit = {});
+std::vector<std::size_t> impossible_times(std::span<const int64_t> times,
+                                          std::span<const uint8_t> valid,
+                                          std::optional<double> unit = {});
+
 /// Interprets one sweep's times. Only points with valid[i] != 0 count for the unit and the start;
 /// the others' times are brought into the sweep. Throws InputError (with the point): not finite for
 /// a valid point, farther apart than one sweep lasts, or absolute in single precision, which cannot
-/// hold them. `unit` (s) is that of the times; without it, it is inferred from them.
+/// hold them. `unit` (s) is that of the times; without it, it is inferred from them. `longest`: s.
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const double> times,
                            std::span<const uint8_t> valid, bool single_precision,
-                           std::optional<double> unit = {});
+                           std::optional<double> unit = {}, double longest = kLongestSweep);
 PointTimes interpret_times(const std::filesystem::path& file, std::span<const int64_t> times,
-                           std::span<const uint8_t> valid, std::optional<double> unit = {});
+                           std::span<const uint8_t> valid, std::optional<double> unit = {},
+                           double longest = kLongestSweep);
 
 }  // namespace adit

@@ -12,6 +12,7 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/clouds/cloud_origin.hpp"
 
 namespace adit {
 namespace {
@@ -122,6 +123,12 @@ std::string text_of(const AlignedPair& pair, const CloudAlignerSettings& setting
     return text;
   }
   text += (pair.usable() ? "T_a_b    " : "found    ") + pose_text(alignment.T_a_b) + "\n";
+  for (const auto& [name, offset] : {std::pair("a", pair.offset_a), {"b", pair.offset_b}}) {
+    if (!offset.isZero(0.0)) {
+      text += fmt::format("offset   {} is subtracted from {}'s coordinates before T_a_b\n",
+                          offset_text(offset), name);
+    }
+  }
   if (pair.usable()) {
     const Eigen::VectorXd sigma = alignment.covariance.diagonal().cwiseSqrt();
     text +=
@@ -174,6 +181,8 @@ ordered_json to_json(const AlignedPair& pair, const CloudAlignerSettings& settin
     return json;
   }
   json["T_a_b"] = json_of(alignment.T_a_b);
+  json["offset_a_m"] = {pair.offset_a.x(), pair.offset_a.y(), pair.offset_a.z()};
+  json["offset_b_m"] = {pair.offset_b.x(), pair.offset_b.y(), pair.offset_b.z()};
   json["covariance"] = nullptr;
   if (pair.usable()) {
     ordered_json rows = ordered_json::array();

@@ -25,6 +25,10 @@ struct AlignedPair {
   std::string unreadable{};  ///< why a cloud could not be read; empty: both were
   double r_input = 0.0;      ///< m, down-sampling of b
   CloudAlignment alignment{};
+  /// m. What is subtracted from the coordinates of each cloud, where they are large: T_a_b maps
+  /// what is left of b's to what is left of a's. Where both are large both have a's.
+  Eigen::Vector3d offset_a = Eigen::Vector3d::Zero();
+  Eigen::Vector3d offset_b = Eigen::Vector3d::Zero();
 
   bool usable() const { return unreadable.empty() && alignment.refusal == AlignmentRefusal::none; }
 };

@@ -66,12 +66,21 @@ class Clouds {
     std::erase_if(clouds_, [&](const auto& entry) { return !names.contains(entry.first); });
   }
 
+  /// A cloud on the device.
+  struct Prepared {
+    AlignableCloud cloud;
+    Eigen::Vector3d offset;  ///< Sweep::offset
+  };
+
   /// Reads and prepares it the first time. Throws InputError.
-  const AlignableCloud& get(const std::string& name) {
+  const Prepared& get(const std::string& name) {
     auto found = clouds_.find(name);
     if (found == clouds_.end()) {
-      found = clouds_.emplace(name, aligner_->prepare(read_cloud(name).points)).first;
-      if (const uint32_t crowded = found->second.cloud.crowded_voxels; crowded > 0) {
+      const Sweep sweep = read_cloud(name, [&](const InputError& damage) {
+        *notes_ << "note: " << damage.what() << std::endl;
+      });
+      found = clouds_.emplace(name, Prepared{aligner_->prepare(sweep.points), sweep.offset}).first;
+      if (const uint32_t crowded = found->second.cloud.cloud.crowded_voxels; crowded > 0) {
         *notes_ << "note: " << crowded << " voxels of " << name
                 << " hold more than 65535 points; the first of each stands for them" << std::endl;
       }
@@ -82,8 +91,19 @@ class Clouds {
  private:
   CloudAligner* aligner_;
   std::ostream* notes_;
-  std::map<std::string, AlignableCloud> clouds_;
+  std::map<std::string, Prepared> clouds_;
 };
+
+/// Poses of b in a with the clouds' own offsets have this much less along b's axes than poses with
+/// a's offset for both, m. Zero where one of the clouds has none: then each keeps its own.
+Eigen::Vector3d between_offsets(const Clouds::Prepared& a, const Clouds::Prepared& b) {
+  const bool both = !a.offset.isZero(0.0) && !b.offset.isZero(0.0);
+  return both ? Eigen::Vector3d(a.offset - b.offset) : Eigen::Vector3d::Zero();
+}
+
+Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Eigen::Vector3d& along_b) {
+  return pose * Eigen::Translation3d(along_b);
+}
 
 /// Of a list a cloud that cannot be read is reported with its pairs; of two clouds it is thrown.
 std::vector<AlignedPair> align_some(CloudAligner& aligner, Clouds& clouds,
@@ -95,10 +115,16 @@ std::vector<AlignedPair> align_some(CloudAligner& aligner, Clouds& clouds,
   for (std::size_t i = 0; i < named.size(); ++i) {
     pairs[i].named = named[i];
     try {
-      const AlignableCloud& a = clouds.get(named[i].a);
-      const AlignableCloud& b = clouds.get(named[i].b);
-      readable.push_back({.a = &a, .b = &b, .guess = named[i].guess});
-      pairs[i].r_input = b.r_input;
+      const Clouds::Prepared& a = clouds.get(named[i].a);
+      const Clouds::Prepared& b = clouds.get(named[i].b);
+      std::optional<Eigen::Isometry3d> guess = named[i].guess;
+      if (guess) {
+        guess = moved(*guess, -between_offsets(a, b));
+      }
+      readable.push_back({.a = &a.cloud, .b = &b.cloud, .guess = guess});
+      pairs[i].r_input = b.cloud.r_input;
+      pairs[i].offset_a = a.offset;
+      pairs[i].offset_b = b.offset.isZero(0.0) || a.offset.isZero(0.0) ? b.offset : a.offset;
       of.push_back(i);
     } catch (const InputError& error) {
       if (!list) {
@@ -109,7 +135,15 @@ std::vector<AlignedPair> align_some(CloudAligner& aligner, Clouds& clouds,
   }
   std::vector<CloudAlignment> alignments = aligner.align(readable);
   for (std::size_t k = 0; k < of.size(); ++k) {
-    pairs[of[k]].alignment = std::move(alignments[k]);
+    AlignedPair& pair = pairs[of[k]];
+    pair.alignment = std::move(alignments[k]);
+    const Eigen::Vector3d apart =
+        between_offsets(clouds.get(pair.named.a), clouds.get(pair.named.b));
+    pair.alignment.T_a_b = moved(pair.alignment.T_a_b, apart);
+    if (pair.alignment.competing) {
+      Eigen::Isometry3d& other = pair.alignment.competing->result.T_target_source;
+      other = moved(other, apart);
+    }
   }
   return pairs;
 }
@@ -138,9 +172,12 @@ OverlayCloud drawn(const std::string& name, const OverheadView& above) {
 }
 
 void draw(const AlignedPair& pair, Clouds& clouds, const std::filesystem::path& file) {
-  const OverlayCloud a = drawn(pair.named.a, clouds.get(pair.named.a).above);
-  const OverlayCloud b = drawn(pair.named.b, clouds.get(pair.named.b).above);
-  const Eigen::Isometry3d& T_a_b = pair.alignment.T_a_b;
+  const Clouds::Prepared& prepared_a = clouds.get(pair.named.a);
+  const Clouds::Prepared& prepared_b = clouds.get(pair.named.b);
+  const OverlayCloud a = drawn(pair.named.a, prepared_a.cloud.above);
+  const OverlayCloud b = drawn(pair.named.b, prepared_b.cloud.above);
+  const Eigen::Isometry3d T_a_b =
+      moved(pair.alignment.T_a_b, -between_offsets(prepared_a, prepared_b));
   write_png(file, overlay_picture(a, b, T_a_b, view_of(a, b, T_a_b)));
 }
 
@@ -233,7 +270,7 @@ void add_align_command(Command app, std::function<void(int)> done) {
       .show_default();
   command.option("--picture", options->picture, "Draw B upon A, from above and from the side")
       .value_name("FILE.png")
-      .written();
+      .written({".png"});
   add_device_options(command, options->device);
   command.flag("--json", options->json, "Print JSON instead of text");
   command.action(

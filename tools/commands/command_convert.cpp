@@ -95,6 +95,9 @@ int convert(const ConvertOptions& options, std::ostream& out, std::ostream& err)
     keep_input("OUT", options.output, input);
   }
   const ConvertReport report = convert_recording(options);
+  for (const std::string& note : report.notes) {
+    err << "note: " << note << "\n";
+  }
   for (const std::string& error : report.errors) {
     err << "adit convert: " << error << "\n";
   }

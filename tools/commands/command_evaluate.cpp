@@ -410,8 +410,8 @@ void add_evaluate_command(Command app, std::function<void(int)> done) {
   command
       .option("--html", options->html,
               "Where the page of a run goes; otherwise to its folder, as evaluation.html")
-      .value_name("FILE")
-      .written();
+      .value_name("FILE.html")
+      .written({".html", ".htm"});
   command
       .option("--loops", options->loops,
               "Which places of a simulated recording see the same (NAME.truth.loops.csv): the "

@@ -255,13 +255,13 @@ void add_inspect_command(Command app, std::function<void(int)> done) {
   command
       .option("--html", options->html,
               "Write a page with plots of rates, gaps, clocks, the IMU and the motion, or of a run")
-      .value_name("FILE")
-      .written();
+      .value_name("FILE.html")
+      .written({".html", ".htm"});
   command
       .option("--write-config", options->write_config,
               "Write a configuration that makes up for what is wrong, for --config")
-      .value_name("FILE")
-      .written();
+      .value_name("FILE.toml")
+      .written({".toml"});
   add_config_options(command, options->config);
   add_metadata_option(command, options->config);
   add_device_options(command, options->device);

@@ -102,7 +102,7 @@ OptionDescription describe(CLI::Option& option) {
   for (const std::string& name : checks(option)) {
     if (name == kFile) {
       described.file = true;
-    } else if (!name.empty() && name != kWritten) {
+    } else if (!name.empty() && !name.starts_with(kWritten)) {
       described.words = CLI::detail::split(name, kBetweenWords);
     }
   }
@@ -123,12 +123,26 @@ CommandDescription describe(CLI::App& command, const std::string& above) {
   return described;
 }
 
+/// Of a file to write the endings of its name that are taken, none for any; nothing of other
+/// options.
+std::optional<std::vector<std::string>> written_endings(CLI::Option& option) {
+  for (const std::string& name : checks(option)) {
+    if (name.starts_with(kWritten)) {
+      const std::string endings = name.substr(std::string_view(kWritten).size());
+      return endings.empty() ? std::vector<std::string>{} : CLI::detail::split(endings, '\n');
+    }
+  }
+  return std::nullopt;
+}
+
 std::vector<GivenOption> given_options(CLI::App& command) {
   std::vector<GivenOption> given;
   for (CLI::Option* option : command.get_options()) {
+    const auto endings = written_endings(*option);
     given.push_back({.name = option->get_name(),
                      .values = option->results(),
-                     .written = std::ranges::count(checks(*option), kWritten) > 0});
+                     .written = endings.has_value(),
+                     .endings = endings.value_or(std::vector<std::string>{})});
   }
   return given;
 }
@@ -177,6 +191,15 @@ std::string unknown_words(const CLI::App& app, const CLI::App& command) {
   return text;
 }
 
+/// The complaint, and how many values the option takes that it is about.
+std::string with_values(const CLI::App& command, const std::string& complaint) {
+  const CLI::Option* option = command.get_option_no_throw(complaint.substr(0, complaint.find(':')));
+  return option == nullptr
+             ? complaint
+             : complaint + wanted_values(option->get_expected_min(), option->get_expected_max(),
+                                         option->get_type_name());
+}
+
 /// "adit loops".
 std::string name_of_chosen(const CLI::App& app) {
   std::string name = app.get_name();
@@ -199,7 +222,8 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
   }
   const std::string name = name_of_chosen(app);
   const std::string unknown = unknown_words(app, *command);
-  std::cerr << name << ": " << (unknown.empty() ? plain_complaint(error.what()) : unknown)
+  const std::string complaint = plain_complaint(error.what());
+  std::cerr << name << ": " << (unknown.empty() ? with_values(*command, complaint) : unknown)
             << "\nRun `" << name << " --help` for what it takes.\n";
   return kUsage;
 }
@@ -278,8 +302,8 @@ CommandOption CommandOption::file() const {
   return *this;
 }
 
-CommandOption CommandOption::written() const {
-  option_->check(passes(kWritten));
+CommandOption CommandOption::written(const std::vector<std::string>& endings) const {
+  option_->check(passes(kWritten + joined(endings)));
   return *this;
 }
 
@@ -455,7 +479,9 @@ std::optional<int> CommandLine::run(int argc, const char* const* argv,
       if (!stray.empty()) {
         refuse_option(stray, place_of_option(command->get_name()));
       }
-      keep_inputs(given_options(*command));
+      const std::vector<GivenOption> given = given_options(*command);
+      keep_inputs(given);
+      require_endings(given);
     }
     if (before) {
       before();

@@ -50,8 +50,9 @@ class CommandOption {
   /// Shells offer files. Those whose target is a path need not say so.
   CommandOption file() const;
   /// It names a file to write. None of the files that the command reads is written over: then
-  /// nothing is begun.
-  CommandOption written() const;
+  /// nothing is begun. A name that ends otherwise than in one of `endings` (".html") is refused:
+  /// the file would not be what it is called. Names without an ending are taken.
+  CommandOption written(const std::vector<std::string>& endings = {}) const;
   /// A number of bytes, with or without a unit.
   CommandOption bytes() const;
   /// One of those that all commands have: the help lists them last, and given_besides() knows them.

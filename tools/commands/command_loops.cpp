@@ -349,8 +349,8 @@ void add_loops_command(Command app, std::function<void(int)> done) {
   command
       .option("--html", options->html,
               "Write a page that shows each loop: its submaps upon each other, before and after")
-      .value_name("FILE")
-      .written();
+      .value_name("FILE.html")
+      .written({".html", ".htm"});
   command.option("--show", options->show, "Draw this loop on the page; may be given again")
       .one_value_each()
       .value_name("ID");

@@ -183,7 +183,7 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
               "beside it")
       .required()
       .value_name("FILE.mcap")
-      .written();
+      .written({".mcap"});
   command.flag("--overwrite", options->overwrite,
                "Replace FILE.mcap also where it is no simulated recording");
   command.option("--sensor", simulation.lidars.front().sensor, "Range sensor")

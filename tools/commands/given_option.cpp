@@ -3,8 +3,10 @@
 #include "adit/tools/commands/given_option.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
+#include "adit/tools/commands/plain_complaint.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -41,7 +43,28 @@ void keep_recordings(const GivenOption& output) {
   }
 }
 
+/// ".html" of "page.HTML".
+std::string ending_of(const std::string& name) {
+  std::string ending = std::filesystem::path(name).extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
 }  // namespace
+
+void require_endings(std::span<const GivenOption> options) {
+  for (const GivenOption& option : options) {
+    for (const std::string& name : option.values) {
+      const std::string ending = ending_of(name);
+      if (!option.endings.empty() && !ending.empty() &&
+          std::ranges::count(option.endings, ending) == 0) {
+        throw UsageError(option.name + ": '" + name + "' does not end in " +
+                         listed_words(option.endings) + ", which is what is written there.");
+      }
+    }
+  }
+}
 
 void keep_inputs(std::span<const GivenOption> options) {
   const bool asks = std::ranges::any_of(

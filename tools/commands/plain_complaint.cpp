@@ -40,6 +40,15 @@ std::string listed_words(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string wanted_values(int least, int most, const std::string& names) {
+  if (least < 2) {
+    return {};
+  }
+  return ". It takes " + std::to_string(least) +
+         (most > least ? " to " + std::to_string(most) : std::string()) + " numbers (" + names +
+         "); write other words before it, or `--` between";
+}
+
 std::string plain_complaint(const std::string& text) {
   constexpr std::string_view kConversion = "Could not convert: ";
   const std::size_t equals = text.find(" = ");

@@ -15,6 +15,10 @@ namespace adit {
 /// "a, b or c".
 std::string listed_words(const std::vector<std::string>& words);
 
+/// Behind a complaint about an option that takes several values: how many, and where others go.
+/// `names` are what the help calls them. Empty for options that take one.
+std::string wanted_values(int least, int most, const std::string& names);
+
 /// What CLI11 says of a command line, in plain words.
 std::string plain_complaint(const std::string& text);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "adit/tools/clouds/cloud_origin.hpp"
+#include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/containers/ros_definitions.hpp"
 #include "adit/tools/recordings/latched_messages.hpp"
 #include "adit/tools/recordings/ros_codec.hpp"
@@ -210,17 +212,60 @@ void RecordingConverter::copy_events(const Recording& recording, const EventSele
   });
 }
 
+/// The frame of clouds whose coordinates are what is left of large ones: "lidar_local", which
+/// /tf_static places in "lidar" by the offset.
+std::string RecordingConverter::frame_with_offset(const std::string& frame,
+                                                  const Eigen::Vector3d& offset,
+                                                  Nanoseconds received) {
+  if (offset.isZero(0.0)) {
+    return frame;
+  }
+  const std::string local = frame + "_local";
+  if (placed_frames_.insert(local).second) {
+    StaticTransform transform{.parent = frame, .child = local};
+    transform.T_parent_child = Eigen::Translation3d(offset);
+    write(Event{.topic = 0, .received = received, .value = transform}, "/tf_static");
+    report_.notes.push_back("the coordinates of " + frame + " are large: " + offset_text(offset) +
+                            " is subtracted from all clouds, so that they keep their millimetres; "
+                            "their frame is " +
+                            local + ", and /tf_static places it in " + frame);
+  }
+  return local;
+}
+
+void RecordingConverter::note_coarse(const std::string& topic, double step) {
+  if (step > 0.0 && coarse_topics_.insert(topic).second) {
+    report_.notes.push_back(topic + ": " + coarse_note(step));
+  }
+}
+
 /// The events of a message, corrected, as messages.
 void RecordingConverter::write_repaired(const MessageFile& file, const Route& route,
                                         const RawMessage& message) {
   try {
+    const std::string& topic = file.channels()[message.channel].topic;
+    CloudReading reading{.time_unit = conversion_.repair->point_time_unit,
+                         .coordinate_scale = conversion_.repair->coordinate_scale};
+    if (const auto known = offsets_.find(topic); known != offsets_.end()) {
+      reading.offset = known->second;
+    }
     ros::MessageEvents events =
-        ros::to_events(file.channels()[message.channel], message, file.path(),
-                       {conversion_.repair->point_time_unit, conversion_.repair->coordinate_scale});
+        ros::to_events(file.channels()[message.channel], message, file.path(), reading);
+    for (const InputError& fault : events.faults) {
+      add_error(fault);
+    }
+    note_coarse(topic, events.coordinate_step);
     for (EventValue& value : events.values) {
+      std::string frame = events.frame;
+      if (const auto* sweep = std::get_if<Sweep>(&value)) {
+        if (std::ranges::any_of(sweep->points, is_return)) {
+          offsets_.emplace(topic, sweep->offset);
+        }
+        frame = frame_with_offset(frame, sweep->offset, message.received);
+      }
       const EventValue right = corrected(std::move(value), *conversion_.repair);
       writer_->write(*route.channel, message.received,
-                     ros::from_event(right, route.to, events.frame, events.has_intensity).bytes);
+                     ros::from_event(right, route.to, frame, events.has_intensity).bytes);
     }
   } catch (const ros::CodecError& error) {
     throw InputError(file.path(), Place::byte(message.offset),
@@ -259,7 +304,11 @@ void RecordingConverter::write(const MessageFile& file, const Route& route,
 /// Returns the topic's place in the report.
 std::size_t RecordingConverter::write(const Event& event, const std::string& topic) {
   const Encoding encoding = conversion_.encoding.value_or(Encoding::cdr);
-  const std::string frame = event.frame.empty() ? "lidar" : event.frame;
+  std::string frame = event.frame.empty() ? "lidar" : event.frame;
+  if (const auto* sweep = std::get_if<Sweep>(&event.value)) {
+    frame = frame_with_offset(frame, sweep->offset, event.received);
+    note_coarse(topic, event.coordinate_step);
+  }
   const ros::EncodedEvent message =
       ros::from_event(event.value, encoding, frame, event.has_intensity);
   const Route route = route_of({.topic = topic,

@@ -31,6 +31,7 @@ struct ConvertedTopic {
 
 struct ConvertReport {
   std::vector<ConvertedTopic> topics;
+  std::vector<std::string> notes;   ///< for people: what was changed without loss
   std::vector<std::string> errors;  ///< the input's first errors
   uint64_t error_count = 0;
 
@@ -84,12 +85,18 @@ class RecordingConverter {
   void write_repaired(const MessageFile& file, const Route& route, const RawMessage& message);
   void write_translated(const MessageFile& file, const Route& route, const RawMessage& message);
   std::size_t write(const Event& event, const std::string& topic);
+  std::string frame_with_offset(const std::string& frame, const Eigen::Vector3d& offset,
+                                Nanoseconds received);
+  void note_coarse(const std::string& topic, double step);
 
   Conversion conversion_;
   MessageWriter* writer_;
   ConvertReport report_;
   std::set<std::string> errors_;                                 // those counted, the first ones
   std::map<std::pair<std::string, std::string>, Route> routes_;  // by topic and type
+  std::map<std::string, Eigen::Vector3d> offsets_;  // of clouds that are repaired, by topic
+  std::set<std::string> placed_frames_;             // those whose offset was written
+  std::set<std::string> coarse_topics_;             // those that a note tells of
 };
 
 }  // namespace adit

@@ -255,6 +255,11 @@ std::string notes_of(const Comparison& comparison) {
   std::string text;
   for (const ComparedEstimate& estimate : comparison.estimates) {
     text += estimate.note.empty() ? "" : estimate.name + ": " + estimate.note + "\n";
+    if (estimate.evaluation) {
+      for (const std::string& warning : estimate.evaluation->warnings) {
+        text += estimate.name + ": warning: " + warning + "\n";
+      }
+    }
   }
   return text;
 }

@@ -14,8 +14,65 @@
 namespace adit {
 namespace {
 
+/// What is odd about the stamps of one side, "estimate" or "truth".
+void warn_of_stamps(const std::string& side, const StampQuality& stamps, std::size_t poses,
+                    std::vector<std::string>& warnings) {
+  if (stamps.repeated == 0) {
+    return;
+  }
+  const std::string what = fmt::format("{} of the {}'s {} poses have the time of the pose before",
+                                       stamps.repeated, side, poses);
+  if (stamps.conflicting == 0) {
+    warnings.push_back(what + " and are the same poses: each of them counts");
+    return;
+  }
+  warnings.push_back(
+      fmt::format("{}, and {} of these are other poses, up to {:.3f} m away: {}; write one pose "
+                  "a time",
+                  what, stamps.conflicting, stamps.farthest,
+                  side == "truth" ? "the first of each time is compared" : "each of them counts"));
+}
+
+/// The side whose times were written to more than the tolerance allows, while the other's are
+/// finer; null: none. A sensor may really measure at such times, so this alone is no fault.
+struct CoarseSide {
+  std::string side;
+  const StampQuality* stamps = nullptr;
+};
+CoarseSide coarse_side(const AssociationSummary& association, double tolerance) {
+  const StampQuality& estimate = association.estimate_stamps;
+  const StampQuality& truth = association.truth_stamps;
+  const auto coarse = [&](const StampQuality& one, const StampQuality& other) {
+    return seconds(one.step) > 2.0 * tolerance && one.step > other.step;
+  };
+  return coarse(estimate, truth)   ? CoarseSide{"estimate", &estimate}
+         : coarse(truth, estimate) ? CoarseSide{"truth", &truth}
+                                   : CoarseSide{};
+}
+
+std::string rounding_text(const CoarseSide& coarse) {
+  return fmt::format(
+      "the {}'s times were written to {:g} s only; write them with all digits "
+      "(\"%.9f\" instead of \"%g\")",
+      coarse.side, seconds(coarse.stamps->step));
+}
+
+/// Pairs that are not one to one, beyond the repeated times that were reported.
+void warn_of_shared(const AssociationSummary& association, std::vector<std::string>& warnings) {
+  const auto warn = [&](std::size_t shared, std::size_t repeated, const char* whose) {
+    if (shared > repeated) {
+      warnings.push_back(fmt::format(
+          "{} of {} pairs share their pose of the {} with another pair, so the pairs are not one "
+          "to one: the errors include the motion between; a smaller --tolerance drops such pairs",
+          shared, association.pairs, whose));
+    }
+  };
+  warn(association.shared_truth, association.estimate_stamps.repeated, "truth");
+  warn(association.shared_estimate, association.truth_stamps.repeated, "estimate");
+}
+
 std::vector<std::string> find_warnings(const Trajectory& estimate, const Trajectory& truth,
-                                       const AssociationSummary& association) {
+                                       const AssociationSummary& association, double tolerance) {
   std::vector<std::string> warnings;
   if (!association.by_time && association.estimate_poses != association.truth_poses) {
     const bool one_stamped = estimate.stamped != truth.stamped;
@@ -27,10 +84,24 @@ std::vector<std::string> find_warnings(const Trajectory& estimate, const Traject
         (one_stamped ? "; give times to the one without (--truth-times, --estimate-times)" : ""));
   }
   const std::size_t possible = std::min(association.estimate_poses, association.truth_poses);
-  if (association.by_time && association.pairs * 10 < possible * 9) {
+  const CoarseSide coarse =
+      association.by_time ? coarse_side(association, tolerance) : CoarseSide{};
+  const bool few = association.by_time && association.pairs * 10 < possible * 9;
+  if (few) {
     warnings.push_back(
         "only " + std::to_string(association.pairs) + " of " + std::to_string(possible) +
-        " possible pairs lie within the tolerance: the figures stand for these alone");
+        " possible pairs lie within the tolerance: the figures stand for these alone" +
+        (coarse.stamps != nullptr ? "; " + rounding_text(coarse) : ""));
+  }
+  if (association.by_time) {
+    const StampQuality& of_estimate = association.estimate_stamps;
+    const StampQuality& of_truth = association.truth_stamps;
+    warn_of_stamps("estimate", of_estimate, association.estimate_poses, warnings);
+    warn_of_stamps("truth", of_truth, association.truth_poses, warnings);
+    if (!few && coarse.stamps != nullptr && coarse.stamps->repeated > 0) {
+      warnings.push_back(rounding_text(coarse) + "; the errors include the motion in that time");
+    }
+    warn_of_shared(association, warnings);
   }
   return warnings;
 }
@@ -129,7 +200,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth,
   result.segments = kitti_segment_errors(result.estimate, result.truth);
   result.all_segments = result.segments.back();
   result.segments.pop_back();
-  result.warnings = find_warnings(estimate, truth, result.association);
+  result.warnings = find_warnings(estimate, truth, result.association, options.tolerance);
   if (const auto free = find_free_rotation(result)) {
     result.rotation_determined = false;
     result.warnings.push_back(*free);

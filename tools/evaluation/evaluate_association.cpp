@@ -4,6 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include <fmt/core.h>
 
 #include "adit/tools/support/input_error.hpp"
 
@@ -49,8 +54,14 @@ std::vector<MatchedPair> associate_by_time(const Trajectory& estimate, const Tra
   for (std::size_t i = 0; i < shorter.poses.size(); ++i) {
     const std::size_t j = nearest(longer.poses, shorter.poses[i].stamp);
     const Nanoseconds difference = shorter.poses[i].stamp - longer.poses[j].stamp;
-    if (Seconds(std::chrono::abs(difference)).count() <= tolerance) {
-      pairs.push_back(estimate_is_longer ? MatchedPair{j, i} : MatchedPair{i, j});
+    if (Seconds(std::chrono::abs(difference)).count() > tolerance) {
+      continue;
+    }
+    pairs.push_back(estimate_is_longer ? MatchedPair{j, i} : MatchedPair{i, j});
+    for (std::size_t k = j + 1; estimate_is_longer && k < longer.poses.size() &&
+                                longer.poses[k].stamp == longer.poses[j].stamp;
+         ++k) {
+      pairs.push_back({k, i});
     }
   }
   if (pairs.empty()) {
@@ -63,7 +74,52 @@ std::vector<MatchedPair> associate_by_time(const Trajectory& estimate, const Tra
   return pairs;
 }
 
+/// Throws InputError where rounding has taken most poses their own time.
+void require_own_times(const Trajectory& trajectory, const StampQuality& stamps, double tolerance) {
+  const std::size_t poses = trajectory.poses.size();
+  if (2 * stamps.repeated <= poses || Seconds(stamps.step).count() <= tolerance) {
+    return;
+  }
+  throw InputError(
+      trajectory.file, {},
+      fmt::format("its {} poses have {} different times: these were written to {:g} s only", poses,
+                  poses - stamps.repeated, Seconds(stamps.step).count()),
+      "Write the times with all digits: \"%.9f\" instead of \"%g\", which keeps six digits");
+}
+
+/// Pairs whose pose an earlier pair has, too.
+std::size_t count_shared(const std::vector<MatchedPair>& pairs, std::size_t MatchedPair::*which) {
+  std::set<std::size_t> used;
+  for (const MatchedPair& pair : pairs) {
+    used.insert(pair.*which);
+  }
+  return pairs.size() - used.size();
+}
+
 }  // namespace
+
+StampQuality stamp_quality(const Trajectory& trajectory) {
+  constexpr int64_t kCoarsest = 1'000'000'000'000'000'000;  // ns, the largest power of ten
+  constexpr double kSame = 1e-6;  // m: poses that differ by less are the same, but for rounding
+  StampQuality quality{.step = Nanoseconds(kCoarsest)};
+  int64_t step = kCoarsest;
+  for (std::size_t i = 0; i < trajectory.poses.size(); ++i) {
+    const StampedPose& pose = trajectory.poses[i];
+    while (pose.stamp.count() % step != 0) {
+      step /= 10;
+    }
+    if (i == 0 || pose.stamp != trajectory.poses[i - 1].stamp) {
+      continue;
+    }
+    const Eigen::Isometry3d apart = trajectory.poses[i - 1].pose.inverse() * pose.pose;
+    const double distance = apart.translation().norm();
+    ++quality.repeated;
+    quality.conflicting += apart.matrix().isIdentity(kSame) ? 0U : 1U;
+    quality.farthest = std::max(quality.farthest, distance);
+  }
+  quality.step = Nanoseconds(step);
+  return quality;
+}
 
 Association associate(const Trajectory& estimate, const Trajectory& truth, double tolerance) {
   Association result;
@@ -72,6 +128,10 @@ Association associate(const Trajectory& estimate, const Trajectory& truth, doubl
   summary.truth_poses = truth.poses.size();
   summary.by_time = estimate.stamped && truth.stamped;
   if (summary.by_time) {
+    summary.estimate_stamps = stamp_quality(estimate);
+    summary.truth_stamps = stamp_quality(truth);
+    require_own_times(estimate, summary.estimate_stamps, tolerance);
+    require_own_times(truth, summary.truth_stamps, tolerance);
     result.pairs = associate_by_time(estimate, truth, tolerance);
     for (const MatchedPair& pair : result.pairs) {
       const Seconds difference =
@@ -84,6 +144,8 @@ Association associate(const Trajectory& estimate, const Trajectory& truth, doubl
     }
   }
   summary.pairs = result.pairs.size();
+  summary.shared_truth = count_shared(result.pairs, &MatchedPair::truth);
+  summary.shared_estimate = count_shared(result.pairs, &MatchedPair::estimate);
   summary.covered_path =
       path_length(truth.poses, result.pairs.front().truth, result.pairs.back().truth);
   summary.truth_path = path_length(truth.poses, 0, truth.poses.size() - 1);

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {
@@ -58,9 +59,9 @@ struct Line {
 template <std::size_t N>
 std::vector<Line<N>> read_lines(const std::filesystem::path& file,
                                 const std::array<const char*, N>& names, const char* remedy) {
-  std::ifstream in(file);
+  std::ifstream in = open_text_file(file);
   std::string line;
-  if (!in || !std::getline(in, line)) {
+  if (!std::getline(in, line)) {
     throw InputError(file, {}, "it cannot be read, or is empty", remedy);
   }
   const std::vector<std::string> head = table_cells(line);

@@ -18,54 +18,29 @@
 namespace adit {
 namespace {
 
-/// What the columns are called: ours, the simulator's, EuRoC's and those of common exporters.
-struct ColumnNames {
-  std::string_view what;
-  std::vector<std::string_view> names;
-};
-
-const std::array<ColumnNames, 8>& pose_columns() {
-  static const std::array<ColumnNames, 8> kColumns = {
-      {{"a time", {"stamp_s", "t_s", "timestamp", "timestamp_ns", "time", "time_s", "t"}},
-       {"x", {"x_m", "p_RS_R_x", "p_x", "px", "tx", "x"}},
-       {"y", {"y_m", "p_RS_R_y", "p_y", "py", "ty", "y"}},
-       {"z", {"z_m", "p_RS_R_z", "p_z", "pz", "tz", "z"}},
-       {"qx", {"qx", "q_RS_x", "q_x"}},
-       {"qy", {"qy", "q_RS_y", "q_y"}},
-       {"qz", {"qz", "q_RS_z", "q_z"}},
-       {"qw", {"qw", "q_RS_w", "q_w"}}}};
-  return kColumns;
-}
-
 struct Columns {
   std::array<std::size_t, 8> at{};  ///< as in pose_columns()
   bool nanoseconds = false;         ///< the time's name says so
   std::size_t count = 0;
+  char separator = ',';
 };
 
-/// "p_RS_R_x [m]" without its unit.
-std::string_view bare_name(std::string_view name) {
-  return trimmed_cell(name.substr(0, name.find('[')));
-}
-
 Columns find_columns(const std::filesystem::path& file, uint64_t line, std::string_view header) {
-  const std::vector<std::string_view> names = cells_of(header);
-  Columns columns{.count = names.size()};
+  const char separator = separator_of(header);
+  const std::vector<std::string_view> names = cells_of(header, separator);
+  Columns columns{.count = names.size(), .separator = separator};
   for (std::size_t i = 0; i < columns.at.size(); ++i) {
-    const ColumnNames& wanted = pose_columns()[i];
-    const auto found = std::ranges::find_if(names, [&](std::string_view name) {
-      return std::ranges::count(wanted.names, bare_name(name)) > 0;
-    });
-    if (found == names.end()) {
+    const TableColumn& wanted = pose_columns()[i];
+    columns.at[i] = find_column(names, wanted);
+    if (columns.at[i] == names.size()) {
       throw InputError(file, Place::line(line),
                        "no column is " + std::string(wanted.what) +
                            ": a table of poses has a time, x, y, z, qx, qy, qz and qw",
                        "Name the columns so in its first line");
     }
-    columns.at[i] = static_cast<std::size_t>(found - names.begin());
-    columns.nanoseconds =
-        columns.nanoseconds || found->find("[ns]") != found->npos || found->ends_with("_ns");
   }
+  const std::string_view time = names[columns.at[0]];
+  columns.nanoseconds = column_unit(time) == "ns" || time.ends_with("_ns");
   return columns;
 }
 
@@ -116,8 +91,10 @@ std::optional<StampedPose> pose_of(const std::filesystem::path& file, uint64_t l
 }  // namespace
 
 bool is_table(std::string_view text) {
-  const std::vector<std::string_view> names = cells_of(text.substr(0, text.find('\n')));
-  return names.size() >= pose_columns().size() &&
+  const std::string_view first = text.substr(0, text.find('\n'));
+  const char separator = separator_of(first);
+  const std::vector<std::string_view> names = cells_of(first, separator);
+  return separator != ' ' && names.size() >= pose_columns().size() &&
          std::ranges::all_of(names, [](std::string_view name) {
            return !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0;
          });
@@ -128,7 +105,7 @@ Trajectory read_pose_table(const std::filesystem::path& file, std::string_view t
   LineReader lines(text);
   const Columns columns = find_columns(file, 1, lines.next().value_or(""));
   while (const std::optional<std::string_view> line = lines.next()) {
-    const std::vector<std::string_view> cells = cells_of(*line);
+    const std::vector<std::string_view> cells = cells_of(*line, columns.separator);
     if (trimmed_cell(*line).empty()) {
       continue;
     }

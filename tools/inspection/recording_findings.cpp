@@ -11,6 +11,7 @@
 #include "adit/slam/core/text.hpp"
 #include "adit/slam/core/units.hpp"
 
+#include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/containers/declaration_error.hpp"
 #include "adit/tools/inspection/clock_findings.hpp"
 #include "adit/tools/inspection/topic_findings.hpp"
@@ -218,6 +219,17 @@ void check_sweeps(const TopicStatistics& topic, TopicFindings& findings) {
   if (s.empty > 0) {
     findings.problem("empty_sweeps", of(s.empty, topic.events) + " sweeps are empty: no return",
                      "they cannot be placed", "Check the sensor and its filters");
+  }
+  if (!s.offset.isZero(0.0)) {
+    findings.notice("large_coordinates",
+                    "its points lie about " + offset_text(s.offset) + " from the origin",
+                    "adit subtracts that from all clouds, so that they keep their millimetres: "
+                    "ranges are measured from there, and results are relative to it",
+                    "Add it to the results for the coordinates of the recording");
+  }
+  if (s.coordinate_step > 0.0) {
+    findings.problem("coarse_coordinates", coarse_note(s.coordinate_step),
+                     "surfaces are rounded away", "Export the clouds again");
   }
   // Sweeps without points have no times for want of points.
   if (s.with_times < topic.with_points()) {

@@ -122,6 +122,11 @@ void bind_sweep(py::module_& module) {
           },
           "(n, 4) float32: x y z in m, intensity. A view, not writable.")
       .def_property_readonly(
+          "offset", [](const Held& self) { return Eigen::Vector3d(self.value.offset); },
+          "(3,) float64, m: points + offset are the coordinates of the recording. Zero unless "
+          "these\n"
+          "are so large that float32 would round them.")
+      .def_property_readonly(
           "times",
           [](const py::object& self) -> py::object {
             const Sweep& sweep = self.cast<const Held&>().value;

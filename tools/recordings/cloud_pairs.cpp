@@ -13,12 +13,16 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
+#include "adit/tools/clouds/cloud_origin.hpp"
+#include "adit/tools/support/input_file.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
 
+// m. Coarser coordinates round surfaces away: range sensors measure to one or two centimetres.
+constexpr double kCoarsest = 0.01;
 // m: beyond, neighbouring float32 are more than 8 mm apart.
 constexpr float kFarthest = 1e5F;
 constexpr double kFarthestGuess = 1e6;  // m
@@ -92,7 +96,7 @@ bool is_return(const Point& p) {
          (p.x != 0.0F || p.y != 0.0F || p.z != 0.0F);
 }
 
-void require_points(const Sweep& sweep, const fs::path& file) {
+void require_points(const Sweep& sweep, double step, const fs::path& file) {
   if (std::ranges::none_of(sweep.points, is_return)) {
     throw InputError(file, {},
                      sweep.points.empty()
@@ -100,6 +104,9 @@ void require_points(const Sweep& sweep, const fs::path& file) {
                          : "all of its " + std::to_string(sweep.points.size()) +
                                " points are NaN or at the sensor: none is a return",
                      "Take a cloud with points");
+  }
+  if (step > kCoarsest) {
+    throw InputError(file, {}, "it lies far from the origin, and " + coarse_note(step), "");
   }
   const auto far = std::ranges::find_if(sweep.points, [](const Point& p) {
     return is_return(p) &&
@@ -136,10 +143,7 @@ std::optional<Eigen::Isometry3d> pose_of_numbers(std::span<const double> numbers
 }
 
 std::vector<NamedPair> read_pairs(const fs::path& file) {
-  std::ifstream in(file);
-  if (!in || fs::is_directory(file)) {
-    throw InputError(file, {}, "it cannot be read", "Check the path: it is a list of pairs");
-  }
+  std::ifstream in = open_text_file(file);
   std::vector<NamedPair> pairs;
   std::string line;
   for (uint64_t number = 1; std::getline(in, line); ++number) {
@@ -153,18 +157,39 @@ std::vector<NamedPair> read_pairs(const fs::path& file) {
   return pairs;
 }
 
-Sweep read_cloud(const std::string& name) {
+Sweep read_cloud(const std::string& name, const std::function<void(const InputError&)>& damage) {
   const auto [file, number] = file_and_number(name);
   const std::unique_ptr<Recording> recording = open_recording(file);
   EventSelection selection;
   selection.topics = {sweep_topic(*recording, file, std::nullopt)};
   selection.skip = number;
   const std::unique_ptr<EventStream> events = recording->events(selection);
-  while (std::optional<Event> event = events->next()) {
-    if (auto* sweep = std::get_if<Sweep>(&event->value)) {
-      require_points(*sweep, file);
-      return std::move(*sweep);
+  std::vector<InputError> damaged;
+  for (bool more = true; more;) {
+    std::optional<Event> event;
+    try {
+      event = events->next();
+      more = event.has_value();
+    } catch (const InputError& error) {
+      damaged.push_back(error);
     }
+    const auto* sweep = event ? std::get_if<Sweep>(&event->value) : nullptr;
+    if (sweep == nullptr) {
+      continue;
+    }
+    if (event->number.value_or(number) != number) {
+      break;  // the one that is wanted could not be read at all
+    }
+    require_points(*sweep, event->coordinate_step, file);
+    for (const InputError& error : damaged) {
+      if (damage) {
+        damage(error);
+      }
+    }
+    return *sweep;
+  }
+  if (!damaged.empty()) {
+    throw InputError(damaged.front());
   }
   throw InputError(file, {}, "it has no sweep number " + std::to_string(number),
                    "Sweeps are counted from 0; `adit inspect` says how many there are");

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,8 +34,10 @@ struct NamedPair {
 std::vector<NamedPair> read_pairs(const std::filesystem::path& file);
 
 /// Reads the cloud that is named: a file of points, or of a recording its first sweep; NAME@N is
-/// the recording's sweep N, counted from 0. Throws InputError where there is none, where it has no
-/// points, or where they lie so far from the origin that their coordinates are coarse.
-Sweep read_cloud(const std::string& name);
+/// the recording's sweep N, counted from 0. `damage` hears of what is left out. Throws InputError
+/// where there is none, where it has no points, or where their coordinates are coarse: rounded to
+/// float32 far from the origin.
+Sweep read_cloud(const std::string& name,
+                 const std::function<void(const InputError&)>& damage = {});
 
 }  // namespace adit

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/clouds/sweep_times.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -42,8 +44,8 @@ Reading parse(std::string_view line) {
     reading[i] = *value;
   }
   if (!(std::abs(reading[kLatitude]) < 89.9 && std::abs(reading[kLatitude + 1]) <= 360.0)) {
-    throw SeriesLineError("its latitude and longitude are " + std::to_string(reading[kLatitude]) +
-                          " and " + std::to_string(reading[kLatitude + 1]) + " degrees");
+    throw SeriesLineError(fmt::format("its latitude and longitude are {:g} and {:g} degrees",
+                                      reading[kLatitude], reading[kLatitude + 1]));
   }
   return reading;
 }
@@ -313,7 +315,8 @@ std::unique_ptr<Recording> with_kitti_raw_series(const fs::path& drive,
                                        {.begin = selection.begin,
                                         .end = selection.end,
                                         .point_time_unit = selection.point_time_unit,
-                                        .coordinate_scale = selection.coordinate_scale}));
+                                        .coordinate_scale = selection.coordinate_scale,
+                                        .floats_per_point = selection.floats_per_point}));
                                  }});
   return make_series_recording(std::move(description), std::move(series));
 }

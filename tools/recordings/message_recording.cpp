@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/clouds/point_time_vote.hpp"
+#include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/recordings/message_cameras.hpp"
 #include "adit/tools/recordings/packet_messages.hpp"
 #include "adit/tools/recordings/recording_parts.hpp"
@@ -44,10 +45,11 @@ struct HeldMessage {
   std::optional<InputError> damage{};
 };
 
-/// What the first sweeps of a topic tell of the unit of their points' times (s), if anything.
-/// Damaged ones do not count.
-std::optional<double> told_time_unit(const std::vector<Part>& parts, std::size_t topic,
-                                     std::optional<double> coordinate_scale) {
+/// How the clouds of a topic are to be read, all alike, by what the first of them tell: the unit of
+/// their points' times, and where they lie. Damaged ones do not count.
+CloudReading told_reading(const std::vector<Part>& parts, std::size_t topic,
+                          const EventSelection& selected) {
+  CloudReading reading{.coordinate_scale = selected.coordinate_scale};
   PointTimeVote vote;
   std::size_t asked = 0;
   for (const Part& part : parts) {
@@ -66,11 +68,14 @@ std::optional<double> told_time_unit(const std::vector<Part>& parts, std::size_t
         const std::optional<RawMessage> message = stream->next();
         more = message.has_value();
         if (message) {
-          const ros::MessageEvents events =
-              ros::to_events(part.file->channels()[message->channel], *message, part.file->path(),
-                             {.coordinate_scale = coordinate_scale});
+          const ros::MessageEvents events = ros::to_events(part.file->channels()[message->channel],
+                                                           *message, part.file->path(), reading);
+          const auto& sweep = std::get<Sweep>(events.values.at(0));
+          if (std::ranges::any_of(sweep.points, is_return)) {
+            reading.offset = reading.offset.value_or(sweep.offset);
+          }
           if (events.point_times) {
-            vote.add(std::get<Sweep>(events.values.front()), *events.point_times);
+            vote.add(sweep, *events.point_times);
           }
         }
       } catch (const InputError&) {
@@ -80,7 +85,8 @@ std::optional<double> told_time_unit(const std::vector<Part>& parts, std::size_t
       }
     }
   }
-  return vote.unit();
+  reading.time_unit = selected.point_time_unit ? selected.point_time_unit : vote.unit();
+  return reading;
 }
 
 class MessageEventStream final : public EventStream {
@@ -92,7 +98,7 @@ class MessageEventStream final : public EventStream {
         selection_(std::move(selection)),
         packets_(packets),
         taken_(topics.size()),
-        time_units_(topics.size()) {
+        readings_(topics.size()) {
     for (std::size_t i = 0; i < topics.size(); ++i) {
       const bool chosen = selection_.topics.empty() || std::ranges::count(selection_.topics, i) > 0;
       wanted_.push_back(chosen && topics[i].kind != TopicKind::other);
@@ -113,6 +119,11 @@ class MessageEventStream final : public EventStream {
 
   std::optional<Event> next() override {
     while (true) {
+      if (!faults_.empty()) {  // of the events that are ready
+        const InputError fault = faults_.front();
+        faults_.pop_front();
+        throw InputError(fault);
+      }
       if (!ready_.empty()) {
         Event event = std::move(ready_.front());
         ready_.pop_front();
@@ -240,16 +251,20 @@ class MessageEventStream final : public EventStream {
     };
     std::vector<std::string> left_out;
     try {
-      ros::MessageEvents events = ros::to_events(
-          channel, message, file, {time_unit(topic, channel), selection_.coordinate_scale},
-          current_->cameras[message.channel].get());
+      ros::MessageEvents events = ros::to_events(channel, message, file, reading_of(topic, channel),
+                                                 current_->cameras[message.channel].get());
       for (EventValue& value : events.values) {
         if (auto* sweep = std::get_if<Sweep>(&value)) {
           sweep->source = channel.topic + "#" + std::to_string(number);
         }
         ready_.push_back({topic, message.received, std::move(value),
                           ready_.empty() ? message.bytes.size() : 0, events.frame,
-                          events.point_times, number, events.has_intensity});
+                          events.point_times, number, events.has_intensity,
+                          events.coordinate_step});
+      }
+      for (const InputError& fault : events.faults) {
+        faults_.emplace_back(file, Place::named(place + ", " + fault.place()), fault.found(),
+                             fault.remedy());
       }
       left_out = std::move(events.left_out);
     } catch (const ros::CodecError& error) {
@@ -266,31 +281,32 @@ class MessageEventStream final : public EventStream {
     }
   }
 
-  /// s, of the times of points, where it is known.
-  std::optional<double> time_unit(std::size_t topic, const Channel& channel) {
-    if (selection_.point_time_unit || channel.type != ros::PointCloud2::kType) {
-      return selection_.point_time_unit;
+  CloudReading reading_of(std::size_t topic, const Channel& channel) {
+    if (channel.type != ros::PointCloud2::kType) {
+      return {.time_unit = selection_.point_time_unit,
+              .coordinate_scale = selection_.coordinate_scale};
     }
-    std::optional<std::optional<double>>& unit = time_units_[topic];
-    if (!unit) {  // asked once, also where the answer is that nothing tells it
-      unit.emplace(told_time_unit(*parts_, topic, selection_.coordinate_scale));
+    std::optional<CloudReading>& reading = readings_[topic];
+    if (!reading) {
+      reading = told_reading(*parts_, topic, selection_);
     }
-    return *unit;
+    return *reading;
   }
 
   const std::vector<Part>* parts_;
   EventSelection selection_;
-  const PacketTopics* packets_;                                   // null where there are none
-  std::optional<PacketDecoder> decoder_;                          // their decoder
-  PacketOrder<HeldMessage> order_;                                // what waits, if there are
-  bool ended_ = false;                                            // no message is left to read
-  std::vector<bool> wanted_;                                      // by topic
-  std::vector<uint64_t> taken_;                                   // messages so far, by topic
-  std::vector<std::optional<std::optional<double>>> time_units_;  // s, by topic, if asked for
+  const PacketTopics* packets_;                        // null where there are none
+  std::optional<PacketDecoder> decoder_;               // their decoder
+  PacketOrder<HeldMessage> order_;                     // what waits, if there are
+  bool ended_ = false;                                 // no message is left to read
+  std::vector<bool> wanted_;                           // by topic
+  std::vector<uint64_t> taken_;                        // messages so far, by topic
+  std::vector<std::optional<CloudReading>> readings_;  // by topic, once asked for
   uint64_t skipped_ = 0;
   const Part* current_ = nullptr;
   std::unique_ptr<PartStream> stream_;
   std::deque<Event> ready_;
+  std::deque<InputError> faults_;
 };
 
 class MessageRecording final : public Recording {

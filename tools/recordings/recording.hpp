@@ -61,6 +61,7 @@ struct Event {
   std::optional<PointTimeNature> point_times{};  ///< for sweeps with times
   std::optional<std::size_t> number{};  ///< place among the topic's messages, from 0, if known
   bool has_intensity = true;            ///< false: those of a sweep's points are made up zeros
+  double coordinate_step = 0.0;         ///< of a sweep, as CloudFile::coordinate_step
 };
 
 /// The event's own time; that of a static transform is when it was received.
@@ -72,8 +73,9 @@ struct EventSelection {
   Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
-  std::optional<double> point_time_unit{};   ///< s; none: inferred from the first sweeps
-  std::optional<double> coordinate_scale{};  ///< m of a step of the coordinates; none: metres
+  std::optional<double> point_time_unit{};     ///< s; none: inferred from the first sweeps
+  std::optional<double> coordinate_scale{};    ///< m of a step of the coordinates; none: metres
+  std::optional<uint32_t> floats_per_point{};  ///< of .bin files; none: found by their numbers
 };
 
 /// Reads the events of a recording, one after the other.
@@ -86,7 +88,8 @@ class EventStream {
 
   /// The next event, nothing at the end. Throws InputError at a damaged place, DeclarationError
   /// where messages that a container declares are not there; the call after that goes on behind it
-  /// if there is a way to, else finds the end.
+  /// if there is a way to, else finds the end. Of a sweep that is damaged in part the damage comes
+  /// first, then the rest of the sweep.
   virtual std::optional<Event> next() = 0;
 };
 

@@ -137,6 +137,8 @@ MessageEvents sweep(CloudFile cloud, std::string frame) {
   events.frame = std::move(frame);
   events.point_times = std::move(cloud.times);
   events.has_intensity = cloud.has_intensity;
+  events.coordinate_step = cloud.coordinate_step;
+  events.faults = std::move(cloud.faults);
   return events;
 }
 

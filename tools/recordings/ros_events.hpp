@@ -29,6 +29,8 @@ struct MessageEvents {
   std::optional<PointTimeNature> point_times;  ///< for a sweep with times
   bool has_intensity = true;                   ///< false: those of a sweep's points are made up
   std::vector<std::string> left_out{};         ///< damaged parts, a clause each, for people
+  double coordinate_step = 0.0;                ///< of a sweep, as CloudFile::coordinate_step
+  std::vector<InputError> faults{};            ///< damage of a sweep that is left out of it
 };
 
 /// The events in a message, in its order; none for kinds that are not understood. A message whose

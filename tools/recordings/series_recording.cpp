@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "adit/tools/support/input_file.hpp"
+
 namespace adit {
 namespace {
 
@@ -93,12 +95,8 @@ class SeriesRecording final : public Recording {
 /// Walks over the lines of one file.
 class LineStream final : public EventStream {
  public:
-  LineStream(const fs::path& file, ReadLine read)
-      : file_(file), read_(std::move(read)), stream_(file, std::ios::binary) {
-    if (!stream_) {
-      throw InputError(file, {}, "cannot be read", "Check its permissions");
-    }
-  }
+  LineStream(const fs::path& file, ReadLine read, uint64_t header)
+      : file_(file), read_(std::move(read)), stream_(open_text_file(file)), header_(header) {}
 
   std::optional<Event> next() override {
     std::array<char, kLongestLine> buffer{};
@@ -112,7 +110,7 @@ class LineStream final : public EventStream {
       }
       std::string_view text(buffer.data());
       text = text.substr(0, text.find_last_not_of("\r \t") + 1);
-      if (text.empty() || text.front() == '#') {
+      if (text.empty() || text.front() == '#' || line_ <= header_) {
         continue;
       }
       try {
@@ -135,14 +133,18 @@ class LineStream final : public EventStream {
   fs::path file_;
   ReadLine read_;
   std::ifstream stream_;
+  uint64_t header_;  // lines
   uint64_t line_ = 0;
 };
 
-/// Lines that are no comments.
-uint64_t count_lines(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+/// Lines after the header that are no comments.
+uint64_t count_lines(const fs::path& file, uint64_t header) {
+  std::ifstream stream = open_text_file(file);
   uint64_t lines = 0;
   bool at_begin = true;
+  for (std::string line; header > 0 && std::getline(stream, line);) {
+    --header;
+  }
   for (std::array<char, 65536> buffer{}; stream;) {
     stream.read(buffer.data(), buffer.size());
     for (std::streamsize i = 0; i < stream.gcount(); ++i) {
@@ -178,10 +180,10 @@ Eigen::Isometry3d series_pose(const Eigen::Vector3d& position, const std::array<
   return pose;
 }
 
-EventSeries text_series(Topic topic, const fs::path& file, ReadLine read) {
-  topic.messages = count_lines(file);
-  return {std::move(topic), [file, read = std::move(read)](const EventSelection&) {
-            return std::make_unique<LineStream>(file, read);
+EventSeries text_series(Topic topic, const fs::path& file, ReadLine read, uint64_t header) {
+  topic.messages = count_lines(file, header);
+  return {std::move(topic), [file, header, read = std::move(read)](const EventSelection&) {
+            return std::make_unique<LineStream>(file, read, header);
           }};
 }
 

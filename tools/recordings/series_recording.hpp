@@ -43,7 +43,9 @@ Eigen::Isometry3d series_pose(const Eigen::Vector3d& position, const std::array<
 /// A line (not empty, no comment) as an event; throws SeriesLineError where it is none.
 using ReadLine = std::function<EventValue(std::string_view line)>;
 
-/// The lines of a text file, in its order.
-EventSeries text_series(Topic topic, const std::filesystem::path& file, ReadLine read);
+/// The lines of a text file, in its order, after the first `header` lines. Throws InputError where
+/// the file cannot be read.
+EventSeries text_series(Topic topic, const std::filesystem::path& file, ReadLine read,
+                        uint64_t header = 0);
 
 }  // namespace adit

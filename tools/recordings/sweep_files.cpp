@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "adit/tools/clouds/point_time_vote.hpp"
+#include "adit/tools/clouds/returns.hpp"
 #include "adit/tools/recordings/kitti_raw.hpp"
 #include "adit/tools/recordings/sweep_listing.hpp"
 
@@ -23,34 +24,42 @@ constexpr const char* kWhatIsRead =
     "(velodyne_points/data/*.bin), EuRoC (mav0/) or TUM RGB-D (depth.txt); a folder of .bin, .pcd, "
     ".ply or .las files, or one such file";
 
-/// What the first sweeps tell of the unit of their points' times (s), if anything. Damaged ones
-/// do not count.
-std::optional<double> told_time_unit(const SweepFiles& sweeps,
-                                     std::optional<double> coordinate_scale) {
+/// How the sweeps are to be read, all alike, by what the first of them tell: the unit of their
+/// points' times, where they lie, and how many numbers a point has. Damaged ones do not count.
+CloudReading told_reading(const SweepFiles& sweeps, const EventSelection& selection) {
+  CloudReading reading{.time_unit = selection.point_time_unit,
+                       .coordinate_scale = selection.coordinate_scale,
+                       .floats_per_point = selection.floats_per_point};
   PointTimeVote vote;
   const std::size_t count = std::min(sweeps.files.size(), PointTimeVote::kSweeps);
   for (std::size_t i = 0; i < count; ++i) {
     try {
-      const CloudFile cloud =
-          sweeps.kind->read(sweeps.files[i], {.coordinate_scale = coordinate_scale});
-      if (!cloud.times) {
+      const CloudFile cloud = sweeps.kind->read(sweeps.files[i], reading);
+      if (std::ranges::any_of(cloud.sweep.points, is_return)) {
+        reading.offset = reading.offset.value_or(cloud.sweep.offset);
+        reading.floats_per_point =
+            reading.floats_per_point ? reading.floats_per_point : cloud.floats_per_point;
+      }
+      if (!cloud.times && reading.offset) {
         break;  // none of them has any, as a rule
       }
-      vote.add(cloud.sweep, *cloud.times);
+      if (cloud.times) {
+        vote.add(cloud.sweep, *cloud.times);
+      }
     } catch (const InputError&) {
       // reported where the events are read
     }
   }
-  return vote.unit();
+  if (!reading.time_unit) {
+    reading.time_unit = vote.unit();
+  }
+  return reading;
 }
 
 class SweepFileStream final : public EventStream {
  public:
   SweepFileStream(const SweepFiles& sweeps, const EventSelection& selection)
-      : sweeps_(&sweeps), end_(selection.end), scale_(selection.coordinate_scale) {
-    if (selection.point_time_unit) {
-      time_unit_ = selection.point_time_unit;
-    }
+      : sweeps_(&sweeps), selection_(selection) {
     const auto& stamps = sweeps.stamps;
     const auto first = std::lower_bound(stamps.begin(), stamps.end(), selection.begin);
     const auto rest = static_cast<uint64_t>(stamps.end() - first);
@@ -58,11 +67,19 @@ class SweepFileStream final : public EventStream {
   }
 
   std::optional<Event> next() override {
-    if (index_ == sweeps_->files.size() || sweeps_->stamps[index_] > end_) {
-      return std::nullopt;
+    if (cloud_ && next_fault_ < cloud_->faults.size()) {
+      throw InputError(cloud_->faults[next_fault_++]);
     }
-    const fs::path& file = sweeps_->files[index_];
-    CloudFile cloud = read(index_++);
+    if (!cloud_) {
+      if (index_ == sweeps_->files.size() || sweeps_->stamps[index_] > selection_.end) {
+        return std::nullopt;
+      }
+      cloud_ = read(index_++);
+      next_fault_ = 0;
+      return next();
+    }
+    const fs::path& file = sweeps_->files[index_ - 1];
+    CloudFile cloud = std::move(*std::exchange(cloud_, std::nullopt));
     const Nanoseconds stamp = cloud.sweep.stamp;
     std::error_code ignored;
     return Event{.topic = 0,
@@ -72,16 +89,17 @@ class SweepFileStream final : public EventStream {
                  .frame = {},
                  .point_times = std::move(cloud.times),
                  .number = index_ - 1,
-                 .has_intensity = cloud.has_intensity};
+                 .has_intensity = cloud.has_intensity,
+                 .coordinate_step = cloud.coordinate_step};
   }
 
  private:
   CloudFile read(std::size_t index) {
     const fs::path& file = sweeps_->files[index];
-    if (!time_unit_) {
-      time_unit_ = told_time_unit(*sweeps_, scale_);
+    if (!reading_) {
+      reading_ = told_reading(*sweeps_, selection_);
     }
-    CloudFile cloud = sweeps_->kind->read(file, {*time_unit_, scale_});
+    CloudFile cloud = sweeps_->kind->read(file, *reading_);
     if (!cloud.absolute_stamp) {
       cloud.sweep.stamp += sweeps_->stamps[index];
     }
@@ -104,11 +122,11 @@ class SweepFileStream final : public EventStream {
   }
 
   const SweepFiles* sweeps_;
-  Nanoseconds end_;
-  std::optional<double> scale_;  // EventSelection::coordinate_scale
-  // s, of the times of points: not asked for yet, or not known
-  std::optional<std::optional<double>> time_unit_;
-  std::size_t index_ = 0;
+  EventSelection selection_;
+  std::optional<CloudReading> reading_;  // once it was asked for
+  std::size_t index_ = 0;                // of the next file
+  std::optional<CloudFile> cloud_;       // was read and is to come
+  std::size_t next_fault_ = 0;           // of its faults
   std::optional<std::pair<std::size_t, Nanoseconds>>
       last_;  // sweep that was read last, and its stamp
 };
@@ -139,7 +157,9 @@ class FileRecording final : public Recording {
       const std::string seconds = std::to_string(duration.count());
       text += " over " + seconds.substr(0, seconds.find('.') + 2) + " s";
     }
-    return text + "; " + sweeps_.times_from;
+    const std::string layout =
+        sweeps_.kind->describe != nullptr ? sweeps_.kind->describe(sweeps_.files.front()) : "";
+    return text + "; " + sweeps_.times_from + (layout.empty() ? "" : "; " + layout);
   }
 
  private:

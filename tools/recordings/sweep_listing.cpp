@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "adit/tools/clouds/kitti_bin.hpp"
+#include "adit/tools/clouds/bin_reader.hpp"
 #include "adit/tools/clouds/las_reader.hpp"
 #include "adit/tools/clouds/pcd_reader.hpp"
 #include "adit/tools/clouds/ply_reader.hpp"
@@ -21,15 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr Nanoseconds kAssumedPeriod = std::chrono::milliseconds(100);
 
-CloudFile read_bin_cloud(const fs::path& file, const CloudReading&) {
-  return {read_kitti_bin(file), false};
-}
-
 constexpr std::array<SweepFileKind, 4> kKinds = {{
-    {".bin", "KITTI .bin", read_bin_cloud},
-    {".pcd", "PCD", read_pcd},
-    {".ply", "PLY", read_ply},
-    {".las", "LAS", read_las},
+    {".bin", "KITTI .bin", read_bin, describe_bin},
+    {".pcd", "PCD", read_pcd, nullptr},
+    {".ply", "PLY", read_ply, nullptr},
+    {".las", "LAS", read_las, nullptr},
 }};
 
 /// For a message: the first number that is missing in names that are numbers ("000177"), or

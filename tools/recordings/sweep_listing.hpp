@@ -20,6 +20,8 @@ struct SweepFileKind {
   std::string_view extension;  ///< with its dot, lower case
   std::string_view name;       ///< for people
   CloudFile (*read)(const std::filesystem::path&, const CloudReading& reading);
+  /// For people: what is unusual about the layout of a file, or empty; null where its header tells.
+  std::string (*describe)(const std::filesystem::path&);
 };
 
 /// The kind by the file's extension, upper or lower case; null where it is none.

@@ -124,7 +124,7 @@ class DepthStream final : public EventStream {
  private:
   void read(Event& event) {
     const fs::path file = folder_ / name_;
-    const std::string content = read_text_file(file);
+    const std::string content = read_whole_file(file);
     const DepthPng image = parse_depth_png(file, content);
     if (!camera_ || camera_->model().width != image.width ||
         camera_->model().height != image.height) {

@@ -11,6 +11,7 @@
 #include "adit/slam/core/lie.hpp"
 #include "adit/tools/clouds/sweep_times.hpp"
 #include "adit/tools/support/input_file.hpp"
+#include "adit/tools/support/table_cells.hpp"
 
 namespace adit {
 namespace {
@@ -41,8 +42,28 @@ Numbers parse_numbers(const std::filesystem::path& file, uint64_t line,
   return numbers;
 }
 
+/// Where a line of eight columns has its time, x, y, z, qx, qy, qz and qw.
+using TumOrder = std::array<std::size_t, kTumColumns>;
+
+/// By a comment that names all eight columns.
+std::optional<TumOrder> named_order(std::string_view line) {
+  const std::vector<std::string_view> names = cells_of(line, separator_of(line));
+  TumOrder order{};
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    order[i] = find_column(names, pose_columns()[i]);
+    if (names.size() != order.size() || order[i] == names.size()) {
+      return std::nullopt;
+    }
+  }
+  return order;
+}
+
 StampedPose tum_pose(const std::filesystem::path& file, uint64_t line,
-                     std::span<const std::string_view> words) {
+                     std::span<const std::string_view> written, const TumOrder& order) {
+  std::array<std::string_view, kTumColumns> words;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    words[i] = written[order[i]];
+  }
   const std::optional<Nanoseconds> stamp = parse_seconds(words[0]);
   if (!stamp) {
     throw InputError(file, Place::line(line),
@@ -107,8 +128,12 @@ Trajectory read_trajectory(const std::filesystem::path& file,
   Trajectory trajectory;
   trajectory.file = file;
   std::size_t columns = 0;
+  TumOrder order{0, 1, 2, 3, 4, 5, 6, 7};
   LineReader lines(text);
   while (const std::optional<std::string_view> line = lines.next()) {
+    if (line->starts_with('#') && trajectory.poses.empty()) {
+      order = named_order(*line).value_or(order);
+    }
     if (line->starts_with(kPart) && !trajectory.poses.empty()) {
       trajectory.parts.push_back(trajectory.poses.size());
     }
@@ -123,7 +148,7 @@ Trajectory read_trajectory(const std::filesystem::path& file,
     }
     columns = count;
     const std::span<const std::string_view> used = std::span(words).first(count);
-    const StampedPose pose = count == kTumColumns ? tum_pose(file, lines.number(), used)
+    const StampedPose pose = count == kTumColumns ? tum_pose(file, lines.number(), used, order)
                                                   : kitti_pose(file, lines.number(), used);
     if (!trajectory.poses.empty() && pose.stamp < trajectory.poses.back().stamp) {
       throw InputError(file, Place::line(lines.number()),

@@ -43,7 +43,8 @@ struct Trajectory {
 Trajectory part_of(const Trajectory& trajectory, std::size_t number);
 
 /// Reads either format, told apart by 8 or 12 columns; '#' starts a comment, of which one that
-/// a TrajectoryWriter has written begins a part; blank lines are skipped. Quaternions are
+/// a TrajectoryWriter has written begins a part, and one before the poses that names all eight
+/// columns tells their order; blank lines are skipped. Quaternions are
 /// normalised, rotation matrices brought back to the nearest rotation. `times` (one number in
 /// seconds a line) stamps a KITTI trajectory. Throws InputError with the line: not numbers, not
 /// finite, a mixture of formats, no rotation, times that go backwards, no pose at all.

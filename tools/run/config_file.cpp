@@ -16,6 +16,7 @@
 
 #include "adit/tools/run/presets.hpp"
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/input_file.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/toml.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -208,7 +209,8 @@ std::string read_text(const fs::path& file) {
   if (!stream || !(text << stream.rdbuf() || stream.peek() == EOF)) {
     throw InputError(file, Place(), "cannot be read", "Check the path and its permissions");
   }
-  return text.str();
+  const std::string whole = text.str();
+  return whole.substr(start_of_text(file, whole));
 }
 
 /// InputError ends both parts with a full stop.

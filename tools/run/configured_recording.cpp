@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/topics/topic_statistics.hpp"
 
 namespace adit {
@@ -75,6 +76,9 @@ class ConfiguredRecording final : public Recording {
     EventSelection told = selection;
     told.point_time_unit = config_.point_time_unit;
     told.coordinate_scale = config_.coordinate_scale;
+    if (config_.floats_per_point != 0) {
+      told.floats_per_point = static_cast<uint32_t>(config_.floats_per_point);
+    }
     return std::make_unique<CorrectedStream>(recording_->events(told), config_);
   }
 
@@ -120,6 +124,7 @@ std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::pat
 std::size_t require_clear_point_times(const Recording& recording, std::size_t topic,
                                       const std::filesystem::path& path) {
   constexpr int kSweeps = 5;
+  constexpr double kCoarsest = 0.01;  // m, what range sensors measure to
   std::size_t most_points = 0;
   TopicStatistics statistics;
   std::string place;
@@ -135,6 +140,9 @@ std::size_t require_clear_point_times(const Recording& recording, std::size_t to
       break;
     }
     place = std::get<Sweep>(event->value).source;
+    if (event->coordinate_step > kCoarsest) {
+      throw InputError(path, Place::named(place), coarse_note(event->coordinate_step), "");
+    }
     most_points = std::max(most_points, std::get<Sweep>(event->value).points.size());
     statistics.add(*event);
   }

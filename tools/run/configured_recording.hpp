@@ -24,7 +24,9 @@ std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::pat
 
 /// Reads the first sweeps of a topic and throws InputError where the times of their points cannot
 /// be meant as they are understood: sweeps that last longer than it takes to the next, or next to
-/// no time. Says what to put into the configuration. Returns the points of the largest of them.
+/// no time. Says what to put into the configuration. Throws likewise where the coordinates are
+/// rounded to float32 so far from the origin that a centimetre is lost. Returns the points of the
+/// largest of them.
 std::size_t require_clear_point_times(const Recording& recording, std::size_t topic,
                                       const std::filesystem::path& path);
 

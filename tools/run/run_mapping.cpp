@@ -15,6 +15,7 @@
 
 #include "adit/engine/error.hpp"
 #include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/recordings/events_ahead.hpp"
 #include "adit/tools/run/device_session.hpp"
 #include "adit/tools/run/inertial_text.hpp"
@@ -167,6 +168,9 @@ void add(const Mapping& mapping, Event event, Mapped& done) {
         mapping.slam.flush();
       }
       return;
+    }
+    if (done.added == 0 && !sweep->offset.isZero(0.0)) {
+      note(mapping, offset_note(sweep->offset));
     }
     ++done.added;
     sweep->number = event.number;

@@ -113,6 +113,7 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   }
   last_index_ = std::max(last_index_, index);
   last_ = pose;
+  coordinate_offset_ = sweep.offset;
   ++sweeps_;
   deskewed_ += result.deskewed ? 1 : 0;
   inertial_.add(index, result.inertial);

@@ -85,6 +85,9 @@ class RunStatistics {
   LeftOut& left_out() { return left_out_; }
   const LeftOut& left_out() const { return left_out_; }
 
+  /// m. What was subtracted from the coordinates of the sweeps (Sweep::offset).
+  const Eigen::Vector3d& coordinate_offset() const { return coordinate_offset_; }
+
   /// The stamp of the sweep that was added last.
   std::optional<Nanoseconds> last_stamp() const {
     return first_ ? std::optional(last_.stamp) : std::nullopt;
@@ -149,6 +152,7 @@ class RunStatistics {
   std::array<std::size_t, 7> statuses_{};
   std::vector<SweepFailure> failures_;
   double distance_ = 0.0;
+  Eigen::Vector3d coordinate_offset_ = Eigen::Vector3d::Zero();
   std::optional<StampedPose> first_;
   StampedPose last_;
   std::array<StageTimes, 7> host_{StageTimes{"read", {}}, StageTimes{"read_wait", {}},

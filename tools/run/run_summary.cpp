@@ -187,6 +187,8 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   json["device"]["memory_peak_bytes"] = outcome.device_peak_bytes;
   json["memory"] = {{"max_ram_bytes", run.max_ram_bytes},
                     {"resident_peak_bytes", outcome.resident_peak_bytes}};
+  const Eigen::Vector3d& offset = statistics.coordinate_offset();
+  json["input"]["coordinate_offset_m"] = {offset.x(), offset.y(), offset.z()};
   json["sweeps"] = describe_sweeps(statistics);
   json["sweeps"]["deskewed"] = statistics.deskewed();
   if (const auto start = statistics.first_stamp()) {

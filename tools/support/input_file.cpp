@@ -3,6 +3,7 @@
 #include "adit/tools/support/input_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -72,11 +73,51 @@ void InputFile::read(void* into, std::size_t bytes) {
                    "Wait until it is written");
 }
 
-std::string read_text_file(const std::filesystem::path& path) {
+std::string read_whole_file(const std::filesystem::path& path) {
   InputFile file(path);
   std::string text(file.size(), '\0');
   file.read(text.data(), text.size());
   return text;
+}
+
+std::size_t start_of_text(const std::filesystem::path& path, std::string_view head) {
+  constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
+  if (head.starts_with(kUtf8Mark)) {
+    return kUtf8Mark.size();
+  }
+  const auto is_letter = [&](std::size_t i) { return head[i] >= ' ' && head[i] <= '~'; };
+  // Letters with zeros between them: the same text without a mark.
+  const bool zeros_between =
+      head.size() >= 4 && ((is_letter(0) && head[1] == '\0' && is_letter(2) && head[3] == '\0') ||
+                           (head[0] == '\0' && is_letter(1) && head[2] == '\0' && is_letter(3)));
+  constexpr std::string_view kUtf32Mark("\0\0\xfe\xff", 4);
+  if (head.starts_with("\xff\xfe") || head.starts_with("\xfe\xff") ||
+      head.starts_with(kUtf32Mark) || zeros_between) {
+    throw InputError(path, Place::byte(0), "it is text in UTF-16 or UTF-32, and adit reads UTF-8",
+                     "Save it as UTF-8, for example with `iconv -f UTF-16 -t UTF-8`");
+  }
+  return 0;
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+  std::string text = read_whole_file(path);
+  text.erase(0, start_of_text(path, text));
+  return text;
+}
+
+std::ifstream open_text_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path, ignored)) {
+    throw InputError(path, {}, "it cannot be read", "Check the path and its permissions");
+  }
+  std::array<char, 4> head{};
+  stream.read(head.data(), head.size());
+  const auto bytes = static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0));
+  const std::size_t start = start_of_text(path, std::string_view(head.data(), bytes));
+  stream.clear();
+  stream.seekg(static_cast<std::streamoff>(start));
+  return stream;
 }
 
 std::optional<std::string_view> LineReader::next() {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,8 +44,20 @@ class InputFile {
   std::size_t size_ = 0;
 };
 
-/// The whole file. Throws InputError as InputFile does.
+/// The whole file, byte for byte. Throws InputError as InputFile does.
+std::string read_whole_file(const std::filesystem::path& path);
+
+/// Where the text of a file starts: after a byte order mark of UTF-8, if there is one. `head` is
+/// the start of the file. Throws InputError where it is text in UTF-16 or UTF-32.
+std::size_t start_of_text(const std::filesystem::path& path, std::string_view head);
+
+/// The text of a file, without a byte order mark. Throws InputError as InputFile and
+/// start_of_text() do.
 std::string read_text_file(const std::filesystem::path& path);
+
+/// A text file to be read line by line, after a byte order mark. Throws InputError where it cannot
+/// be opened, and as start_of_text() does.
+std::ifstream open_text_file(const std::filesystem::path& path);
 
 /// Walks over the lines of a text; line ends are LF or CRLF.
 class LineReader {

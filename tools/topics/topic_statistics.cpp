@@ -32,6 +32,7 @@ void take(TopicStatistics& topic, const Sweep& sweep, Nanoseconds) {
       ++s.returns_by_azimuth[static_cast<std::size_t>(turn * bins) % s.returns_by_azimuth.size()];
     }
   }
+  s.offset = sweep.offset;
   s.with_times += sweep.times.empty() ? 0U : 1U;
   if (!sweep.times.empty() && returns > 0) {
     s.duration.add(static_cast<double>(*std::ranges::max_element(sweep.times)));
@@ -154,6 +155,7 @@ void TopicStatistics::add(const Event& event) {
   timeline.add(event.received, one_event(last ? std::max(0.0, seconds(stamp - *last)) : 0.0,
                                          seconds(event.received - stamp)));
   std::visit([&](const auto& value) { take(*this, value, event.received); }, event.value);
+  sweeps.coordinate_step = std::max(sweeps.coordinate_step, event.coordinate_step);
 }
 
 uint64_t TopicStatistics::repeated() const {

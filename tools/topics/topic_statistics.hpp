@@ -63,6 +63,8 @@ struct SweepStatistics {
   uint64_t with_rings = 0;      ///< sweeps
   /// Returns for some points of each sweep, by azimuth from 0 on, 5 degrees each.
   std::array<uint64_t, 72> returns_by_azimuth{};
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  ///< m, Sweep::offset
+  double coordinate_step = 0.0;                      ///< m, the largest of Event::coordinate_step
 
   /// The widest sector of 15 degrees or more without returns, of a sensor that sees most directions
   /// about it; a sensor that does not has a field of view.

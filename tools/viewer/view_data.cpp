@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/clouds/las_reader.hpp"
 #include "adit/tools/clouds/pcd_reader.hpp"
 #include "adit/tools/clouds/ply_reader.hpp"
@@ -32,7 +33,8 @@ using nlohmann::ordered_json;
 
 constexpr uint64_t kKeyframesTold = 65'536;
 // A place beyond is no place that a sensor was at, and would make all others one point.
-constexpr double kFarthest = 1e8;  // m
+constexpr double kFarthest = 1e8;       // m
+constexpr double kLongestSurvey = 1e6;  // s
 
 /// What is shown of a folder or file.
 struct ViewFiles {
@@ -89,7 +91,7 @@ ViewFiles files_of(const fs::path& what) {
 CloudFile read_any_cloud(const fs::path& file) {
   const std::string extension = extension_of(file);
   return extension == ".pcd"   ? read_pcd(file)
-         : extension == ".las" ? read_las(file)
+         : extension == ".las" ? read_las(file, {.longest = kLongestSurvey})
                                : read_ply(file);
 }
 
@@ -200,6 +202,16 @@ std::string ViewData::graph_text(const MapDatabase& map) const {
 
 void ViewData::read_cloud(const fs::path& file, std::ostream& progress) {
   const CloudFile cloud = read_any_cloud(file);
+  for (const InputError& fault : cloud.faults) {
+    progress << "note: " << fault.what() << "\n";
+  }
+  if (!cloud.sweep.offset.isZero(0.0)) {
+    progress << "note: the coordinates are large: " << offset_text(cloud.sweep.offset)
+             << " is subtracted from what is shown\n";
+  }
+  if (cloud.coordinate_step > 0.0) {
+    progress << "note: " << coarse_note(cloud.coordinate_step) << "\n";
+  }
   const std::vector<Point>& points = cloud.sweep.points;
   Eigen::AlignedBox3d box;
   for (const Point& point : points) {
