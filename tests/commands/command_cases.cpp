@@ -244,9 +244,14 @@ int CommandCases::config(const fs::path& folder, Dice& dice, std::ostream& told)
 int CommandCases::maps(const std::string& format, const fs::path& folder, Dice& dice,
                        std::ostream& told) const {
   const fs::path copy = folder / (format == kMaps ? "map.adit" : "graph.g2o");
-  fs::copy(folder_ / "map" / copy.filename(), copy);
-  damage_file(copy, dice);
-  return format == kMaps ? call_on_map(copy, folder, *context_, dice, told)
+  const fs::path healthy = folder_ / "map" / copy.filename();
+  fs::copy(healthy, copy);
+  if (format == kMaps && dice.one_in(2)) {
+    damage_row(copy, dice);
+  } else {
+    damage_file(copy, dice);
+  }
+  return format == kMaps ? call_on_map(copy, healthy, folder, *context_, dice, told)
                          : call_on_graph(copy, folder, dice, told);
 }
 

@@ -32,9 +32,25 @@ KeyframeSubmap wall(Nanoseconds stamp) {
   return submap;
 }
 
-int info(const fs::path& map, Dice& dice, std::ostream& told) {
-  const InfoCommandOptions options{.map = map, .json = dice.one_in(2)};
-  return dice.one_in(2) ? info_command(options, told, told) : check_command(options, told, told);
+/// No command ends with it: a complaint.
+constexpr int kNoCode = -1;
+
+/// What `adit check` calls whole holds what was stored.
+int checked(const InfoCommandOptions& options, const fs::path& map, const fs::path& healthy,
+            std::ostream& told) {
+  const int code = check_command(options, told, told);
+  if (code == 0 && dump_of(MapDatabase(map, MapAccess::read)) !=
+                       dump_of(MapDatabase(healthy, MapAccess::read))) {
+    told << "it holds something else than was stored\n";
+    return kNoCode;
+  }
+  return code;
+}
+
+int info(const fs::path& map, const fs::path& healthy, Dice& dice, std::ostream& told) {
+  const InfoCommandOptions options{.map = dice.one_in(4) ? map.parent_path() : map,
+                                   .json = dice.one_in(2)};
+  return dice.one_in(3) ? info_command(options, told, told) : checked(options, map, healthy, told);
 }
 
 int loops(const fs::path& map, const fs::path& out, engine::Context& context, Dice& dice,
@@ -145,13 +161,41 @@ void write_healthy_map(const fs::path& folder) {
   }
 }
 
-int call_on_map(const fs::path& map, const fs::path& folder, engine::Context& context, Dice& dice,
-                std::ostream& told) {
+void damage_row(const fs::path& map, Dice& dice) {
+  struct Column {
+    const char* table;
+    const char* name;
+    std::size_t bytes;
+  };
+  constexpr std::array kColumns = {
+      Column{"keyframes", "pose", 96},  Column{"keyframes", "covariance", 288},
+      Column{"edges", "pose", 96},      Column{"edges", "information", 288},
+      Column{"candidates", "pose", 96}, Column{"submaps", "box", 48},
+      Column{"chunks", "zstd", 20}};
+  // The upper byte of a double makes it tiny, huge or none.
+  constexpr std::array kBytes = {"x'00'", "x'01'", "x'3f'", "x'7f'", "x'80'", "x'ff'"};
+  const Column& column = kColumns[dice.below(kColumns.size())];
+  const std::size_t at = dice.below(column.bytes);
+  const std::string row = std::to_string(dice.below(6));
+  const std::string name = column.name;
+  if (dice.is_harmless()) {
+    return;
+  }
+  SqliteDatabase(map, SqliteDatabase::Mode::update)
+      .execute(std::string("UPDATE ") + column.table + " SET " + name + " = CAST(substr(" + name +
+               ", 1, " + std::to_string(at) + ") || " + kBytes[dice.below(kBytes.size())] +
+               " || substr(" + name + ", " + std::to_string(at + 2) +
+               ") AS BLOB) WHERE rowid = (SELECT rowid FROM " + column.table + " LIMIT 1 OFFSET " +
+               row + ")");
+}
+
+int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& folder,
+                engine::Context& context, Dice& dice, std::ostream& told) {
   const fs::path out = folder / "out";
   fs::create_directories(out);
   switch (dice.below(5)) {
     case 0:
-      return info(map, dice, told);
+      return info(map, healthy, dice, told);
     case 1:
       return loops(map, out, context, dice, told);
     case 2:

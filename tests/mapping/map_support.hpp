@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "adit/slam/mapping/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/row_checksums.hpp"
 
 namespace adit::test {
 
@@ -70,6 +72,57 @@ inline MapRevision loops_of_six() {
                                        .verdict = CandidateVerdict::rejected,
                                        .reason = "too_little_overlap",
                                        .figure = 0.12}}};
+}
+
+/// A map with rows in every table: six keyframes, a loop, two fixes, a control point, an anchor, a
+/// place on the Earth, and what its end has changed.
+inline void write_full_map(const std::filesystem::path& file) {
+  MapDatabase map(file, MapAccess::write);
+  const SessionId session = add_session(map);
+  map.begin_run(session);
+  for (NodeId id = 0; id < 6; ++id) {
+    KeyframeRecord keyframe = record_of_a_point(id, session);
+    keyframe.keyframe.vertical = Vertical::gravity;
+    if (id % 3 == 1) {
+      keyframe.fixes = {{.id = 1 + id / 3,
+                         .keyframe = id,
+                         .stamp = keyframe.keyframe.stamp,
+                         .kind = GnssFixKind::satellite_augmented,
+                         .place = {48.0 + 1e-4 * static_cast<double>(id), 11.1, 500.25},
+                         .covariance = Eigen::Matrix3d::Identity(),
+                         .p_keyframe_antenna = {0.1, 0.2, 0.3},
+                         .path = 10.5 * static_cast<double>(id),
+                         .verdict = FixVerdict::used,
+                         .information = Eigen::Matrix3d::Identity(),
+                         .chi2 = 0.5}};
+    }
+    map.store(keyframe);
+  }
+  map.revise(loops_of_six());
+  map.set_anchor(session, step(3.0, 0.25));
+  const Georeference world{.origin = {48.0, 11.1, 500.25},
+                           .T_world_map = step(3.0, 0.5),
+                           .covariance = 2.0 * Matrix6d::Identity()};
+  map.revise({.georeference = world,
+              .control = std::vector<ControlPoint>{{.name = "church",
+                                                    .role = ControlRole::control,
+                                                    .keyframe = 2,
+                                                    .p_keyframe = {1.0, 2.0, 0.5},
+                                                    .p_marked = {21.0, 2.0, 0.5},
+                                                    .place = {48.0001, 11.1001, 501.5},
+                                                    .sigma = {0.02, 0.02, 0.04}}}});
+  map.begin_end(record(5, session).keyframe.stamp);
+  map.revise({.statuses = {{0, EdgeStatus::revoked}}});
+  map.set_complete(session);
+}
+
+/// Takes from a map's file what schema 8 did not have.
+inline void make_schema_8(const std::filesystem::path& file) {
+  const SqliteDatabase raw(file, SqliteDatabase::Mode::update);
+  for (const ChecksummedTable& table : kChecksummedTables) {
+    raw.execute(std::string("ALTER TABLE ") + table.name + " DROP COLUMN checksum");
+  }
+  raw.execute("PRAGMA user_version = 8");
 }
 
 inline std::string dump_of(const MapDatabase& map) {

@@ -22,6 +22,7 @@
 #include "adit/tools/commands/export_poses.hpp"
 #include "adit/tools/commands/export_raster.hpp"
 #include "adit/tools/commands/export_report.hpp"
+#include "adit/tools/maps/map_location.hpp"
 #include "adit/tools/maps/moved_space_map.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/output_file.hpp"
@@ -287,6 +288,7 @@ std::shared_ptr<const MovedSpace> find_moving(const ExportJob& job, std::ostream
 
 int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
+  static_cast<void>(find_map(options.map));
   const MemoryLimit memory(options.max_ram_bytes, kWorkingBytes);
   const MapDatabase map(options.map, MapAccess::read);
   if (options.dump && !options.output) {
@@ -328,31 +330,38 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
 }  // namespace
 
 int export_command(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit export", out, err, [&] { return run(options, out, err); });
+  return guarded("adit export", out, err, [&] {
+    ExportCommandOptions found = options;
+    found.map = map_file(options.map);
+    return run(found, out, err);
+  });
 }
 
 void add_export_command(Command app, std::function<void(int)> done) {
   const Command command = app.add_command("export", "Write what a map holds in another format");
   const auto options = std::make_shared<ExportCommandOptions>();
   command.footer(
-      "MAP is what `adit run` leaves as OUT/map.adit. Without --frame, points and poses are in "
-      "the\n"
-      "map's frame, m; of a map that is georeferenced LAS files, tiles and rasters are in UTM.\n"
+      "OUT is the folder of a run, MAP the map in it, OUT/map.adit. Without --frame, points and "
+      "poses\n"
+      "are in the map's frame, m; of a map that is georeferenced LAS files, tiles and rasters are "
+      "in UTM.\n"
       "\nExamples:\n"
-      "  adit export out/map.adit --trajectory tum -o trajectory.tum\n"
-      "  adit export out/map.adit --graph g2o -o graph.g2o\n"
-      "  adit export out/map.adit --cloud pcd --resolution 0.1 -o cloud.pcd\n"
-      "  adit export out/map.adit --cloud las --origin 48.1,11.5,520,90 -o cloud.las\n"
-      "  adit export out/map.adit --cloud las --find-moving --without-moving -o static.las\n"
-      "  adit export out/map.adit --dense ply -o dense.ply\n"
-      "  adit export out/map.adit --tiles 20 -o autoware\n"
-      "  adit export out/map.adit --raster height --cell 0.5 -o height.tif\n"
-      "  adit export out/map.adit --grid -o grid.yaml\n"
-      "  adit export out/map.adit --report -o report.html\n"
-      "  adit export out/map.adit --picture -o map.png\n"
-      "  adit export out/map.adit --dump | sha256sum\n\n"
+      "  adit export out --trajectory tum -o trajectory.tum\n"
+      "  adit export out --graph g2o -o graph.g2o\n"
+      "  adit export out --cloud pcd --resolution 0.1 -o cloud.pcd\n"
+      "  adit export out --cloud las --origin 48.1,11.5,520,90 -o cloud.las\n"
+      "  adit export out --cloud las --find-moving --without-moving -o static.las\n"
+      "  adit export out --dense ply -o dense.ply\n"
+      "  adit export out --tiles 20 -o autoware\n"
+      "  adit export out --raster height --cell 0.5 -o height.tif\n"
+      "  adit export out --grid -o grid.yaml\n"
+      "  adit export out --report -o report.html\n"
+      "  adit export out --picture -o map.png\n"
+      "  adit export out --dump | sha256sum\n\n"
       "Exit codes: 0 done, 1 the map cannot be read or the file not written, 2 usage.");
-  command.option("map", options->map, "The map").required().value_name("MAP");
+  command.option("map", options->map, "The map, or the folder of its run")
+      .required()
+      .value_name("MAP|OUT");
   command.option("-o,--output", options->output, "The file to write").value_name("FILE").written();
   command
       .option("--trajectory", options->trajectory,

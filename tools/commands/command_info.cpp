@@ -18,7 +18,9 @@
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/control_points.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_location.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/maps/writer_lock.hpp"
 
 namespace adit {
 namespace {
@@ -43,11 +45,13 @@ struct Figures {
   double seconds = 0.0;                          ///< from the first sweep to the last
   Eigen::AlignedBox3d box;                       ///< box around the sensor's positions, m
   uintmax_t bytes = 0;
+  std::optional<std::string> writer;  ///< who writes to it at this moment
 };
 
 Figures figures_of(const std::filesystem::path& file) {
   const MapDatabase map(file, MapAccess::read);
   Figures figures;
+  figures.writer = writer_of(file);
   figures.sessions = map.sessions();
   for (const MapSession& session : figures.sessions) {
     figures.runs.push_back(map.progress(session.id));
@@ -83,20 +87,25 @@ Figures figures_of(const std::filesystem::path& file) {
   }
   std::error_code ignored;
   figures.bytes = std::filesystem::file_size(file, ignored);
+  const uintmax_t log = std::filesystem::file_size(file.string() + "-wal", ignored);
+  figures.bytes += ignored ? 0 : log;  // what a run has stored lately lies there
   return figures;
 }
 
 /// What has become of the run that fills a session.
-std::string text_of(const SessionProgress& run, const std::filesystem::path& map) {
+std::string text_of(const SessionProgress& run, const std::filesystem::path& map, bool is_written) {
   if (run.complete) {
     return run.edited ? "complete, and edited since" : "complete";
   }
   if (run.edited) {
     return "not known to be complete: the map was made by an older adit, or edited or recovered";
   }
-  return "not complete: it goes on, or was stopped or killed, and `adit run --continue` goes on "
-         "with it. To copy the map take " +
-         map.filename().string() + "-wal, too, where it is";
+  const std::string copy =
+      ". To copy the map take " + map.filename().string() + "-wal, too, where it is";
+  return is_written ? "not complete: the map is being written" + copy
+                    : "not complete: it was stopped or killed, and `adit run --continue` goes on "
+                      "with it" +
+                          copy;
 }
 
 /// Where the map lies on the Earth, and by what; nothing where it does not.
@@ -122,8 +131,13 @@ std::string place_text(const Figures& figures) {
 std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
   std::string text = fmt::format("map        {}, {:.1f} MiB\n", options.map.string(),
                                  static_cast<double>(figures.bytes) / (1024.0 * 1024.0));
+  if (figures.writer) {
+    text += "writer     " + *figures.writer + ": the map is being written\n";
+  }
   if (figures.keyframes == 0) {
-    text += "keyframes  none: the run that made it ended before its first sweep was placed\n";
+    text += figures.writer
+                ? "keyframes  none yet\n"
+                : "keyframes  none: the run that made it ended before its first sweep was placed\n";
   } else {
     const Eigen::Vector3d size = figures.box.sizes();
     text += fmt::format("keyframes  {}, of {} sweeps in {:.1f} s\n", figures.keyframes,
@@ -150,7 +164,8 @@ std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
   for (std::size_t i = 0; i < figures.sessions.size(); ++i) {
     const MapSession& session = figures.sessions[i];
     text += fmt::format("session    {}: {}\n", session.id, session.name);
-    text += fmt::format("           {:<18} {}\n", "run", text_of(figures.runs[i], options.map));
+    text += fmt::format("           {:<18} {}\n", "run",
+                        text_of(figures.runs[i], options.map, figures.writer.has_value()));
     for (const auto& [key, value] : session.provenance) {
       text += fmt::format("           {:<18} {}\n", key, value);
     }
@@ -159,8 +174,10 @@ std::string text_of(const InfoCommandOptions& options, const Figures& figures) {
 }
 
 std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
+  using Json = nlohmann::ordered_json;
   nlohmann::ordered_json json = {{"schema", "info/1"},
                                  {"map", options.map.string()},
+                                 {"writer", figures.writer ? Json(*figures.writer) : Json()},
                                  {"bytes", figures.bytes},
                                  {"keyframes", figures.keyframes},
                                  {"sweeps", figures.sweeps},
@@ -204,8 +221,8 @@ std::string json_of(const InfoCommandOptions& options, const Figures& figures) {
 
 /// What is wrong with a map, beyond what its database knows: submaps that are none, sweeps in two
 /// of them.
-std::vector<std::string> problems_of(const std::filesystem::path& file) {
-  const MapDatabase map(file, MapAccess::read);
+std::vector<std::string> problems_of(const MapDatabase& map) {
+  const std::filesystem::path& file = map.file();
   std::vector<std::string> problems = map.check();
   if (!problems.empty()) {
     return problems;
@@ -229,11 +246,13 @@ std::vector<std::string> problems_of(const std::filesystem::path& file) {
 }
 
 int check(const InfoCommandOptions& options, std::ostream& out) {
-  const std::vector<std::string> problems = problems_of(options.map);
+  const MapDatabase map(options.map, MapAccess::read);
+  const std::vector<std::string> problems = problems_of(map);
   if (options.json) {
     out << nlohmann::ordered_json{{"schema", "check/1"},
                                   {"map", options.map.string()},
                                   {"whole", problems.empty()},
+                                  {"checksums", map.has_checksums()},
                                   {"problems", problems}}
                .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
         << "\n";
@@ -243,12 +262,22 @@ int check(const InfoCommandOptions& options, std::ostream& out) {
     out << problem << "\n";
   }
   if (problems.empty()) {
-    out << options.map.string() << " is whole\n";
+    out << options.map.string()
+        << (map.has_checksums()
+                ? " is whole\n"
+                : " is whole, as far as can be seen: an older adit wrote it, without checksums of "
+                  "its rows. The next command that writes to it adds them.\n");
   } else {
-    out << options.map.string() << " is damaged: " << problems.size() << " findings. `adit recover "
+    out << options.map.string() << " is damaged: " << problems.size()
+        << (problems.size() == 1 ? " finding" : " findings") << ". `adit recover "
         << options.map.string() << " -o NEW` writes what is whole into a new map.\n";
   }
   return problems.empty() ? 0 : 1;
+}
+
+InfoCommandOptions with_map(InfoCommandOptions options) {
+  options.map = find_map(options.map);
+  return options;
 }
 
 void add(Command app, const char* name, const char* what, const char* codes,
@@ -257,11 +286,13 @@ void add(Command app, const char* name, const char* what, const char* codes,
   const Command added = app.add_command(name, what);
   const auto options = std::make_shared<InfoCommandOptions>();
   added.footer(
-      "MAP is what `adit run` leaves as OUT/map.adit. A run that goes on is no hindrance.\n"
+      "OUT is the folder of a run, MAP the map in it, OUT/map.adit. A run that goes on is no "
+      "hindrance.\n"
       "\nExamples:\n  adit " +
-      std::string(name) + " out/map.adit\n  adit " + name +
-      " out/map.adit --json\n\nExit codes: " + codes);
-  added.option("map", options->map, "The map").required().value_name("MAP");
+      std::string(name) + " out\n  adit " + name + " out/map.adit --json\n\nExit codes: " + codes);
+  added.option("map", options->map, "The map, or the folder of its run")
+      .required()
+      .value_name("MAP|OUT");
   added.flag("--json", options->json, "Print JSON instead of text");
   added.action([options, command, done = std::move(done)] {
     done(command(*options, std::cout, std::cerr));
@@ -272,14 +303,15 @@ void add(Command app, const char* name, const char* what, const char* codes,
 
 int info_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit info", out, err, [&] {
-    const Figures figures = figures_of(options.map);
-    out << (options.json ? json_of(options, figures) : text_of(options, figures));
+    const InfoCommandOptions found = with_map(options);
+    const Figures figures = figures_of(found.map);
+    out << (found.json ? json_of(found, figures) : text_of(found, figures));
     return 0;
   });
 }
 
 int check_command(const InfoCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit check", out, err, [&] { return check(options, out); });
+  return guarded("adit check", out, err, [&] { return check(with_map(options), out); });
 }
 
 void add_info_command(Command app, std::function<void(int)> done) {

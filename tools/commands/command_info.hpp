@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit info MAP` and `adit check MAP`: what a map holds, and whether it is whole.
+// `adit info MAP|OUT` and `adit check MAP|OUT`: what a map holds, and whether it is whole.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace adit {
 class Command;
 
 struct InfoCommandOptions {
-  std::filesystem::path map{};
+  std::filesystem::path map{};  ///< or the folder of its run
   bool json = false;
 };
 

@@ -30,6 +30,7 @@
 #include "adit/tools/maps/loop_addition.hpp"
 #include "adit/tools/maps/loop_change.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_location.hpp"
 #include "adit/tools/run/loop_verifier.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -314,7 +315,11 @@ int run(const LoopsCommandOptions& options, std::ostream& out) {
 }  // namespace
 
 int loops_command(const LoopsCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit loops", out, err, [&] { return run(options, out); });
+  return guarded("adit loops", out, err, [&] {
+    LoopsCommandOptions found = options;
+    found.map = find_map(options.map);
+    return run(found, out);
+  });
 }
 
 void add_loops_command(Command app, std::function<void(int)> done) {
@@ -322,20 +327,23 @@ void add_loops_command(Command app, std::function<void(int)> done) {
       "loops", "List and show the loops of a map with verdicts and reasons; revoke, add one");
   const auto options = std::make_shared<LoopsCommandOptions>();
   command.footer(
-      "MAP is what `adit run` leaves as OUT/map.adit; loops are looked for with mapping.loops.\n"
+      "OUT is the folder of a run, MAP the map in it, OUT/map.adit; loops are looked for with "
+      "mapping.loops.\n"
       "--revoke takes an accepted loop back and optimises the map without it, --restore undoes "
       "that.\n--add verifies a loop between two keyframes on the device as a run does, and lets it "
       "in if "
       "it holds.\n\n"
       "Examples:\n"
-      "  adit loops out/map.adit\n"
-      "  adit loops out/map.adit --html loops.html\n"
-      "  adit loops out/map.adit --html loops.html --show 17 --show 18\n"
-      "  adit loops out/map.adit --revoke 17\n"
-      "  adit loops out/map.adit --add 3 118 --guess 1.5 0 0 170\n"
+      "  adit loops out\n"
+      "  adit loops out --html loops.html\n"
+      "  adit loops out --html loops.html --show 17 --show 18\n"
+      "  adit loops out --revoke 17\n"
+      "  adit loops out --add 3 118 --guess 1.5 0 0 170\n"
       "  adit loops out/map.adit --json\n\n"
       "Exit codes: 0 done, 1 no map that can be read or written, 2 usage, or no such loop.");
-  command.option("map", options->map, "The map").required().value_name("MAP");
+  command.option("map", options->map, "The map, or the folder of its run")
+      .required()
+      .value_name("MAP|OUT");
   command.option("--revoke", options->revoke, "Take an accepted loop back").value_name("ID");
   command.option("--restore", options->restore, "Let it in again").value_name("ID");
   command.option("--add", options->add, "Let a loop between these keyframes in, if there is one")

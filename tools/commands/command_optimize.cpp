@@ -25,6 +25,7 @@
 #include "adit/tools/maps/control_points.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 #include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/maps/map_location.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -287,7 +288,14 @@ int run(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& 
 }  // namespace
 
 int optimize_command(const OptimizeCommandOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded("adit optimize", out, err, [&] { return run(options, out, err); });
+  return guarded("adit optimize", out, err, [&] {
+    OptimizeCommandOptions found = options;
+    found.input = map_file(options.input);
+    if (is_map(found.input)) {
+      found.input = find_map(found.input);
+    }
+    return run(found, out, err);
+  });
 }
 
 void add_optimize_command(Command app, std::function<void(int)> done) {
@@ -295,7 +303,8 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
       app.add_command("optimize", "Optimise the pose graph of a map, or one in g2o's format");
   const auto options = std::make_shared<OptimizeCommandOptions>();
   command.footer(
-      "A map (OUT/map.adit) gets the optimised poses, unless -o names another file for the graph.\n"
+      "A map (MAP, or OUT, the folder of its run) gets the optimised poses, unless -o names "
+      "another file for the graph.\n"
       "It is optimised as its run does it, unless --loop-kernel, --initial or --direct say how.\n"
       "GRAPH.g2o holds VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or VERTEX_SE2 and EDGE_SE2; FIX names\n"
       "nodes that stay. Where none is fixed the first node of each connected part is held.\n"
@@ -304,11 +313,13 @@ void add_optimize_command(Command app, std::function<void(int)> done) {
       "about rotations belongs to: half the angle (g2o), the angle, or the logarithm of SE(3).\n\n"
       "Examples:\n"
       "  adit optimize sphere2500.g2o -o optimized.g2o\n"
-      "  adit optimize out/map.adit\n"
-      "  adit optimize out/map.adit --control points.csv --utm 32N\n"
+      "  adit optimize out\n"
+      "  adit optimize out --control points.csv --utm 32N\n"
       "  adit optimize torus3D.g2o --initial chordal --convention angle --json\n\n"
       "Exit codes: 0 converged, 1 failed or not converged, 2 usage.");
-  command.option("graph", options->input, "The graph").required().value_name("GRAPH");
+  command.option("graph", options->input, "The graph, the map or the folder of its run")
+      .required()
+      .value_name("GRAPH|MAP|OUT");
   command.option("-o,--output", options->output, "Write the optimised graph here")
       .value_name("OUT.g2o");
   command.choice<ResidualConvention>(

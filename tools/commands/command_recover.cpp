@@ -12,6 +12,7 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/maps/map_location.hpp"
 #include "adit/tools/maps/map_recovery.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -58,7 +59,8 @@ int run(const RecoverCommandOptions& options, std::ostream& out) {
     throw UsageError("-o " + options.output.string() +
                      ": there is a file of that name. Name one that is not there yet.");
   }
-  const MapRecovery done = recover_map(options.map, options.output);
+  const std::filesystem::path map = find_map(options.map);
+  const MapRecovery done = recover_map(map, options.output);
   tell(done.damaged_pages, "damaged    ", out);
   tell(done.problems, "lost       ", out);
   out << fmt::format("recovered  {} keyframes, {} edges, {} candidates, {} fixes, {} sessions\n",
@@ -69,8 +71,7 @@ int run(const RecoverCommandOptions& options, std::ostream& out) {
         "parts      {}, without an edge between them: how they lie to each other is a guess\n",
         done.parts);
   }
-  out << "wrote      " << options.output.string() << "; " << options.map.string()
-      << " stays as it is\n";
+  out << "wrote      " << options.output.string() << "; " << map.string() << " stays as it is\n";
   return done.problems.empty() ? 0 : 1;
 }
 
@@ -86,10 +87,13 @@ void add_recover_command(Command app, std::function<void(int)> done) {
   const auto options = std::make_shared<RecoverCommandOptions>();
   command.footer(
       "For a map of which `adit check` says that it is damaged.\n\n"
+      "OUT is the folder of a run, MAP the map in it, OUT/map.adit.\n\n"
       "Example:\n"
-      "  adit recover out/map.adit -o recovered.adit\n\n"
+      "  adit recover out -o recovered.adit\n\n"
       "Exit codes: 0 nothing was lost, 1 something is lost or nothing can be read, 2 usage.");
-  command.option("map", options->map, "The map").required().value_name("MAP");
+  command.option("map", options->map, "The map, or the folder of its run")
+      .required()
+      .value_name("MAP|OUT");
   command.option("-o,--output", options->output, "The map to write; must not be there yet")
       .required()
       .value_name("NEW")

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit recover MAP -o NEW`.
+// `adit recover MAP|OUT -o NEW`.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace adit {
 class Command;
 
 struct RecoverCommandOptions {
-  std::filesystem::path map{};
+  std::filesystem::path map{};  ///< or the folder of its run
   std::filesystem::path output{};
 };
 

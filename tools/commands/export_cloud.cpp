@@ -77,7 +77,8 @@ std::string export_cloud(const ExportJob& job) {
   // Of a thinned cloud nobody knows how many pieces it comes in.
   std::optional<Progress> progress;
   if (!options.resolution) {
-    progress.emplace(*job.err, progress_style_of_stderr(), "export", job.map->keyframes().size());
+    progress.emplace(*job.err, progress_style_of_stderr(), "export", job.map->keyframes().size(),
+                     Progress::Clock::now(), "keyframes");
   }
   std::size_t pieces = 0;
   const TakeCloud take = [&](std::span<const CloudPoint> points) {

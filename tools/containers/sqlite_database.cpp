@@ -4,6 +4,7 @@
 
 #include <sqlite3.h>
 
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -19,11 +20,19 @@ constexpr const char* kJournal = "-journal";
 constexpr const char* kLog = "-wal";
 constexpr const char* kIndex = "-shm";
 
-/// The path as SQLite's URI of a file that does not change.
+/// The name by which SQLite opens a file. A relative one could be a URI or have a meaning of its
+/// own, such as ":memory:".
+std::string name_of(const fs::path& path) {
+  std::error_code unknown;
+  const fs::path absolute = fs::absolute(path, unknown);
+  return unknown ? path.string() : absolute.string();
+}
+
+/// The path as SQLite's URI of a file that does not change. Before the path is an empty authority.
 std::string frozen_uri(const std::filesystem::path& path) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string uri = "file:";
-  for (const char letter : std::filesystem::absolute(path).string()) {
+  std::string uri = "file://";
+  for (const char letter : name_of(path)) {
     if (std::string_view("%?#").find(letter) != std::string_view::npos) {
       const auto byte = static_cast<unsigned char>(letter);
       uri += {'%', kDigits[byte >> 4U], kDigits[byte & 15U]};
@@ -32,6 +41,28 @@ std::string frozen_uri(const std::filesystem::path& path) {
     }
   }
   return uri + "?immutable=1";
+}
+
+/// What to do where SQLite cannot read a file.
+std::string remedy_of(int code) {
+  switch (code) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return "Another program is writing to it: wait until that has ended";
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+    case SQLITE_READONLY:
+      return "Check the permissions of the file and of its folder";
+    case SQLITE_NOMEM:
+      return "Close other programs: the machine's memory is exhausted";
+    case SQLITE_NOTADB:
+      return "It is something else, or its first page is damaged: `adit run RECORDING -o OUT` "
+             "makes "
+             "the map OUT/map.adit, `adit recover` saves what is whole of a damaged map";
+    default:
+      return "The file is damaged or something else: copy it again; of a map `adit recover` saves "
+             "what is whole";
+  }
 }
 
 }  // namespace
@@ -98,13 +129,13 @@ SqliteStatement& SqliteStatement::bind(int parameter, std::span<const std::byte>
 
 SqliteDatabase::SqliteDatabase(fs::path path, Mode mode) : path_(std::move(path)), mode_(mode) {
   if (mode == Mode::create || mode == Mode::update) {
-    open(path_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+    open(name_of(path_), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     return;
   }
   if (mode == Mode::share) {
     // Only who may write can take away the log and its index, which reading has made, when it
     // closes last.
-    open(path_, SQLITE_OPEN_READWRITE);
+    open(name_of(path_), SQLITE_OPEN_READWRITE);
     execute("PRAGMA query_only = ON");
     return;
   }
@@ -112,24 +143,51 @@ SqliteDatabase::SqliteDatabase(fs::path path, Mode mode) : path_(std::move(path)
     open(frozen_uri(path_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     return;
   }
-  open(path_, SQLITE_OPEN_READONLY);
+  open(name_of(path_), SQLITE_OPEN_READONLY);
   if (needs_recovery()) {
     open_recovered_copy();
   }
 }
 
-void SqliteDatabase::open(const fs::path& file, int flags) {
+void SqliteDatabase::open(const std::string& name, int flags) {
   std::error_code unknown;
   if (fs::is_directory(path_, unknown)) {
     throw InputError(path_, {}, "it is a folder, not a database file",
                      "Name a file in it; of a run's folder that is map.adit");
   }
   sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
+  const int code = sqlite3_open_v2(name.c_str(), &raw, flags, nullptr);
   database_.reset(raw);
   if (code != SQLITE_OK) {
-    fail();
+    fail_to_open();
   }
+}
+
+/// Why SQLite cannot open the file, where that is none of the file's faults.
+void SqliteDatabase::fail_to_open() const {
+  const bool writes = mode_ == Mode::create || mode_ == Mode::update;
+  const auto refuse = [&](const std::string& reason, const std::string& remedy) {
+    if (writes) {
+      throw OutputError(path_,
+                        path_.string() + ": cannot be written: " + reason + ". " + remedy + ".");
+    }
+    throw InputError(path_, {}, reason, remedy);
+  };
+  std::error_code unknown;
+  const std::string whole = fs::weakly_canonical(fs::absolute(path_, unknown), unknown).string();
+  const auto most = static_cast<std::size_t>(sqlite3_vfs_find(nullptr)->mxPathname) -
+                    std::string_view(kJournal).size();
+  if (whole.size() > most) {
+    refuse("its full path is " + std::to_string(whole.size()) + " bytes long, and SQLite opens " +
+               std::to_string(most) + " at most",
+           writes ? "Choose a shorter path" : "Move or copy it to a shorter path");
+  }
+  const int reason = sqlite3_system_errno(database_.get());
+  if (sqlite3_errcode(database_.get()) == SQLITE_CANTOPEN && reason != 0) {
+    refuse(std::string(writes ? "" : "cannot be opened: ") + std::strerror(reason),
+           "Check the permissions of the file and of its folder");
+  }
+  fail();
 }
 
 /// A journal that was not applied yet shows at the first read, which may not write.
@@ -169,7 +227,7 @@ void SqliteDatabase::open_recovered_copy() {
                                 ". Set TMPDIR to a folder with room.");
     }
   }
-  open(copy, SQLITE_OPEN_READWRITE);
+  open(copy.string(), SQLITE_OPEN_READWRITE);
   execute("SELECT count(*) FROM sqlite_master");
 }
 
@@ -195,10 +253,7 @@ void SqliteDatabase::fail() const {
     throw OutputError(path_, path_.string() + ": cannot be written: " + reason +
                                  (code == SQLITE_FULL ? ". Make room there." : "."));
   }
-  throw InputError(
-      path_, {}, "cannot be read as an SQLite database: " + reason,
-      "The file is damaged or something else: copy it again; of a map `adit recover` saves "
-      "what is whole");
+  throw InputError(path_, {}, "cannot be read as an SQLite database: " + reason, remedy_of(code));
 }
 
 }  // namespace adit

@@ -69,6 +69,9 @@ class SqliteDatabase {
   /// that the journal was applied to (TMPDIR).
   bool recovered() const { return !copies_.empty(); }
 
+  /// SQLite's own, for what is not wrapped here.
+  sqlite3* handle() const { return database_.get(); }
+
   SqliteStatement prepare(const std::string& sql) const;
   void execute(const std::string& sql) const;
 
@@ -80,7 +83,8 @@ class SqliteDatabase {
     void operator()(sqlite3* database) const;
   };
 
-  void open(const std::filesystem::path& file, int flags);
+  void open(const std::string& name, int flags);
+  [[noreturn]] void fail_to_open() const;
   bool needs_recovery() const;
   void open_recovered_copy();
 
@@ -88,6 +92,26 @@ class SqliteDatabase {
   Mode mode_;
   std::vector<std::unique_ptr<UnpackedFile>> copies_;  // outlive the connection
   std::unique_ptr<sqlite3, Closer> database_;
+};
+
+/// While it lives, all reads see the database as it was at the first of them.
+class SqliteSnapshot {
+ public:
+  explicit SqliteSnapshot(const SqliteDatabase& database) : database_(database) {
+    database_.execute("BEGIN");
+  }
+  ~SqliteSnapshot() {
+    try {
+      database_.execute("ROLLBACK");
+    } catch (const FileError&) {
+      // SQLite has rolled back by itself, as it does where the disk fails.
+    }
+  }
+  SqliteSnapshot(const SqliteSnapshot&) = delete;
+  SqliteSnapshot& operator=(const SqliteSnapshot&) = delete;
+
+ private:
+  const SqliteDatabase& database_;
 };
 
 /// All that is done while it lives is kept once commit() has returned, or not at all.

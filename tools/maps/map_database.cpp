@@ -11,104 +11,12 @@
 
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/maps/map_records.hpp"
+#include "adit/tools/maps/row_checksums.hpp"
 
 namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kTables =
-    "CREATE TABLE sessions(id INTEGER PRIMARY KEY, name TEXT NOT NULL, configuration TEXT NOT "
-    "NULL, steps INTEGER NOT NULL DEFAULT 0, ending INTEGER NOT NULL DEFAULT 0,"
-    " complete INTEGER NOT NULL DEFAULT 0, edited INTEGER NOT NULL DEFAULT 0);"
-    "CREATE TABLE provenance(session INTEGER NOT NULL REFERENCES sessions(id), key TEXT NOT NULL,"
-    " value TEXT NOT NULL, PRIMARY KEY(session, key)) WITHOUT ROWID;"
-    "CREATE TABLE keyframes(id INTEGER PRIMARY KEY, session INTEGER NOT NULL REFERENCES "
-    "sessions(id),"
-    " stamp_ns INTEGER NOT NULL, fixed INTEGER NOT NULL, pose BLOB NOT NULL,"
-    " covariance BLOB NOT NULL, vertical INTEGER NOT NULL DEFAULT 0);"
-    "CREATE TABLE submaps(keyframe INTEGER PRIMARY KEY REFERENCES keyframes(id), box BLOB NOT NULL,"
-    " chunks INTEGER NOT NULL);"
-    "CREATE TABLE chunks(keyframe INTEGER NOT NULL REFERENCES submaps(keyframe),"
-    " number INTEGER NOT NULL, bytes INTEGER NOT NULL, zstd BLOB NOT NULL,"
-    " PRIMARY KEY(keyframe, number));"
-    "CREATE TABLE edges(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL REFERENCES "
-    "keyframes(id),"
-    " node_to INTEGER NOT NULL REFERENCES keyframes(id), kind INTEGER NOT NULL,"
-    " status INTEGER NOT NULL, pose BLOB NOT NULL, information BLOB NOT NULL);"
-    "CREATE TABLE candidates(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL,"
-    " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
-    " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL, rms REAL NOT NULL DEFAULT 0,"
-    " correction REAL NOT NULL DEFAULT 0, turn REAL NOT NULL DEFAULT 0,"
-    " through REAL NOT NULL DEFAULT 0, figure REAL NOT NULL DEFAULT 0,"
-    " source INTEGER NOT NULL DEFAULT 0);"
-    "CREATE VIRTUAL TABLE places USING rtree(keyframe, min_x, max_x, min_y, max_y, min_z, max_z);";
-
-// What the end of a run changes, as it was before.
-constexpr const char* kTablesOfTheEnd =
-    "CREATE TABLE end_keyframes(id INTEGER PRIMARY KEY, fixed INTEGER NOT NULL, pose BLOB NOT "
-    "NULL);"
-    "CREATE TABLE end_edges(id INTEGER PRIMARY KEY, status INTEGER NOT NULL);"
-    "CREATE TABLE end_candidates(id INTEGER PRIMARY KEY, node_from INTEGER NOT NULL,"
-    " node_to INTEGER NOT NULL, verdict INTEGER NOT NULL, pose BLOB NOT NULL, score REAL NOT NULL,"
-    " overlap REAL NOT NULL, chi2 REAL NOT NULL, reason TEXT NOT NULL, rms REAL NOT NULL,"
-    " correction REAL NOT NULL, turn REAL NOT NULL, through REAL NOT NULL, figure REAL NOT NULL,"
-    " source INTEGER NOT NULL DEFAULT 0);";
-
-// What schema 1 lacks.
-constexpr const char* kToSchema2 =
-    "ALTER TABLE candidates ADD COLUMN rms REAL NOT NULL DEFAULT 0;"
-    "ALTER TABLE candidates ADD COLUMN correction REAL NOT NULL DEFAULT 0;"
-    "ALTER TABLE candidates ADD COLUMN turn REAL NOT NULL DEFAULT 0;"
-    "ALTER TABLE candidates ADD COLUMN through REAL NOT NULL DEFAULT 0;"
-    "ALTER TABLE candidates ADD COLUMN figure REAL NOT NULL DEFAULT 0;";
-
-// What schema 2 lacks. Who made such a map cannot go on with it.
-constexpr const char* kToSchema3 =
-    "ALTER TABLE sessions ADD COLUMN steps INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE sessions ADD COLUMN ending INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE sessions ADD COLUMN complete INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE sessions ADD COLUMN edited INTEGER NOT NULL DEFAULT 1;";
-
-// What schema 3 lacks, and of that what is lacking in the tables that it has of the end.
-constexpr const char* kToSchema4 =
-    "ALTER TABLE candidates ADD COLUMN source INTEGER NOT NULL DEFAULT 0;";
-constexpr const char* kEndToSchema4 =
-    "ALTER TABLE end_candidates ADD COLUMN source INTEGER NOT NULL DEFAULT 0;";
-
-// What schema 4 lacks: how a map lies in the world, and by what.
-constexpr const char* kToSchema5 =
-    "ALTER TABLE keyframes ADD COLUMN vertical INTEGER NOT NULL DEFAULT 0;";
-constexpr const char* kTablesOfTheWorld =
-    "CREATE TABLE fixes(id INTEGER PRIMARY KEY, keyframe INTEGER NOT NULL REFERENCES "
-    "keyframes(id),"
-    " stamp_ns INTEGER NOT NULL, kind INTEGER NOT NULL, latitude REAL NOT NULL,"
-    " longitude REAL NOT NULL, altitude REAL NOT NULL, covariance BLOB NOT NULL,"
-    " antenna BLOB NOT NULL, path REAL NOT NULL, verdict INTEGER NOT NULL, chi2 REAL NOT NULL,"
-    " information BLOB NOT NULL);"
-    "CREATE TABLE georeference(id INTEGER PRIMARY KEY CHECK(id = 1), latitude REAL NOT NULL,"
-    " longitude REAL NOT NULL, altitude REAL NOT NULL, pose BLOB NOT NULL,"
-    " covariance BLOB NOT NULL);"
-    "CREATE TABLE end_fixes(id INTEGER PRIMARY KEY, verdict INTEGER NOT NULL, chi2 REAL NOT NULL,"
-    " information BLOB NOT NULL, antenna BLOB);"
-    "CREATE TABLE end_georeference(id INTEGER PRIMARY KEY, latitude REAL NOT NULL,"
-    " longitude REAL NOT NULL, altitude REAL NOT NULL, pose BLOB NOT NULL,"
-    " covariance BLOB NOT NULL);";
-
-// What the world's tables of schemas 5 and 6 lack: the end of a run may move antennas.
-constexpr const char* kEndToSchema7 = "ALTER TABLE end_fixes ADD COLUMN antenna BLOB;";
-
-// What schema 7 lacks.
-constexpr const char* kTableOfControl =
-    "CREATE TABLE control(id INTEGER PRIMARY KEY, name TEXT NOT NULL, role INTEGER NOT NULL,"
-    " keyframe INTEGER NOT NULL REFERENCES keyframes(id), point BLOB NOT NULL,"
-    " marked BLOB NOT NULL, latitude REAL NOT NULL, longitude REAL NOT NULL,"
-    " altitude REAL NOT NULL, sigma BLOB NOT NULL);";
-
-int64_t pragma(const SqliteDatabase& database, const std::string& name) {
-  SqliteStatement statement = database.prepare("PRAGMA " + name);
-  return statement.step() ? statement.integer(0) : 0;
-}
 
 bool has_beside(const fs::path& file, const char* suffix) {
   std::error_code none;
@@ -144,7 +52,7 @@ SqliteDatabase open_to_read(const fs::path& file) {
   }
   try {
     SqliteDatabase database(file, reading_mode(file));
-    static_cast<void>(pragma(database, "user_version"));
+    static_cast<void>(map_schema_of(database));
     static_cast<void>(database.prepare("SELECT count(*) FROM sqlite_schema").step());
     return database;
   } catch (const InputError&) {
@@ -160,33 +68,6 @@ SqliteDatabase open_map(const fs::path& file, MapAccess access) {
                                    : SqliteDatabase(file, SqliteDatabase::Mode::update);
 }
 
-/// A file that nothing was stored in: its writer was killed before.
-bool is_blank(const SqliteDatabase& database) {
-  SqliteStatement tables = database.prepare("SELECT count(*) FROM sqlite_schema");
-  return pragma(database, "application_id") == 0 && tables.step() && tables.integer(0) == 0;
-}
-
-void require_map(const SqliteDatabase& database, const fs::path& file) {
-  if (is_blank(database)) {
-    throw InputError(file, {},
-                     "it holds nothing: its run was stopped before it had begun, or it is a copy "
-                     "without the " +
-                         file.filename().string() + "-wal that lay beside it",
-                     "Copy that too, or start the run again");
-  }
-  if (pragma(database, "application_id") != kMapApplication) {
-    throw InputError(file, {}, "it is an SQLite database but no map",
-                     "Name a map that `adit run` has made");
-  }
-  const int64_t schema = pragma(database, "user_version");
-  if (schema > kMapSchema) {
-    throw InputError(file, {},
-                     "it was written by a newer adit: its schema is " + std::to_string(schema) +
-                         ", this one knows up to " + std::to_string(kMapSchema),
-                     "Use that version; nothing was changed");
-  }
-}
-
 }  // namespace
 
 MapDatabase::MapDatabase(const fs::path& file, MapAccess access, int64_t max_pages)
@@ -194,19 +75,21 @@ MapDatabase::MapDatabase(const fs::path& file, MapAccess access, int64_t max_pag
                                        : std::nullopt),
       database_(open_map(file, access)) {
   database_.execute("PRAGMA busy_timeout = 10000; PRAGMA foreign_keys = ON");
+  define_row_checksum(database_);
   if (access == MapAccess::write) {
     if (max_pages > 0) {
       database_.execute("PRAGMA max_page_count = " + std::to_string(max_pages));
     }
-    if (is_blank(database_)) {
-      create_tables();
+    database_.execute("PRAGMA temp_store = MEMORY");
+    if (is_blank_map(database_)) {
+      create_map_tables(database_);
     }
-    require_map(database_, file);
+    require_map(database_);
     database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
-    migrate();
-    make_anchors();
+    migrate_map(database_);
+    keep_row_checksums(database_);
   } else {
-    require_map(database_, file);
+    require_map(database_);
   }
 }
 
@@ -220,48 +103,6 @@ MapDatabase::~MapDatabase() {
   }
 }
 
-void MapDatabase::create_tables() {
-  database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
-  SqliteTransaction transaction(database_);
-  database_.execute(kTables);
-  database_.execute(kTablesOfTheEnd);
-  database_.execute(kTablesOfTheWorld);
-  database_.execute(kTableOfControl);
-  database_.execute("PRAGMA application_id = " + std::to_string(kMapApplication));
-  database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
-  transaction.commit();
-}
-
-// A map of an older schema is brought to this one by its first writer.
-void MapDatabase::migrate() {
-  const int64_t schema = pragma(database_, "user_version");
-  if (schema >= kMapSchema) {
-    return;
-  }
-  SqliteTransaction transaction(database_);
-  if (schema < 2) {
-    database_.execute(kToSchema2);
-  }
-  if (schema < 3) {
-    database_.execute(kToSchema3);
-    database_.execute(kTablesOfTheEnd);
-  } else if (schema < 4) {
-    database_.execute(kEndToSchema4);
-  }
-  if (schema < 4) {
-    database_.execute(kToSchema4);
-  }
-  if (schema < 5) {
-    database_.execute(kToSchema5);
-    database_.execute(kTablesOfTheWorld);
-  } else if (schema < 7) {
-    database_.execute(kEndToSchema7);
-  }
-  database_.execute(kTableOfControl);
-  database_.execute("PRAGMA user_version = " + std::to_string(kMapSchema));
-  transaction.commit();
-}
-
 SessionId MapDatabase::add_session(const MapSession& session) {
   SqliteTransaction transaction(database_);
   SqliteStatement insert =
@@ -269,7 +110,8 @@ SessionId MapDatabase::add_session(const MapSession& session) {
   insert.bind(1, session.name).bind(2, session.configuration).step();
   const SessionId id = insert.integer(0);
   insert.reset();
-  SqliteStatement add = database_.prepare("INSERT INTO provenance VALUES(?, ?, ?)");
+  SqliteStatement add =
+      database_.prepare("INSERT INTO provenance(session, key, value) VALUES(?, ?, ?)");
   for (const auto& [key, value] : session.provenance) {
     add.bind(1, id).bind(2, key).bind(3, value).step();
     add.reset();
@@ -282,7 +124,10 @@ void MapDatabase::store(const KeyframeRecord& record) {
   const MapKeyframe& keyframe = record.keyframe;
   SqliteTransaction transaction(database_);
   prepare_step();
-  database_.prepare("INSERT INTO keyframes VALUES(?, ?, ?, ?, ?, ?, ?)")
+  database_
+      .prepare(
+          "INSERT INTO keyframes(id, session, stamp_ns, fixed, pose, covariance, vertical)"
+          " VALUES(?, ?, ?, ?, ?, ?, ?)")
       .bind(1, keyframe.id)
       .bind(2, keyframe.session)
       .bind(3, int64_t{keyframe.stamp.count()})
@@ -294,12 +139,13 @@ void MapDatabase::store(const KeyframeRecord& record) {
       .step();
   std::array<double, 6> box{};
   Eigen::Map<Vector6d>(box.data()) << record.submap.lower, record.submap.upper;
-  database_.prepare("INSERT INTO submaps VALUES(?, ?, ?)")
+  database_.prepare("INSERT INTO submaps(keyframe, box, chunks) VALUES(?, ?, ?)")
       .bind(1, keyframe.id)
       .bind(2, as_bytes(box))
       .bind(3, static_cast<int64_t>(record.submap.chunks.size()))
       .step();
-  SqliteStatement chunk = database_.prepare("INSERT INTO chunks VALUES(?, ?, ?, ?)");
+  SqliteStatement chunk =
+      database_.prepare("INSERT INTO chunks(keyframe, number, bytes, zstd) VALUES(?, ?, ?, ?)");
   for (std::size_t i = 0; i < record.submap.chunks.size(); ++i) {
     const std::vector<std::byte>& bytes = record.submap.chunks[i];
     chunk.bind(1, keyframe.id)
@@ -415,7 +261,11 @@ void MapDatabase::insert(const LoopCandidate& candidate) {
 }
 
 void MapDatabase::insert(const MapFix& fix) {
-  database_.prepare("INSERT OR REPLACE INTO fixes VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+  database_
+      .prepare(
+          "INSERT OR REPLACE INTO fixes(id, keyframe, stamp_ns, kind, latitude, longitude,"
+          " altitude, covariance, antenna, path, verdict, chi2, information)"
+          " VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(1, fix.id)
       .bind(2, fix.keyframe)
       .bind(3, int64_t{fix.stamp.count()})
@@ -450,7 +300,10 @@ void MapDatabase::insert(const ControlPoint& point) {
 }
 
 void MapDatabase::insert(const Georeference& georeference) {
-  database_.prepare("INSERT OR REPLACE INTO georeference VALUES(1, ?, ?, ?, ?, ?)")
+  database_
+      .prepare(
+          "INSERT OR REPLACE INTO georeference(id, latitude, longitude, altitude, pose, covariance)"
+          " VALUES(1, ?, ?, ?, ?, ?)")
       .bind(1, georeference.origin.latitude)
       .bind(2, georeference.origin.longitude)
       .bind(3, georeference.origin.altitude)
@@ -459,24 +312,35 @@ void MapDatabase::insert(const Georeference& georeference) {
       .step();
 }
 
-// The box of the submap's box, turned into the map frame.
-void MapDatabase::place(NodeId keyframe, const Eigen::Isometry3d& pose) {
+// The box of the submap's box, turned into the map frame; nothing where there is no submap.
+std::optional<Eigen::AlignedBox3d> MapDatabase::place_of(NodeId keyframe,
+                                                         const Eigen::Isometry3d& pose) const {
   SqliteStatement read = database_.prepare("SELECT box FROM submaps WHERE keyframe = ?");
   if (!read.bind(1, keyframe).step()) {
-    return;
+    return std::nullopt;
   }
   const auto box = numbers<6>(read.blob(0), database_.path(), "the box of submap", keyframe);
-  read.reset();
   const Eigen::Vector3d lower(box[0], box[1], box[2]);
   const Eigen::Vector3d upper(box[3], box[4], box[5]);
   const Eigen::Vector3d centre = pose * (0.5 * (lower + upper));
   const Eigen::Vector3d reach = pose.linear().cwiseAbs() * (0.5 * (upper - lower));
+  Eigen::AlignedBox3d place;
+  place.min() = centre - reach;
+  place.max() = centre + reach;
+  return place;
+}
+
+void MapDatabase::place(NodeId keyframe, const Eigen::Isometry3d& pose) {
+  const std::optional<Eigen::AlignedBox3d> place = place_of(keyframe, pose);
+  if (!place) {
+    return;
+  }
   SqliteStatement insert =
       database_.prepare("INSERT OR REPLACE INTO places VALUES(?, ?, ?, ?, ?, ?, ?)");
   insert.bind(1, keyframe);
   for (int axis = 0; axis < 3; ++axis) {
-    insert.bind(2 + 2 * axis, centre[axis] - reach[axis]);
-    insert.bind(3 + 2 * axis, centre[axis] + reach[axis]);
+    insert.bind(2 + 2 * axis, place->min()[axis]);
+    insert.bind(3 + 2 * axis, place->max()[axis]);
   }
   insert.step();
 }

@@ -18,14 +18,10 @@
 
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/tools/containers/sqlite_database.hpp"
+#include "adit/tools/maps/map_schema.hpp"
 #include "adit/tools/maps/writer_lock.hpp"
 
 namespace adit {
-
-/// Version of the tables; a file with a higher one is refused.
-inline constexpr int64_t kMapSchema = 8;
-/// "adit": the application that the file says it belongs to.
-inline constexpr int64_t kMapApplication = 0x61646974;
 
 /// What a map is opened for.
 enum class MapAccess {
@@ -119,6 +115,8 @@ class MapDatabase final : public MapStore {
   /// As above.
   std::optional<ControlPoint> control_point(int64_t id) const;
 
+  /// Its rows have checksums: it was written by a schema that has them.
+  bool has_checksums() const;
   /// What is wrong with the map, for people; empty: it is whole. Reads everything.
   std::vector<std::string> check() const;
 
@@ -126,15 +124,15 @@ class MapDatabase final : public MapStore {
   void dump(const std::function<void(std::string_view)>& line) const;
 
  private:
-  void create_tables();
-  void migrate();
-  void make_anchors();
+  class Check;
+
   void insert(const PoseEdge& edge);
   void insert(const LoopCandidate& candidate);
   void insert(const MapFix& fix);
   void insert(const ControlPoint& point);
   void insert(const Georeference& georeference);
   void place(NodeId keyframe, const Eigen::Isometry3d& pose);
+  std::optional<Eigen::AlignedBox3d> place_of(NodeId keyframe, const Eigen::Isometry3d& pose) const;
   void prepare_step();
   void count_step();
   std::vector<PoseEdge> edges() const;

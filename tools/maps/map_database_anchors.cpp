@@ -9,21 +9,13 @@
 namespace adit {
 namespace {
 
-constexpr const char* kTable =
-    "CREATE TABLE IF NOT EXISTS anchors(session INTEGER PRIMARY KEY REFERENCES sessions(id),"
-    " pose BLOB NOT NULL);";
-
 bool moves(const Eigen::Isometry3d& anchor) {
   return anchor.matrix() != Eigen::Matrix4d::Identity();
 }
 
 }  // namespace
 
-// Maps had none at first, and where there is none the frames are the same.
-void MapDatabase::make_anchors() {
-  database_.execute(kTable);
-}
-
+// A map of an older schema may lack the table.
 Anchors MapDatabase::anchors() const {
   Anchors anchors;
   SqliteStatement table =
@@ -45,7 +37,7 @@ Anchors MapDatabase::anchors() const {
 
 void MapDatabase::set_anchor(SessionId session, const Eigen::Isometry3d& T_map_session) {
   SqliteTransaction transaction(database_);
-  database_.prepare("INSERT OR REPLACE INTO anchors VALUES(?, ?)")
+  database_.prepare("INSERT OR REPLACE INTO anchors(session, pose) VALUES(?, ?)")
       .bind(1, session)
       .bind(2, as_bytes(pose_numbers(T_map_session)))
       .step();

@@ -70,20 +70,16 @@ constexpr const char* kControl =
     "control";
 constexpr const char* kEdges =
     "SELECT id, node_from, node_to, kind, status, pose, information FROM edges";
-int64_t schema_of(const SqliteDatabase& database) {
-  SqliteStatement version = database.prepare("PRAGMA user_version");
-  return version.step() ? version.integer(0) : kMapSchema;
-}
 
 // Columns that older schemas lack are 0, and so are their tables' rows.
 constexpr int64_t kFirstWithWorld = 5;
 constexpr int64_t kFirstWithControl = 8;
 std::string keyframes_of(const SqliteDatabase& database) {
   return std::string("SELECT id, session, stamp_ns, fixed, pose, covariance, ") +
-         (schema_of(database) < kFirstWithWorld ? "0" : "vertical") + " FROM keyframes";
+         (map_schema_of(database) < kFirstWithWorld ? "0" : "vertical") + " FROM keyframes";
 }
 std::string candidates_of(const SqliteDatabase& database) {
-  const int64_t schema = schema_of(database);
+  const int64_t schema = map_schema_of(database);
   return std::string(
              "SELECT id, node_from, node_to, verdict, pose, score, overlap, chi2, reason, ") +
          (schema < 2 ? "0.0, 0.0, 0.0, 0.0, 0.0, " : "rms, correction, turn, through, figure, ") +
@@ -255,33 +251,33 @@ ControlPoint MapDatabase::control_point_at(const SqliteStatement& row) const {
 }
 
 std::vector<ControlPoint> MapDatabase::control_points() const {
-  if (schema_of(database_) < kFirstWithControl) {
+  if (map_schema_of(database_) < kFirstWithControl) {
     return {};
   }
   return all_rows(database_, kControl, [&](const auto& row) { return control_point_at(row); });
 }
 std::optional<ControlPoint> MapDatabase::control_point(int64_t id) const {
-  if (schema_of(database_) < kFirstWithControl) {
+  if (map_schema_of(database_) < kFirstWithControl) {
     return std::nullopt;
   }
   return one_row(database_, kControl, id, [&](const auto& row) { return control_point_at(row); });
 }
 
 std::vector<MapFix> MapDatabase::fixes() const {
-  if (schema_of(database_) < kFirstWithWorld) {
+  if (map_schema_of(database_) < kFirstWithWorld) {
     return {};
   }
   return all_rows(database_, kFixes, [&](const auto& row) { return fix_at(row); });
 }
 std::optional<MapFix> MapDatabase::fix(int64_t id) const {
-  if (schema_of(database_) < kFirstWithWorld) {
+  if (map_schema_of(database_) < kFirstWithWorld) {
     return std::nullopt;
   }
   return one_row(database_, kFixes, id, [&](const auto& row) { return fix_at(row); });
 }
 
 std::optional<Georeference> MapDatabase::georeference() const {
-  if (schema_of(database_) < kFirstWithWorld) {
+  if (map_schema_of(database_) < kFirstWithWorld) {
     return std::nullopt;
   }
   return one_row(

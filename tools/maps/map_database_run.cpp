@@ -11,10 +11,11 @@ namespace {
 constexpr const char* kRememberAll =
     "DELETE FROM end_keyframes; DELETE FROM end_edges; DELETE FROM end_candidates;"
     "DELETE FROM end_fixes; DELETE FROM end_georeference;"
-    "INSERT INTO end_fixes SELECT id, verdict, chi2, information, antenna FROM fixes;"
+    "INSERT INTO end_fixes(id, verdict, chi2, information, antenna)"
+    " SELECT id, verdict, chi2, information, antenna FROM fixes;"
     "INSERT INTO end_georeference SELECT * FROM georeference;"
-    "INSERT INTO end_keyframes SELECT id, fixed, pose FROM keyframes;"
-    "INSERT INTO end_edges SELECT id, status FROM edges;"
+    "INSERT INTO end_keyframes(id, fixed, pose) SELECT id, fixed, pose FROM keyframes;"
+    "INSERT INTO end_edges(id, status) SELECT id, status FROM edges;"
     "INSERT INTO end_candidates(id, node_from, node_to, verdict, pose, score, overlap, chi2, "
     "reason,"
     " rms, correction, turn, through, figure, source)"
@@ -86,8 +87,7 @@ void MapDatabase::set_complete(SessionId session) {
 }
 
 SessionProgress MapDatabase::progress(SessionId session) const {
-  SqliteStatement version = database_.prepare("PRAGMA user_version");
-  if (version.step() && version.integer(0) < 3) {
+  if (map_schema_of(database_) < 3) {
     return {.edited = true};  // such a map does not tell
   }
   SqliteStatement row =

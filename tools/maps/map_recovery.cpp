@@ -3,7 +3,6 @@
 #include "adit/tools/maps/map_recovery.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -101,16 +100,10 @@ class UnfinishedMap {
 
 /// Throws LockedError where the map has a writer, whose pages change while they are read.
 void require_no_writer(const fs::path& map) {
-  const int lock = ::open((map.string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC);
-  if (lock < 0) {
-    return;
-  }
-  const bool held = ::flock(lock, LOCK_SH | LOCK_NB) != 0;
-  ::close(lock);
-  if (held) {
-    throw LockedError(map, map.string() +
-                               ": is being written by another process. Wait until that has ended, "
-                               "or copy the map with its -wal and recover the copy.");
+  if (const std::optional<std::string> writer = writer_of(map)) {
+    throw LockedError(map, map.string() + ": is being written by " + *writer +
+                               ". Wait until that has ended, or copy the map with its -wal and "
+                               "recover the copy.");
   }
 }
 
@@ -145,6 +138,7 @@ class Recovery {
     tell_lost("candidates", lost_candidates, done_.lost_candidates);
     tell_lost("fixes", lost_fixes, done_.lost_fixes);
     tell_lost("control", lost_control, done_.lost_control);
+    tell_changed();
     tell_unknown();
     return std::move(done_);
   }
@@ -327,6 +321,21 @@ class Recovery {
     const Ids& missing = salvage_.tables[table].lost;  // others have been told with their cause
     if (!missing.empty()) {
       done_.problems.push_back(table + " " + ranges_of(missing) + " are lost");
+    }
+  }
+
+  /// Of what has no number that people know, and is told nowhere else.
+  void tell_changed() {
+    for (const char* table : {"provenance", "georeference", "anchors"}) {
+      if (const std::size_t rows = salvage_.tables[table].changed; rows > 0) {
+        done_.problems.push_back(std::string(table) + ": " + std::to_string(rows) +
+                                 (rows == 1 ? " row is lost" : " rows are lost"));
+      }
+    }
+    for (const int64_t id : salvage_.tables["sessions"].lost) {
+      if (!sessions_.contains(id)) {
+        done_.problems.push_back("session " + std::to_string(id) + " is lost");
+      }
     }
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "adit/tools/containers/sqlite_database.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/sqlite_pages.hpp"
+#include "adit/tools/maps/table_shapes.hpp"
 
 namespace adit {
 namespace {
@@ -22,83 +24,6 @@ namespace fs = std::filesystem;
 constexpr int64_t kNoEnd = std::numeric_limits<int64_t>::max();
 constexpr int64_t kMostOfAPage = 4096;  // rows: a wider gap between ids is none of lost rows
 constexpr std::size_t kMostPages = 20;
-
-/// A table by what its rows look like, a letter a column: n NULL (the id stands apart), i INTEGER,
-/// r a number, t TEXT, b BLOB; blobs of doubles: p 12, m 36, s 9, v 3, x 6. Rows that were written
-/// by an older schema end after the first `least` columns; what they lack is 0.
-struct Shape {
-  const char* table;
-  std::string_view columns;
-  std::size_t least;
-  bool by_shape;  ///< no other table's rows look like it, but for the tables of the end
-};
-
-constexpr std::array kShapes = {
-    Shape{"sessions", "nttiiii", 3, true},
-    Shape{"provenance", "itt", 3, true},
-    Shape{"keyframes", "niiipmi", 6, true},
-    Shape{"submaps", "nxi", 3, true},
-    Shape{"chunks", "iiib", 4, true},
-    Shape{"edges", "niiiipm", 7, true},
-    Shape{"candidates", "niiiprrrtrrrrri", 9, true},
-    Shape{"fixes", "niiirrrsvrirs", 13, true},
-    Shape{"georeference", "nrrrpm", 6, true},
-    Shape{"control", "ntiivvrrrv", 10, true},
-    Shape{"anchors", "np", 2, true},
-    Shape{"end_keyframes", "nip", 3, false},
-    Shape{"end_edges", "ni", 2, false},
-    Shape{"end_candidates", "niiiprrrtrrrrri", 9, false},
-    Shape{"end_fixes", "nirsv", 4, false},
-    Shape{"end_georeference", "nrrrpm", 6, false},
-    // The index of places is made anew; its pages are no rows that have lost their tree.
-    Shape{"places_rowid", "n*", 2, false},
-    Shape{"places_node", "n*", 2, false},
-    Shape{"places_parent", "n*", 2, false},
-};
-
-bool is_blob_of(const SqliteValue& value, std::size_t doubles) {
-  const auto* blob = std::get_if<std::vector<std::byte>>(&value);
-  return blob != nullptr && blob->size() == doubles * sizeof(double);
-}
-
-bool fits(const SqliteValue& value, char letter) {
-  switch (letter) {
-    case 'n':
-      return std::holds_alternative<std::monostate>(value);
-    case 'i':
-      return std::holds_alternative<int64_t>(value);
-    case 'r':
-      return std::holds_alternative<int64_t>(value) || std::holds_alternative<double>(value);
-    case 't':
-      return std::holds_alternative<std::string>(value);
-    case 'b':
-      return std::holds_alternative<std::vector<std::byte>>(value);
-    case 'p':
-      return is_blob_of(value, 12);
-    case 'm':
-      return is_blob_of(value, 36);
-    case 's':
-      return is_blob_of(value, 9);
-    case 'v':
-      return is_blob_of(value, 3);
-    case 'x':
-      return is_blob_of(value, 6);
-    default:
-      return true;
-  }
-}
-
-bool fits(const SqliteRow& row, const Shape& shape) {
-  if (row.values.size() < shape.least || row.values.size() > shape.columns.size()) {
-    return false;
-  }
-  for (std::size_t i = 0; i < row.values.size(); ++i) {
-    if (!fits(row.values[i], shape.columns[i])) {
-      return false;
-    }
-  }
-  return true;
-}
 
 /// Ids that a page may hold: after the first up to the last.
 struct Range {
@@ -178,6 +103,7 @@ class Salvage {
       throw InputError(file_, {}, "it is an SQLite database but no map",
                        "Name a map that `adit run` has made");
     }
+    // One of less than 1 is none: the rows show what they are.
     if (header->version > kMapSchema) {
       throw InputError(file_, {},
                        "it was written by a newer adit: its schema is " +
@@ -331,10 +257,19 @@ class Salvage {
       insert.emplace(rows_.prepare("INSERT OR REPLACE INTO " + std::string(shape.table) +
                                    " VALUES(" + marks + ")"));
     }
+    std::set<int64_t> changed;
     for (const Leaf& leaf : leaves) {
       for (const SqliteRow& row : pages_.tree_page(leaf.page).rows) {
         if (!fits(row, shape) ||
             (shape.table == std::string_view("georeference") && row.rowid != 1)) {
+          continue;
+        }
+        if (!is_as_written(row, shape)) {
+          changed.insert(row.rowid);
+          if (shape.by_shape) {  // others are not needed
+            ++salvaged.changed;
+            changed_.emplace(leaf.page, shape.table);
+          }
           continue;
         }
         salvaged.ids.insert(row.rowid);
@@ -348,6 +283,13 @@ class Salvage {
         }
       }
     }
+    lose_changed(salvaged, changed);
+  }
+
+  /// Another copy of a changed row may be as it was written.
+  static void lose_changed(SalvagedTable& salvaged, const std::set<int64_t>& changed) {
+    std::ranges::set_difference(changed, salvaged.ids,
+                                std::inserter(salvaged.lost, salvaged.lost.end()));
   }
 
   static void bind(SqliteStatement& insert, const SqliteRow& row, const Shape& shape) {
@@ -410,6 +352,10 @@ class Salvage {
   }
 
   void tell_pages() {
+    if (pages_.header() && pages_.header()->version < 1) {
+      done_.damaged_pages.push_back("page 1: it says schema " +
+                                    std::to_string(pages_.header()->version) + ", which is none");
+    }
     for (const auto& [page, table] : unreadable_) {
       if (std::ranges::any_of(kShapes, [&](const Shape& shape) {
             return shape.table == table && !shape.by_shape;
@@ -423,6 +369,13 @@ class Salvage {
       const bool missing = page == 0 || page > pages_.count();
       done_.damaged_pages.push_back("page " + std::to_string(page) + ", of " + table + ": " +
                                     (missing ? "the file ends before it" : "it is damaged"));
+    }
+    for (const auto& [page, table] : changed_) {
+      if (done_.damaged_pages.size() < kMostPages) {
+        done_.damaged_pages.push_back("page " + std::to_string(page) + ", of " + table +
+                                      ": a row is not as it was written: its checksum does not "
+                                      "match");
+      }
     }
     for (const auto& [page, table] : broken_off_) {
       if (done_.damaged_pages.size() < kMostPages) {
@@ -448,6 +401,7 @@ class Salvage {
   std::map<uint32_t, std::string> unreadable_;  ///< pages, and what they belong to
   /// Pages with rows of which only the beginning can be read, and whose they are.
   std::map<uint32_t, std::string> broken_off_;
+  std::map<uint32_t, std::string> changed_;  ///< pages with rows not as written, and whose
   bool has_unknown_pages_ = false;
   MapSalvage done_;
 };

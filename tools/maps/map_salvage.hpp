@@ -17,7 +17,8 @@ namespace adit {
 /// What became of a table.
 struct SalvagedTable {
   std::set<int64_t> ids;       ///< of rows that are whole
-  std::set<int64_t> lost;      ///< of rows that were there, as far as neighbours show it
+  std::set<int64_t> lost;      ///< of rows that were there: neighbours show it, or they are changed
+  std::size_t changed = 0;     ///< rows that are not as they were written, by their checksums
   bool may_lack_more = false;  ///< rows may be lost of which nothing tells
 };
 
@@ -29,8 +30,9 @@ struct MapSalvage {
   bool log_is_damaged = false;                  ///< the log beside the map
 };
 
-/// Copies the rows that are whole into `rows`, a map without content. Foreign keys may lead nowhere
-/// there. Throws InputError where the file is no map or of a newer schema, OutputError.
+/// Copies the rows that are whole, and whose checksum matches if they have one, into `rows`, a map
+/// without content. Foreign keys may lead nowhere there. Throws InputError where the file is no map
+/// or of a newer schema, OutputError.
 MapSalvage salvage_rows(const std::filesystem::path& damaged, const std::filesystem::path& rows);
 
 }  // namespace adit

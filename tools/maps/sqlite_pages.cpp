@@ -206,7 +206,7 @@ void SqlitePages::read_header() {
   page_size_ = log_.page_size > 0 ? page_size_ : page_size;
   usable_ = page_size_ - page[20];
   header_ = {.application = word(page, 68),
-             .version = word(page, 60),
+             .version = static_cast<int32_t>(word(page, 60)),
              .pages = word(page, 28),
              .first_free = word(page, 32)};
 }

@@ -91,6 +91,14 @@ std::string xml_text(const std::string& text) {
   return escaped;
 }
 
+std::string placemark(const std::string& name, const std::string& geometry,
+                      const std::string& content) {
+  return fmt::format(
+      "<Placemark>\n<name>{0}</name>\n<{1}>\n<altitudeMode>absolute</altitudeMode>\n{2}</{1}>\n"
+      "</Placemark>\n",
+      name, geometry, content);
+}
+
 }  // namespace
 
 std::string iso_time(Nanoseconds unix_time) {
@@ -228,25 +236,27 @@ std::size_t write_trajectory_kml(const std::filesystem::path& file, const MapPat
                          : "Heights are above the WGS 84 ellipsoid, where KML means the sea.") +
       std::string("</description>\n"));
   for (const std::vector<std::size_t>& line : lines_of(path, places)) {
+    std::string coordinates;
     std::string when;
     std::string where;
     for (const std::size_t i : line) {
       Geodetic place = places[i].geodetic;
       place.altitude = earth.orthometric(place).value_or(place.altitude);
+      coordinates += geodetic_text(place) + "\n";
       if (timed) {
         when += "<when>" + iso_time(path.sweeps[i].stamp) + "</when>\n";
         where += fmt::format("<gx:coord>{:.10f} {:.10f} {:.4f}</gx:coord>\n", place.longitude,
                              place.latitude, place.altitude);
-      } else {
-        where += geodetic_text(place) + "\n";
       }
     }
-    output.write(fmt::format("<Placemark>\n<name>session {}</name>\n{}{}{}</Placemark>\n",
-                             path.sweeps[line.front()].session,
-                             timed ? "<gx:Track>\n<altitudeMode>absolute</altitudeMode>\n" + when
-                                   : "<LineString>\n<altitudeMode>absolute</altitudeMode>\n"
-                                     "<coordinates>\n",
-                             where, timed ? "</gx:Track>\n" : "</coordinates>\n</LineString>\n"));
+    const SessionId session = path.sweeps[line.front()].session;
+    output.write(placemark(fmt::format("session {}", session),
+                           line.size() < 2 ? "Point" : "LineString",
+                           "<coordinates>\n" + coordinates + "</coordinates>\n"));
+    if (timed) {  // beside the line: GDAL's own driver of KML passes tracks over
+      output.write(
+          placemark(fmt::format("session {}, with times", session), "gx:Track", when + where));
+    }
   }
   output.write("</Document>\n</kml>\n");
   output.close();

@@ -41,6 +41,10 @@ bool is_current(int descriptor, const std::filesystem::path& path) {
 }  // namespace
 
 WriterLock::WriterLock(const std::filesystem::path& file) : path_(file.string() + ".lock") {
+  // writer_of() has a lock for less than a millisecond, which is no writer's.
+  constexpr int kMostAttempts = 20;
+  constexpr useconds_t kPause = 5000;  // microseconds
+  int attempts = 0;
   while (descriptor_ < 0) {
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
@@ -53,6 +57,11 @@ WriterLock::WriterLock(const std::filesystem::path& file) : path_(file.string() 
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string holder = content(descriptor_);
       ::close(descriptor_);
+      if (++attempts < kMostAttempts) {
+        descriptor_ = -1;
+        ::usleep(kPause);
+        continue;
+      }
       throw LockedError(file, file.string() + ": is being written by " + holder +
                                   ". Wait until that has ended; reading is possible meanwhile.");
     }
@@ -71,6 +80,19 @@ WriterLock::WriterLock(const std::filesystem::path& file) : path_(file.string() 
 WriterLock::~WriterLock() {
   ::unlink(path_.c_str());
   ::close(descriptor_);
+}
+
+std::optional<std::string> writer_of(const std::filesystem::path& file) {
+  const int descriptor = ::open((file.string() + ".lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) {
+    return std::nullopt;
+  }
+  std::optional<std::string> writer;
+  if (::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    writer = content(descriptor);
+  }
+  ::close(descriptor);
+  return writer;
 }
 
 }  // namespace adit

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "adit/tools/support/input_error.hpp"
 
@@ -29,5 +31,8 @@ class WriterLock {
   std::filesystem::path path_;
   int descriptor_ = -1;
 };
+
+/// Who has the lock of a file at this moment ("process 4711 on mallard"); nothing where nobody has.
+std::optional<std::string> writer_of(const std::filesystem::path& file);
 
 }  // namespace adit
