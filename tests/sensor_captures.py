@@ -25,6 +25,7 @@ class Case:
     tolerance: float = 1e-5  # m
     time_tolerance: float = 1e-8  # s
     note: str = ""
+    begin: float = 0.0  # ns after BEGIN; points before that are not compared
 
 
 class Points:

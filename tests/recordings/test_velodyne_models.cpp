@@ -29,9 +29,6 @@ double azimuth_of(const Point& p) {
   return std::fmod(
       std::atan2(-static_cast<double>(p.y), static_cast<double>(p.x)) / kDegree + 360.0, 360.0);
 }
-double elevation_of(const Point& p) {
-  return std::atan2(static_cast<double>(p.z), std::hypot(p.x, p.y)) / kDegree;
-}
 double range_of(const Point& p) {
   return std::hypot(static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z));
 }
@@ -50,7 +47,9 @@ void expect_points(const Sweep& sweep, const VelodyneModel& model, double first,
     const double azimuth =
         first + step * static_cast<double>(sequence) + model.azimuth.at(laser) + turned;
     EXPECT_NEAR(azimuth_of(p), std::fmod(azimuth + 360.0, 360.0), 1e-3) << laser;
-    EXPECT_NEAR(elevation_of(p), model.elevation.at(laser), 1e-3) << laser;
+    const double level = std::hypot(static_cast<double>(p.x), static_cast<double>(p.y));
+    const double height = static_cast<double>(p.z) - model.height.at(laser);
+    EXPECT_NEAR(std::atan2(height, level) / kDegree, model.elevation.at(laser), 1e-3) << laser;
     const double time = seconds(sweep.stamp - begin) + static_cast<double>(sweep.times[i]);
     EXPECT_NEAR(time, static_cast<double>(sequence) * model.cycle + model.firing.at(laser), 2e-9);
     EXPECT_EQ(sweep.rings[i], model.rings.at(laser));
@@ -74,6 +73,8 @@ TEST(VelodyneModels, AnglesAndTimesAreThoseOfTheManuals) {
   EXPECT_DOUBLE_EQ(vls128.firing.at(63), 7 * 2.665e-6) << "eight lasers fire at a time";
   EXPECT_DOUBLE_EQ(vls128.firing.at(64), 9 * 2.665e-6) << "there is a break after half of them";
   EXPECT_EQ(find_velodyne_model(0x24)->elevation.at(15), 10.0);
+  EXPECT_NEAR(vlp32.height.at(0), 0.0424 * std::tan(25.0 * kDegree), 1e-9);
+  EXPECT_NEAR(vls128.height.at(59), -0.05863 * std::tan(15.0 * kDegree), 1e-9);
   EXPECT_EQ(find_velodyne_model(0x63), nullptr);
 }
 
@@ -90,11 +91,11 @@ TEST(VelodyneModels, Vlp32PointsSingleAndDual) {
     const Sweep sweep = sweeps.finish().value();
     ASSERT_EQ(sweep.points.size(), dual ? 6U * 48U : 12U * 32U);
     EXPECT_EQ(sweep.stamp, kHour + std::chrono::microseconds(5000));
-    EXPECT_NEAR(range_of(sweep.points[1]), 0.004 * 2501, 1e-4) << "steps of 4 mm";
+    EXPECT_NEAR(range_of(sweep.points[5]), 0.004 * 2505, 1e-4) << "steps of 4 mm, level";
     if (!dual) {
       expect_points(sweep, model, 100.0, 0.2, kHour + std::chrono::microseconds(5000));
     } else {
-      EXPECT_NEAR(range_of(sweep.points[32]), 0.004 * 3000, 1e-4);
+      EXPECT_NEAR(range_of(sweep.points[32]), 0.004 * 3000, 1e-2);
       EXPECT_EQ(sweep.times[32], 0.0F) << "a second return is of the same firing";
       EXPECT_NEAR(sweep.times[48], model.cycle, 1e-9);
     }
@@ -112,7 +113,7 @@ TEST(VelodyneModels, Vls128PointsSingleAndDual) {
   const Sweep sweep = single.finish().value();
   ASSERT_EQ(sweep.points.size(), 3U * 128U);
   EXPECT_EQ(sweep.stamp, begin) << "the manual takes 8.7 us off a packet's time";
-  EXPECT_NEAR(range_of(sweep.points[128 + 70]), 0.004 * (2500 + 100 + 70), 1e-4);
+  EXPECT_NEAR(range_of(sweep.points[128 + 83]), 0.004 * (2500 + 100 + 83), 1e-4) << "level";
   expect_points(sweep, model, 200.0, 0.19, begin);
 
   VelodyneSweeps dual;

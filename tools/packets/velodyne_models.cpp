@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/packets/velodyne_models.hpp"
 
+#include <cmath>
+
+#include "adit/slam/core/units.hpp"
+
 namespace adit {
 namespace {
 
@@ -12,9 +16,12 @@ constexpr Angles kVlp16Elevations = {-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 1
 constexpr Angles kVlp16Heights = {0.0112, -0.0007, 0.0097, -0.0022, 0.0081, -0.0037,
                                   0.0066, -0.0051, 0.0051, -0.0066, 0.0037, -0.0081,
                                   0.0022, -0.0097, 0.0007, -0.0112};
-// Puck Hi-Res: the VLP-16 with other elevations (data sheet 63-9318).
+// Puck Hi-Res: the VLP-16 with other angles, in the same table.
 constexpr Angles kHiResElevations = {-10,    0.667, -8.667, 2,     -7.333, 3.333, -6,     4.667,
                                      -4.667, 6,     -3.333, 7.333, -2,     8.667, -0.667, 10};
+constexpr Angles kHiResHeights = {0.0074, -0.0009, 0.0065, -0.0018, 0.0055, -0.0027,
+                                  0.0046, -0.0037, 0.0037, -0.0046, 0.0027, -0.0055,
+                                  0.0018, -0.0065, 0.0009, -0.0074};
 // Manual 63-9113 (HDL-32E).
 constexpr Angles kHdl32Elevations = {-30.67, -9.33, -29.33, -8.00, -28.00, -6.67, -26.67, -5.33,
                                      -25.33, -4.00, -24.00, -2.67, -22.67, -1.33, -21.33, 0.00,
@@ -65,6 +72,16 @@ constexpr VelodyneModel evenly_firing(std::string_view name, std::size_t lasers,
   return result;
 }
 
+/// Lasers that fire from a ring of `radius` (m) about the axis, and whose ranges are from the axis.
+/// The heights of VLP-16 in its manual are those of a ring of 41.91 mm.
+Angles heights_of(const VelodyneModel& model, double radius) {
+  Angles heights{};
+  for (std::size_t i = 0; i < model.lasers; ++i) {
+    heights[i] = -radius * std::tan(model.elevation[i] * kDegree);
+  }
+  return heights;
+}
+
 constexpr std::size_t kNoBreak = VelodyneModel::kMostLasers;
 
 const std::array<std::pair<unsigned, VelodyneModel>, 5>& models() {
@@ -82,7 +99,10 @@ const std::array<std::pair<unsigned, VelodyneModel>, 5>& models() {
         std::pair{0xa1U, evenly_firing("VLS-128", 128, 0.004, 53.3e-6, 2.665e-6, 8, 8,
                                        kVls128Elevations)}};
     made[1].second.height = kVlp16Heights;
+    made[2].second.height = kHiResHeights;
     made[3].second.azimuth = kVlp32Azimuths;
+    made[3].second.height = heights_of(made[3].second, 0.0424);
+    made[4].second.height = heights_of(made[4].second, 0.05863);
     for (std::size_t i = 0; i < 128; ++i) {
       made[4].second.azimuth[i] = kVls128Azimuths[i % kVls128Azimuths.size()];
     }

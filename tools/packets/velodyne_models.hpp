@@ -28,8 +28,9 @@ struct VelodyneModel {
 };
 
 /// The model that the last byte of a data packet names; null for one that is not read. Figures are
-/// those of Velodyne's manuals (63-9243, 63-9113, 63-9325, 63-9483); the angles of VLP-32C, VLS-128
-/// and Puck Hi-Res in the form in which VeloView's calibration files publish them.
+/// those of Velodyne's manuals (63-9243, 63-9113, 63-9325, 63-9483), the angles of VLP-32C and
+/// VLS-128 in the form in which VeloView's calibration files publish them. The radii of the rings
+/// of lasers of these two are those of velodyne-decoder.
 const VelodyneModel* find_velodyne_model(unsigned factory_byte);
 
 }  // namespace adit
