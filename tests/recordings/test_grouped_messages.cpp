@@ -123,6 +123,23 @@ TEST(GroupedMessages, TopicsWhoseClocksDifferStayInTheOrderOfTheFile) {
   }
 }
 
+TEST(GroupedMessages, AClockThatLeapsIsNoGrouping) {
+  for (const Container container : kContainers) {
+    const TemporaryFolder folder;
+    auto messages = test::sample_messages(test::encoding_of(container), 60);
+    for (SampleMessage& message : messages) {  // the IMU's, to TAI, in the middle
+      const auto i = static_cast<uint32_t>((message.received - test::kStart) / kPeriod);
+      if (message.channel == 1 && i >= 30) {
+        ros::Imu imu = test::imu_message(i);
+        imu.header.stamp += std::chrono::seconds(37);
+        message.bytes = ros::encode(test::encoding_of(container), imu);
+      }
+    }
+    const auto recording = open_recording(write_messages(folder, "a", container, messages));
+    EXPECT_TRUE(recording->notices().empty()) << static_cast<int>(container);
+  }
+}
+
 TEST(GroupedMessages, AnImuThatStartsLateOrStopsEarlyIsNotGrouped) {
   for (const Container container : kContainers) {
     const TemporaryFolder folder;

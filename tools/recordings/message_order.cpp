@@ -69,35 +69,38 @@ std::optional<Nanoseconds> find_stamp(
   return stamp;
 }
 
-/// How much farther the stamps of one topic go while another one has no messages than from those
-/// before to those after it.
-Nanoseconds standstill(const TimeSpan& pausing, const TimeSpan& other) {
-  return pausing.end < pausing.begin ? Nanoseconds(0)
-                                     : (other.end - other.begin) - (pausing.end - pausing.begin);
+/// How much farther a topic went while another one had no messages than the other one's stamps went
+/// from before to after that; 0 where these go back.
+Nanoseconds standstill(const TimeSpan& pausing, Nanoseconds progress) {
+  return pausing.end < pausing.begin ? Nanoseconds(0) : progress - length(pausing);
 }
 
 /// Notices in all of a part's messages, in the order of the file, where a topic stands still.
 class StandstillObserver {
  public:
-  explicit StandstillObserver(std::size_t channels) : stamps_(channels), before_(channels) {}
+  explicit StandstillObserver(std::size_t channels)
+      : stamps_(channels), progress_(channels), before_(channels) {}
 
   void add(std::size_t channel, Nanoseconds stamp) {
-    if (stamps_[channel]) {
+    if (const std::optional<Nanoseconds>& last = stamps_[channel]) {
       for (std::size_t other = 0; other < stamps_.size(); ++other) {
-        const std::optional<Nanoseconds>& begin = before_[channel][other];
-        found_ = found_ ||
-                 (other != channel && begin && stamps_[other] &&
-                  standstill({*stamps_[channel], stamp}, {*begin, *stamps_[other]}) > kStandstill);
+        found_ = found_ || (other != channel &&
+                            standstill({*last, stamp}, progress_[other] - before_[channel][other]) >
+                                kStandstill);
       }
+      // A leap of the clock is no progress.
+      const Nanoseconds step = stamp - *last;
+      progress_[channel] += step > Nanoseconds(0) && step < kLate ? step : Nanoseconds(0);
     }
     stamps_[channel] = stamp;
-    before_[channel] = stamps_;
+    before_[channel] = progress_;
   }
   bool found() const { return found_; }
 
  private:
-  std::vector<std::optional<Nanoseconds>> stamps_;               // newest, by channel
-  std::vector<std::vector<std::optional<Nanoseconds>>> before_;  // those when it had its last one
+  std::vector<std::optional<Nanoseconds>> stamps_;  // the last one, by channel
+  std::vector<Nanoseconds> progress_;               // sum of the steps, by channel
+  std::vector<std::vector<Nanoseconds>> before_;    // progress_ when the channel had its last one
   bool found_ = false;
 };
 
@@ -153,7 +156,7 @@ bool stands_still(const RecordingPart& part, const std::vector<Topic>& topics,
     auto to = find_stamp(part, {.channels = {other}, .from = pause.after}, false);
     to = to ? to
             : find_stamp(part, {.channels = {other}, .from = layout.channels[other].last}, true);
-    if (from && to && standstill({*begin, *end}, {*from, *to}) > kStandstill) {
+    if (from && to && standstill({*begin, *end}, *to - *from) > kStandstill) {
       return true;
     }
   }

@@ -26,7 +26,11 @@ class PartTally {
     }
   }
 
-  void add(std::size_t channel) { ++*counts_[channel]; }
+  void add(std::size_t channel) {
+    if (counts_[channel]) {
+      ++*counts_[channel];
+    }
+  }
 
   /// What the part does not hold, of the topics that were read.
   std::vector<DeclarationError> contradictions() const {
