@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/command_line.hpp"
 
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <span>
 #include <string_view>
 #include <type_traits>
 
@@ -22,21 +22,12 @@ namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-
 constexpr int kUsage = 2;
 constexpr const char* kOfEveryCommand = "Options of every command";
 
 /// Complains unless the text is a number that `fits`.
 CLI::Validator number(const std::string& wanted, const std::function<bool(double)>& fits) {
-  const auto check = [wanted, fits](std::string& text) {
-    double value = 0.0;
-    const std::from_chars_result end =
-        std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = end.ec == std::errc() && end.ptr == text.data() + text.size();
-    return whole && fits(value) ? std::string()
-                                : "'" + text + "' is not possible; it takes a number " + wanted;
-  };
-  return {check, ""};
+  return {[wanted, fits](std::string& text) { return number_complaint(text, wanted, fits); }, ""};
 }
 
 /// Makes a number of bytes out of "512MiB"; else a complaint.
@@ -490,9 +481,8 @@ std::optional<int> CommandLine::run(int argc, const char* const* argv,
   if (!commands().empty()) {
     app_->require_subcommand(1);
   }
-  const std::string mistaken =
-      mistaken_words(description(), {argv + 1, static_cast<std::size_t>(argc > 1 ? argc - 1 : 0)});
-  if (!mistaken.empty()) {
+  const std::span words(argv, static_cast<std::size_t>(argc));
+  if (const std::string mistaken = mistaken_words(description(), words); !mistaken.empty()) {
     std::cerr << app_->get_name() << ": " << mistaken << "." << std::endl;
     return kUsage;
   }

@@ -3,6 +3,7 @@
 #include "adit/tools/commands/plain_complaint.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 
 namespace adit {
@@ -47,6 +48,15 @@ std::string wanted_values(int least, int most, const std::string& names) {
   return ". It takes " + std::to_string(least) +
          (most > least ? " to " + std::to_string(most) : std::string()) + " numbers (" + names +
          "); write other words before it, or `--` between";
+}
+
+std::string number_complaint(const std::string& text, const std::string& wanted,
+                             const std::function<bool(double)>& fits) {
+  double value = 0.0;
+  const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = end.ec == std::errc() && end.ptr == text.data() + text.size();
+  return whole && fits(value) ? std::string()
+                              : "'" + text + "' is not possible; it takes a number " + wanted;
 }
 
 std::string plain_complaint(const std::string& text) {

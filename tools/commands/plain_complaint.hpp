@@ -4,6 +4,7 @@
 // Words for complaints about a command line.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,10 @@ std::string listed_words(const std::vector<std::string>& words);
 /// `names` are what the help calls them. Empty for options that take one.
 std::string wanted_values(int least, int most, const std::string& names);
 
+/// The complaint about a text that is no number that `fits`; empty where it is one.
+std::string number_complaint(const std::string& text, const std::string& wanted,
+                             const std::function<bool(double)>& fits);
+
 /// What CLI11 says of a command line, in plain words.
 std::string plain_complaint(const std::string& text);
 
@@ -27,7 +32,7 @@ std::string place_of_option(const std::string& command);
 
 /// The complaint about the first word that the parser would take for something else than what was
 /// meant: "-out" for -o with the value "ut", "--json=out.json" for a flag's number. Empty where
-/// there is none. `words` are those after the program's name.
+/// there is none.
 std::string mistaken_words(const CommandDescription& program, std::span<const char* const> words);
 
 }  // namespace adit

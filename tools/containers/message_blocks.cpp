@@ -60,8 +60,8 @@ void LayoutObserver::add(std::size_t channel, const TimeSpan& times, uint64_t of
   std::optional<TimeSpan>& last = last_[channel];
   steps_back_ = steps_back_ || (last && is_before(received.end, last->begin));
   last = received;
-  late_ = late_ || (newest_ && is_before(received.end, *newest_));
-  newest_ = std::max(newest_.value_or(received.begin), received.begin);
+  newest_ = std::max(newest_, received.begin);
+  late_ = late_ || is_before(received.end, newest_);
 }
 
 MessageLayout LayoutObserver::take() && {

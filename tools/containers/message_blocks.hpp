@@ -49,7 +49,7 @@ class LayoutObserver {
  private:
   MessageLayout layout_;
   std::vector<std::optional<TimeSpan>> last_;  // of the channel's last message or block
-  std::optional<Nanoseconds> newest_;          // latest begin so far
+  Nanoseconds newest_ = Nanoseconds::min();    // latest begin so far
   bool late_ = false;
   bool steps_back_ = false;
 };

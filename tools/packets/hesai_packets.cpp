@@ -385,7 +385,7 @@ std::vector<Sweep> HesaiSweeps::take(const Datagram& datagram) {
         packet_time + nanoseconds(block_time(*packet, block, azimuth, last, turns));
     const double since = sweep_ ? seconds(time - sweep_->stamp) : 0.0;
     if (sweep_ &&
-        (azimuth + 180.0 < last_azimuth_ || since < 0.0 || since > seconds(kLongestSweep))) {
+        (azimuth + 180.0 < last_azimuth_ || since < 0.0 || since > seconds(kLongestTurn))) {
       whole.push_back(std::move(*sweep_));
       sweep_.reset();
     }

@@ -134,7 +134,7 @@ std::vector<Sweep> OusterSweeps::take(const Datagram& datagram) {
       continue;
     }
     const bool anew = sweep_ && (column->frame != frame_ || column->time < sweep_->stamp ||
-                                 column->time - sweep_->stamp > kLongestSweep);
+                                 column->time - sweep_->stamp > kLongestTurn);
     if (anew) {
       whole.push_back(std::move(*sweep_));
       sweep_.reset();

@@ -10,7 +10,7 @@
 namespace adit {
 
 /// All these sensors turn at 5 Hz at least.
-inline constexpr std::chrono::seconds kLongestSweep(1);
+inline constexpr std::chrono::seconds kLongestTurn(1);
 
 /// A little-endian number; `from` must reach `at + sizeof(T)`.
 template <class T>

@@ -109,7 +109,7 @@ template <class Item>
 bool PacketOrder<Item>::is_late(Series& series, std::size_t number, Nanoseconds time) {
   const std::optional<Nanoseconds> newest =
       series.waiting.empty() ? series.last : std::optional(series.waiting.back().time);
-  if (newest && (time - *newest > kLongestSweep || *newest - time > kLongestSweep)) {
+  if (newest && (time - *newest > kLongestTurn || *newest - time > kLongestTurn)) {
     settle(series, number);
   }
   if (!series.last || time >= *series.last) {

@@ -176,7 +176,7 @@ Nanoseconds velodyne_time(const Datagram& data) {
 
 bool VelodyneSweeps::begins_anew(double azimuth, Nanoseconds time) const {
   const Nanoseconds since = time - sweep_->stamp;
-  return azimuth + 180.0 < last_azimuth_ || since < Nanoseconds(0) || since > kLongestSweep;
+  return azimuth + 180.0 < last_azimuth_ || since < Nanoseconds(0) || since > kLongestTurn;
 }
 
 /// Degrees from the block to the one a stride after it; where the packet has none, those from the
