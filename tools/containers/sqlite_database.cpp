@@ -185,7 +185,7 @@ void SqliteDatabase::fail_to_open() const {
   const int reason = sqlite3_system_errno(database_.get());
   if (sqlite3_errcode(database_.get()) == SQLITE_CANTOPEN && reason != 0) {
     refuse(std::string(writes ? "" : "cannot be opened: ") + std::strerror(reason),
-           "Check the permissions of the file and of its folder");
+           "Check the path, and the permissions of the file and of its folder");
   }
   fail();
 }
