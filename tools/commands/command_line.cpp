@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/command_line.hpp"
 
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <string_view>
 #include <type_traits>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "adit/tools/commands/command_guard.hpp"
@@ -28,15 +27,7 @@ constexpr const char* kOfEveryCommand = "Options of every command";
 
 /// Complains unless the text is a number that `fits`.
 CLI::Validator number(const std::string& wanted, const std::function<bool(double)>& fits) {
-  const auto check = [wanted, fits](std::string& text) {
-    double value = 0.0;
-    const std::from_chars_result end =
-        std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = end.ec == std::errc() && end.ptr == text.data() + text.size();
-    return whole && fits(value) ? std::string()
-                                : "'" + text + "' is not possible; it takes a number " + wanted;
-  };
-  return {check, ""};
+  return {[wanted, fits](std::string& text) { return number_complaint(text, wanted, fits); }, ""};
 }
 
 /// Makes a number of bytes out of "512MiB"; else a complaint.
@@ -56,17 +47,13 @@ std::string size_to_bytes(std::string& text) {
   return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
 }
 
-constexpr char kBetweenWords = '\n';
+constexpr char kBetweenWords = '\n';  // as in joined()
 constexpr const char* kFile = "\nfile";
 constexpr const char* kWritten = "\nwritten";
 
 /// What shells offer for an option travels with it as the name of a check, which CLI11 keeps.
 std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : std::string(1, kBetweenWords)) + word;
-  }
-  return text;
+  return fmt::format("{}", fmt::join(words, "\n"));
 }
 
 CLI::Validator passes(const std::string& name) {

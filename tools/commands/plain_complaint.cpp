@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/commands/plain_complaint.hpp"
 
+#include <charconv>
 #include <string_view>
 
 namespace adit {
@@ -12,6 +13,15 @@ std::string listed_words(const std::vector<std::string>& words) {
     text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
   }
   return text;
+}
+
+std::string number_complaint(const std::string& word, const std::string& wanted,
+                             const std::function<bool(double)>& fits) {
+  double value = 0.0;
+  const std::from_chars_result end = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool whole = end.ec == std::errc() && end.ptr == word.data() + word.size();
+  return whole && fits(value) ? std::string()
+                              : "'" + word + "' is not possible; it takes a number " + wanted;
 }
 
 std::string wanted_values(int least, int most, const std::string& names) {

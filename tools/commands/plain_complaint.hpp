@@ -4,6 +4,7 @@
 // Words for complaints about a command line.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@ namespace adit {
 
 /// "a, b or c".
 std::string listed_words(const std::vector<std::string>& words);
+
+/// Why a word is no number that `fits`, which is one `wanted` ("of 0 or more"); empty where it is.
+std::string number_complaint(const std::string& word, const std::string& wanted,
+                             const std::function<bool(double)>& fits);
 
 /// Behind a complaint about an option that takes several values: how many, and where others go.
 /// `names` are what the help calls them. Empty for options that take one.
