@@ -14,6 +14,7 @@
 #include "adit/tests/recordings/event_support.hpp"
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/returns.hpp"
 
 namespace adit {
 namespace {
@@ -159,6 +160,7 @@ TEST(LasReader, LargeCoordinatesKeepTheirMillimetres) {
   EXPECT_EQ(cloud.coordinate_step, 0.0);
   for (std::size_t i = 0; i < 100; ++i) {
     EXPECT_NEAR(cloud.sweep.points[i].y, 0.002 * static_cast<double>(i), 1e-6);
+    EXPECT_TRUE(is_return(cloud.sweep.points[i])) << i;  // also the one at the offset itself
   }
   // All clouds of a recording have the first one's.
   const CloudReading reading{.offset = Eigen::Vector3d(429000.0, 5400000.0, 300.0)};

@@ -192,15 +192,13 @@ DecodedTimes decode_split_times(const std::filesystem::path& file, const CloudCo
                                 const std::vector<uint8_t>& valid) {
   constexpr double kMost = 9e9;  // s, 285 years
   std::vector<int64_t> times(valid.size());
+  std::vector<uint8_t> impossible(valid.size());
   const auto add = [&](FieldRole role, double unit_ns) {
     for_each_value(*columns[role], valid.size(), [&](std::size_t i, auto value) {
       const auto number = static_cast<double>(value);
       if (!(std::abs(number) * unit_ns < kMost * 1e9)) {
-        if (valid[i] == 0) {
-          return;  // no return, no time
-        }
-        throw InputError(file, Place::point(i), "its time is no time that a clock shows",
-                         "The file is damaged: write it again");
+        impossible[i] = 1;
+        return;
       }
       times[i] += static_cast<int64_t>(number) * static_cast<int64_t>(unit_ns) +
                   std::llround((number - std::trunc(number)) * unit_ns);
@@ -208,6 +206,9 @@ DecodedTimes decode_split_times(const std::filesystem::path& file, const CloudCo
   };
   add(FieldRole::time, 1e9);
   add(FieldRole::nanoseconds, 1.0);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    times[i] = impossible[i] != 0 ? std::numeric_limits<int64_t>::max() : times[i];
+  }
   CloudReading reading = columns.reading;
   reading.time_unit = 1e-9;
   return understood(file, times, valid, false, reading);
@@ -236,8 +237,11 @@ void fill_relative(const CloudColumns& columns, const Eigen::Vector3d& offset,
     });
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d p =
-        places[i].isZero(0.0) ? places[i] : Eigen::Vector3d(places[i] - offset);
+    Eigen::Vector3d p = places[i].isZero(0.0) ? places[i] : Eigen::Vector3d(places[i] - offset);
+    if (p.isZero(0.0) && !places[i].isZero(0.0)) {
+      constexpr double kNoDistance = 1e-30;  // m: (0, 0, 0) stands for no return
+      p.x() = kNoDistance;
+    }
     points[i].x = to_float(p.x());
     points[i].y = to_float(p.y());
     points[i].z = to_float(p.z());

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "adit/tools/commands/command_guard.hpp"
@@ -47,17 +47,13 @@ std::string size_to_bytes(std::string& text) {
   return "'" + given + "' is no size; write 512MiB, 2GiB or a number of bytes";
 }
 
-constexpr char kBetweenWords = '\n';
+constexpr char kBetweenWords = '\n';  // as in joined()
 constexpr const char* kFile = "\nfile";
 constexpr const char* kWritten = "\nwritten";
 
 /// What shells offer for an option travels with it as the name of a check, which CLI11 keeps.
 std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : std::string(1, kBetweenWords)) + word;
-  }
-  return text;
+  return fmt::format("{}", fmt::join(words, "\n"));
 }
 
 CLI::Validator passes(const std::string& name) {

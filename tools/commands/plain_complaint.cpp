@@ -41,6 +41,15 @@ std::string listed_words(const std::vector<std::string>& words) {
   return text;
 }
 
+std::string number_complaint(const std::string& word, const std::string& wanted,
+                             const std::function<bool(double)>& fits) {
+  double value = 0.0;
+  const std::from_chars_result end = std::from_chars(word.data(), word.data() + word.size(), value);
+  const bool whole = end.ec == std::errc() && end.ptr == word.data() + word.size();
+  return whole && fits(value) ? std::string()
+                              : "'" + word + "' is not possible; it takes a number " + wanted;
+}
+
 std::string wanted_values(int least, int most, const std::string& names) {
   if (least < 2) {
     return {};
@@ -48,15 +57,6 @@ std::string wanted_values(int least, int most, const std::string& names) {
   return ". It takes " + std::to_string(least) +
          (most > least ? " to " + std::to_string(most) : std::string()) + " numbers (" + names +
          "); write other words before it, or `--` between";
-}
-
-std::string number_complaint(const std::string& text, const std::string& wanted,
-                             const std::function<bool(double)>& fits) {
-  double value = 0.0;
-  const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = end.ec == std::errc() && end.ptr == text.data() + text.size();
-  return whole && fits(value) ? std::string()
-                              : "'" + text + "' is not possible; it takes a number " + wanted;
 }
 
 std::string plain_complaint(const std::string& text) {

@@ -16,13 +16,13 @@ namespace adit {
 /// "a, b or c".
 std::string listed_words(const std::vector<std::string>& words);
 
+/// Why a word is no number that `fits`, which is one `wanted` ("of 0 or more"); empty where it is.
+std::string number_complaint(const std::string& word, const std::string& wanted,
+                             const std::function<bool(double)>& fits);
+
 /// Behind a complaint about an option that takes several values: how many, and where others go.
 /// `names` are what the help calls them. Empty for options that take one.
 std::string wanted_values(int least, int most, const std::string& names);
-
-/// The complaint about a text that is no number that `fits`; empty where it is one.
-std::string number_complaint(const std::string& text, const std::string& wanted,
-                             const std::function<bool(double)>& fits);
 
 /// What CLI11 says of a command line, in plain words.
 std::string plain_complaint(const std::string& text);
