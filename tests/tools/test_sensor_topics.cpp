@@ -124,7 +124,7 @@ TEST(SensorTopics, OfTwoImusAlikeTheFasterIsChosenAndOfTwoAsFastTheFirst) {
   EXPECT_EQ(chosen_of(topics, events_of({every(1, 10), every(2, 5)})),
             "/b; /a is not used: its rate is 100 Hz, that of /b 200 Hz");
   EXPECT_EQ(chosen_of(topics, events_of({every(1, 5), every(2, 5)})),
-            "/a; /b is not used: /a is the first");
+            "/a; /b is not used: /a is as good");
 }
 
 TEST(SensorTopics, OfTwoImusOnOneTopicOneFrameIsUsed) {

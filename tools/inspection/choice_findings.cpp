@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/inspection/choice_findings.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -44,16 +46,17 @@ std::vector<Finding> find_in_choices(const Inspection& inspection) {
   std::vector<Finding> findings;
   for (const PassedOver& one : inspection.sensors.passed_over) {
     findings.push_back(handled("topic_passed_over", one.topic, one.why, "a run does not use it",
-                               "To use it all the same, name it: recording.sweep_topic, imu_topic "
-                               "or gnss_topic"));
+                               "recording.sweep_topic, imu_topic and gnss_topic choose others"));
   }
   for (const auto& [topic, frame] : inspection.sensors.frames) {
     const TopicStatistics& statistics = inspection.statistics[topic];
-    if (statistics.series.size() > 1) {
+    const auto named = std::ranges::count_if(
+        statistics.series, [](const auto& series) { return !series.first.empty(); });
+    if (named > 1) {
       findings.push_back(
           handled("several_frames", inspection.topics[topic].name,
                   "sensors of several frames share the topic: " + frames_text(statistics),
-                  "a run uses '" + frame + "' and leaves the others out",
+                  "a run uses '" + frame + "', and another one only after that has fallen silent",
                   setting_of_frame(inspection.topics[topic].kind)));
     }
   }
@@ -83,18 +86,21 @@ std::vector<Finding> find_in_transforms(const Inspection& inspection) {
   if (!inspection.sweeps) {
     return findings;
   }
-  const std::string& lidar = inspection.statistics[*inspection.sweeps].frame;
+  const auto frame_of = [&](std::size_t topic) {
+    const auto chosen = inspection.sensors.frames.find(topic);
+    return chosen == inspection.sensors.frames.end() ? std::string() : chosen->second;
+  };
+  const std::string lidar = frame_of(*inspection.sweeps);
   for (const std::optional<std::size_t>& topic :
        {inspection.sensors.imu, inspection.sensors.gnss}) {
-    const std::string frame = topic ? inspection.statistics[*topic].frame : "";
+    const std::string frame = topic ? frame_of(*topic) : "";
     const auto conflict =
         lidar.empty() || frame.empty() ? std::nullopt : inspection.frames.conflict(frame, lidar);
     if (conflict) {
       findings.push_back({Severity::problem, "mounting_ambiguous", inspection.topics[*topic].name,
                           describe(*conflict, "'" + frame + "' on '" + lidar + "'"),
                           "a run uses the shortest chain of transforms, and the latest of equals; "
-                          "if that is wrong, "
-                          "mapping with this sensor fails",
+                          "if that is wrong, mapping with this sensor fails",
                           "Correct the transforms, or set imu.T_imu_lidar or gnss.antenna"});
     }
   }

@@ -95,7 +95,7 @@ std::string why_passed_over(const SensorCandidate& one, const SensorCandidate& b
                                    : fmt::format("its rate is {:.0f} Hz, that of {} {:.0f} Hz",
                                                  rate, best_name, best.sample.rate);
   }
-  return best_name + " is the first";
+  return best_name + " is as good";
 }
 
 /// None where there are no candidates. Says of the others why they are not used.
