@@ -48,18 +48,19 @@ Capture velodyne(uint8_t mode, uint8_t model) {
   return capture;
 }
 
-/// A VLS-128: 20 degrees of a packet of 60 are measured.
+/// A VLS-128 that fires every 20 degrees.
 Capture vls128(bool dual) {
   Capture capture;
-  for (int i = 0; i < 6 * kSweeps; ++i) {
-    const double since = i / 60.0;
-    const double first = std::fmod(60.0 * i, 360.0);
+  const int packets = dual ? 18 : 6;  // of a turn, with a firing or three each
+  for (int i = 0; i < packets * kSweeps; ++i) {
+    const double since = i / (10.0 * packets);
+    const double first = std::fmod(360.0 * i / packets, 360.0);
     const auto of_hour = (MovingRig::kBegin + Nanoseconds(static_cast<int64_t>(1e9 * since))) %
                          std::chrono::hours(1);
     const auto packet = vls128_packet(
-        first, 10.0, static_cast<uint32_t>(of_hour.count() / 1000), dual,
+        first, 20.0, static_cast<uint32_t>(of_hour.count() / 1000), dual,
         [&](std::size_t sequence, std::size_t ray, std::size_t) {
-          return room(kDegree * (first + 10.0 * static_cast<double>(sequence)), ray) / 0.004;
+          return room(kDegree * (first + 20.0 * static_cast<double>(sequence)), ray) / 0.004;
         });
     capture.add(since, packet, 2368);
   }

@@ -3,6 +3,8 @@
 //
 // Captures of networks as they are: link layers, fragments, packets that come twice, in another
 // order, or were captured in part. Each must be read as the same packets on a perfect network.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
