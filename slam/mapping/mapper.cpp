@@ -32,13 +32,15 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
   }
   const bool restarted = result.state == OdometryState::restarted;
   place_fixes(result);
-  if (!open_ || result.keyframe || restarted || builder_.full()) {
+  const bool after_silence = result.silence > 0.0 && result.state == OdometryState::tracking;
+  if (!open_ || result.keyframe || restarted || after_silence || builder_.full()) {
     if (open_) {
       freeze();
     }
     open_ = Open{.id = next_++,
                  .lidar = {result.stamp, result.T_map_lidar, result.uncertainty},
-                 .detached = restarted};
+                 .detached = restarted,
+                 .after_silence = after_silence};
   }
   const bool believed = result.state != OdometryState::coasting;
   builder_.add({.stamp = result.stamp,
@@ -165,7 +167,8 @@ PoseEdge Mapper::tie(const Frozen& from, const Open& to, const FrozenSubmap& sub
       odometry_motion(from.lidar, to.lidar, from.T_odom_keyframe.inverse() * submap.T_odom_keyframe,
                       submap.submap.sweeps.front().T_keyframe_lidar);
   ++report_.edges;
-  if (from.has_points && cloud.size > 0) {
+  // After a silence an alignment of the submaps would only repeat the odometry's.
+  if (from.has_points && cloud.size > 0 && !to.after_silence) {
     const AlignmentPair pair{.source = &cloud,
                              .target = &from.target,
                              .T_target_source = odometry.T_from_to,

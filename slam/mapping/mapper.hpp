@@ -46,7 +46,9 @@ struct MapReport {
 };
 
 /// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges
-/// between consecutive ones into the pose graph. The odometry never learns of it.
+/// between consecutive ones into the pose graph. The odometry never learns of it. No submap spans a
+/// silence of the sensors: the edge over it is the odometry's alone, with the covariance of what is
+/// known.
 ///
 /// A keyframe's work takes effect when `mapping.delay` more have followed, or at finish(): when it
 /// is really done makes no difference to any result.
@@ -78,6 +80,7 @@ class Mapper {
     NodeId id = 0;
     UncertainPose lidar;          ///< pose of its first sweep, in the odometry's frame
     bool detached = false;        ///< the odometry started anew with it
+    bool after_silence = false;   ///< the odometry found its track again with it
     std::vector<MapFix> fixes{};  ///< antenna and lidar in the odometry's frame as yet
   };
   struct PendingFix {

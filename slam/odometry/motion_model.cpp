@@ -9,10 +9,8 @@ namespace {
 
 // After this many aligned sweeps the velocity has been seen twice.
 constexpr int kTrustedAfter = 2;
-// Nobody moves at constant velocity for longer than this.
-constexpr double kLongestExtrapolation = 1.0;  // s
-constexpr double kLongestGuess = 5.0;          // s
-constexpr double kHardlyMovesPartly = 1.0;     // m/s, along what few matches hold
+constexpr double kLongestGuess = 5.0;       // s
+constexpr double kHardlyMovesPartly = 1.0;  // m/s, along what few matches hold
 
 }  // namespace
 
@@ -54,7 +52,19 @@ Prediction MotionModel::predict(Nanoseconds stamp) const {
 void MotionModel::stop() {
   velocity_.setZero();
   velocity_before_.setZero();
+  moved_ = false;
   aligned_in_a_row_ = 0;
+}
+
+// One motion alone may be an alignment that went astray, or between stamps a moment apart.
+const Vector6d& MotionModel::slower_velocity() const {
+  return velocity_.head<3>().norm() < velocity_before_.head<3>().norm() ? velocity_
+                                                                        : velocity_before_;
+}
+
+Silence MotionModel::silence_until(Nanoseconds stamp) const {
+  return silence_after(seen_->pose, moved_ ? std::optional(slower_velocity()) : std::nullopt,
+                       fastest_, unseen(stamp));
 }
 
 void MotionModel::update(const StampedPose& pose, bool aligned) {
@@ -66,6 +76,10 @@ void MotionModel::update(const StampedPose& pose, bool aligned) {
       const Vector6d velocity = se3_log(seen_->pose.inverse() * pose.pose) / elapsed;
       velocity_before_ = aligned_in_a_row_ > 0 ? velocity_ : velocity;
       velocity_ = velocity;
+      moved_ = true;
+      if (aligned_in_a_row_ > 0) {
+        fastest_ = std::max(fastest_, slower_velocity().head<3>().norm());
+      }
     }
     ++aligned_in_a_row_;
     seen_ = pose;

@@ -14,6 +14,21 @@
 #include "adit/slam/registration/beam_spacing.hpp"
 
 namespace adit {
+namespace {
+
+// A time without sweeps that is so many times as long as usual is a silence.
+constexpr double kOutOfRhythm = 2.5;
+// Of alignments that are accepted after a silence this share is of another place, at the most
+// (docs/theory/odometry.md, section 3).
+constexpr double kOtherPlace = 0.01;
+
+/// Covariance of a pose about which no more is known than what the sensor may have done.
+Matrix6d moved_meanwhile(const Silence& silence, const Eigen::Isometry3d& T_map_lidar) {
+  const Vector6d off = se3_log(silence.T_map_lidar.inverse() * T_map_lidar);
+  return (silence.sigma.cwiseAbs2() + off.cwiseAbs2()).asDiagonal();
+}
+
+}  // namespace
 
 std::string_view to_string(OdometryState state) {
   switch (state) {
@@ -74,6 +89,8 @@ void Odometry::begin(const Sweep& sweep) {
   }
   impl_->front_end.upload(sweep);
   Expectation expected = impl_->expect(sweep);
+  impl_->end_track_if_beyond_reach(sweep, expected, result);
+  impl_->rhythm.add(sweep);
   const bool aligns = !impl_->submap.empty();
   engine::Submission submission = impl_->submit(expected);
   result.host_ms = milliseconds_since(start);
@@ -81,7 +98,8 @@ void Odometry::begin(const Sweep& sweep) {
   impl_->begun.emplace(Begun{.result = std::move(result),
                              .expected = std::move(expected),
                              .submission = std::move(submission),
-                             .aligns = aligns});
+                             .aligns = aligns,
+                             .reach = reach_of(sweep.points)});
   if (!aligns || impl_->first) {
     impl_->begun->sweep = sweep;
   }
@@ -107,6 +125,9 @@ SweepResult Odometry::finish() {
   }
   impl_->fuse(begun.expected, result);
   result.state = impl_->decide(begun.expected, result);
+  if (result.state != OdometryState::coasting) {
+    impl_->reach = begun.reach;
+  }
   impl_->assess(begun.expected, result);
   if (result.state == OdometryState::initializing) {
     impl_->first = std::move(begun.sweep);
@@ -151,9 +172,8 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   Expectation expected;
   expected.prediction = possible_prediction(sweep.stamp);
   if (submap.empty()) {
-    const auto end = sweep.stamp + nanoseconds(std::max(duration, 0.1));
     expected.prediction.T_map_lidar.linear() =
-        inertial.level_lidar(sweep.stamp, end).value_or(expected.prediction.T_map_lidar.linear());
+        level_attitude(sweep).value_or(expected.prediction.T_map_lidar.linear());
   }
   // A sensor that hardly moves and whose readings are quiet is at rest: a velocity of directions
   // that no match holds would be noise, and feed on itself.
@@ -183,14 +203,60 @@ Expectation Odometry::Impl::expect(const Sweep& sweep) {
   if (!config.preprocess.deskew || !front_end.has_times()) {
     expected.motion.reset();
   }
+  expected.silence = silence_before(sweep.stamp, expected);
   return expected;
+}
+
+// As the readings of the sweep's time have it.
+std::optional<Eigen::Matrix3d> Odometry::Impl::level_attitude(const Sweep& sweep) const {
+  const double duration = config.preprocess.deskew ? duration_of(sweep) : 0.0;
+  return inertial.level_lidar(sweep.stamp, sweep.stamp + nanoseconds(std::max(duration, 0.1)));
+}
+
+// What sweeps that are always far apart leave between them is none.
+std::optional<Silence> Odometry::Impl::silence_before(Nanoseconds stamp,
+                                                      const Expectation& expected) const {
+  const std::optional<double> usual = rhythm.usual();
+  const double unseen = motion.unseen(stamp);
+  const bool has_track = !submap.empty() || track_ended;
+  if (!has_track || !usual || unseen <= std::max(kLongestExtrapolation, kOutOfRhythm * *usual) ||
+      (expected.inertial && expected.prediction.trusted)) {
+    return std::nullopt;
+  }
+  Silence silence = motion.silence_until(stamp);
+  if (expected.inertial) {
+    const Eigen::Vector3d way =
+        expected.prediction.T_map_lidar.translation() - motion.last()->pose.translation();
+    silence.T_map_lidar = expected.prediction.T_map_lidar;
+    silence.sigma = expected.prediction.sigma;
+    silence.distance = way.norm() + kPlanarSigmas * silence.sigma.head<3>().maxCoeff();
+  }
+  return silence;
+}
+
+// Where the sensor may be, the submap is not: whatever fits it, fits by chance.
+void Odometry::Impl::end_track_if_beyond_reach(const Sweep& sweep, Expectation& expected,
+                                               SweepResult& result) {
+  const std::optional<Silence>& silence = expected.silence;
+  result.silence = silence ? silence->seconds : 0.0;
+  if (!submap.empty() && silence && silence->distance > reach) {
+    submap.clear();
+    track_ended = true;
+  }
+  if (track_ended && silence) {
+    expected.prediction.T_map_lidar.linear() =
+        level_attitude(sweep).value_or(expected.prediction.T_map_lidar.linear());
+    result.registration.status = RegistrationStatus::doubtful;
+    result.rejection =
+        BeyondReach{.seconds = silence->seconds, .distance = silence->distance, .reach = reach};
+  }
 }
 
 // The pose is the alignment's, the prediction where it failed, and with an inertial sensor what the
 // sliding graph makes of them.
 void Odometry::Impl::fuse(const Expectation& expected, SweepResult& result) {
   const bool aligned = is_usable(result.registration.status);
-  const bool starts = submap.empty();
+  const bool starts = submap.empty() && !track_ended;
   result.T_map_lidar =
       aligned ? result.registration.T_target_source : expected.prediction.T_map_lidar;
   if (starts && result.cloud_points < config.registration.min_inliers) {
@@ -229,10 +295,11 @@ OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& r
     }
     return OdometryState::tracking;
   }
-  const bool begins = submap.empty();
-  const bool gives_up = failures_in_a_row >= config.recovery.max_coasting;
+  const bool begins = submap.empty() && !track_ended;
+  const bool gives_up = track_ended || failures_in_a_row >= config.recovery.max_coasting;
   if (can_start && (begins || gives_up)) {
     failures_in_a_row = 0;
+    track_ended = false;
     motion.restart(pose);
     submap.clear();
     usual_fit.forget();
@@ -252,14 +319,15 @@ OdometryState Odometry::Impl::decide(const Expectation& expected, SweepResult& r
   return OdometryState::coasting;
 }
 
-// How well the pose is known. A sweep that coasts, or restarts, is known as its prediction is; what
-// a restart misses stays missed.
+// How well the pose is known. A sweep that coasts, or restarts, is known as its prediction is,
+// after a silence as well as the sensor may have moved; what a restart misses stays missed. An
+// alignment after a silence may be of another place that fits: then no more is known either.
 void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
   Matrix6d local = result.inertial.lidar_covariance;
   const bool predicted = local.isZero() && result.state != OdometryState::initializing;
   if (predicted) {
     coasting += expected.prediction.sigma.cwiseAbs2().asDiagonal();
-    local = coasting;
+    local = expected.silence ? moved_meanwhile(*expected.silence, result.T_map_lidar) : coasting;
   } else {
     coasting.setZero();
   }
@@ -278,6 +346,9 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
     result.leapt = unmeasured.leapt();
   } else if (result.inertial.nav) {
     unmeasured = {};
+  }
+  if (result.state == OdometryState::tracking && expected.silence) {
+    besides += kOtherPlace * moved_meanwhile(*expected.silence, result.T_map_lidar);
   }
   result.uncertainty = drift.update(result.T_map_lidar, local, joined, besides);
   if (result.state == OdometryState::restarted || result.renewed) {

@@ -28,8 +28,8 @@ enum class OdometryState {
   initializing,  ///< the submap has been started with this sweep
   tracking,      ///< aligned with the submap
   coasting,  ///< alignment failed; the pose is the prediction, the sweep was left out of the submap
-  restarted,  ///< too many failures in a row: the submap starts anew at the predicted pose, which
-              ///< is a guess
+  restarted,  ///< too many failures in a row, or too long a silence: the submap starts anew at the
+              ///< predicted pose, which is a guess
 };
 /// The enumerator's name.
 std::string_view to_string(OdometryState state);
@@ -76,6 +76,9 @@ struct SweepResult {
   std::vector<Point> cloud;  ///< keyframes only: the down-sampled sweep, lidar frame
   /// Coasted for so long that the submap starts anew, at a pose that inertia knows.
   bool renewed = false;
+  /// s, since the last sweep that was aligned, where no velocity and no trusted inertia bridges
+  /// that; 0 else.
+  double silence = 0.0;
   std::vector<StageTime> stages;     ///< device time by stage (empty unless the context profiles)
   engine::RecordedWork device_work;  ///< what the device was given to do
   double host_ms = 0.0;              ///< host work: copy into staging, record, read back

@@ -107,8 +107,9 @@ engine::Submission Odometry::Impl::submit(const Expectation& expected) {
     submap.record_update(recorder);
     front_end.record(recorder, surface_cloud, expected.motion);
     if (!submap.empty()) {
-      aligner.record(recorder, expected.prediction, places_to_search(expected.prediction),
-                     surface_cloud, front_end.counters(), front_end.points(), submap);
+      aligner.record(recorder, expected.prediction,
+                     places_to_search(expected.prediction, expected.silence), surface_cloud,
+                     front_end.counters(), front_end.points(), submap);
     }
   });
 }
@@ -175,8 +176,12 @@ void Odometry::Impl::judge(const Expectation& expected, SweepResult& result) {
   std::optional<Rejection> rejection =
       impossible_pose(found, motion.last(), config.recovery.max_speed);
   const Prediction& prediction = expected.prediction;
+  if (!rejection && expected.silence) {
+    rejection = usual_fit.rejection_after(*expected.silence, result.registration,
+                                          motion.last()->pose.inverse() * found.pose);
+  }
   const bool weighed = prediction.trusted && (!result.searched || expected.inertial);
-  if (!rejection && !weighed) {
+  if (!rejection && !weighed && !expected.silence) {
     rejection = usual_fit.rejection(result.registration, prediction);
   }
   if (rejection) {

@@ -27,7 +27,8 @@ struct Expectation {
   Eigen::Isometry3d steady = Eigen::Isometry3d::Identity();  ///< T_map_lidar at constant velocity
   std::optional<SweepMotion> motion;                         ///< to de-skew with
   bool inertial = false;                                     ///< the prediction is by inertia
-  double inertial_ms = 0.0;  ///< host time of the inertial prediction
+  double inertial_ms = 0.0;             ///< host time of the inertial prediction
+  std::optional<Silence> silence = {};  ///< no velocity and no trusted inertia leads here
 };
 
 /// A step between its halves.
@@ -36,6 +37,7 @@ struct Begun {
   Expectation expected;
   engine::Submission submission;
   bool aligns = false;              ///< there is a submap
+  double reach = 0.0;               ///< m, of the sweep
   std::optional<Sweep> sweep = {};  ///< kept of the first two, which may be done again
 };
 
@@ -56,6 +58,9 @@ struct Odometry::Impl {
   void assess(const Expectation& expected, SweepResult& result);
   OdometryState decide(const Expectation& expected, SweepResult& result);
   bool is_keyframe(const SweepResult& result);
+  std::optional<Silence> silence_before(Nanoseconds stamp, const Expectation& expected) const;
+  void end_track_if_beyond_reach(const Sweep& sweep, Expectation& expected, SweepResult& result);
+  std::optional<Eigen::Matrix3d> level_attitude(const Sweep& sweep) const;
 
   // odometry_alignment.cpp: the device's part, and whether its result is accepted.
   engine::Submission submit(const Expectation& expected);
@@ -86,6 +91,9 @@ struct Odometry::Impl {
   std::optional<Begun> begun;            ///< a sweep that is on the device
   bool hardly_moved = false;             ///< from the last sweep but one to the last
   bool at_rest = false;                  ///< the sensor was, when the last sweep was expected
+  SweepRhythm rhythm;
+  double reach = 0.0;        ///< m, of the last sweep that was aligned or started from
+  bool track_ended = false;  ///< by a silence: the next sweep with enough points starts a new one
   int failures_in_a_row = 0;
   Nanoseconds map_began{0};
   std::optional<Sweep> first;  ///< began the first submap; until the second came

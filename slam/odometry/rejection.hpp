@@ -40,9 +40,27 @@ struct TwoPlaces {
   double competing_share = 0.0;  ///< matched points at the other place over those at the chosen
 };
 
+/// After a silence, a search found a place that the sensor can hardly have moved to.
+struct BeyondMotion {
+  double distance = 0.0;  ///< m, since the last aligned sweep
+  double turn = 0.0;      ///< rad, likewise
+  double seconds = 0.0;   ///< s, since then
+};
+
+/// The silence was so long that the sensor may be where the submap does not reach.
+struct BeyondReach {
+  double seconds = 0.0;   ///< s, since the last aligned sweep
+  double distance = 0.0;  ///< m, that it may have moved meanwhile
+  double reach = 0.0;     ///< m, that the submap reaches
+};
+
+/// After a silence, too few sweeps before it show how well one fits.
+struct NothingUsual {};
+
 /// Why an alignment is rejected.
-using Rejection = std::variant<PoseNotFinite, MovedTooFar, NotHeldAlong, OverlapFallsShort,
-                               ResidualTooLarge, TwoPlaces>;
+using Rejection =
+    std::variant<PoseNotFinite, MovedTooFar, NotHeldAlong, OverlapFallsShort, ResidualTooLarge,
+                 TwoPlaces, BeyondMotion, BeyondReach, NothingUsual>;
 
 /// The alignment is within so many standard deviations of the prediction.
 bool is_within(const RegistrationResult& alignment, const Prediction& prediction, double sigmas);
@@ -64,6 +82,12 @@ class UsualFit {
   /// (docs/theory/odometry.md, section 3).
   std::optional<Rejection> rejection(const RegistrationResult& alignment,
                                      const Prediction& prediction) const;
+
+  /// The same after a silence, `moved` from the last sweep that was aligned: the place must be one
+  /// that the sensor can have moved to, and the only one that fits.
+  std::optional<Rejection> rejection_after(const Silence& silence,
+                                           const RegistrationResult& alignment,
+                                           const Eigen::Isometry3d& moved) const;
 
  private:
   int alignments_ = 0;

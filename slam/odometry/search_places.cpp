@@ -28,12 +28,13 @@ Eigen::Isometry3d middle(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b)
 
 }  // namespace
 
-std::vector<Eigen::Isometry3d> places_to_search(const Prediction& prediction) {
+std::vector<Eigen::Isometry3d> places_to_search(const Prediction& prediction,
+                                                const std::optional<Silence>& silence) {
   if (prediction.trusted) {
     return {};
   }
   std::vector<Eigen::Isometry3d> places = {prediction.T_map_lidar};
-  if (!prediction.lost) {
+  if (!prediction.lost && !silence) {
     return places;
   }
   for (int k = 1; k < kHeadings; ++k) {
@@ -42,7 +43,7 @@ std::vector<Eigen::Isometry3d> places_to_search(const Prediction& prediction) {
   for (const auto& [x, y] : kAside) {
     places.push_back(prediction.T_map_lidar * Eigen::Translation3d(x, y, 0.0));
   }
-  places.push_back(prediction.T_map_onward);
+  places.push_back(silence ? silence->T_map_lidar : prediction.T_map_onward);
   return places;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "adit/slam/odometry/motion_model.hpp"
@@ -14,9 +15,10 @@ inline constexpr size_t kMostPlaces = 13;
 
 /// Where the alignment of the next sweep is searched from besides the predicted pose itself,
 /// T_map_lidar: nowhere with a trusted prediction; there coarse to fine with one that is not; of a
-/// lost sensor with eight headings, ahead, behind, on both sides, and where its velocity would have
-/// led.
-std::vector<Eigen::Isometry3d> places_to_search(const Prediction& prediction);
+/// lost sensor, and after a silence, with eight headings, ahead, behind, on both sides, and where
+/// its velocity would have led.
+std::vector<Eigen::Isometry3d> places_to_search(const Prediction& prediction,
+                                                const std::optional<Silence>& silence = {});
 
 /// Ways a sensor may have moved since the last sweep.
 struct PossibleMotions {

@@ -80,6 +80,8 @@ std::string_view to_string(DoubtCause cause) {
       return "contradicted";
     case DoubtCause::new_start:
       return "new start";
+    case DoubtCause::silence:
+      return "silence";
   }
   return "unknown";
 }
@@ -126,6 +128,7 @@ void RunAssessor::add(const SweepResult& result) {
   }
   ++count_;
   aligned_ += seen.aligned ? 1 : 0;
+  const size_t bridged = since_aligned_;
   since_aligned_ = seen.aligned ? 0 : since_aligned_ + 1;
   recent_.push_back(seen);
   if (recent_.size() > kLongWindow) {
@@ -134,9 +137,14 @@ void RunAssessor::add(const SweepResult& result) {
   if (result.state == OdometryState::restarted || result.renewed) {
     DoubtfulStretch& stretch = note(DoubtCause::new_start, since_aligned_);
     stretch.trust = result.renewed ? stretch.trust : Trust::lost;
+    stretch.silence = result.silence;
     since_aligned_ = 0;
     alone_ = 0.0;
     return;
+  }
+  if (seen.aligned && result.silence > 0.0) {
+    DoubtfulStretch& stretch = note(DoubtCause::silence, bridged + 2);  // from the last aligned one
+    stretch.silence = std::max(stretch.silence, result.silence);
   }
   look_for_unheld();
   look_for_prediction();

@@ -28,6 +28,7 @@ enum class DoubtCause {
   /// alignments alone: steps that no sensor makes.
   contradicted,
   new_start,  ///< the map began anew: how its pieces lie to each other inertia tells, or nothing
+  silence,  ///< for long there was no sweep; the first one after it fits, and nothing confirms that
 };
 /// The enumerator's name.
 std::string_view to_string(DoubtCause cause);
@@ -51,6 +52,9 @@ struct DoubtfulStretch {
   /// contradicted: the median of the squared innovations per degree of freedom; about 1 is right. 0
   /// without an IMU.
   double innovation = 0.0;
+  double silence = 0.0;  ///< silence, new_start: s without an aligned sweep before its last one
+  /// new_start: loops or GNSS tie the map before it to the map after it.
+  bool tied = false;
 
   /// An inertial sensor was fused in most of it.
   bool inertial() const { return 2 * fused > last - first + 1; }

@@ -235,6 +235,41 @@ TEST_F(MapperTest, AnOdometryThatStartsAnewBeginsAnotherComponent) {
   EXPECT_TRUE(map.store().check().empty());
 }
 
+TEST_F(MapperTest, NoSubmapSpansASilenceAndTheEdgeOverItHasWhatIsKnown) {
+  std::vector<Sweep> sweeps = drive().sweeps;
+  sweeps.erase(sweeps.begin() + 16, sweeps.begin() + 30);  // of 1.5 s
+  test::TemporaryMap map;
+  const Run mapped = run(sweeps, test::submap_config(), &map);
+  ASSERT_GT(mapped.sweeps[16].result.silence, 1.0);
+  ASSERT_EQ(mapped.sweeps[16].result.state, OdometryState::tracking);
+  EXPECT_EQ(mapped.report->components, 1U);
+  const NodeId after = mapped.sweeps[16].mapped->keyframe;
+  EXPECT_EQ(mapped.sweeps[15].mapped->keyframe + 1, after);
+  const PoseGraph graph = map.store().graph();
+  std::size_t over_it = 0;
+  for (const PoseEdge& edge : graph.edges()) {
+    const double sigma = std::sqrt(symmetric_inverse(edge.information)(0, 0));
+    if (edge.to == after) {
+      EXPECT_GT(sigma, 0.07);
+      ++over_it;
+    } else {
+      EXPECT_LT(sigma, 0.05) << edge.to;
+    }
+  }
+  EXPECT_EQ(over_it, 1U);
+}
+
+TEST_F(MapperTest, AfterALongSilenceAnotherPartBegins) {
+  std::vector<Sweep> sweeps = drive().sweeps;
+  for (std::size_t i = 16; i < sweeps.size(); ++i) {
+    sweeps[i].stamp += std::chrono::seconds(600);
+  }
+  test::TemporaryMap map;
+  const Run mapped = run(sweeps, test::submap_config(), &map);
+  EXPECT_EQ(mapped.sweeps[16].result.state, OdometryState::restarted);
+  EXPECT_EQ(mapped.report->components, 2U);
+}
+
 /// Hands everything on to a map until its device is lost.
 class LosingStore final : public MapStore {
  public:

@@ -90,6 +90,77 @@ TEST_F(OdometryGapTest, InAnotherPlaceTheMapStartsAnewAndNothingIsPretendedBefor
   }
 }
 
+/// On foot with a silence of `gap` in which the sensor moves by `after`.
+Drive interrupted(Nanoseconds gap, const Eigen::Isometry3d& after) {
+  Drive drive;
+  drive.truth = walk(after, 8);
+  for (size_t i = kGap; i < drive.truth.size(); ++i) {
+    drive.truth[i].stamp += gap - std::chrono::seconds(2);
+  }
+  drive.sweeps = test::scan_all(test::make_street(100.0), drive.truth, test::Lidar{});
+  return drive;
+}
+
+// It did not move, and fits where it was: but so might another street.
+TEST_F(OdometryGapTest, AfterALongSilenceTheTrackBeginsAnewWhateverFits) {
+  for (const int silence : {60, 600}) {
+    const Drive drive = interrupted(std::chrono::seconds(silence), Eigen::Isometry3d::Identity());
+    const auto results = run_odometry(context(), drive.sweeps);
+    const SweepResult& first = results[kGap];
+    EXPECT_EQ(first.state, OdometryState::restarted) << silence;
+    EXPECT_NEAR(first.silence, silence, 0.2);
+    ASSERT_TRUE(first.rejection);
+    const auto* reason = std::get_if<BeyondReach>(&*first.rejection);
+    ASSERT_NE(reason, nullptr) << silence;
+    EXPECT_GT(reason->distance, reason->reach);
+    // What it claims is what may have happened.
+    EXPECT_GT(std::sqrt(first.uncertainty.in_map()(0, 0)), silence == 60 ? 30.0 : 100.0);
+    EXPECT_EQ(count(results, OdometryState::restarted), 1U);
+    for (size_t i = kGap + 1; i < results.size(); ++i) {
+      EXPECT_EQ(results[i].state, OdometryState::tracking) << i;
+      EXPECT_EQ(results[i].silence, 0.0) << i;
+    }
+  }
+}
+
+TEST_F(OdometryGapTest, AfterAShortSilenceTheClaimHasThatItMayBeAnotherPlace) {
+  const Drive drive = interrupted(std::chrono::milliseconds(1500), jump(1.5, 0.0, 0.0));
+  const auto results = run_odometry(context(), drive.sweeps);
+  const SweepResult& first = results[kGap];
+  ASSERT_EQ(first.state, OdometryState::tracking);
+  EXPECT_NEAR(first.silence, 1.5, 0.01);
+  EXPECT_LE(drive.error(first, kGap).translation, 0.1);
+  const auto sigma = [&](size_t i) { return std::sqrt(results[i].uncertainty.in_map()(0, 0)); };
+  EXPECT_GT(sigma(kGap), 0.07);
+  EXPECT_LT(sigma(kGap - 1), 0.03);
+}
+
+// A sweep each two seconds: that is how this sensor is used.
+TEST_F(OdometryGapTest, SweepsThatAreAlwaysFarApartAreNoSilence) {
+  Drive drive;
+  drive.truth = walk(Eigen::Isometry3d(Eigen::Translation3d(kGapStep, 0.0, 0.0)), 5);
+  for (size_t i = 0; i < drive.truth.size(); ++i) {
+    drive.truth[i].stamp = std::chrono::seconds(1000 + 2 * i);
+  }
+  drive.sweeps = test::scan_all(test::make_street(100.0), drive.truth, test::Lidar{});
+  const auto results = run_odometry(context(), drive.sweeps);
+  for (size_t i = 1; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].silence, 0.0) << i;
+    EXPECT_EQ(results[i].state, OdometryState::tracking) << i;
+  }
+}
+
+TEST_F(OdometryGapTest, AnEmptySweepAfterALongSilenceLeavesTheNewStartToTheNext) {
+  Drive drive = interrupted(std::chrono::seconds(60), Eigen::Isometry3d::Identity());
+  drive.sweeps[kGap].points.clear();
+  drive.sweeps[kGap].times.clear();
+  drive.sweeps[kGap].rings.clear();
+  const auto results = run_odometry(context(), drive.sweeps);
+  EXPECT_EQ(results[kGap].state, OdometryState::coasting);
+  EXPECT_EQ(results[kGap + 1].state, OdometryState::restarted);
+  EXPECT_EQ(results[kGap + 2].state, OdometryState::tracking);
+}
+
 TEST_F(OdometryGapTest, InASmoothTunnelNobodyKnowsHowFarItWent) {
   test::World tunnel;
   tunnel.blocks = {{{-200.0, -6.0, 0.0}, {300.0, -3.0, 6.0}},

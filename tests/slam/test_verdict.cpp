@@ -256,6 +256,47 @@ Verdict verdict_of_a_new_start(bool by_inertia) {
   return assessor.verdict();
 }
 
+// The first sweep after it fits, which is all that speaks for it.
+TEST(Verdict, ASilenceIsInDoubtAlthoughTheFirstSweepAfterItFits) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(run.next());
+  }
+  SweepResult after = run.next();
+  after.silence = 3.0;
+  assessor.add(after);
+  for (int i = 0; i < 10; ++i) {
+    assessor.add(run.next());
+  }
+  const Verdict verdict = assessor.verdict();
+  EXPECT_EQ(verdict.trust, Trust::doubtful);
+  ASSERT_EQ(verdict.stretches.size(), 1U);
+  EXPECT_EQ(verdict.stretches[0].cause, DoubtCause::silence);
+  EXPECT_EQ(verdict.stretches[0].first, 19U);
+  EXPECT_EQ(verdict.stretches[0].last, 20U);
+  EXPECT_EQ(verdict.stretches[0].silence, 3.0);
+}
+
+TEST(Verdict, ASilenceBeginsWithTheLastSweepThatWasAligned) {
+  Ride run;
+  RunAssessor assessor;
+  for (int i = 0; i < 20; ++i) {
+    assessor.add(run.next());
+  }
+  for (int i = 0; i < 3; ++i) {
+    SweepResult coasting = Ride::coasting(run.next());
+    coasting.silence = 2.0;
+    assessor.add(coasting);
+  }
+  SweepResult after = run.next();
+  after.silence = 2.3;
+  assessor.add(after);
+  ASSERT_EQ(assessor.verdict().stretches.size(), 1U);
+  EXPECT_EQ(assessor.verdict().stretches[0].first, 19U);
+  EXPECT_EQ(assessor.verdict().stretches[0].last, 23U);
+}
+
 TEST(Verdict, ANewStartIsLost) {
   const Verdict verdict = verdict_of_a_new_start(false);
   EXPECT_EQ(verdict.trust, Trust::lost);

@@ -27,6 +27,7 @@
 #include "adit/tools/run/configured_recording.hpp"
 #include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/run/memory_limit.hpp"
+#include "adit/tools/run/run_assessment.hpp"
 #include "adit/tools/run/run_map.hpp"
 #include "adit/tools/run/run_map_page.hpp"
 #include "adit/tools/run/run_mapping.hpp"
@@ -310,7 +311,8 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
                                    .progress = progress,
                                    .quiet = options.quiet});
   if (view != nullptr) {
-    view->end_mapping(outcome, statistics);
+    const RunAssessment assessment = assess_run(description, outcome, statistics);
+    view->end_mapping(outcome, statistics, assessment.trust);
   }
   const std::optional<Mounting> mounting = slam->mounting();
   description.config = with_mounting(slam->config(), mounting);
@@ -330,12 +332,12 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   outcome.resident_peak_bytes = peak_resident_bytes();
   outcome.validation_messages = context.validation_messages();
 
-  int code = judge_run(outcome, statistics, description, err);
-  const Trust trust = statistics.verdict().trust;
+  const int judged = judge_run(outcome, statistics, description, err);
+  const Trust trust = assess_run(description, outcome, statistics).trust;
   if (!options.quiet && statistics.sweeps() > 0) {
     say_detail(err, "verdict: " + std::string(to_string(trust)));
   }
-  code = options.strict && code == 0 ? judge_strictly(statistics, err) : code;
+  const int code = options.strict ? judge_strictly(judged, trust, statistics, err) : judged;
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end

@@ -72,11 +72,13 @@ int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const 
   return outcome.validation_messages.empty() ? 0 : 1;
 }
 
-int judge_strictly(const RunStatistics& statistics, std::ostream& err) {
-  const Trust trust = statistics.verdict().trust;
+int judge_strictly(int code, Trust trust, const RunStatistics& statistics, std::ostream& err) {
+  if (code != 0) {
+    return code;
+  }
   if (trust != Trust::reliable) {
     err << "adit run: the run is " << to_string(trust)
-        << " (--strict); verdict.stretches in summary.json tells where and why" << std::endl;
+        << " (--strict); verdict in summary.json says where and why" << std::endl;
     return 1;
   }
   if (statistics.left_out().lacks_sweeps()) {

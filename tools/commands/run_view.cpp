@@ -81,13 +81,13 @@ void RunView::add(const SweepPlaced& placed, const RunStatistics& statistics, st
                      .stretches = last_stretches(verdict, *first_)});
 }
 
-void RunView::end_mapping(const RunOutcome& outcome, const RunStatistics& statistics) {
+void RunView::end_mapping(const RunOutcome& outcome, const RunStatistics& statistics, Trust trust) {
   live_.leave_map();
-  end_ = outcome.result.end == RunEnd::completed
-             ? fmt::format("The run has ended: {} sweeps, {}.", statistics.sweeps(),
-                           to_string(statistics.verdict().trust))
-             : fmt::format("The run has ended early, after {} sweeps: {}", statistics.sweeps(),
-                           outcome.result.reason);
+  end_ =
+      outcome.result.end == RunEnd::completed
+          ? fmt::format("The run has ended: {} sweeps, {}.", statistics.sweeps(), to_string(trust))
+          : fmt::format("The run has ended early, after {} sweeps: {}", statistics.sweeps(),
+                        outcome.result.reason);
   live_.set_doing("ended");
 }
 

@@ -32,7 +32,7 @@ class RunView {
   /// The next sweep; `sweeps` are to be mapped in all.
   void add(const SweepPlaced& placed, const RunStatistics& statistics, std::size_t sweeps);
   /// There are no more sweeps, and the map is read no more.
-  void end_mapping(const RunOutcome& outcome, const RunStatistics& statistics);
+  void end_mapping(const RunOutcome& outcome, const RunStatistics& statistics, Trust trust);
   /// Shows what the folder holds until a signal comes; nothing where one has come already.
   void serve_result(const std::filesystem::path& folder, bool quiet);
 

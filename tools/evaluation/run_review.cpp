@@ -108,19 +108,25 @@ RunEnding read_ending(const ordered_json& summary) {
           .wanted = value_at<std::size_t>(summary, "/input/count")};
 }
 
+std::vector<std::string> texts_of(const ordered_json& verdict, const char* key) {
+  std::vector<std::string> texts;
+  const ordered_json parts = verdict.value(key, ordered_json::array());
+  for (const ordered_json& part : parts) {
+    if (const auto text = value_at<std::string>(part, "/text")) {
+      texts.push_back(*text);
+    }
+  }
+  return texts;
+}
+
 std::optional<RunVerdict> read_verdict(const ordered_json& summary) {
   const auto state = value_at<std::string>(summary, "/verdict/state");
   if (!state) {
     return std::nullopt;
   }
-  RunVerdict verdict{.state = *state, .stretches = {}};
-  const ordered_json stretches = summary["verdict"].value("stretches", ordered_json::array());
-  for (const ordered_json& stretch : stretches) {
-    if (const auto text = value_at<std::string>(stretch, "/text")) {
-      verdict.stretches.push_back(*text);
-    }
-  }
-  return verdict;
+  return RunVerdict{.state = *state,
+                    .reasons = texts_of(summary["verdict"], "reasons"),
+                    .stretches = texts_of(summary["verdict"], "stretches")};
 }
 
 /// "394 tracking, 6 coasting".
@@ -234,8 +240,10 @@ std::string describe(const RunReview& review) {
       review.ending ? "run          " + describe(*review.ending, review.sweeps.size()) + "\n" : "";
   if (review.verdict) {
     text += "verdict      " + review.verdict->state + "\n";
-    for (const std::string& stretch : review.verdict->stretches) {
-      text += "             " + stretch + "\n";
+    for (const auto* texts : {&review.verdict->reasons, &review.verdict->stretches}) {
+      for (const std::string& one : *texts) {
+        text += "             " + one + "\n";
+      }
     }
   }
   if (review.sweeps.empty()) {
@@ -287,7 +295,9 @@ ordered_json to_json(const RunReview& review) {
         review.ending->wanted ? ordered_json(*review.ending->wanted) : ordered_json();
   }
   if (review.verdict) {
-    json["verdict"] = {{"state", review.verdict->state}, {"stretches", review.verdict->stretches}};
+    json["verdict"] = {{"state", review.verdict->state},
+                       {"reasons", review.verdict->reasons},
+                       {"stretches", review.verdict->stretches}};
   }
   json["weakly_held"] = ordered_json::array();
   for (const WeakStretch& weak : review.weak) {

@@ -45,7 +45,8 @@ struct RunEnding {
 /// What the run said of itself, by its summary.json.
 struct RunVerdict {
   std::string state;                   ///< Trust: "reliable", "doubtful" or "lost"
-  std::vector<std::string> stretches;  ///< for people: where, why, what to do
+  std::vector<std::string> reasons;    ///< for people: of the run as a whole, and what to do
+  std::vector<std::string> stretches;  ///< likewise of its sweeps: where, why
 };
 
 struct RunReview {

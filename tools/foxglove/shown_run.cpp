@@ -71,6 +71,13 @@ std::vector<ShownEvent> verdict_events(const json& summary, Nanoseconds start) {
   }
   events.push_back(
       {.stamp = start, .level = level_of_trust(verdict), .text = "the run is " + verdict});
+  const json reasons = summary["verdict"].value("reasons", json::array());
+  for (const json& reason : reasons) {
+    if (const std::string text = word_at(reason, "/text"); !text.empty()) {
+      events.push_back(
+          {.stamp = start, .level = level_of_trust(word_at(reason, "/state")), .text = text});
+    }
+  }
   const json stretches = summary["verdict"].value("stretches", json::array());
   for (const json& stretch : stretches) {
     const std::string text = word_at(stretch, "/text");

@@ -151,7 +151,7 @@ void bind_reports(py::module_& module) {
   py::class_<DoubtfulStretch>(module, "DoubtfulStretch", "Sweeps in a row that are not reliable.")
       .def_property_readonly(
           "cause", [](const DoubtfulStretch& self) { return std::string(to_string(self.cause)); },
-          "unheld, predicted, contradicted or new_start.")
+          "unheld, predicted, contradicted, new start or silence.")
       .def_property_readonly(
           "trust", [](const DoubtfulStretch& self) { return std::string(to_string(self.trust)); },
           "doubtful or lost.")

@@ -77,6 +77,7 @@ std::string text_of(const RotationComparison& found) {
 
 void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
   ++states_[static_cast<std::size_t>(report.state)];
+  last_state_ = report.state;
   if (report.event) {
     changes_.push_back({.sweep = sweep, .state = report.state, .reason = describe(*report.event)});
   }
@@ -93,6 +94,14 @@ void InertialStatistics::add(std::size_t sweep, const InertialReport& report) {
   longest_gap_ = std::max(longest_gap_, report.bridged_gap);
   clock_offset_ = report.clock_offset;
   T_imu_lidar_ = report.T_body_lidar;
+}
+
+std::string InertialStatistics::why_not_fused() const {
+  if (last_state_ == InertialState::fused) {
+    return "";
+  }
+  const bool told = !changes_.empty() && changes_.back().state != InertialState::fused;
+  return told ? changes_.back().reason : hindrance_;
 }
 
 std::size_t InertialStatistics::readings() const {

@@ -37,6 +37,10 @@ class InertialStatistics {
     return arrivals_[static_cast<std::size_t>(arrival)];
   }
   const std::vector<Change>& changes() const { return changes_; }
+  /// After the last sweep.
+  InertialState last_state() const { return last_state_; }
+  /// For people, why it was not fused in the end; empty where it was, or nothing is known.
+  std::string why_not_fused() const;
   /// Share of the compared sweeps whose rotation (or translation) the inertial prediction was
   /// nearer to than constant velocity. None before 20 comparisons.
   std::optional<double> better_turns() const { return share(better_turns_); }
@@ -54,6 +58,7 @@ class InertialStatistics {
   std::array<std::size_t, 5> states_{};
   std::vector<Change> changes_;
   std::string hindrance_;
+  InertialState last_state_ = InertialState::absent;
   std::size_t compared_ = 0;
   std::size_t better_turns_ = 0;
   std::size_t better_travels_ = 0;

@@ -3,6 +3,7 @@
 #include "adit/tools/run/left_out.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,8 @@ namespace {
 
 constexpr std::size_t kNoted = 5;  // per kind
 constexpr std::size_t kKept = 10;  // for the summary
+// Sweeps that come late are not as late as that, s.
+constexpr double kClockSetBack = 1.0;
 
 std::string counted(uint64_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -48,6 +51,14 @@ std::optional<std::string> LeftOut::add_damage(const InputError& error,
 std::optional<std::string> LeftOut::add_sweep(std::size_t index, const Sweep& sweep,
                                               Nanoseconds last) {
   const double back = seconds(last - sweep.stamp);
+  if (back > kClockSetBack) {
+    const bool goes_on = !clock_steps_.empty() && after_step_.index + 1 == index &&
+                         seconds(after_step_.stamp - sweep.stamp) < kClockSetBack;
+    after_step_ = {.index = index, .stamp = sweep.stamp};
+    if (!goes_on && clock_steps_.size() < kKept) {
+      clock_steps_.push_back({.sweep = index, .back = back});
+    }
+  }
   const std::string how =
       back > 0.0 ? fmt::format("{:.6f} s before that", back) : std::string("that");
   return add(stamps_, "sweep " + std::to_string(index) + " is left out: its time is " + how +
@@ -65,10 +76,19 @@ std::string LeftOut::first_damage() const {
 }
 
 nlohmann::ordered_json LeftOut::to_json() const {
-  return {{"damaged_places", damage_.count},       {"sweeps_missing", missing_sweeps_},
-          {"messages_missing", missing_messages_}, {"sweeps_not_rising", stamps_.count},
-          {"sweeps_put_in_order", order_.count},   {"damage", damage_.first},
-          {"declarations", contradictions_.first}, {"stamps", stamps_.first}};
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  for (const ClockStep& step : clock_steps_) {
+    steps.push_back({{"sweep", step.sweep}, {"back_s", step.back}});
+  }
+  return {{"damaged_places", damage_.count},
+          {"sweeps_missing", missing_sweeps_},
+          {"messages_missing", missing_messages_},
+          {"sweeps_not_rising", stamps_.count},
+          {"sweeps_put_in_order", order_.count},
+          {"clock_set_back", std::move(steps)},
+          {"damage", damage_.first},
+          {"declarations", contradictions_.first},
+          {"stamps", stamps_.first}};
 }
 
 std::string LeftOut::text() const {
@@ -88,8 +108,22 @@ std::string LeftOut::text() const {
     text += std::string(text.empty() ? "" : "; ") +
             counted(not_rising(), "sweep whose time is", "sweeps whose time is") +
             " not after that of the sweep before";
+    text += clock_steps_.empty() ? "" : "; " + clock_text();
   }
   return text;
+}
+
+std::string LeftOut::clock_text() const {
+  std::string text;
+  for (const ClockStep& step : clock_steps_) {
+    text += (text.empty() ? "the recording's clock was set back by " : " and by ") +
+            fmt::format("{:.1f} s at sweep {}", step.back, step.sweep);
+  }
+  return text.empty() ? text
+                      : text + fmt::format(
+                                   "; sweeps after that were left out, `--start {}` maps "
+                                   "them in a run of their own",
+                                   clock_steps_.front().sweep);
 }
 
 std::string LeftOut::order_text() const {

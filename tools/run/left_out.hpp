@@ -15,6 +15,12 @@
 
 namespace adit {
 
+/// Where the clock of the sweeps was set back.
+struct ClockStep {
+  std::size_t sweep = 0;  ///< the first after it, in the recording
+  double back = 0.0;      ///< s, from the last sweep before it
+};
+
 /// What of a recording a run left out or took in another order, counted, with the first reasons.
 class LeftOut {
  public:
@@ -35,9 +41,15 @@ class LeftOut {
   std::size_t not_rising() const { return stamps_.count; }  ///< sweeps
   /// Sweeps that the recording declares and does not hold, as far as it tells how many.
   uint64_t missing_sweeps() const { return missing_sweeps_; }
+  /// The recording declares a file that is not there.
+  bool lacks_files() const { return lacks_files_; }
   /// The recording declares sweeps, or a file, that it does not hold.
   bool lacks_sweeps() const { return missing_sweeps_ > 0 || lacks_files_; }
   std::size_t put_in_order() const { return order_.count; }  ///< sweeps; they are not left out
+  /// Sweeps of the recording that were left out or are missing from it, of whatever kind.
+  std::size_t sweeps() const { return stamps_.count + missing_sweeps_; }
+  /// The first of them, in their order.
+  const std::vector<ClockStep>& clock_steps() const { return clock_steps_; }
   bool any() const { return damaged() + not_rising() + contradictions_.count > 0; }
   /// The first damage; empty where there is none.
   std::string first_damage() const;
@@ -46,6 +58,8 @@ class LeftOut {
   nlohmann::ordered_json to_json() const;
   /// One line for people, without its end; empty where nothing was left out.
   std::string text() const;
+  /// Where the clock was set back and what to do about it; empty where it was not.
+  std::string clock_text() const;
   /// Likewise of the sweeps that were put in order.
   std::string order_text() const;
 
@@ -63,6 +77,12 @@ class LeftOut {
   bool lacks_files_ = false;
   Kind stamps_;
   Kind order_;
+  std::vector<ClockStep> clock_steps_;
+  struct Stamped {
+    std::size_t index = 0;
+    Nanoseconds stamp{0};
+  };
+  Stamped after_step_;  ///< the last sweep that was left out since the clock was set back
 };
 
 }  // namespace adit

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "adit/slam/core/text.hpp"
+#include "adit/slam/core/units.hpp"
 
 namespace adit {
 
@@ -44,6 +45,23 @@ struct RejectionText {
   std::string operator()(const TwoPlaces& places) const {
     return "a search found two places, and where one matches 100 points the other matches " +
            std::to_string(std::lround(100.0 * places.competing_share));
+  }
+
+  std::string operator()(const BeyondMotion& moved) const {
+    return "a search found a place " + with_decimals(moved.distance, 1) + " m and " +
+           with_decimals(kDegreesPerRadian * moved.turn, 0) +
+           " degrees away, which the sensor can hardly have reached in " +
+           with_decimals(moved.seconds, 1) + " s";
+  }
+
+  std::string operator()(const BeyondReach& silence) const {
+    return "no sweep was aligned for " + with_decimals(silence.seconds, 1) +
+           " s: the sensor may have moved by " + with_decimals(silence.distance, 1) +
+           " m, farther than the " + with_decimals(silence.reach, 1) + " m that its submap reaches";
+  }
+
+  std::string operator()(const NothingUsual&) const {
+    return "too few sweeps before the silence show how well one fits";
   }
 };
 

@@ -104,9 +104,14 @@ std::optional<SweepFailure> RunStatistics::add(std::size_t index, const Sweep& s
   if (first_) {
     distance_ += (pose.pose.translation() - last_.pose.translation()).norm();
     ++statuses_[static_cast<std::size_t>(result.registration.status)];
+    if (index > last_index_) {
+      longest_missing_ = std::max(longest_missing_, index - last_index_ - 1);
+    }
   } else {
     first_ = pose;
+    first_index_ = index;
   }
+  last_index_ = std::max(last_index_, index);
   last_ = pose;
   ++sweeps_;
   deskewed_ += result.deskewed ? 1 : 0;

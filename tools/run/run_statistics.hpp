@@ -97,6 +97,12 @@ class RunStatistics {
   Verdict verdict() const { return with_loops(assessor_.verdict(), moved_by_loops_); }
   void note(const MovedByLoops& moved) { moved_by_loops_ = moved; }
 
+  /// Of the sweeps that were placed, in the recording; 0 before the first.
+  std::size_t first_index() const { return first_index_; }
+  std::size_t last_index() const { return last_index_; }
+  /// Sweeps of the recording in a row, between two that were placed.
+  std::size_t longest_missing() const { return longest_missing_; }
+
   std::size_t sweeps() const { return sweeps_; }
   std::size_t deskewed() const { return deskewed_; }  ///< sweeps
   const InertialStatistics& inertial() const { return inertial_; }
@@ -132,6 +138,9 @@ class RunStatistics {
   RunAssessor assessor_;
   MovedByLoops moved_by_loops_;
   std::size_t sweeps_ = 0;
+  std::size_t first_index_ = 0;
+  std::size_t last_index_ = 0;
+  std::size_t longest_missing_ = 0;
   std::size_t deskewed_ = 0;
   std::size_t keyframes_ = 0;
   std::size_t lost_points_ = 0;

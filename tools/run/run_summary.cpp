@@ -190,7 +190,7 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
   json["sweeps"] = describe_sweeps(statistics);
   json["sweeps"]["deskewed"] = statistics.deskewed();
   if (const auto start = statistics.first_stamp()) {
-    json["verdict"] = to_json(statistics.verdict(), *start);
+    json["verdict"] = to_json(assess_run(run, outcome, statistics), *start);
   }
   json["left_out"] = statistics.left_out().to_json();
   json["not_finite"] = to_json(outcome.result.faults);

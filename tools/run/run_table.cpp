@@ -206,7 +206,7 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
                                  format_duration(outcome.wall_s), rate);
   text += "sweeps   " + counts(statistics) + "\n";
   if (const auto start = statistics.first_stamp()) {
-    text += "verdict  " + describe(statistics.verdict(), *start, kIndent) + "\n";
+    text += "verdict  " + describe(assess_run(run, outcome, statistics), *start, kIndent) + "\n";
   }
   if (statistics.left_out().any()) {
     text += "left out " + statistics.left_out().text() + "\n";

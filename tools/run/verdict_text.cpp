@@ -16,6 +16,22 @@ using nlohmann::ordered_json;
 
 constexpr std::size_t kNamed = 5;  // stretches in the text; all are in the JSON
 
+std::string new_start_text(const DoubtfulStretch& stretch) {
+  const std::string why =
+      stretch.silence > 0.0
+          ? fmt::format("no sweep was aligned for {:.1f} s, and the map began anew after it: ",
+                        stretch.silence)
+          : std::string("no sweep could be aligned, and the map began anew after it: ");
+  if (stretch.tied) {
+    return why + "loops or GNSS alone tie its pieces";
+  }
+  return why + (stretch.trust == Trust::lost
+                    ? "how its pieces lie to each other is a guess; loops or GNSS can tie them, or "
+                      "map them apart with --start and --count"
+                    : "the IMU alone tells how its pieces lie to each other; loops or GNSS would "
+                      "confirm it");
+}
+
 std::string cause_text(const DoubtfulStretch& stretch) {
   const Eigen::Vector3d& d = stretch.direction;
   switch (stretch.cause) {
@@ -45,16 +61,19 @@ std::string cause_text(const DoubtfulStretch& stretch) {
           "sweeps, and imu.use=false maps without it",
           stretch.innovation);
     case DoubtCause::new_start:
-      return stretch.trust == Trust::lost
-                 ? "the map began anew after it: how its pieces lie to each other is a guess; map "
-                   "them apart with --start and --count"
-                 : "no sweep could be aligned, and the map began anew after it: the IMU alone "
-                   "tells how its pieces lie to each other; loops or GNSS would confirm it";
+      return new_start_text(stretch);
+    case DoubtCause::silence:
+      return fmt::format(
+          "no sweep was aligned for {:.1f} s, and no IMU bridges that; the next one fits the map "
+          "where the sensor can have moved to, and nothing else confirms it",
+          stretch.silence);
   }
   return "";
 }
 
-std::string text_of(const MovedByLoops& moved) {
+}  // namespace
+
+std::string describe(const MovedByLoops& moved) {
   return fmt::format(
       "loops moved the map by {:.2f} m over a path of {:.0f} m, {:.1f} standard deviations of the "
       "odometry (at most {:.0f} are reliable): a place that looks alike may have been taken for "
@@ -63,8 +82,6 @@ std::string text_of(const MovedByLoops& moved) {
       moved.distance, moved.path, moved.sigmas, kMostLoopSigmas);
 }
 
-}  // namespace
-
 std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
   return fmt::format("{:.1f} to {:.1f} s (sweeps {} to {}, {:.1f} m), ",
                      seconds(stretch.begin - start), seconds(stretch.end - start), stretch.first,
@@ -72,37 +89,52 @@ std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
          std::string(to_string(stretch.trust)) + ": " + cause_text(stretch);
 }
 
-std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t indent) {
-  const std::string moved =
-      verdict.moved ? "\n" + std::string(indent, ' ') + text_of(*verdict.moved) : std::string();
-  if (verdict.moved && verdict.stretches.empty()) {
-    return std::string(to_string(verdict.trust)) + moved;
+std::string describe(const RunAssessment& assessment, Nanoseconds start, std::size_t indent) {
+  if (assessment.trust == Trust::reliable) {
+    const std::size_t missing = assessment.coverage.missing();
+    return "reliable: no sweep is in doubt" +
+           (missing == 0 ? std::string()
+                         : fmt::format("; {} of {} sweeps are not in the trajectory", missing,
+                                       assessment.coverage.sweeps));
   }
-  if (verdict.stretches.empty()) {
-    return verdict.trust == Trust::reliable
-               ? "reliable: no sweep is in doubt"
-               : std::string(to_string(verdict.trust)) + ": no sweep could be aligned";
+  const std::string line = "\n" + std::string(indent, ' ');
+  std::string text(to_string(assessment.trust));
+  for (const VerdictReason& reason : assessment.reasons) {
+    text += line + reason.text;
   }
-  const std::size_t named = std::min(kNamed, verdict.stretches.size());
-  std::string text = std::string(to_string(verdict.trust)) + moved;
+  const std::size_t named = std::min(kNamed, assessment.stretches.size());
   for (std::size_t i = 0; i < named; ++i) {
-    text += "\n" + std::string(indent, ' ') + describe(verdict.stretches[i], start);
+    text += line + describe(assessment.stretches[i], start);
   }
-  return verdict.stretches.size() == named
+  return assessment.stretches.size() == named
              ? text
-             : text + "\n" + std::string(indent, ' ') +
-                   fmt::format("and {} more, see summary.json", verdict.stretches.size() - named);
+             : text + line +
+                   fmt::format("and {} more, see summary.json",
+                               assessment.stretches.size() - named);
 }
 
-ordered_json to_json(const Verdict& verdict, Nanoseconds start) {
-  ordered_json json = {{"state", to_string(verdict.trust)}, {"stretches", ordered_json::array()}};
-  if (verdict.moved) {
-    json["moved_by_loops"] = {{"distance_m", verdict.moved->distance},
-                              {"sigmas", verdict.moved->sigmas},
-                              {"path_m", verdict.moved->path},
-                              {"text", text_of(*verdict.moved)}};
+ordered_json to_json(const RunAssessment& assessment, Nanoseconds start) {
+  const Coverage& coverage = assessment.coverage;
+  ordered_json json = {{"state", to_string(assessment.trust)},
+                       {"coverage",
+                        {{"sweeps", coverage.sweeps},
+                         {"placed", coverage.placed},
+                         {"missing", coverage.missing()},
+                         {"longest_missing", coverage.longest},
+                         {"longest_missing_s", coverage.longest_seconds}}},
+                       {"reasons", ordered_json::array()},
+                       {"stretches", ordered_json::array()}};
+  if (assessment.moved) {
+    json["moved_by_loops"] = {{"distance_m", assessment.moved->distance},
+                              {"sigmas", assessment.moved->sigmas},
+                              {"path_m", assessment.moved->path},
+                              {"text", describe(*assessment.moved)}};
   }
-  for (const DoubtfulStretch& stretch : verdict.stretches) {
+  for (const VerdictReason& reason : assessment.reasons) {
+    json["reasons"].push_back(
+        {{"state", to_string(reason.trust)}, {"cause", reason.cause}, {"text", reason.text}});
+  }
+  for (const DoubtfulStretch& stretch : assessment.stretches) {
     const Eigen::Vector3d& d = stretch.direction;
     json["stretches"].push_back(
         {{"state", to_string(stretch.trust)},
@@ -113,6 +145,7 @@ ordered_json to_json(const Verdict& verdict, Nanoseconds start) {
          {"last_sweep", stretch.last},
          {"distance_m", stretch.distance},
          {"imu_fused", stretch.inertial()},
+         {"silence_s", stretch.silence > 0.0 ? ordered_json(stretch.silence) : ordered_json()},
          {"sigma_m", stretch.sigma},
          {"direction_map", d.isZero() ? ordered_json() : ordered_json{d.x(), d.y(), d.z()}},
          {"innovation_squared_per_degree",

@@ -8,18 +8,21 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "adit/slam/odometry/verdict.hpp"
+#include "adit/tools/run/run_assessment.hpp"
 
 namespace adit {
 
 /// A stretch, where it is, why it is not reliable and what to do; times from `start`.
 std::string describe(const DoubtfulStretch& stretch, Nanoseconds start);
 
-/// "reliable: ...", or the state with its first stretches, one a line; lines after the first are
-/// indented by `indent`.
-std::string describe(const Verdict& verdict, Nanoseconds start, std::size_t indent);
+/// By how much loops moved the map, and what to do.
+std::string describe(const MovedByLoops& moved);
 
-/// `state` and `stretches`, each with its text.
-nlohmann::ordered_json to_json(const Verdict& verdict, Nanoseconds start);
+/// "reliable: ...", or the state with its reasons and first stretches, one a line; lines after the
+/// first are indented by `indent`.
+std::string describe(const RunAssessment& assessment, Nanoseconds start, std::size_t indent);
+
+/// `state`, `coverage`, `reasons` and `stretches`, these with their texts.
+nlohmann::ordered_json to_json(const RunAssessment& assessment, Nanoseconds start);
 
 }  // namespace adit
