@@ -235,18 +235,9 @@ TEST_F(MapperTest, AnOdometryThatStartsAnewBeginsAnotherComponent) {
   EXPECT_TRUE(map.store().check().empty());
 }
 
-/// The drive with a silence of `length` before its sixteenth sweep, in which the sensor goes on at
-/// the same place.
-std::vector<Sweep> interrupted(std::vector<Sweep> sweeps, Nanoseconds length) {
-  const Nanoseconds step = sweeps[1].stamp - sweeps[0].stamp;
-  for (std::size_t i = 16; i < sweeps.size(); ++i) {
-    sweeps[i].stamp += length - step;
-  }
-  return sweeps;
-}
-
 TEST_F(MapperTest, NoSubmapSpansASilenceAndTheEdgeOverItHasWhatIsKnown) {
-  const std::vector<Sweep> sweeps = interrupted(drive().sweeps, std::chrono::milliseconds(1500));
+  std::vector<Sweep> sweeps = drive().sweeps;
+  sweeps.erase(sweeps.begin() + 16, sweeps.begin() + 30);  // of 1.5 s
   test::TemporaryMap map;
   const Run mapped = run(sweeps, test::submap_config(), &map);
   ASSERT_GT(mapped.sweeps[16].result.silence, 1.0);
@@ -262,14 +253,17 @@ TEST_F(MapperTest, NoSubmapSpansASilenceAndTheEdgeOverItHasWhatIsKnown) {
       EXPECT_GT(sigma, 0.07);
       ++over_it;
     } else {
-      EXPECT_LT(sigma, 0.03) << edge.to;
+      EXPECT_LT(sigma, 0.05) << edge.to;
     }
   }
   EXPECT_EQ(over_it, 1U);
 }
 
 TEST_F(MapperTest, AfterALongSilenceAnotherPartBegins) {
-  const std::vector<Sweep> sweeps = interrupted(drive().sweeps, std::chrono::seconds(600));
+  std::vector<Sweep> sweeps = drive().sweeps;
+  for (std::size_t i = 16; i < sweeps.size(); ++i) {
+    sweeps[i].stamp += std::chrono::seconds(600);
+  }
   test::TemporaryMap map;
   const Run mapped = run(sweeps, test::submap_config(), &map);
   EXPECT_EQ(mapped.sweeps[16].result.state, OdometryState::restarted);

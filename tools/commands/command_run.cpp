@@ -337,7 +337,7 @@ int map_wanted(const WantedRun& chosen, RunView* view, std::ostream& out, std::o
   if (!options.quiet && statistics.sweeps() > 0) {
     say_detail(err, "verdict: " + std::string(to_string(trust)));
   }
-  const int code = options.strict ? judge_strictly(judged, trust, err) : judged;
+  const int code = options.strict ? judge_strictly(judged, trust, statistics, err) : judged;
   const std::string summary =
       final_summary(description, outcome, statistics).dump(2, ' ', false, kReplaceBadText) + "\n";
   replace_text_file(files.summary, summary);  // before the report, which a closed pipe may end

@@ -72,13 +72,22 @@ int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const 
   return outcome.validation_messages.empty() ? 0 : 1;
 }
 
-int judge_strictly(int code, Trust trust, std::ostream& err) {
-  if (code != 0 || trust == Trust::reliable) {
+int judge_strictly(int code, Trust trust, const RunStatistics& statistics, std::ostream& err) {
+  if (code != 0) {
     return code;
   }
-  err << "adit run: the run is " << to_string(trust)
-      << " (--strict); verdict in summary.json says where and why" << std::endl;
-  return 1;
+  if (trust != Trust::reliable) {
+    err << "adit run: the run is " << to_string(trust)
+        << " (--strict); verdict in summary.json says where and why" << std::endl;
+    return 1;
+  }
+  if (statistics.left_out().lacks_sweeps()) {
+    err << "adit run: the recording lacks sweeps that it declares (--strict); left_out in "
+           "summary.json lists what is missing"
+        << std::endl;
+    return 1;
+  }
+  return 0;
 }
 
 std::string notes_of(const Recording& recording) {

@@ -19,9 +19,9 @@ namespace adit {
 int judge_run(const RunOutcome& outcome, const RunStatistics& statistics, const RunDescription& run,
               std::ostream& err);
 
-/// With --strict: the exit code of a run with that verdict, 1 where `code` is 0 and the run is not
-/// reliable, and says so.
-int judge_strictly(int code, Trust trust, std::ostream& err);
+/// With --strict: the exit code of a run with that verdict. Where `code` is 0: 1 if the run is not
+/// reliable, or if the recording lacks sweeps that it declares, and says so.
+int judge_strictly(int code, Trust trust, const RunStatistics& statistics, std::ostream& err);
 
 /// What opening a recording found worth knowing, a line each.
 std::string notes_of(const Recording& recording);

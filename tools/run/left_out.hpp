@@ -41,12 +41,13 @@ class LeftOut {
   std::size_t not_rising() const { return stamps_.count; }  ///< sweeps
   /// Sweeps that the recording declares and does not hold, as far as it tells how many.
   uint64_t missing_sweeps() const { return missing_sweeps_; }
-  /// The recording declares a file, or a number of messages of an unknown topic, that it does not
-  /// hold.
+  /// The recording declares a file that is not there.
   bool lacks_files() const { return lacks_files_; }
+  /// The recording declares sweeps, or a file, that it does not hold.
+  bool lacks_sweeps() const { return missing_sweeps_ > 0 || lacks_files_; }
   std::size_t put_in_order() const { return order_.count; }  ///< sweeps; they are not left out
-  /// Sweeps of the recording that have no pose: left out, or declared and not there.
-  std::size_t sweeps() const { return stamps_.count + static_cast<std::size_t>(missing_sweeps_); }
+  /// Sweeps of the recording that were left out or are missing from it, of whatever kind.
+  std::size_t sweeps() const { return stamps_.count + missing_sweeps_; }
   /// The first of them, in their order.
   const std::vector<ClockStep>& clock_steps() const { return clock_steps_; }
   bool any() const { return damaged() + not_rising() + contradictions_.count > 0; }

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "adit/slam/odometry/motion_model.hpp"
+#include "adit/tools/run/verdict_text.hpp"
 
 namespace adit {
 namespace {
@@ -57,14 +58,15 @@ MaybeReason judge_coverage(const Coverage& coverage) {
                           coverage.missing(), coverage.sweeps, in_a_row)};
 }
 
+// Without a file nobody knows how many sweeps were in it.
 MaybeReason judge_files(const LeftOut& left_out) {
   if (!left_out.lacks_files()) {
     return std::nullopt;
   }
   return VerdictReason{.cause = "missing files",
                        .text =
-                           "the recording lists files that are not there; how many sweeps they "
-                           "held is unknown"};
+                           "the recording declares a file that is not there; how many sweeps "
+                           "were in it is not known"};
 }
 
 MaybeReason judge_clock(const LeftOut& left_out) {
@@ -132,18 +134,11 @@ MaybeReason judge_parts(const RunOutcome& outcome) {
                           outcome.result.map->components)};
 }
 
-MaybeReason judge_loops(const std::optional<MovedByLoops>& moved) {
-  if (!moved) {
+MaybeReason judge_loops(const Verdict& verdict) {
+  if (!verdict.moved) {
     return std::nullopt;
   }
-  return VerdictReason{
-      .cause = "loops",
-      .text =
-          fmt::format("loops moved the map by {:.2f} m over a path of {:.0f} m, {:.1f} standard "
-                      "deviations of the odometry (at most {:.0f} are reliable): a place that "
-                      "looks alike may have been taken for it; `adit loops OUT` lists them, and "
-                      "--revoke removes one",
-                      moved->distance, moved->path, moved->sigmas, kMostLoopSigmas)};
+  return VerdictReason{.cause = "loops", .text = describe(*verdict.moved)};
 }
 
 }  // namespace
@@ -151,12 +146,12 @@ MaybeReason judge_loops(const std::optional<MovedByLoops>& moved) {
 RunAssessment assess_run(const RunDescription& run, const RunOutcome& outcome,
                          const RunStatistics& statistics) {
   Verdict verdict = statistics.verdict();
-  RunAssessment assessment{.coverage = coverage_of(run, statistics), .moved = verdict.moved};
+  RunAssessment assessment{.coverage = coverage_of(run, statistics)};
   for (MaybeReason& reason :
        std::array{judge_end(outcome), judge_clock(statistics.left_out()),
-                  judge_coverage(assessment.coverage), judge_files(statistics.left_out()),
-                  judge_comparisons(statistics, verdict), judge_imu(statistics),
-                  judge_parts(outcome), judge_loops(verdict.moved)}) {
+                  judge_coverage(assessment.coverage), judge_comparisons(statistics, verdict),
+                  judge_files(statistics.left_out()), judge_imu(statistics), judge_parts(outcome),
+                  judge_loops(verdict)}) {
     if (reason) {
       assessment.trust = std::max(assessment.trust, reason->trust);
       assessment.reasons.push_back(std::move(*reason));
@@ -169,6 +164,7 @@ RunAssessment assess_run(const RunDescription& run, const RunOutcome& outcome,
     assessment.trust = std::max(assessment.trust, stretch.trust);
   }
   assessment.stretches = std::move(verdict.stretches);
+  assessment.moved = verdict.moved;
   return assessment;
 }
 

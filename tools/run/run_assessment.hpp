@@ -37,9 +37,9 @@ struct Coverage {
 struct RunAssessment {
   Trust trust = Trust::reliable;
   Coverage coverage;
-  std::vector<VerdictReason> reasons;
-  std::vector<DoubtfulStretch> stretches;
-  std::optional<MovedByLoops> moved{};  ///< where loops moved the map by more than is reliable
+  std::vector<VerdictReason> reasons{};
+  std::vector<DoubtfulStretch> stretches{};
+  std::optional<MovedByLoops> moved{};  ///< where that is one of the reasons
 };
 
 /// Assesses a run that has ended, however it did.

@@ -73,6 +73,15 @@ std::string cause_text(const DoubtfulStretch& stretch) {
 
 }  // namespace
 
+std::string describe(const MovedByLoops& moved) {
+  return fmt::format(
+      "loops moved the map by {:.2f} m over a path of {:.0f} m, {:.1f} standard deviations of the "
+      "odometry (at most {:.0f} are reliable): a place that looks alike may have been taken for "
+      "it; "
+      "`adit loops OUT/map.adit` lists them, and --revoke takes one back",
+      moved.distance, moved.path, moved.sigmas, kMostLoopSigmas);
+}
+
 std::string describe(const DoubtfulStretch& stretch, Nanoseconds start) {
   return fmt::format("{:.1f} to {:.1f} s (sweeps {} to {}, {:.1f} m), ",
                      seconds(stretch.begin - start), seconds(stretch.end - start), stretch.first,
@@ -115,14 +124,15 @@ ordered_json to_json(const RunAssessment& assessment, Nanoseconds start) {
                          {"longest_missing_s", coverage.longest_seconds}}},
                        {"reasons", ordered_json::array()},
                        {"stretches", ordered_json::array()}};
-  for (const VerdictReason& reason : assessment.reasons) {
-    json["reasons"].push_back(
-        {{"state", to_string(reason.trust)}, {"cause", reason.cause}, {"text", reason.text}});
-  }
   if (assessment.moved) {
     json["moved_by_loops"] = {{"distance_m", assessment.moved->distance},
                               {"sigmas", assessment.moved->sigmas},
-                              {"path_m", assessment.moved->path}};
+                              {"path_m", assessment.moved->path},
+                              {"text", describe(*assessment.moved)}};
+  }
+  for (const VerdictReason& reason : assessment.reasons) {
+    json["reasons"].push_back(
+        {{"state", to_string(reason.trust)}, {"cause", reason.cause}, {"text", reason.text}});
   }
   for (const DoubtfulStretch& stretch : assessment.stretches) {
     const Eigen::Vector3d& d = stretch.direction;

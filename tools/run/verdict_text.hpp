@@ -15,6 +15,9 @@ namespace adit {
 /// A stretch, where it is, why it is not reliable and what to do; times from `start`.
 std::string describe(const DoubtfulStretch& stretch, Nanoseconds start);
 
+/// By how much loops moved the map, and what to do.
+std::string describe(const MovedByLoops& moved);
+
 /// "reliable: ...", or the state with its reasons and first stretches, one a line; lines after the
 /// first are indented by `indent`.
 std::string describe(const RunAssessment& assessment, Nanoseconds start, std::size_t indent);
