@@ -196,7 +196,7 @@ Inspection inspect(const std::vector<std::filesystem::path>& paths, const Config
   result.description = recording->description();
   result.topics = recording->topics();
   result.statistics.resize(result.topics.size());
-  choose_topics(*recording, path, config, result);
+  choose_topics(*recording, paths.front(), config, result);
   const Profiles profiles = read_all(*recording, result);
   for (const StaticTransform& transform : result.sensors.transforms.constant) {
     result.frames.add(transform);

@@ -340,7 +340,6 @@ class MessageRecording final : public Recording {
 
   const std::vector<Topic>& topics() const override { return topics_; }
   bool times_are_assumed() const override { return false; }
-  std::vector<RecordingNotice> notices() const override { return packet_notices_; }
 
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     return std::make_unique<MessageEventStream>(parts_, topics_, times_,
@@ -348,7 +347,7 @@ class MessageRecording final : public Recording {
   }
 
   std::vector<RecordingNotice> notices() const override {
-    std::vector<RecordingNotice> notices;
+    std::vector<RecordingNotice> notices = packet_notices_;
     for (const fs::path& path : paths_) {
       std::ranges::move(unlisted_file_notices(path), std::back_inserter(notices));
     }
