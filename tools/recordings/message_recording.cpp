@@ -168,20 +168,25 @@ class MessageEventStream final : public EventStream {
     }
   }
 
+  /// Nothing for messages that are no packets of the sensor.
+  std::optional<PacketPlace> place_of_packet(const PartMessage& message) const {
+    const Channel& channel = message.part->file->channels()[message.message.channel];
+    if (!is_packet_channel(channel)) {
+      return std::nullopt;
+    }
+    const std::optional<Datagram> datagram = datagram_of(channel, message.message);
+    return datagram ? place_of(*datagram, packets_->sensor) : std::nullopt;
+  }
+
   /// Packets of the sensor take their places in the order of its clock; what lies between them
   /// keeps its own.
-  void hold(const PartMessage& part_message) {
-    const RawMessage& message = part_message.message;
-    const Channel& channel = part_message.part->file->channels()[message.channel];
-    const std::optional<Datagram> datagram =
-        is_packet_channel(channel) ? datagram_of(channel, message) : std::nullopt;
-    const std::optional<PacketPlace> place =
-        datagram ? place_of(*datagram, packets_->sensor) : std::nullopt;
+  void hold(const PartMessage& read) {
+    const RawMessage& message = read.message;
     HeldMessage held{.received = message.received,
-                     .part = part_message.part,
+                     .part = read.part,
                      .message = message,
                      .bytes = {message.bytes.begin(), message.bytes.end()}};
-    if (place) {
+    if (const std::optional<PacketPlace> place = place_of_packet(read)) {
       order_.add(std::move(held), *place);
     } else {
       order_.add(std::move(held));
