@@ -18,6 +18,7 @@
 #include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/recordings/cloud_pairs.hpp"
 
 namespace adit {
 namespace {
