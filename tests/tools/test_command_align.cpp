@@ -15,8 +15,10 @@
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
 #include "adit/tests/support/device_fixture.hpp"
+#include "adit/tests/support/point_files.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
+#include "adit/tools/recordings/cloud_pairs.hpp"
 
 namespace adit {
 namespace {
@@ -100,6 +102,35 @@ TEST_F(AlignCommand, ReportsThePoseFromNothingAsTextAndAsJson) {
   EXPECT_EQ(pair["covariance"].size(), 6U);
   EXPECT_EQ(pair["translation"].size(), 3U);
   EXPECT_GT(pair["overlap"], 0.4);
+}
+
+TEST_F(AlignCommand, CloudsInLargeCoordinatesAreAlignedLessAnOffset) {
+  const Eigen::Vector3d utm(430000.0, 5400000.0, 300.0);
+  const auto far = [&](int number) {
+    const Sweep local = read_cloud(sweep(number));
+    std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                        std::to_string(local.points.size()) +
+                        "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+    for (const Point& p : local.points) {
+      bytes += test::bytes_of_all(utm.x() + p.x, utm.y() + p.y, utm.z() + p.z);
+    }
+    return folder_.write("far" + std::to_string(number) + ".ply", bytes).string();
+  };
+  AlignCommandOptions options = of(far(0), far(2));
+  options.json = true;
+  const Ran answer = ran(options);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  const auto pair = nlohmann::json::parse(answer.out)["pairs"].at(0);
+  const auto offset = pair.at("offset_a_m").get<std::array<double, 3>>();
+  EXPECT_EQ(pair.at("offset_b_m").get<decltype(offset)>(), offset) << "both have a's";
+  const Eigen::Vector3d off = Eigen::Vector3d(offset[0], offset[1], offset[2]) - utm;
+  EXPECT_LT(off.norm(), 100.0);
+  const auto numbers = pair.at("T_a_b").get<std::array<double, 7>>();
+  const Eigen::Isometry3d T_a_b =
+      Eigen::Translation3d(off) * pose_of(numbers) * Eigen::Translation3d(-off);
+  EXPECT_LT((T_a_b.inverse() * truth()).translation().norm(), 0.05);
+  options.json = false;
+  EXPECT_NE(ran(options).out.find("m is subtracted from b's coordinates"), std::string::npos);
 }
 
 TEST_F(AlignCommand, NamesThatAreNoTextAreReported) {
