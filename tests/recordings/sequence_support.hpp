@@ -75,6 +75,23 @@ inline std::vector<SampleMessage> grouped_messages(Encoding encoding, uint32_t r
   return messages;
 }
 
+/// The recording in a file with a byte of a chunk changed so that fewer events can be read.
+inline std::filesystem::path damage_a_chunk(const TemporaryFolder& folder,
+                                            const std::filesystem::path& file) {
+  const std::string bytes = content_of(file);
+  const std::size_t whole = read_all(*open_recording(file)).events.size();
+  std::filesystem::path damaged;
+  for (std::size_t at = bytes.size() / 3; at < bytes.size(); at += 13) {
+    std::string changed = bytes;
+    changed[at] = static_cast<char>(~changed[at]);
+    damaged = folder.write("damaged" + file.extension().string(), changed);
+    if (read_all(*open_recording(damaged)).events.size() < whole) {
+      break;
+    }
+  }
+  return damaged;
+}
+
 /// Largest time (ns) by which an event's own time is before that of one that precedes it.
 inline Nanoseconds largest_step_back(const std::vector<Event>& events) {
   Nanoseconds newest = Nanoseconds::min();

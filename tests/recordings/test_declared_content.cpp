@@ -272,9 +272,7 @@ TEST(DeclaredContent, MessagesThatAnIndexCountsAndAChunkDoesNotHoldAreMissed) {
     const Encoding encoding = test::encoding_of(container);
     const fs::path file =
         write_messages(folder, "a", container, test::sample_messages(encoding, 20));
-    std::string bytes = test::content_of(file);
-    bytes[bytes.size() / 3] = static_cast<char>(~bytes[bytes.size() / 3]);  // in some chunk
-    const auto recording = open_recording(folder.write("b" + file.extension().string(), bytes));
+    const auto recording = open_recording(test::damage_a_chunk(folder, file));
     uint64_t missing = 0;
     for (const DeclarationError& error : contradictions(*recording)) {
       missing += error.missing().value_or(0);

@@ -247,7 +247,7 @@ std::vector<DeclarationError> contradictions(const fs::path& file, const Summary
     const uint64_t declared = count_of(statistics.channel_messages, id);
     told += declared;
     if (!statistics.channel_messages.empty() && declared != count_of(there.counts, id)) {
-      found.push_back(wrong_count(file, "the file's statistics", channel.topic, declared,
+      found.push_back(wrong_count(file, "the statistics record", channel.topic, declared,
                                   count_of(there.counts, id)));
     }
   }
