@@ -295,10 +295,7 @@ void damage_events(std::vector<Recorded>& events, Dice& dice) {
         // Mountings as a robot without /tf_static publishes them.
         for (int k = 0; k < 40; ++k) {
           const Nanoseconds at_time = MovingRig::kBegin + std::chrono::milliseconds(100 * k);
-          const auto transform = std::get<StaticTransform>(some_transform(at_time, dice).value);
-          events.push_back({"/tf", at_time,
-                            ReferencePose{at_time, transform.parent, transform.child,
-                                          transform.T_parent_child}});
+          events.push_back({"/tf", at_time, some_transform(at_time, dice).value});
         }
         break;
       default:
