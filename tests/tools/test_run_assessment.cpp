@@ -131,6 +131,27 @@ TEST(RunAssessment, WhatWasLeftOutBeyondTheCountIsMissingToo) {
   EXPECT_NEAR(coverage.longest_seconds, 5.0, 1e-9);
 }
 
+TEST(RunAssessment, ARecordingThatEndsDamagedIsDoubtfulAndOneThatGoesOnIsNot) {
+  MadeRun run(30);
+  run.place_all(0, 30);
+  LeftOut& left_out = run.statistics.left_out();
+  static_cast<void>(left_out.add_damage(InputError("a.mcap", {}, "a chunk", "Copy it"), "/points"));
+  EXPECT_EQ(run.causes(), Causes{"cut off"});
+  left_out.note_read();
+  EXPECT_EQ(run.causes(), Causes());
+  EXPECT_EQ(run.assessed().trust, Trust::reliable);
+}
+
+// It declares how many sweeps it has: what is missing is known, and little.
+TEST(RunAssessment, TheLastSweepOfManyMayBeDamaged) {
+  MadeRun run(30);
+  run.place_all(0, 29);
+  static_cast<void>(run.statistics.left_out().add_damage(
+      InputError("a.mcap", {}, "a message", "Copy it"), "/points"));
+  EXPECT_EQ(run.assessed().trust, Trust::reliable);
+  EXPECT_EQ(run.assessed().coverage.missing(), 1U);
+}
+
 TEST(RunAssessment, AClockThatIsSetBackIsNamedWithItsSweep) {
   MadeRun run(100);
   run.place_all(0, 50);

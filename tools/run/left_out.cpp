@@ -44,6 +44,7 @@ std::optional<std::string> LeftOut::add_damage(const InputError& error,
     lacks_files_ = lacks_files_ || !declared->missing();
     return add(contradictions_, error.what());
   }
+  ends_damaged_ = true;
   const std::optional<std::string> reason = add(damage_, error.what());
   return reason ? std::optional("left out: " + *reason) : std::nullopt;
 }

@@ -37,6 +37,11 @@ class LeftOut {
   /// `index` of the trajectory.
   std::optional<std::string> add_put_in_order(std::size_t index);
 
+  /// Something whole was read.
+  void note_read() { ends_damaged_ = false; }
+  /// Nothing whole was read after the last damaged place: a file that was cut off.
+  bool ends_damaged() const { return ends_damaged_; }
+
   std::size_t damaged() const { return damage_.count; }     ///< places
   std::size_t not_rising() const { return stamps_.count; }  ///< sweeps
   /// Sweeps that the recording declares and does not hold, as far as it tells how many.
@@ -75,6 +80,7 @@ class LeftOut {
   uint64_t missing_sweeps_ = 0;
   uint64_t missing_messages_ = 0;  // with the sweeps
   bool lacks_files_ = false;
+  bool ends_damaged_ = false;
   Kind stamps_;
   Kind order_;
   std::vector<ClockStep> clock_steps_;

@@ -58,15 +58,23 @@ MaybeReason judge_coverage(const Coverage& coverage) {
                           coverage.missing(), coverage.sweeps, in_a_row)};
 }
 
-// Without a file nobody knows how many sweeps were in it.
-MaybeReason judge_files(const LeftOut& left_out) {
-  if (!left_out.lacks_files()) {
-    return std::nullopt;
+// Without a file, or an end, nobody knows how many sweeps are missing.
+MaybeReason judge_files(const LeftOut& left_out, const Coverage& coverage) {
+  if (left_out.lacks_files()) {
+    return VerdictReason{
+        .cause = "missing files",
+        .text =
+            "the recording declares a file that is not there; how many sweeps were in it is "
+            "not known"};
   }
-  return VerdictReason{.cause = "missing files",
-                       .text =
-                           "the recording declares a file that is not there; how many sweeps "
-                           "were in it is not known"};
+  if (left_out.ends_damaged() && coverage.missing() == 0) {
+    return VerdictReason{
+        .cause = "cut off",
+        .text =
+            "the recording ends with a damaged place, as if it was cut off; how much of it is "
+            "missing is not known: copy it again, if there is more"};
+  }
+  return std::nullopt;
 }
 
 MaybeReason judge_clock(const LeftOut& left_out) {
@@ -150,8 +158,8 @@ RunAssessment assess_run(const RunDescription& run, const RunOutcome& outcome,
   for (MaybeReason& reason :
        std::array{judge_end(outcome), judge_clock(statistics.left_out()),
                   judge_coverage(assessment.coverage), judge_comparisons(statistics, verdict),
-                  judge_files(statistics.left_out()), judge_imu(statistics), judge_parts(outcome),
-                  judge_loops(verdict)}) {
+                  judge_files(statistics.left_out(), assessment.coverage), judge_imu(statistics),
+                  judge_parts(outcome), judge_loops(verdict)}) {
     if (reason) {
       assessment.trust = std::max(assessment.trust, reason->trust);
       assessment.reasons.push_back(std::move(*reason));

@@ -225,6 +225,9 @@ std::optional<Event> take(const Mapping& mapping, EventsAhead& events, Mapped& d
       std::optional<Event> event = events.next();
       add_reading(mapping, events.last_read(), since(start), done);
       done.read += event && std::holds_alternative<Sweep>(event->value) ? 1U : 0U;
+      if (event) {
+        mapping.statistics.left_out().note_read();
+      }
       return event;
     } catch (const InputError& error) {
       add_reading(mapping, events.last_read(), since(start), done);
