@@ -204,13 +204,13 @@ TEST_F(RowChecksums, CheckFindsAnIndexOfPlacesThatIsAnother) {
     for (const char* change : {"0.001", "64.0"}) {
       raw.execute(std::string("UPDATE places SET ") + column + " = " + column + sign + change +
                   " WHERE keyframe = 3");
-      EXPECT_TRUE(tells(map.check(), "the index of places has them elsewhere")) << column;
+      EXPECT_TRUE(tells(map.check(), "the index of places has other boxes for them")) << column;
       raw.execute("INSERT OR REPLACE INTO places SELECT * FROM kept");
       EXPECT_TRUE(map.check().empty());
     }
   }
   raw.execute("UPDATE places SET keyframe = 99 WHERE keyframe = 3");
-  EXPECT_TRUE(tells(map.check(), "submap 99, which is none"));
+  EXPECT_TRUE(tells(map.check(), "submap 99, which does not exist"));
   EXPECT_TRUE(tells(map.check(), "submap 3 is missing"));
 }
 
@@ -359,7 +359,8 @@ TEST_F(RowChecksums, AHeaderOfAnotherSchemaThanTheTablesIsFound) {
     for (const MapAccess access : {MapAccess::read, MapAccess::write}) {
       const std::string error =
           test::error_of<InputError>([&] { const MapDatabase map(file_, access); });
-      EXPECT_NE(error.find("its header says schema " + std::to_string(schema)), std::string::npos)
+      EXPECT_NE(error.find("its header has schema version " + std::to_string(schema)),
+                std::string::npos)
           << error;
     }
     fs::remove(whole());
@@ -370,8 +371,9 @@ TEST_F(RowChecksums, AHeaderOfAnotherSchemaThanTheTablesIsFound) {
   SqliteDatabase(file_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 9");
   test::make_schema_8(file_);
   SqliteDatabase(file_, SqliteDatabase::Mode::update).execute("PRAGMA user_version = 9");
-  EXPECT_NE(test::error_of<InputError>([&] { static_cast<void>(check(file_)); }).find("schema 9"),
-            std::string::npos);
+  EXPECT_NE(
+      test::error_of<InputError>([&] { static_cast<void>(check(file_)); }).find("schema version 9"),
+      std::string::npos);
 }
 
 TEST(RowChecksum, TellsValuesApartAndTypesThatSqliteDoesNotKeep) {

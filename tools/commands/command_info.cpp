@@ -265,8 +265,8 @@ int check(const InfoCommandOptions& options, std::ostream& out) {
     out << options.map.string()
         << (map.has_checksums()
                 ? " is whole\n"
-                : " is whole, as far as can be seen: an older adit wrote it, without checksums of "
-                  "its rows. The next command that writes to it adds them.\n");
+                : " is whole as far as its structure shows: an older adit wrote it, and its rows "
+                  "have no checksums. The next command that writes to it adds them.\n");
   } else {
     out << options.map.string() << " is damaged: " << problems.size()
         << (problems.size() == 1 ? " finding" : " findings") << ". `adit recover "

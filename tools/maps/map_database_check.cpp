@@ -239,7 +239,8 @@ class MapDatabase::Check {
         });
     ask(kIndex, "SELECT keyframe FROM places WHERE keyframe NOT IN (SELECT keyframe FROM submaps)",
         [&](const SqliteStatement& row) {
-          findings_.add("the index of places has a submap " + row.text(0) + ", which is none");
+          findings_.add("the index of places lists submap " + row.text(0) +
+                        ", which does not exist");
         });
     if (!whole_pages || is_damaged("keyframes") || is_damaged("submaps") || is_damaged("anchors")) {
       return;
@@ -256,7 +257,7 @@ class MapDatabase::Check {
         const auto box = boxes.find(keyframe.id);
         const auto exact = map_.place_of(keyframe.id, keyframe.T_map_keyframe);
         if (box != boxes.end() && exact && !is_rounded_place(box->second, *exact)) {
-          findings_.add("submaps", keyframe.id, "the index of places has them elsewhere");
+          findings_.add("submaps", keyframe.id, "the index of places has other boxes for them");
         }
       }
     });

@@ -353,8 +353,9 @@ class Salvage {
 
   void tell_pages() {
     if (pages_.header() && pages_.header()->version < 1) {
-      done_.damaged_pages.push_back("page 1: it says schema " +
-                                    std::to_string(pages_.header()->version) + ", which is none");
+      done_.damaged_pages.push_back("page 1: its schema version is " +
+                                    std::to_string(pages_.header()->version) +
+                                    ", which does not exist");
     }
     for (const auto& [page, table] : unreadable_) {
       if (std::ranges::any_of(kShapes, [&](const Shape& shape) {

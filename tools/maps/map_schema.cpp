@@ -137,15 +137,16 @@ bool has_column(const SqliteDatabase& database, const NewColumn& column) {
 void require_tables_of(const SqliteDatabase& map, int64_t schema) {
   const char* kRemedy = "The file is damaged: `adit recover` saves what is whole";
   if (schema < 1) {
-    throw InputError(map.path(), {},
-                     "its header says schema " + std::to_string(schema) + ", which is none",
-                     kRemedy);
+    throw InputError(
+        map.path(), {},
+        "its header has schema version " + std::to_string(schema) + ", which does not exist",
+        kRemedy);
   }
   for (const NewColumn& column : kNewColumns) {
     if (has_column(map, column) != (schema >= column.schema)) {
       throw InputError(map.path(), {},
-                       "its header says schema " + std::to_string(schema) +
-                           ", but its tables are not those of that schema (" + column.table + "." +
+                       "its header has schema version " + std::to_string(schema) +
+                           ", but its tables do not match that version (" + column.table + "." +
                            column.column + ")",
                        kRemedy);
     }
