@@ -80,7 +80,7 @@ TEST(OptimizeCommand, NamesPartsThatNothingTies) {
 
 TEST(OptimizeCommand, FailsOnDamagedFilesWithTheirLine) {
   const test::TemporaryFolder folder;
-  const Ran damaged =
+  const test::Ran damaged =
       optimized({.input = folder.write("bad.g2o", std::string(kTriangle) + "EDGE_SE2 0 7 1")});
   EXPECT_EQ(damaged.code, 1);
   EXPECT_NE(damaged.err.find("bad.g2o, line 7: words after EDGE_SE2: 3, expected 11"),
