@@ -117,7 +117,7 @@ std::string offset_text(const Eigen::Vector3d& offset) {
 }
 
 std::string offset_note(const Eigen::Vector3d& offset) {
-  return "its coordinates are large: adit subtracts " + offset_text(offset) +
+  return "the coordinates of the recording are large: adit subtracts " + offset_text(offset) +
          " from all clouds, so that they keep their millimetres; ranges are measured from there, "
          "and results are relative to it";
 }
