@@ -55,7 +55,8 @@ TEST(PlyReader, BigEndianOfMixedTypes) {
                             bytes_of(uint8_t{9}) + bytes_of(int32_t{70000}, true) +
                             bytes_of(uint16_t{513}, true);
   EXPECT_THROW(parse_ply("a", bytes), InputError) << "integers tell no unit";
-  const CloudFile cloud = parse_ply("a", bytes, {.coordinate_scale = 1.0});
+  const CloudFile cloud =
+      parse_ply("a", bytes, {.coordinate_scale = 1.0, .offset = Eigen::Vector3d::Zero()});
   expect_point(cloud, 0, -300.0F, 2.5F, 70000.0F);
   EXPECT_EQ(cloud.sweep.rings, std::vector<uint16_t>{513});
 }

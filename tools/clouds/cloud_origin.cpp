@@ -88,14 +88,10 @@ CloudOrigin find_origin(const std::filesystem::path& file, const CloudColumns& c
   if (farthest > kFarthest) {
     return origin;
   }
-  bool finer = false;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double at = middle[static_cast<Eigen::Index>(axis)];
-    const bool rounded = are_floats(sample.axes[axis]);
-    finer = finer || !rounded;
-    if (rounded && std::abs(at) > kNear) {
-      origin.step = std::max(origin.step, float_step(at));
-    }
+  // A single axis may have whole numbers all over, such as a wall's.
+  const bool finer = !std::ranges::all_of(sample.axes, are_floats);
+  if (!finer && farthest > kNear) {
+    origin.step = float_step(farthest);
   }
   if (!columns.reading.offset) {
     origin.offset =
@@ -117,7 +113,7 @@ std::string offset_text(const Eigen::Vector3d& offset) {
 }
 
 std::string offset_note(const Eigen::Vector3d& offset) {
-  return "its coordinates are large: adit subtracts " + offset_text(offset) +
+  return "the coordinates of the recording are large: adit subtracts " + offset_text(offset) +
          " from all clouds, so that they keep their millimetres; ranges are measured from there, "
          "and results are relative to it";
 }
