@@ -243,7 +243,10 @@ Contents read_contents(const SeekableFile& file) {
   if (sound) {
     return std::move(index->contents);
   }
-  Contents contents = scan(file, index.has_value());
+  // An index that lists less than the header declares was cut off.
+  const bool closed = index && index->contents.connections.size() >= index->connections &&
+                      index->contents.chunks.size() >= index->chunks;
+  Contents contents = scan(file, closed);
   if (index) {
     contents.contradictions = contradictions(file.path(), *index, contents);
   }

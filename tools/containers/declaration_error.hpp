@@ -20,14 +20,24 @@ class DeclarationError : public InputError {
                    std::string topic = {}, std::optional<uint64_t> missing = 0)
       : InputError(file, {}, std::move(found), std::move(remedy)),
         topic_(std::move(topic)),
-        missing_(missing) {}
+        missing_(missing),
+        loses_(missing != 0U) {}
+
+  /// The same where another error counts the messages that are lost.
+  DeclarationError counted_elsewhere() && {
+    missing_ = 0;
+    return std::move(*this);
+  }
 
   const std::string& topic() const { return topic_; }
   const std::optional<uint64_t>& missing() const { return missing_; }
+  /// False where all that is there can be read, and no message is known to be lost.
+  bool loses() const { return loses_; }
 
  private:
   std::string topic_;
   std::optional<uint64_t> missing_;
+  bool loses_ = false;
 };
 
 /// `what` declares a number of messages on a topic, and `found` can be read.

@@ -363,13 +363,13 @@ std::vector<Finding> find_in_recording(const std::vector<Topic>& topics) {
 Finding damage_finding(const InputError& error) {
   const std::string place = error.place().empty() ? "" : " (" + error.place() + ")";
   if (const auto* declared = dynamic_cast<const DeclarationError*>(&error)) {
-    return {Severity::problem,
-            "declaration",
-            declared->topic(),
-            error.file().filename().string() + ": " + error.found(),
-            declared->missing() == 0U ? "nothing that is there is lost"
-                                      : "what is missing cannot be mapped",
-            error.remedy()};
+    return {
+        Severity::problem,
+        "declaration",
+        declared->topic(),
+        error.file().filename().string() + ": " + error.found(),
+        !declared->loses() ? "nothing that is there is lost" : "what is missing cannot be mapped",
+        error.remedy()};
   }
   return {Severity::problem,
           "damage",

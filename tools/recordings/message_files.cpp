@@ -88,14 +88,14 @@ class AbsentFile final : public MessageFile {
   std::vector<DeclarationError> contradictions_;
 };
 
-std::unique_ptr<MessageFile> absent(const fs::path& path, std::string found) {
-  return std::make_unique<AbsentFile>(
-      path, std::vector<DeclarationError>{
-                {path,
-                 std::move(found),
-                 "Its messages are lost: copy the file into the folder, and run again",
-                 {},
-                 std::nullopt}});
+/// `counted`: what is known of its messages is reported elsewhere.
+std::unique_ptr<MessageFile> absent(const fs::path& path, std::string found, bool counted) {
+  DeclarationError error(path, std::move(found),
+                         "Its messages are lost: copy the file into the folder, and run again", {},
+                         std::nullopt);
+  std::vector<DeclarationError> errors;
+  errors.push_back(counted ? std::move(error).counted_elsewhere() : std::move(error));
+  return std::make_unique<AbsentFile>(path, std::move(errors));
 }
 
 /// The file in the folder that metadata.yaml means: itself, packed or unpacked since; of a path
@@ -149,7 +149,7 @@ std::vector<DeclarationError> wrong_counts(const fs::path& metadata,
   }
   for (const auto& [topic, messages] : told) {
     if (messages != there[topic]) {
-      wrong.push_back(wrong_count(metadata, "metadata.yaml", topic, messages, there[topic]));
+      wrong.push_back(wrong_count(metadata, "it", topic, messages, there[topic]));
     }
   }
   if (declared.messages && !told.empty() && *declared.messages != sum) {
@@ -171,8 +171,9 @@ MessageFiles open_declared(const fs::path& folder, const Rosbag2Declaration& dec
       files.push_back(require_message_file(*file));
       ++there;
     } else {
-      files.push_back(
-          absent(folder / listed.filename(), "metadata.yaml lists this file, and it is not there"));
+      files.push_back(absent(folder / listed.filename(),
+                             "metadata.yaml lists this file, and it is not there",
+                             !declared.topics.empty()));
     }
   }
   if (there == 0) {
@@ -228,7 +229,14 @@ std::unique_ptr<MessageFile> file_between(const fs::path& before, const fs::path
                               : "this file and the next are not there, " + std::to_string(missing) +
                                     " in all") +
                     std::string(", but those before and after it are: ") +
-                    before.filename().string() + " and " + after.filename().string());
+                    before.filename().string() + " and " + after.filename().string(),
+                false);
+}
+
+Nanoseconds length_of(const MessageFile& file) {
+  constexpr Nanoseconds kFarthest = Nanoseconds::max() / 4;  // differences do not overflow
+  return std::clamp(file.span()->end, -kFarthest, kFarthest) -
+         std::clamp(file.span()->begin, -kFarthest, kFarthest);
 }
 
 /// Throws InputError unless the second follows the first.
@@ -237,7 +245,8 @@ void require_after(const MessageFile& first, const MessageFile& second) {
   const Nanoseconds begin = std::clamp(second.span()->begin, -kFarthest, kFarthest);
   const Nanoseconds end =
       std::clamp(std::min(first.span()->end, second.span()->end), -kFarthest, kFarthest);
-  if (end - begin > kSplitOverlap) {
+  const Nanoseconds shorter = std::min(length_of(first), length_of(second));
+  if (end - begin > std::min(kSplitOverlap, shorter / 2)) {
     throw InputError(second.path(), {},
                      "its times overlap with those of " + first.path().string() + " by " +
                          fmt::format("{:.1f} s", seconds(end - begin)) +
