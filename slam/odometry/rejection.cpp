@@ -14,13 +14,10 @@ constexpr double kSearchBelow = 0.8;    // times the usual overlap
 constexpr int kFewForSearch = 3;        // alignments are enough to compare with before a search
 constexpr double kMostRms = 1.4;        // times the usual residual
 constexpr double kMostCompeting = 0.9;  // share of the matched points
-// After a silence nothing but the fit speaks for a place that is not where the velocity led.
-constexpr double kLeastShareAfterSilence = 0.85;     // times the usual overlap
-constexpr double kMostCompetingAfterSilence = 0.85;  // share of the matched points
-constexpr double kLevel = 0.7;                       // z of a direction: less is along the ground
-constexpr double kNearDistance = 1.0;                // m from the prediction
-constexpr double kNearTurn = 0.3;                    // rad
-constexpr double kNearSigmas = 2.0;                  // standard deviations of a trusted prediction
+constexpr double kLevel = 0.7;          // z of a direction: less is along the ground
+constexpr double kNearDistance = 1.0;   // m from the prediction
+constexpr double kNearTurn = 0.3;       // rad
+constexpr double kNearSigmas = 2.0;     // standard deviations of a trusted prediction
 
 /// How well the place along the ground is held. (Height is another matter: floors that a sensor
 /// does not see are common, and nobody jumps.)
@@ -92,8 +89,7 @@ std::optional<Rejection> UsualFit::rejection(const RegistrationResult& alignment
 std::optional<Rejection> UsualFit::rejection_after(const Silence& silence,
                                                    const RegistrationResult& alignment,
                                                    const Eigen::Isometry3d& moved) const {
-  const Localizability held = along_ground(alignment);
-  if (held == Localizability::none) {
+  if (along_ground(alignment) == Localizability::none) {
     return NotHeldAlong{};
   }
   if (chi2_of(silence, alignment.T_target_source) > kSilenceGate) {
@@ -104,14 +100,13 @@ std::optional<Rejection> UsualFit::rejection_after(const Silence& silence,
   if (alignments_ < kFewForSearch) {
     return NothingUsual{};
   }
-  const bool agree = held == Localizability::full && is_near(alignment, silence.T_map_lidar);
-  if (alignment.overlap < (agree ? kLeastShare : kLeastShareAfterSilence) * overlap_) {
+  if (alignment.overlap < kLeastShare * overlap_) {
     return OverlapFallsShort{.overlap = alignment.overlap, .usual = overlap_};
   }
   if (alignment.residual_rms > kMostRms * rms_) {
     return ResidualTooLarge{.rms = alignment.residual_rms, .usual = rms_};
   }
-  if (alignment.competing_share > kMostCompetingAfterSilence) {
+  if (alignment.competing_share > kMostCompeting) {
     return TwoPlaces{.competing_share = alignment.competing_share};
   }
   return std::nullopt;

@@ -137,6 +137,43 @@ TEST(UsualFit, ALostSensorMustBeHeldAlongTheGroundButNotInHeight) {
   EXPECT_FALSE(usual().rejection(result, lost_far_away()));
 }
 
+/// What becomes of an alignment after 1.5 s on foot along x.
+std::optional<Rejection> after_silence(const RegistrationResult& alignment,
+                                       const UsualFit& fits = usual()) {
+  Vector6d velocity = Vector6d::Zero();
+  velocity.x() = 1.2;
+  const Silence silence = silence_after(Eigen::Isometry3d::Identity(), velocity, 1.2, 1.5);
+  return fits.rejection_after(silence, alignment, alignment.T_target_source);
+}
+
+TEST(UsualFit, AfterASilenceAPlaceMustFitAndBeWithinReach) {
+  EXPECT_FALSE(after_silence(fit(0.9, 0.045, 1.5)));
+  EXPECT_FALSE(after_silence(fit(0.9, 0.045, 4.0)));
+  const auto far = as<BeyondMotion>(after_silence(fit(0.95, 0.045, 7.0)));
+  ASSERT_TRUE(far);
+  EXPECT_EQ(far->distance, 7.0);
+  EXPECT_EQ(far->seconds, 1.5);
+  RegistrationResult upside_down = fit(0.95, 0.045, 1.5);
+  upside_down.T_target_source.linear() =
+      Eigen::AngleAxisd(3.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_FALSE(after_silence(upside_down)) << "a turn by 180 degrees takes three sigma";
+  upside_down.T_target_source.translation().x() = 4.0;
+  EXPECT_TRUE(as<BeyondMotion>(after_silence(upside_down)));
+}
+
+// The velocity led there, which was enough for a second: now another second has passed.
+TEST(UsualFit, AfterASilenceTheVelocityAloneIsNoEvidence) {
+  EXPECT_TRUE(as<OverlapFallsShort>(after_silence(fit(0.4, 0.045, 1.55))));
+  EXPECT_TRUE(as<ResidualTooLarge>(after_silence(fit(0.9, 0.09, 1.55))));
+  EXPECT_TRUE(as<NothingUsual>(after_silence(fit(0.9, 0.045, 1.55), UsualFit())));
+  RegistrationResult twin = fit(0.94, 0.045, 1.55);
+  twin.competing_share = 0.95;
+  EXPECT_TRUE(as<TwoPlaces>(after_silence(twin)));
+  RegistrationResult tunnel = fit(0.94, 0.045, 1.55);
+  tunnel.translation[0].localizability = Localizability::none;
+  EXPECT_TRUE(as<NotHeldAlong>(after_silence(tunnel)));
+}
+
 TEST(PossiblePose, NothingMovesFartherThanItCan) {
   StampedPose last{std::chrono::seconds(10), Eigen::Isometry3d::Identity()};
   StampedPose pose{std::chrono::seconds(11), Eigen::Isometry3d::Identity()};
