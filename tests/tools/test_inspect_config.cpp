@@ -191,6 +191,7 @@ TEST(InspectConfig, ConvertWritesTheRecordingAsItShouldHaveBeen) {
   EXPECT_EQ(result.before, (Kinds{"accelerometer_unit /imu", "sensor_offset /imu"}));
   ConvertOptions options;
   options.input = file;
+  options.overwrite = true;
   options.repair = load_config({.file = toml, .overrides = {}}).recording;
   for (const char* name : {"right.mcap", "right.bag"}) {
     options.output = folder / name;
