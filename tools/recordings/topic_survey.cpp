@@ -108,7 +108,9 @@ void keep_usable(std::vector<std::size_t>& topics, Unusable&& unusable) {
   std::vector<std::size_t> usable;
   std::ranges::copy_if(topics, std::back_inserter(usable),
                        [&](std::size_t topic) { return !unusable(topic); });
-  topics = usable.empty() ? std::move(topics) : std::move(usable);
+  if (!usable.empty()) {
+    topics = std::move(usable);
+  }
 }
 
 }  // namespace
