@@ -30,6 +30,13 @@ TEST(TopicSurvey, OfTopicsOfSweepsTheOneWithMessagesIsChosen) {
   EXPECT_EQ(sweep_topic(silent, "drive", "/front"), 0U) << "who names it wants it";
 }
 
+TEST(TopicSurvey, WhereNoTopicHasMessagesTheOnlyOneIsLeft) {
+  EXPECT_EQ(sweep_topic(GivenRecording({sweeps("/front", 0)}, {}), "drive", {}), 0U);
+  EXPECT_THROW(
+      sweep_topic(GivenRecording({sweeps("/front", 0), sweeps("/rear", 0)}, {}), "drive", {}),
+      InputError);
+}
+
 TEST(TopicSurvey, WhereCountsAreUnknownTheMessagesAreLookedAt) {
   const GivenRecording unknown({sweeps("/front", {}), sweeps("/rear", {})},
                                {sweep_event(1, 0, "rear")});

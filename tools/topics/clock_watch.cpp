@@ -41,7 +41,9 @@ void ClockWatch::add(Nanoseconds received, Nanoseconds stamp) {
     // Delayed messages come at once with stamps that go on; stamps of a clock that steps do not.
     const double advance = seconds(stamp - stretches_.back().last);
     const double leap = advance - seconds(received - last_received_);
-    const bool steps = std::abs(leap) > kLeastStep && (advance < -kLeastStep || leap > 0.0);
+    // A recorder that stamps several messages alike has no clock to compare with.
+    const bool steps = received > last_received_ && std::abs(leap) > kLeastStep &&
+                       (advance < -kLeastStep || leap > 0.0);
     if (steps && stretches_.size() < kMostStretches) {
       stretches_.push_back(one);
     } else {
