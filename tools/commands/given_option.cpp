@@ -67,18 +67,18 @@ void require_endings(std::span<const GivenOption> options) {
 }
 
 void keep_inputs(std::span<const GivenOption> options) {
-  const bool asks = std::ranges::any_of(
-      options, [](const GivenOption& option) { return option.name == "--overwrite"; });
-  for (const GivenOption& output : options) {
-    if (!asks) {  // others decide by themselves
-      keep_recordings(output);
-    }
-  }
   for (const GivenOption& output : options) {
     for (const GivenOption& input : options) {
       if (output.written && !output.values.empty() && !input.written) {
         keep(input, output);
       }
+    }
+  }
+  const bool asks = std::ranges::any_of(
+      options, [](const GivenOption& option) { return option.name == "--overwrite"; });
+  for (const GivenOption& output : options) {
+    if (!asks) {  // others decide by themselves
+      keep_recordings(output);
     }
   }
 }
