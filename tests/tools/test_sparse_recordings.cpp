@@ -162,7 +162,7 @@ TEST_F(SparseRecordings, SweepsThatARecordingDeclaresAndDoesNotHoldAreCountedAnd
   for (const bool strict_input : {false, true}) {
     RunCommandOptions options;
     options.recording = folder_ / "bag";
-    options.output = folder_ / "strict";
+    options.output = folder_ / (strict_input ? "strict_input" : "strict");
     options.device.opened = &context();
     options.strict = !strict_input;
     options.strict_input = strict_input;
