@@ -15,12 +15,15 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::size_t kNamed = 5;  // stretches in the text; all are in the JSON
+// Nobody records on after a pause that is longer, s.
+constexpr double kNoPause = 86400.0;
 
 std::string new_start_text(const DoubtfulStretch& stretch) {
   const std::string why =
       stretch.silence > 0.0
-          ? fmt::format("no sweep was aligned for {:.1f} s, and the map began anew after it: ",
-                        stretch.silence)
+          ? fmt::format("no sweep was aligned for {:.1f} s{}, and the map began anew after it: ",
+                        stretch.silence,
+                        stretch.silence > kNoPause ? " (or the clock was set forward)" : "")
           : std::string("no sweep could be aligned, and the map began anew after it: ");
   if (stretch.tied) {
     return why + "loops or GNSS alone tie its pieces";
