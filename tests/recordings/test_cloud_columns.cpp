@@ -142,6 +142,7 @@ CloudFile decode_one(ScalarType type, const std::vector<T>& xyz,
   CloudColumns columns;
   columns.points = 1;
   columns.reading.coordinate_scale = scale;
+  columns.reading.offset = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 3; ++i) {
     columns.columns[i] =
         Column{reinterpret_cast<const std::byte*>(xyz.data() + i), 0, sizeof(T), type, false};

@@ -198,7 +198,8 @@ TEST(GroupedMessages, ASensorThatPausesIsNotGrouped) {
       return message.channel == 0 && round > 8 && round < 34;
     });
     const auto recording = open_recording(write_messages(folder, "a", container, messages));
-    EXPECT_TRUE(recording->notices().empty()) << static_cast<int>(container);
+    EXPECT_TRUE(recording->notices().empty())
+        << static_cast<int>(container) << ": " << recording->notices().front().found;
   }
 }
 
