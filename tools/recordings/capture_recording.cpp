@@ -130,6 +130,12 @@ class CaptureRecording final : public Recording {
         // reported where the events are read
       }
     }
+    // Which other packets a sensor may send says nothing about this capture.
+    for (std::size_t i = PacketDecoder::kSweeps + 1; i < topics_.size(); ++i) {
+      if (topics_[i].messages == 0U) {
+        topics_[i].kind = TopicKind::other;
+      }
+    }
     order_ = stream.order();
     datagrams_ = stream.datagrams();
     duration_ = stream.begin() ? stream.end() - *stream.begin() : Nanoseconds(0);
