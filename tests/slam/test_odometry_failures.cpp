@@ -287,7 +287,8 @@ TEST_F(OdometryFailureTest, WithNoCoastingAllowedEveryFailureStartsAnew) {
 }
 
 TEST_F(OdometryFailureTest, AFailedSweepIsLeftOutOfTheSubmap) {
-  // Sweep 5 is garbage in one run and empty in the other: what follows is the same.
+  // Sweep 5 is garbage in one run and empty in the other: what follows is the same, but for what a
+  // failed alignment leaves of the velocity, and an empty sweep does not touch.
   const Drive drive = make_drive(8, 1.0);
   const auto poses_with = [&](const Sweep& fifth) {
     std::vector<Sweep> sweeps = drive.sweeps;
@@ -299,7 +300,11 @@ TEST_F(OdometryFailureTest, AFailedSweepIsLeftOutOfTheSubmap) {
     return poses;
   };
   const Nanoseconds stamp = drive.truth[5].stamp;
-  EXPECT_EQ(poses_with(noise(stamp)), poses_with(nothing(stamp)));
+  const std::vector<Eigen::Matrix4d> garbage = poses_with(noise(stamp));
+  const std::vector<Eigen::Matrix4d> empty = poses_with(nothing(stamp));
+  for (size_t i = 0; i < garbage.size(); ++i) {
+    EXPECT_LE((garbage[i] - empty[i]).cwiseAbs().maxCoeff(), i < 5 ? 0.0 : 1e-3) << i;
+  }
 }
 
 }  // namespace
