@@ -23,10 +23,11 @@ enum class TransformFault {
 
 /// A transform that a FrameTree was given and does not use.
 struct IgnoredTransform {
-  std::string parent;
-  std::string child;
-  TransformFault fault = TransformFault::itself;
+  std::string parent;                             ///< its frames, as they were given
+  std::string child;                              ///< see parent
+  TransformFault fault = TransformFault::itself;  ///< why
 
+  /// Whether all members are equal.
   bool operator==(const IgnoredTransform&) const = default;
 };
 

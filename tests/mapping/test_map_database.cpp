@@ -176,8 +176,9 @@ TEST(MapDatabase, AMapOfTheOlderSchemaIsReadAndItsFirstWriterBringsItToThisOne) 
       raw.execute(std::string("ALTER TABLE sessions DROP COLUMN ") + column);
     }
     raw.execute("ALTER TABLE keyframes DROP COLUMN vertical");
-    for (const char* table : {"end_keyframes", "end_edges", "end_candidates", "fixes",
-                              "georeference", "end_fixes", "end_georeference", "control", "anchors"}) {
+    for (const char* table :
+         {"end_keyframes", "end_edges", "end_candidates", "fixes", "georeference", "end_fixes",
+          "end_georeference", "control", "anchors"}) {
       raw.execute(std::string("DROP TABLE ") + table);
     }
     raw.execute("PRAGMA user_version = 1");

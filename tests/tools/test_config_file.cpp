@@ -174,7 +174,8 @@ TEST_F(ConfigFile, OverridesWinOverTheFileAndTheLastOneOverTheOthers) {
 TEST(ConfigOverride, EachRefusalIsAUsageErrorThatSaysWhatWouldDo) {
   EXPECT_NE(override_refusal("preprocess").find("section.key=value"), std::string::npos);
   EXPECT_NE(override_refusal("r_input=0.5").find("section.key=value"), std::string::npos);
-  EXPECT_NE(override_refusal("preprocess.r_inptu=0.5").find("'preprocess.r_input'"), std::string::npos);
+  EXPECT_NE(override_refusal("preprocess.r_inptu=0.5").find("'preprocess.r_input'"),
+            std::string::npos);
   EXPECT_NE(override_refusal("preproces.r_input=0.5").find("'preprocess'"), std::string::npos);
   EXPECT_NE(override_refusal("preprocess.r_input=half").find("Write a number, such as 0.5"),
             std::string::npos);

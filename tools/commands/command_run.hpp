@@ -25,7 +25,7 @@ class Command;
 struct RunCommandOptions {
   std::filesystem::path recording;  ///< empty: that of the map that is gone on with or begun from
   std::vector<std::filesystem::path> further_recordings{};  ///< parts of it that follow in time
-  std::filesystem::path output;     ///< empty: default_output() of the recording
+  std::filesystem::path output;  ///< empty: default_output() of the recording
   ConfigSource config{};
   DeviceOptions device{};
   MapOptions map{};

@@ -98,7 +98,7 @@ struct RecordingNotice {
   std::string kind;    ///< a word for programs
   std::string found;   ///< what, with the numbers
   std::string effect;  ///< on what is read
-  std::string remedy;
+  std::string remedy;  ///< what to do about it
 };
 
 /// A recording of any format; open_recording() finds out which.
