@@ -89,13 +89,19 @@ std::optional<Rejection> UsualFit::rejection(const RegistrationResult& alignment
 std::optional<Rejection> UsualFit::rejection_after(const Silence& silence,
                                                    const RegistrationResult& alignment,
                                                    const Eigen::Isometry3d& moved) const {
-  if (along_ground(alignment) == Localizability::none) {
+  const Localizability held = along_ground(alignment);
+  if (held == Localizability::none) {
     return NotHeldAlong{};
   }
   if (chi2_of(silence, alignment.T_target_source) > kSilenceGate) {
     return BeyondMotion{.distance = moved.translation().norm(),
                         .turn = rotation_angle(moved.linear()),
                         .seconds = silence.seconds};
+  }
+  // Where matches and velocity agree, one confirms the other, while the velocity says where it is.
+  const bool leads = silence.sigma.head<3>().maxCoeff() < kNearDistance;
+  if (leads && held == Localizability::full && is_near(alignment, silence.T_map_lidar)) {
+    return std::nullopt;
   }
   if (alignments_ < kFewForSearch) {
     return NothingUsual{};

@@ -137,12 +137,12 @@ TEST(UsualFit, ALostSensorMustBeHeldAlongTheGroundButNotInHeight) {
   EXPECT_FALSE(usual().rejection(result, lost_far_away()));
 }
 
-/// What becomes of an alignment after 1.5 s on foot along x.
+/// What becomes of an alignment after so many seconds on foot along x.
 std::optional<Rejection> after_silence(const RegistrationResult& alignment,
-                                       const UsualFit& fits = usual()) {
+                                       const UsualFit& fits = usual(), double elapsed = 1.5) {
   Vector6d velocity = Vector6d::Zero();
   velocity.x() = 1.2;
-  const Silence silence = silence_after(Eigen::Isometry3d::Identity(), velocity, 1.2, 1.5);
+  const Silence silence = silence_after(Eigen::Isometry3d::Identity(), velocity, 1.2, elapsed);
   return fits.rejection_after(silence, alignment, alignment.T_target_source);
 }
 
@@ -161,17 +161,26 @@ TEST(UsualFit, AfterASilenceAPlaceMustFitAndBeWithinReach) {
   EXPECT_TRUE(as<BeyondMotion>(after_silence(upside_down)));
 }
 
-// The velocity led there, which was enough for a second: now another second has passed.
-TEST(UsualFit, AfterASilenceTheVelocityAloneIsNoEvidence) {
-  EXPECT_TRUE(as<OverlapFallsShort>(after_silence(fit(0.4, 0.045, 1.55))));
-  EXPECT_TRUE(as<ResidualTooLarge>(after_silence(fit(0.9, 0.09, 1.55))));
-  EXPECT_TRUE(as<NothingUsual>(after_silence(fit(0.9, 0.045, 1.55), UsualFit())));
-  RegistrationResult twin = fit(0.94, 0.045, 1.55);
+TEST(UsualFit, AfterAShortSilenceTheVelocityConfirmsAWorseFit) {
+  EXPECT_FALSE(after_silence(fit(0.4, 0.045, 1.55)));
+  EXPECT_TRUE(as<OverlapFallsShort>(after_silence(fit(0.4, 0.045, 3.0))));
+}
+
+// After 2 s the velocity leads to within 1.4 m only.
+TEST(UsualFit, AfterALongerSilenceTheVelocityAloneIsNoEvidence) {
+  const auto later = [](const RegistrationResult& alignment, const UsualFit& fits = usual()) {
+    return after_silence(alignment, fits, 2.0);
+  };
+  EXPECT_FALSE(later(fit(0.9, 0.045, 1.98)));
+  EXPECT_TRUE(as<OverlapFallsShort>(later(fit(0.4, 0.045, 1.98))));
+  EXPECT_TRUE(as<ResidualTooLarge>(later(fit(0.9, 0.09, 1.98))));
+  EXPECT_TRUE(as<NothingUsual>(later(fit(0.9, 0.045, 1.98), UsualFit())));
+  RegistrationResult twin = fit(0.94, 0.045, 1.98);
   twin.competing_share = 0.95;
-  EXPECT_TRUE(as<TwoPlaces>(after_silence(twin)));
-  RegistrationResult tunnel = fit(0.94, 0.045, 1.55);
+  EXPECT_TRUE(as<TwoPlaces>(later(twin)));
+  RegistrationResult tunnel = fit(0.94, 0.045, 1.98);
   tunnel.translation[0].localizability = Localizability::none;
-  EXPECT_TRUE(as<NotHeldAlong>(after_silence(tunnel)));
+  EXPECT_TRUE(as<NotHeldAlong>(later(tunnel)));
 }
 
 TEST(PossiblePose, NothingMovesFartherThanItCan) {
