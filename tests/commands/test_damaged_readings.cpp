@@ -105,8 +105,10 @@ TEST_F(DamagedReadingsOfADrive, AreFoundByInspect) {
   InspectCommandOptions options;
   options.recording = test::write_mcap(folder / "drive.mcap", events);
   options.device.opened = &context();
-  EXPECT_EQ(inspect_command(options, told, told), 1);
+  EXPECT_EQ(inspect_command(options, told, told), 0)
+      << "one in a hundred is left out, no harm done";
   EXPECT_NE(told.str().find("8 of 800 samples are spikes"), std::string::npos) << told.str();
+  EXPECT_NE(told.str().find("handled automatically: they are left out"), std::string::npos);
   EXPECT_EQ(told.str().find("sensor_offset"), std::string::npos) << told.str();
 }
 
