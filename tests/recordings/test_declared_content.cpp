@@ -320,25 +320,28 @@ TEST(DeclaredContent, TheIndexOfABagIsComparedWithTheBag) {
 TEST(DeclaredContent, YamlAsOtherProgramsWriteItIsUnderstood) {
   const Splits splits(2);
   // Sorted keys, items as far in as their key, strings over several lines.
-  splits.folder().write("bag/metadata.yaml",
-                        "rosbag2_bagfile_information:\n"
-                        "  compression_format: ''\n"
-                        "  custom_data: null\n"
-                        "  files:\n"
-                        "  - message_count: 72\n"
-                        "    path: drive_0.mcap\n"
-                        "  message_count: 40\n"
-                        "  relative_file_paths: [drive_0.mcap, \"drive_1.mcap\"]\n"
-                        "  topics_with_message_count:\n"
-                        "  - message_count: 20\n"
-                        "    topic_metadata:\n"
-                        "      name: '/points'\n"
-                        "      offered_qos_profiles: '- history: 3\n"
-                        "\n"
-                        "        depth: 0'\n"
-                        "  - message_count: 20  # samples\n"
-                        "    topic_metadata: \n"
-                        "      name: /imu\n");
+  splits.folder().write(
+      "bag/metadata.yaml",
+      "rosbag2_bagfile_information:\n"
+      "  compression_format: ''\n"
+      "  custom_data: null\n"
+      "  files:\n"
+      "  - message_count: 72\n"
+      "    path: drive_0.mcap\n"
+      "  message_count: 40\n"
+      "  relative_file_paths: [drive_0.mcap, \"drive_1.mcap\"]\n"
+      "  topics_with_message_count:\n"
+      "  - message_count: 20\n"
+      "    topic_metadata:\n"
+      "      name: '/points'\n"
+      "      type_description_hash: \n"
+      "        RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5\n"
+      "      offered_qos_profiles: '- history: 3\n"
+      "\n"
+      "        depth: 0'\n"
+      "  - message_count: 20  # samples\n"
+      "    topic_metadata: \n"
+      "      name: /imu\n");
   EXPECT_TRUE(contradictions(*open_recording(splits.path())).empty());
   const auto declared = read_rosbag2_declaration(splits.path());
   ASSERT_TRUE(declared.has_value());

@@ -105,6 +105,31 @@ TEST(GroupedMessages, ThatAreReceivedOneTopicAfterTheOtherAreReadByTheirStamps) 
   }
 }
 
+TEST(GroupedMessages, ThatShareAChunkAtTheirBorderAreInOrderToo) {
+  // Chunks as large as all IMU samples: these are in one with the last clouds.
+  for (const bool as_written : {false, true}) {
+    for (const uint64_t chunk_bytes : {2000U, 3000U, 4000U, 9000U}) {
+      const TemporaryFolder folder;
+      auto messages = test::grouped_messages(Encoding::cdr, 40);
+      std::erase_if(messages, [](const SampleMessage& one) { return one.channel > 1; });
+      if (as_written) {
+        messages = received_as_written(std::move(messages));
+      }
+      McapWriter writer(folder / "a.mcap", {.chunk_bytes = chunk_bytes});
+      for (const Channel& channel : test::sample_channels(Encoding::cdr)) {
+        writer.add_channel(channel);
+      }
+      for (const SampleMessage& message : messages) {
+        writer.write(message.channel, message.received, message.bytes);
+      }
+      writer.close();
+      const test::ReadEvents read = test::read_all(*open_recording(folder / "a.mcap"));
+      EXPECT_EQ(read.events.size(), 80U);
+      EXPECT_LT(test::largest_step_back(read.events), kPeriod) << as_written << chunk_bytes;
+    }
+  }
+}
+
 TEST(GroupedMessages, TopicsWhoseClocksDifferStayInTheOrderOfTheFile) {
   for (const Container container : kContainers) {
     const TemporaryFolder folder;

@@ -15,6 +15,7 @@ constexpr uint64_t kBlockBytes = uint64_t{1} << 20U;
 constexpr std::size_t kFewBlocks = 8;
 /// The SLAM system waits so long for late measurements (slam/executor/sensor_feed).
 constexpr Nanoseconds kLate = std::chrono::milliseconds(500);
+constexpr std::size_t kLateBlocks = 8;  // that are noted
 /// Differences of times that are not beyond this do not overflow.
 constexpr Nanoseconds kFarthest = Nanoseconds::max() / 4;
 
@@ -60,12 +61,15 @@ void LayoutObserver::add(std::size_t channel, const TimeSpan& times, uint64_t of
   std::optional<TimeSpan>& last = last_[channel];
   steps_back_ = steps_back_ || (last && is_before(received.end, last->begin));
   last = received;
+  if (is_before(received.begin, newest_) && layout_.late.size() < kLateBlocks &&
+      (layout_.late.empty() || layout_.late.back().offset != offset)) {
+    layout_.late.push_back({offset, newest_});
+  }
   newest_ = std::max(newest_, received.begin);
-  late_ = late_ || is_before(received.end, newest_);
 }
 
 MessageLayout LayoutObserver::take() && {
-  layout_.grouped = late_ && !steps_back_;
+  layout_.grouped = !layout_.late.empty() && !steps_back_;
   return std::move(layout_);
 }
 

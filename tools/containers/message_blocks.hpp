@@ -50,7 +50,6 @@ class LayoutObserver {
   MessageLayout layout_;
   std::vector<std::optional<TimeSpan>> last_;  // of the channel's last message or block
   Nanoseconds newest_ = Nanoseconds::min();    // latest begin so far
-  bool late_ = false;
   bool steps_back_ = false;
 };
 

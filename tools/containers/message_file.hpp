@@ -69,6 +69,12 @@ struct ChannelPause {
   uint64_t after = 0;     ///< likewise
 };
 
+/// Messages that are received long before others that precede them in the file.
+struct LateBlock {
+  uint64_t offset = 0;             ///< RawMessage::offset of the first one, or of its chunk
+  Nanoseconds received_before{0};  ///< when those that precede it were
+};
+
 /// Where the messages of a channel are in a file.
 struct ChannelLayout {
   std::optional<TimeSpan> received{};  ///< covers all of them; none: there are no messages
@@ -79,9 +85,10 @@ struct ChannelLayout {
 /// How the channels of a file are interleaved.
 struct MessageLayout {
   std::vector<ChannelLayout> channels{};  ///< by channel; empty: the index does not tell
-  /// Messages of one channel are received long before those of other channels that precede them in
-  /// the file, and each channel is in the order of receipt.
+  /// Messages are received long before others that precede them in the file, and each channel is in
+  /// the order of receipt, as far as the index tells.
   bool grouped = false;
+  std::vector<LateBlock> late{};  ///< where: the first few
 };
 
 class MessageStream {

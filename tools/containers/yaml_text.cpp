@@ -145,7 +145,8 @@ class Parser {
   YamlNode child(std::size_t indent, bool of_key, int depth) {
     if (at_ < lines_.size() &&
         (lines_[at_].indent > indent || (of_key && more(indent) && is_item(lines_[at_].text)))) {
-      return block(lines_[at_].indent, depth + 1);
+      const std::string_view text = lines_[at_].text;
+      return is_item(text) || key_of(text) ? block(lines_[at_].indent, depth + 1) : scalar(indent);
     }
     return {};
   }

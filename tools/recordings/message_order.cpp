@@ -163,6 +163,35 @@ bool stands_still(const RecordingPart& part, const std::vector<Topic>& topics,
   return false;
 }
 
+/// Whether messages of measurements in the blocks that are late by the index are so, while each
+/// channel is in the order of receipt.
+bool is_grouped(const RecordingPart& part, const std::vector<Topic>& topics,
+                const MessageLayout& layout) {
+  bool late = false;
+  for (const LateBlock& block : layout.late) {
+    std::vector<std::optional<Nanoseconds>> last(part.topics.size());
+    const auto stream = part.file->messages({.from = block.offset});
+    for (bool more = true; more;) {
+      try {
+        const std::optional<RawMessage> message = stream->next();
+        more = message && message->offset <= block.offset;
+        if (more) {
+          std::optional<Nanoseconds>& before = last[message->channel];
+          if (before && is_before(message->received, *before, kLate)) {
+            return false;  // the recorder's clock was set back
+          }
+          before = message->received;
+          late = late || (is_measured(topics[part.topics[message->channel]]) &&
+                          is_before(message->received, block.received_before, kLate));
+        }
+      } catch (const InputError&) {
+        // reported where the events are read
+      }
+    }
+  }
+  return late;
+}
+
 /// From the part's index, and from messages where a channel pauses for long; without an index from
 /// all of its messages.
 PartLayout layout_of(const RecordingPart& part, const std::vector<Topic>& topics) {
@@ -178,12 +207,14 @@ PartLayout layout_of(const RecordingPart& part, const std::vector<Topic>& topics
                         channel.pause.length >= length(*channel.received) / kLongPause;
     still = pauses && is_steady(topics[part.topics[i]]) && stands_still(part, topics, layout, i);
   }
+  layout.grouped = layout.grouped && is_grouped(part, topics, layout);
   return {std::move(layout), still};
 }
 
 /// Where a topic is in a recording.
 struct TopicExtent {
-  std::optional<TimeSpan> received{};
+  std::optional<TimeSpan> received{};  ///< first by the index, then of the first and last message
+  std::optional<TimeSpan> stamps{};    ///< of the same; none: they have none, or go back
   std::size_t first_part = 0;
   std::size_t last_part = 0;
   std::size_t last_channel = 0;
@@ -232,9 +263,45 @@ Extents extents_of(const std::vector<RecordingPart>& parts, const std::vector<To
   return extents;
 }
 
-/// From the first stamp of a topic to the last one; nothing where there is none, or they go back.
-std::optional<TimeSpan> stamps_of(const std::vector<RecordingPart>& parts, std::size_t topic,
-                                  const TopicExtent& extent) {
+/// A message's times.
+struct MessageEnd {
+  std::optional<Nanoseconds> received{};
+  std::optional<Nanoseconds> stamp{};
+};
+
+/// Of the first, or the last, message.
+MessageEnd find_end(const RecordingPart& part, MessageSelection selection, bool last) {
+  MessageEnd end;
+  selection.by_index = true;
+  const auto stream = part.file->messages(selection);
+  for (bool more = true; more;) {
+    try {
+      const std::optional<RawMessage> message = stream->next();
+      more = message.has_value();
+      if (message) {
+        end = {message->received, stamp_in(part.file->channels()[message->channel], *message)};
+        more = last;
+      }
+    } catch (const InputError&) {
+      // reported where the events are read
+    }
+  }
+  return end;
+}
+
+/// Differences of its times do not overflow.
+bool is_plausible(const TimeSpan& span) {
+  constexpr Nanoseconds kFarthest = Nanoseconds::max() / 4;
+  return span.begin >= -kFarthest && span.end <= kFarthest;
+}
+
+std::optional<TimeSpan> span_of(const std::optional<Nanoseconds>& begin,
+                                const std::optional<Nanoseconds>& end) {
+  return begin && end && *begin <= *end ? std::optional(TimeSpan{*begin, *end}) : std::nullopt;
+}
+
+/// Chunks are of several topics: the times of a topic are those of its first and last message.
+void take_ends(TopicExtent& extent, const std::vector<RecordingPart>& parts, std::size_t topic) {
   const RecordingPart& first = parts[extent.first_part];
   MessageSelection selection;
   for (std::size_t i = 0; i < first.topics.size(); ++i) {
@@ -242,10 +309,14 @@ std::optional<TimeSpan> stamps_of(const std::vector<RecordingPart>& parts, std::
       selection.channels.push_back(i);
     }
   }
-  const auto begin = find_stamp(first, selection, false);
-  const auto end = find_stamp(parts[extent.last_part],
-                              {.channels = {extent.last_channel}, .from = extent.last}, true);
-  return begin && end && *begin <= *end ? std::optional(TimeSpan{*begin, *end}) : std::nullopt;
+  const MessageEnd begin = find_end(first, selection, false);
+  const MessageEnd end = find_end(parts[extent.last_part],
+                                  {.channels = {extent.last_channel}, .from = extent.last}, true);
+  const auto received = span_of(begin.received, end.received);
+  if (received && is_plausible(*received)) {
+    extent.received = received;
+  }
+  extent.stamps = span_of(begin.stamp, end.stamp);
 }
 
 /// Most of the shorter one lies within the other.
@@ -261,24 +332,19 @@ MessageTimes times_of(const std::vector<RecordingPart>& parts, const std::vector
   if (std::ranges::count_if(topics, is_measured) < 2) {
     return {};
   }
-  const Extents extents = extents_of(parts, topics);
+  Extents extents = extents_of(parts, topics);
+  for (auto& [topic, extent] : extents.topics) {
+    take_ends(extent, parts, topic);
+  }
   // By their times of receipt some topics are one behind the other. Is that so by their stamps?
-  std::map<std::size_t, std::optional<TimeSpan>> stamps;
-  const auto stamps_in = [&](std::size_t topic, const TopicExtent& extent) {
-    const auto [found, is_new] = stamps.try_emplace(topic);
-    if (is_new) {
-      found->second = stamps_of(parts, topic, extent);
-    }
-    return found->second;
-  };
   MessageTimes times;
   for (auto a = extents.topics.begin(); a != extents.topics.end(); ++a) {
     for (auto b = std::next(a); b != extents.topics.end(); ++b) {
       if (overlap(*a->second.received, *b->second.received)) {
         continue;
       }
-      const auto one = stamps_in(a->first, a->second);
-      const auto other = stamps_in(b->first, b->second);
+      const std::optional<TimeSpan>& one = a->second.stamps;
+      const std::optional<TimeSpan>& other = b->second.stamps;
       if (one && other && std::min(length(*one), length(*other)) > kLate && overlap(*one, *other)) {
         times.order = MessageOrder::stamps;
       }
@@ -289,7 +355,7 @@ MessageTimes times_of(const std::vector<RecordingPart>& parts, const std::vector
   }
   if (times.order == MessageOrder::stamps) {
     for (const auto& [topic, extent] : extents.topics) {
-      if (const auto span = stamps_in(topic, extent)) {
+      if (const std::optional<TimeSpan>& span = extent.stamps) {
         times.begin = std::min(times.begin.value_or(span->begin), span->begin);
       }
     }
