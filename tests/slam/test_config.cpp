@@ -103,6 +103,8 @@ std::vector<BadSetting> bad_settings() {
        "between"},
       {"recording.accelerometer_scale", [](Config& c) { c.recording.accelerometer_scale = 0; },
        "0"},
+      {"recording.floats_per_point", [](Config& c) { c.recording.floats_per_point = 2; },
+       "0, or 3 to 8"},
       {"recording.gyroscope_scale", [](Config& c) { c.recording.gyroscope_scale = 0; }, "0"},
       {"gnss.antenna",
        [](Config& c) {

@@ -75,7 +75,7 @@ TEST(Program, UnknownOptionNamesTheNearestEvenWhereSomethingElseIsMissing) {
 TEST(Program, MissingAndSuperfluousWordsAreUsageErrors) {
   expect_usage_error({"run"}, "RECORDING is missing");
   expect_usage_error({"run", "--continue"}, "-o OUT");
-  expect_usage_error({"export"}, "--output is required");
+  expect_usage_error({"simulate", "room"}, "--output is required");
   expect_usage_error({"config", "--set", "submap.l=4", "submap.l=5"}, "not expected: submap.l=5");
   expect_usage_error({"run", "drive", "-o", "out", "--start", "-1"}, "--start must be at least 0");
   expect_usage_error({"run", "drive", "-o", "out", "--max-vram", "-1"}, "not negative");
@@ -171,7 +171,7 @@ TEST(Program, ConfigRefusesABadFileWithItsLine) {
   const Answer answer = call({"config", "--config", file.c_str()});
   EXPECT_EQ(answer.code, 1);
   EXPECT_NE(answer.err.find("bad.toml, line 2"), std::string::npos) << answer.err;
-  EXPECT_NE(answer.err.find("'l'"), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("'submap.l'"), std::string::npos) << answer.err;
 }
 
 TEST(Program, DevicesListsTheDeviceOfTheTestAndItsKernels) {

@@ -70,6 +70,7 @@ TEST_F(RunContinue, MoreMemoryThanBeforeMakesTheSameMap) {
   constexpr uint64_t kGibibyte = uint64_t{1} << 30U;
   RunCommandOptions bounded = first_;
   bounded.output = folder_ / "out";
+  bounded.overwrite = true;
   bounded.max_ram_bytes = 4 * kGibibyte;
   ASSERT_EQ(ran(bounded).code, 0);
   EXPECT_EQ(earlier_run(map()).graph_bytes, kGibibyte / 4);

@@ -163,6 +163,7 @@ TEST_F(SparseRecordings, SweepsThatARecordingDeclaresAndDoesNotHoldAreCountedAnd
     RunCommandOptions options;
     options.recording = folder_ / "bag";
     options.output = folder_ / (strict_input ? "strict_input" : "strict");
+    options.overwrite = true;
     options.device.opened = &context();
     options.strict = !strict_input;
     options.strict_input = strict_input;
