@@ -381,6 +381,7 @@ int CommandCases::call(FuzzedCommand command, const std::string& format, const f
   options.device.opened = context_;
   options.high_rate.enabled = dice.one_in(2);
   options.json = dice.one_in(2);
+  options.odometry = dice.one_in(2);
   return run_command(options, told, told);
 }
 
