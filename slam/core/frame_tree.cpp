@@ -154,17 +154,18 @@ std::optional<FrameTree::Chain> FrameTree::chain_by_parents(const std::string& a
   return up;
 }
 
-/// Without one entry those that were replaced or close a loop count, too: they are what it may
-/// contradict.
+/// Without one entry those that were replaced count, too: they are what it may contradict.
 std::optional<FrameTree::Chain> FrameTree::shortest_chain(
     const std::string& a, const std::string& b, std::optional<std::size_t> without) const {
-  // By frame: those at the other ends, later entries first.
+  // By frame: those at the other ends; entries in a loop last, later ones first.
   std::map<std::string, std::vector<std::pair<std::size_t, const std::string*>>> neighbours;
-  for (std::size_t i = entries_.size(); i-- > 0;) {
-    const Entry& entry = entries_[i];
-    if (i != without && (without || (!entry.replaced && !entry.loop))) {
-      neighbours[entry.transform.parent].emplace_back(i, &entry.transform.child);
-      neighbours[entry.transform.child].emplace_back(i, &entry.transform.parent);
+  for (const bool loop : {false, true}) {
+    for (std::size_t i = entries_.size(); i-- > 0;) {
+      const Entry& entry = entries_[i];
+      if (entry.loop == loop && i != without && (without || !entry.replaced)) {
+        neighbours[entry.transform.parent].emplace_back(i, &entry.transform.child);
+        neighbours[entry.transform.child].emplace_back(i, &entry.transform.parent);
+      }
     }
   }
   std::map<std::string, std::pair<std::size_t, std::string>> reached;  // by which entry, from where

@@ -79,7 +79,7 @@ class FrameTree {
  private:
   struct Entry {
     StaticTransform transform;  ///< names without leading slashes
-    bool loop = false;          ///< it closes a loop, and is not used
+    bool loop = false;          ///< it closes a loop: the last choice
     bool replaced = false;      ///< by a later one of the same frames
   };
   /// Indices of entries, from one frame to another.

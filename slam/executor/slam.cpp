@@ -140,14 +140,18 @@ class OfflineSlam final : public Slam {
       return std::nullopt;
     }
     settle();
-    if (map_error_) {
-      if (std::exchange(map_error_told_, true)) {
-        return std::nullopt;
-      }
+    if (map_error_ && !std::exchange(map_error_told_, true)) {
       std::rethrow_exception(map_error_);
     }
     begin_map();
-    mapper_->finish();
+    try {
+      mapper_->finish();
+    } catch (...) {
+      if (map_error_) {  // thrown before: there is no whole map
+        return std::nullopt;
+      }
+      throw;
+    }
     MapReport report = mapper_->report();
     report.gnss.left_out = gate_.faults().fixes_left_out;
     report.waited_s = waits_.sum;

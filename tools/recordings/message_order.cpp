@@ -156,7 +156,11 @@ bool stands_still(const RecordingPart& part, const std::vector<Topic>& topics,
     auto to = find_stamp(part, {.channels = {other}, .from = pause.after}, false);
     to = to ? to
             : find_stamp(part, {.channels = {other}, .from = layout.channels[other].last}, true);
-    if (from && to && standstill({*begin, *end}, *to - *from) > kStandstill) {
+    // What an index says is as coarse as its chunks: only where the channel did hardly anything
+    // else than stand still it did so.
+    const Nanoseconds progress = from && to ? *to - *from : Nanoseconds(0);
+    const Nanoseconds still = standstill({*begin, *end}, progress);
+    if (still > kStandstill && 2 * still > progress) {
       return true;
     }
   }
