@@ -144,14 +144,11 @@ class OfflineSlam final : public Slam {
       std::rethrow_exception(map_error_);
     }
     begin_map();
-    try {
-      mapper_->finish();
-    } catch (...) {
-      if (map_error_) {  // thrown before: there is no whole map
-        return std::nullopt;
-      }
-      throw;
+    if (map_error_) {
+      finish_failed_map();
+      return std::nullopt;
     }
+    mapper_->finish();
     MapReport report = mapper_->report();
     report.gnss.left_out = gate_.faults().fixes_left_out;
     report.waited_s = waits_.sum;
@@ -160,6 +157,15 @@ class OfflineSlam final : public Slam {
   }
 
  private:
+  /// What is known by now goes into the map. It is not whole, for a reason that was thrown before.
+  void finish_failed_map() {
+    try {
+      mapper_->finish();
+    } catch (const std::exception&) {
+      // As expected: its store or its device has failed already.
+    }
+  }
+
   /// A sweep that the odometry has placed, on its way into the map.
   struct InMap {
     SweepPlaced placed;

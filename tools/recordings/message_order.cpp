@@ -153,9 +153,9 @@ bool stands_still(const RecordingPart& part, const std::vector<Topic>& topics,
     auto from = find_stamp(part, {.channels = {other}, .from = pause.before}, true,
                            [&](const RawMessage& one) { return one.offset > pause.before; });
     from = from ? from : find_stamp(part, {.channels = {other}, .from = pause.before}, false);
-    auto to = find_stamp(part, {.channels = {other}, .from = pause.after}, false);
-    to = to ? to
-            : find_stamp(part, {.channels = {other}, .from = layout.channels[other].last}, true);
+    // What lies between in the file: the other one may pause itself right after it.
+    const auto to = find_stamp(part, {.channels = {other}, .from = pause.before}, true,
+                               [&](const RawMessage& one) { return one.offset >= pause.after; });
     // What an index says is as coarse as its chunks: only where the channel did hardly anything
     // else than stand still it did so.
     const Nanoseconds progress = from && to ? *to - *from : Nanoseconds(0);
