@@ -86,7 +86,7 @@ def ply_count(file):
 
 def expected_counts(adit, out, folder):
     """Messages by topic, as `adit convert` writes them."""
-    said = subprocess.run([str(adit), "convert", str(out), str(folder / "run.mcap"), "--as", "foxglove"],
+    said = subprocess.run([str(adit), "convert", str(out), str(folder / "run.mcap"), "--as", "foxglove", "--overwrite"],
                           check=True, capture_output=True, text=True).stdout
     return {line.split()[0]: int(line.split()[1]) for line in said.splitlines() if line.startswith("/")}
 
