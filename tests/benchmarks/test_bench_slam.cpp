@@ -247,7 +247,7 @@ TEST(BenchSlam, RefusesWhatMakesNoSense) {
   };
   refused({.only = {"mine-vlp16-driev"}}, 2, "'mine-vlp16-drive'");
   refused({.variants = {"preprocess.deskew=2"}}, 2, "must be NAME:section.key=value");
-  refused({.variants = {"a:preprocess.deskwe=2"}}, 2, "'deskew'");
+  refused({.variants = {"a:preprocess.deskwe=2"}}, 2, "'preprocess.deskew'");
   refused({.trajectories = folder / "none"}, 1, "it is no folder");
   refused({.recordings = folder.path()}, 1, "no recording with its truth");
   refused({.quick = true, .recordings = folder.path()}, 2, "leave one of them out");
