@@ -51,7 +51,8 @@ TEST_F(DamagedInput, EndsEveryCommandWithACodeAndWithNumbers) {
       continue;
     }
     if (command == FuzzedCommand::align) {
-      EXPECT_GT(told[0] + aligned, 0) << "the small drive's sweeps are sparse: aligned, and refused";
+      EXPECT_GT(told[0] + aligned, 0)
+          << "the small drive's sweeps are sparse: aligned, and refused";
     } else {
       EXPECT_GT(told[0], 0) << to_string(command);
     }
