@@ -100,8 +100,8 @@ LoopsSection section_of(const RunFiles& files) {
     section.body += drift_taken_back(files);
   }
   section.body += loops_from_above(map, graph, loops);
-  section.body += "<p><small>`adit loops " + escape_markup(files.database.string()) +
-                  " --html FILE` shows them one by one.</small></p>\n";
+  // Without the folder's name: the same run gives the same page, wherever it is written.
+  section.body += "<p><small>`adit loops OUT --html FILE` shows them one by one.</small></p>\n";
   return section;
 }
 
