@@ -93,8 +93,11 @@ DecodedTimes understood(const std::filesystem::path& file, const std::vector<T>&
     valid[i] = 0;
   }
   if (!decoded.bad.indices.empty()) {
-    decoded.bad.found = fmt::format("its time is {:g}, far from those of the other points",
-                                    static_cast<double>(times[decoded.bad.indices.front()]));
+    const auto time = static_cast<double>(times[decoded.bad.indices.front()]);
+    decoded.bad.found =
+        std::isfinite(time)
+            ? fmt::format("its time is {:g}, far from those of the other points", time)
+            : std::string("its time is no number");
   }
   if constexpr (std::is_floating_point_v<T>) {
     decoded.times =
