@@ -20,7 +20,7 @@ namespace {
 constexpr double kOutOfRhythm = 2.5;
 // Of alignments that are accepted after a silence this share is of another place, at the most
 // (docs/theory/odometry.md, section 3).
-constexpr double kOtherPlace = 0.01;
+constexpr double kOtherPlaceShare = 0.01;
 
 /// Covariance of a pose about which no more is known than what the sensor may have done.
 Matrix6d moved_meanwhile(const Silence& silence, const Eigen::Isometry3d& T_map_lidar) {
@@ -348,7 +348,7 @@ void Odometry::Impl::assess(const Expectation& expected, SweepResult& result) {
     unmeasured = {};
   }
   if (result.state == OdometryState::tracking && expected.silence) {
-    besides += kOtherPlace * moved_meanwhile(*expected.silence, result.T_map_lidar);
+    besides += kOtherPlaceShare * moved_meanwhile(*expected.silence, result.T_map_lidar);
   }
   result.uncertainty = drift.update(result.T_map_lidar, local, joined, besides);
   if (result.state == OdometryState::restarted || result.renewed) {

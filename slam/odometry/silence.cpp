@@ -14,9 +14,9 @@ namespace {
 
 // A velocity changes by white acceleration and reverts to zero (an Ornstein-Uhlenbeck process): in
 // the long run by 1.6 m/s and 1.6 rad/s, a person with a sensor in the hand.
-constexpr double kAcceleration = 1.0;   // m/s^2 / sqrt(Hz)
-constexpr double kTurning = 1.0;        // rad/s^2 / sqrt(Hz)
-constexpr double kVelocityLasts = 5.0;  // s
+constexpr double kMotionAcceleration = 1.0;  // m/s^2 / sqrt(Hz)
+constexpr double kMotionTurning = 1.0;       // rad/s^2 / sqrt(Hz)
+constexpr double kVelocityDecay = 5.0;       // s
 // Of a sensor that was faster it changes, in the long run, by half of its highest speed: cars stop,
 // and drive off.
 constexpr double kShareOfSpeed = 0.5;
@@ -28,14 +28,14 @@ constexpr double kReachShare = 0.9;  // of the returns
 
 /// s: a velocity at the beginning carries so long.
 double carried(double elapsed) {
-  return kVelocityLasts * (1.0 - std::exp(-elapsed / kVelocityLasts));
+  return kVelocityDecay * (1.0 - std::exp(-elapsed / kVelocityDecay));
 }
 
 /// s^3: variance of the position for a density of 1.
 double spread(double elapsed) {
-  const double square = kVelocityLasts * kVelocityLasts;
-  const double reverted = 1.0 - std::exp(-2.0 * elapsed / kVelocityLasts);
-  return square * (elapsed - 2.0 * carried(elapsed) + 0.5 * kVelocityLasts * reverted);
+  const double square = kVelocityDecay * kVelocityDecay;
+  const double reverted = 1.0 - std::exp(-2.0 * elapsed / kVelocityDecay);
+  return square * (elapsed - 2.0 * carried(elapsed) + 0.5 * kVelocityDecay * reverted);
 }
 
 }  // namespace
@@ -48,11 +48,12 @@ double chi2_of(const Silence& silence, const Eigen::Isometry3d& T_map_lidar) {
 Silence silence_after(const Eigen::Isometry3d& from, const std::optional<Vector6d>& velocity,
                       double fastest, double elapsed) {
   // The variance of the velocity in the long run is half of density times the time it lasts.
-  const double by_speed = 2.0 * std::pow(kShareOfSpeed * fastest, 2) / kVelocityLasts;
-  const double density = std::max(kAcceleration * kAcceleration, by_speed);
+  const double by_speed = 2.0 * std::pow(kShareOfSpeed * fastest, 2) / kVelocityDecay;
+  const double density = std::max(kMotionAcceleration * kMotionAcceleration, by_speed);
   Vector6d densities;
-  densities << Eigen::Vector3d::Constant(density), Eigen::Vector3d::Constant(kTurning * kTurning);
-  const double unknown = velocity ? 0.0 : 0.5 * kVelocityLasts * std::pow(carried(elapsed), 2);
+  densities << Eigen::Vector3d::Constant(density),
+      Eigen::Vector3d::Constant(kMotionTurning * kMotionTurning);
+  const double unknown = velocity ? 0.0 : 0.5 * kVelocityDecay * std::pow(carried(elapsed), 2);
   Silence silence{.seconds = elapsed};
   silence.sigma = ((spread(elapsed) + unknown) * densities).cwiseSqrt();
   silence.sigma.tail<3>() = silence.sigma.tail<3>().cwiseMin(kAnyTurn);
