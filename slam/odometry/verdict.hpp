@@ -75,7 +75,7 @@ inline constexpr double kMostLoopSigmas = 5.0;
 struct Verdict {
   Trust trust = Trust::reliable;           ///< of the run as a whole
   std::vector<DoubtfulStretch> stretches;  ///< by their causes, and in order of time
-  std::optional<MovedByLoops> moved{};     ///< where that is in doubt
+  std::optional<MovedByLoops> moved{};     ///< set if that is not reliable
 };
 
 /// The same with what loops did to the map.
