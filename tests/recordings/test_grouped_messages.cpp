@@ -23,7 +23,7 @@ using test::kContainers;
 using test::SampleMessage;
 using test::TemporaryFolder;
 
-constexpr Nanoseconds kPeriod = std::chrono::milliseconds(100);
+constexpr Nanoseconds kSweepPeriod = std::chrono::milliseconds(100);
 constexpr uint32_t kRounds = 42;  // stamps of more do not fit into what counts them
 
 std::vector<std::string> kinds_of(const std::vector<RecordingNotice>& notices) {
@@ -52,7 +52,7 @@ TEST(GroupedMessages, AreReadInTheOrderOfTheirTimesOfReceipt) {
     const auto recording = open_recording(write_messages(folder, "a", container, messages));
     const test::ReadEvents read = test::read_all(*recording);
     EXPECT_TRUE(read.errors.empty()) << static_cast<int>(container);
-    EXPECT_LT(test::largest_step_back(read.events), kPeriod) << static_cast<int>(container);
+    EXPECT_LT(test::largest_step_back(read.events), kSweepPeriod) << static_cast<int>(container);
     const auto ordered = open_recording(write_messages(
         folder, "b", container, test::sample_messages(test::encoding_of(container), 20)));
     EXPECT_EQ(stamps_of(read.events), stamps_of(test::read_all(*ordered).events));
@@ -125,7 +125,7 @@ TEST(GroupedMessages, ThatShareAChunkAtTheirBorderAreInOrderToo) {
       writer.close();
       const test::ReadEvents read = test::read_all(*open_recording(folder / "a.mcap"));
       EXPECT_EQ(read.events.size(), 80U);
-      EXPECT_LT(test::largest_step_back(read.events), kPeriod) << as_written << chunk_bytes;
+      EXPECT_LT(test::largest_step_back(read.events), kSweepPeriod) << as_written << chunk_bytes;
     }
   }
 }
@@ -136,7 +136,7 @@ TEST(GroupedMessages, TopicsWhoseClocksDifferStayInTheOrderOfTheFile) {
     auto messages = test::sample_messages(test::encoding_of(container), 40);
     for (SampleMessage& message : messages) {  // the IMU is a leap of TAI ahead
       if (message.channel == 1) {
-        const auto i = static_cast<uint32_t>((message.received - test::kStart) / kPeriod);
+        const auto i = static_cast<uint32_t>((message.received - test::kStart) / kSweepPeriod);
         ros::Imu imu = test::imu_message(i);
         imu.header.stamp += std::chrono::seconds(37);
         message.bytes = ros::encode(test::encoding_of(container), imu);
@@ -154,7 +154,7 @@ TEST(GroupedMessages, AClockThatLeapsIsNoGrouping) {
     const TemporaryFolder folder;
     auto messages = test::sample_messages(test::encoding_of(container), kRounds);
     for (SampleMessage& message : messages) {  // the IMU's, to TAI, in the middle
-      const auto i = static_cast<uint32_t>((message.received - test::kStart) / kPeriod);
+      const auto i = static_cast<uint32_t>((message.received - test::kStart) / kSweepPeriod);
       if (message.channel == 1 && i >= 20) {
         ros::Imu imu = test::imu_message(i);
         imu.header.stamp += std::chrono::seconds(37);
@@ -171,7 +171,7 @@ TEST(GroupedMessages, AnImuThatStartsLateOrStopsEarlyIsNotGrouped) {
     const TemporaryFolder folder;
     auto messages = test::sample_messages(test::encoding_of(container), kRounds);
     std::erase_if(messages, [](const SampleMessage& message) {
-      const auto round = (message.received - test::kStart) / kPeriod;
+      const auto round = (message.received - test::kStart) / kSweepPeriod;
       return message.channel == 1 && (round < 10 || round > 30);
     });
     const auto recording = open_recording(write_messages(folder, "a", container, messages));
@@ -184,7 +184,7 @@ TEST(GroupedMessages, ARecordersClockThatIsSetBackIsNoGrouping) {
     const TemporaryFolder folder;
     auto messages = test::sample_messages(test::encoding_of(container), 40);
     for (SampleMessage& message : messages) {
-      if (message.received > test::kStart + 20 * kPeriod) {
+      if (message.received > test::kStart + 20 * kSweepPeriod) {
         message.received -= std::chrono::seconds(10);
       }
     }
@@ -201,14 +201,14 @@ TEST(GroupedMessages, OfSeveralBlocksAreReadInTheOrderOfTheirTimes) {
     for (const bool as_written : {false, true}) {
       auto messages = test::sample_messages(test::encoding_of(container), kRounds);
       std::ranges::stable_sort(messages, {}, [](const SampleMessage& message) {
-        return std::pair((message.received - test::kStart) / (14 * kPeriod), message.channel);
+        return std::pair((message.received - test::kStart) / (14 * kSweepPeriod), message.channel);
       });
       if (as_written) {
         messages = received_as_written(std::move(messages));
       }
       const auto recording =
           open_recording(write_messages(folder, as_written ? "a" : "b", container, messages));
-      EXPECT_LT(test::largest_step_back(test::read_all(*recording).events), kPeriod)
+      EXPECT_LT(test::largest_step_back(test::read_all(*recording).events), kSweepPeriod)
           << static_cast<int>(container) << as_written;
     }
   }
@@ -219,7 +219,7 @@ TEST(GroupedMessages, ASensorThatPausesIsNotGrouped) {
     const TemporaryFolder folder;
     auto messages = test::sample_messages(test::encoding_of(container), kRounds);
     std::erase_if(messages, [](const SampleMessage& message) {
-      const auto round = (message.received - test::kStart) / kPeriod;
+      const auto round = (message.received - test::kStart) / kSweepPeriod;
       return message.channel == 0 && round > 8 && round < 34;
     });
     const auto recording = open_recording(write_messages(folder, "a", container, messages));
@@ -244,7 +244,7 @@ TEST(GroupedMessages, SplitsThatHoldATopicEachAreReadTogether) {
   const test::ReadEvents read = test::read_all(*open_recording(folder / "bag"));
   EXPECT_TRUE(read.errors.empty());
   EXPECT_EQ(read.events.size(), 60U);
-  EXPECT_LT(test::largest_step_back(read.events), kPeriod);
+  EXPECT_LT(test::largest_step_back(read.events), kSweepPeriod);
 }
 
 TEST(GroupedMessages, APartOfTheTimeIsThatOfTheOrderTheyAreReadIn) {
@@ -258,8 +258,8 @@ TEST(GroupedMessages, APartOfTheTimeIsThatOfTheOrderTheyAreReadIn) {
         open_recording(write_messages(folder, as_written ? "a" : "b", Container::mcap, messages));
     const test::ReadEvents read =
         test::read_all(*recording, {.topics = {0, 1},
-                                    .begin = test::kStart + 5 * kPeriod,
-                                    .end = test::kStart + 10 * kPeriod - Nanoseconds(1)});
+                                    .begin = test::kStart + 5 * kSweepPeriod,
+                                    .end = test::kStart + 10 * kSweepPeriod - Nanoseconds(1)});
     EXPECT_EQ(read.events.size(), 10U) << as_written;
     EXPECT_TRUE(read.errors.empty()) << as_written;
   }

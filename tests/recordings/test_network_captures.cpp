@@ -92,7 +92,7 @@ Frames frames_of(Maker maker, std::size_t most = 65000) {
   return frames;
 }
 
-void write(const fs::path& file, const Bytes& bytes) {
+void write_capture(const fs::path& file, const Bytes& bytes) {
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
@@ -146,7 +146,7 @@ class NetworkCapture : public testing::TestWithParam<Maker> {
   }
 
   test::ReadEvents read(const Bytes& capture) {
-    write(folder_ / "drive.pcap", capture);
+    write_capture(folder_ / "drive.pcap", capture);
     const auto recording = open_recording(folder_ / "drive.pcap");
     notices_.clear();
     for (const RecordingNotice& notice : recording->notices()) {
@@ -303,7 +303,7 @@ TEST(NetworkCaptures, AFewPacketsWithoutTheirEndAreLeftOutAndCounted) {
     const Bytes one = test::snapped_pcap({frames[i]}, i % 23 == 5 ? 900 : 65000);
     test::append(capture, std::span(one).subspan(24));
   }
-  write(folder / "drive.pcap", capture);
+  write_capture(folder / "drive.pcap", capture);
   const test::ReadEvents all = test::read_all(*open_recording(folder / "drive.pcap"));
   EXPECT_EQ(all.events.size(), 10U);
   ASSERT_EQ(all.errors.size(), 1U);
@@ -313,7 +313,7 @@ TEST(NetworkCaptures, AFewPacketsWithoutTheirEndAreLeftOutAndCounted) {
 
 TEST(NetworkCaptures, ALinkLayerThatIsNotReadIsNamed) {
   const test::TemporaryFolder folder;
-  write(folder / "drive.pcap", test::pcap_of_link(frames_of(Maker::velodyne), 147));
+  write_capture(folder / "drive.pcap", test::pcap_of_link(frames_of(Maker::velodyne), 147));
   try {
     open_recording(folder / "drive.pcap");
     FAIL();
@@ -335,7 +335,7 @@ TEST(NetworkCaptures, TheDurationIsThatOfTheCapture) {
                "$GPRMC,220001,A,4139.0000,N,00052.8000,W,000.0,000.0,141123,,,A*67\r\n"),
            8308)
            .front()});
-  write(folder / "drive.pcap", test::pcap(frames));
+  write_capture(folder / "drive.pcap", test::pcap(frames));
   EXPECT_NE(open_recording(folder / "drive.pcap")->description().find("VLP-16, 1.2 s, 1 sweep"),
             std::string::npos)
       << open_recording(folder / "drive.pcap")->description();

@@ -13,7 +13,7 @@
 namespace adit {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 GnssFix good_fix() {
@@ -33,7 +33,7 @@ GnssFix passed(MeasurementGate& gate, const GnssFix& fix) {
 
 TEST(MeasurementGate, AFixWithoutAFiniteLatitudeAndLongitudeIsLeftOut) {
   MeasurementGate gate;
-  for (const double bad : {kNan, kInfinite, -kInfinite}) {
+  for (const double bad : {kNotANumber, kInfinite, -kInfinite}) {
     GnssFix fix = good_fix();
     fix.latitude = bad;
     EXPECT_FALSE(gate.pass(fix));
@@ -50,8 +50,8 @@ TEST(MeasurementGate, AFixWithoutAnAltitudeKeepsItsLevelPosition) {
   MeasurementGate gate;
   EXPECT_FALSE(passed(gate, good_fix()).covariance);
   GnssFix fix = good_fix();
-  fix.altitude = kNan;
-  fix.covariance = Eigen::Vector3d(0.01, 0.01, kNan).asDiagonal();
+  fix.altitude = kNotANumber;
+  fix.covariance = Eigen::Vector3d(0.01, 0.01, kNotANumber).asDiagonal();
   const GnssFix level = passed(gate, fix);
   EXPECT_EQ(level.altitude, 200.0) << "of the fix before";
   const Eigen::Matrix3d covariance = fix_covariance(level, {});
@@ -67,7 +67,7 @@ TEST(MeasurementGate, AFixWithoutAnAltitudeKeepsItsLevelPosition) {
 
 TEST(MeasurementGate, ACovarianceThatIsNoneIsNotUsed) {
   MeasurementGate gate;
-  for (const double bad : {kNan, kInfinite, -1.0}) {
+  for (const double bad : {kNotANumber, kInfinite, -1.0}) {
     GnssFix fix = good_fix();
     fix.covariance = Eigen::Vector3d(bad, 1.0, 1.0).asDiagonal();
     EXPECT_FALSE(passed(gate, fix).covariance) << bad;
@@ -86,7 +86,7 @@ TEST(MeasurementGate, AReceiverThatSaysItHasNoFixIsNoFault) {
   MeasurementGate gate;
   GnssFix blind = good_fix();
   blind.kind = GnssFixKind::none;
-  blind.latitude = blind.longitude = blind.altitude = kNan;
+  blind.latitude = blind.longitude = blind.altitude = kNotANumber;
   EXPECT_TRUE(gate.pass(blind));
   EXPECT_FALSE(gate.faults().any());
 }
@@ -112,7 +112,7 @@ TEST(MeasurementGate, ATransformThatIsNotFiniteIsLeftOut) {
   MeasurementGate gate;
   StaticTransform transform{.parent = "imu", .child = "lidar"};
   EXPECT_TRUE(gate.pass(transform));
-  transform.T_parent_child.translation().x() = kNan;
+  transform.T_parent_child.translation().x() = kNotANumber;
   EXPECT_FALSE(gate.pass(transform));
   EXPECT_EQ(gate.faults().transforms, 1U);
 }

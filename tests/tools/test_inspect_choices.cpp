@@ -21,7 +21,7 @@ using test::MovingRig;
 using test::Recorded;
 using test::write;
 
-constexpr Nanoseconds kBegin = MovingRig::kBegin;
+constexpr Nanoseconds kFirstStamp = MovingRig::kBegin;
 
 std::string text_of(const std::filesystem::path& file, int expected_code) {
   std::ostringstream out;
@@ -37,7 +37,7 @@ std::vector<Recorded> with_transform(const char* parent, const char* child, doub
   std::vector<Recorded> events = clean_recording();
   StaticTransform transform{parent, child, Eigen::Isometry3d::Identity()};
   transform.T_parent_child.linear() = so3_exp({0.0, 0.0, yaw});
-  events.insert(events.begin(), {"/tf_static", kBegin, transform});
+  events.insert(events.begin(), {"/tf_static", kFirstStamp, transform});
   return events;
 }
 
@@ -91,7 +91,7 @@ TEST(InspectChoices, ConstantTransformsOfMovingFramesAreNamed) {
   }
   for (int i = 0; i < 50; ++i) {
     for (const StaticTransform& mounting : mountings) {
-      events.push_back({"/tf", kBegin + std::chrono::milliseconds(100 * i), mounting});
+      events.push_back({"/tf", kFirstStamp + std::chrono::milliseconds(100 * i), mounting});
     }
   }
   std::ranges::stable_sort(events, {}, &Recorded::received);

@@ -175,7 +175,7 @@ TEST(RunAssessment, EachStepOfTheClockIsNamedAndLateSweepsAreNone) {
   run.leave_out(61, milliseconds(1100), milliseconds(5900));
   run.leave_out(62, milliseconds(-9000), milliseconds(5900));
   run.leave_out(80, milliseconds(0), milliseconds(7900));
-  const std::vector<ClockStep>& steps = run.statistics.left_out().clock_steps();
+  const std::vector<SweepClockStep>& steps = run.statistics.left_out().clock_steps();
   ASSERT_EQ(steps.size(), 3U);
   EXPECT_EQ(steps[0].sweep, 60U);
   EXPECT_NEAR(steps[0].back, 4.9, 1e-9);

@@ -18,12 +18,12 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "the numbers are read as they lie in the file");
 
-constexpr uint32_t kFewest = 3;
-constexpr uint32_t kMost = 8;
+constexpr uint32_t kFewestFloats = 3;
+constexpr uint32_t kMostFloats = 8;
 constexpr uint32_t kKitti = 4;
 // A multiple of 3 to 8, so that each place of a point is sampled as often as the others.
 constexpr std::size_t kBlock = 840;
-constexpr std::size_t kSampled = 73 * kBlock;
+constexpr std::size_t kSampledNumbers = 73 * kBlock;
 
 /// A class of numbers: zero, not finite, or by sign, magnitude and whether it is whole.
 std::size_t class_of(float value) {
@@ -124,7 +124,7 @@ FieldRoles roles_of(std::span<const float> numbers, uint32_t places) {
 std::optional<uint32_t> floats_of(std::span<const float> numbers, const CloudReading& reading) {
   return reading.floats_per_point
              ? reading.floats_per_point
-             : find_floats_per_point(numbers.first(std::min(numbers.size(), kSampled)));
+             : find_floats_per_point(numbers.first(std::min(numbers.size(), kSampledNumbers)));
 }
 
 /// Throws InputError for a file that is no whole number of KITTI's points.
@@ -153,15 +153,15 @@ std::optional<uint32_t> find_floats_per_point(std::span<const float> numbers) {
   }
   std::vector<std::size_t> classes(numbers.size());
   std::ranges::transform(numbers, classes.begin(), class_of);
-  std::array<double, kMost + 1> told{};
-  for (uint32_t places = kFewest; places <= kMost; ++places) {
+  std::array<double, kMostFloats + 1> told{};
+  for (uint32_t places = kFewestFloats; places <= kMostFloats; ++places) {
     told[places] = information(classes, places);
   }
   const double greatest = *std::ranges::max_element(told);
   if (greatest < kClear) {
     return std::nullopt;
   }
-  for (uint32_t places = kFewest; places <= kMost; ++places) {
+  for (uint32_t places = kFewestFloats; places <= kMostFloats; ++places) {
     if (told[places] >= kAsMuch * greatest) {
       return places;
     }
@@ -221,7 +221,7 @@ CloudFile parse_bin(const std::filesystem::path& file, std::string_view content,
 
 std::string describe_bin(const std::filesystem::path& file) {
   try {
-    const std::vector<float> numbers = read_numbers(file, kSampled);
+    const std::vector<float> numbers = read_numbers(file, kSampledNumbers);
     const uint32_t places = find_floats_per_point(numbers).value_or(kKitti);
     if (places == kKitti) {
       return {};

@@ -22,7 +22,8 @@ constexpr double kNear = 8192.0;
 constexpr double kReach = 16384.0;
 // m. No coordinates on the Earth are as large; those that are come from damaged numbers.
 constexpr double kFarthest = 1e8;
-constexpr std::size_t kSampled = 4096;  // points; their median is within 2 % of all points' ranks
+constexpr std::size_t kSampledPoints =
+    4096;  // points; their median is within 2 % of all points' ranks
 
 /// Some returns of a cloud, spread over it.
 struct Sample {
@@ -30,7 +31,7 @@ struct Sample {
 };
 
 Sample sample_of(const CloudColumns& columns) {
-  const std::size_t every = std::max<std::size_t>(1, columns.points / kSampled);
+  const std::size_t every = std::max<std::size_t>(1, columns.points / kSampledPoints);
   const std::size_t count = columns.points / every;
   const double scale = columns.reading.coordinate_scale.value_or(1.0);
   std::array<std::vector<double>, 3> all;

@@ -30,33 +30,6 @@ bool is_by_sqlite(const FileError& error) {
   return input != nullptr && input->found().starts_with(kBySqlite);
 }
 
-/// Findings of a check in order, each cause once.
-class Findings {
- public:
-  void add(const std::string& text) {
-    if (std::ranges::find(texts_, text) == texts_.end()) {
-      texts_.push_back(text);
-    }
-  }
-  /// Of one of many: those with the same cause are one finding.
-  void add(const std::string& what, int64_t id, const std::string& cause) {
-    of_cause_[{what, cause}].insert(id);
-  }
-
-  bool empty() const { return texts_.empty() && of_cause_.empty(); }
-
-  std::vector<std::string> take() {
-    for (const auto& [which, ids] : of_cause_) {
-      add(which.first + " " + ranges_of(ids) + ": " + which.second);
-    }
-    return std::move(texts_);
-  }
-
- private:
-  std::vector<std::string> texts_;
-  std::map<std::pair<std::string, std::string>, std::set<int64_t>> of_cause_;
-};
-
 /// Which table or index begins at each page.
 std::map<std::string, std::string> names_of_pages(const SqliteDatabase& database) {
   std::map<std::string, std::string> names;
@@ -134,6 +107,33 @@ class MapDatabase::Check {
   }
 
  private:
+  /// Findings of a check in order, each cause once.
+  class Findings {
+   public:
+    void add(const std::string& text) {
+      if (std::ranges::find(texts_, text) == texts_.end()) {
+        texts_.push_back(text);
+      }
+    }
+    /// Of one of many: those with the same cause are one finding.
+    void add(const std::string& what, int64_t id, const std::string& cause) {
+      of_cause_[{what, cause}].insert(id);
+    }
+
+    bool empty() const { return texts_.empty() && of_cause_.empty(); }
+
+    std::vector<std::string> take() {
+      for (const auto& [which, ids] : of_cause_) {
+        add(which.first + " " + ranges_of(ids) + ": " + which.second);
+      }
+      return std::move(texts_);
+    }
+
+   private:
+    std::vector<std::string> texts_;
+    std::map<std::pair<std::string, std::string>, std::set<int64_t>> of_cause_;
+  };
+
   template <class Action>
   bool attempt(const std::string& what, const Action& action) {
     try {

@@ -234,17 +234,17 @@ std::unique_ptr<MessageFile> file_between(const fs::path& before, const fs::path
 }
 
 Nanoseconds length_of(const MessageFile& file) {
-  constexpr Nanoseconds kFarthest = Nanoseconds::max() / 4;  // differences do not overflow
-  return std::clamp(file.span()->end, -kFarthest, kFarthest) -
-         std::clamp(file.span()->begin, -kFarthest, kFarthest);
+  constexpr Nanoseconds kFarthestStamp = Nanoseconds::max() / 4;  // differences do not overflow
+  return std::clamp(file.span()->end, -kFarthestStamp, kFarthestStamp) -
+         std::clamp(file.span()->begin, -kFarthestStamp, kFarthestStamp);
 }
 
 /// Throws InputError unless the second follows the first.
 void require_after(const MessageFile& first, const MessageFile& second) {
-  constexpr Nanoseconds kFarthest = Nanoseconds::max() / 4;  // differences do not overflow
-  const Nanoseconds begin = std::clamp(second.span()->begin, -kFarthest, kFarthest);
+  constexpr Nanoseconds kFarthestStamp = Nanoseconds::max() / 4;  // differences do not overflow
+  const Nanoseconds begin = std::clamp(second.span()->begin, -kFarthestStamp, kFarthestStamp);
   const Nanoseconds end =
-      std::clamp(std::min(first.span()->end, second.span()->end), -kFarthest, kFarthest);
+      std::clamp(std::min(first.span()->end, second.span()->end), -kFarthestStamp, kFarthestStamp);
   const Nanoseconds shorter = std::min(length_of(first), length_of(second));
   if (end - begin > std::min(kSplitOverlap, shorter / 2)) {
     throw InputError(second.path(), {},

@@ -295,8 +295,8 @@ MessageEnd find_end(const RecordingPart& part, MessageSelection selection, bool 
 
 /// Differences of its times do not overflow.
 bool is_plausible(const TimeSpan& span) {
-  constexpr Nanoseconds kFarthest = Nanoseconds::max() / 4;
-  return span.begin >= -kFarthest && span.end <= kFarthest;
+  constexpr Nanoseconds kFarthestStamp = Nanoseconds::max() / 4;
+  return span.begin >= -kFarthestStamp && span.end <= kFarthestStamp;
 }
 
 std::optional<TimeSpan> span_of(const std::optional<Nanoseconds>& begin,

@@ -125,7 +125,7 @@ bool parse(std::string_view cell, std::string& word) {
   return true;
 }
 
-std::vector<std::string_view> cells_of(std::string_view line) {
+std::vector<std::string_view> table_cells(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
@@ -279,7 +279,7 @@ std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
   text.resize(text.rfind('\n') + 1);  // a kill may have cut the last line off
   LineReader lines(text);
   std::map<std::string_view, std::size_t> columns;
-  const std::vector<std::string_view> names = cells_of(lines.next().value_or(""));
+  const std::vector<std::string_view> names = table_cells(lines.next().value_or(""));
   for (std::size_t i = 0; i < names.size(); ++i) {
     columns[names[i]] = i;
   }
@@ -289,7 +289,7 @@ std::vector<SweepRecord> read_sweep_table(const std::filesystem::path& file) {
   }
   std::vector<SweepRecord> records;
   while (const std::optional<std::string_view> line = lines.next()) {
-    const std::vector<std::string_view> cells = cells_of(*line);
+    const std::vector<std::string_view> cells = table_cells(*line);
     if (cells.size() != names.size()) {
       throw InputError(file, Place::line(lines.number()),
                        "cells found: " + std::to_string(cells.size()) + ", expected " +

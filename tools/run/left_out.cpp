@@ -78,7 +78,7 @@ std::string LeftOut::first_damage() const {
 
 nlohmann::ordered_json LeftOut::to_json() const {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
-  for (const ClockStep& step : clock_steps_) {
+  for (const SweepClockStep& step : clock_steps_) {
     steps.push_back({{"sweep", step.sweep}, {"back_s", step.back}});
   }
   return {{"damaged_places", damage_.count},
@@ -116,7 +116,7 @@ std::string LeftOut::text() const {
 
 std::string LeftOut::clock_text() const {
   std::string text;
-  for (const ClockStep& step : clock_steps_) {
+  for (const SweepClockStep& step : clock_steps_) {
     text += (text.empty() ? "the recording's clock was set back by " : " and by ") +
             fmt::format("{:.1f} s at sweep {}", step.back, step.sweep);
   }

@@ -16,7 +16,7 @@
 namespace adit {
 
 /// Where the clock of the sweeps was set back.
-struct ClockStep {
+struct SweepClockStep {
   std::size_t sweep = 0;  ///< the first after it, in the recording
   double back = 0.0;      ///< s, from the last sweep before it
 };
@@ -54,7 +54,7 @@ class LeftOut {
   /// Sweeps of the recording that were left out or are missing from it, of whatever kind.
   std::size_t sweeps() const { return stamps_.count + missing_sweeps_; }
   /// The first of them, in their order.
-  const std::vector<ClockStep>& clock_steps() const { return clock_steps_; }
+  const std::vector<SweepClockStep>& clock_steps() const { return clock_steps_; }
   bool any() const { return damaged() + not_rising() + contradictions_.count > 0; }
   /// The first damage; empty where there is none.
   std::string first_damage() const;
@@ -83,7 +83,7 @@ class LeftOut {
   bool ends_damaged_ = false;
   Kind stamps_;
   Kind order_;
-  std::vector<ClockStep> clock_steps_;
+  std::vector<SweepClockStep> clock_steps_;
   struct Stamped {
     std::size_t index = 0;
     Nanoseconds stamp{0};
