@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "adit/slam/mapping/loop_candidate.hpp"
 #include "adit/slam/mapping/loop_move.hpp"
 #include "adit/slam/mapping/loop_search.hpp"
 #include "adit/slam/mapping/loop_verification.hpp"
 #include "adit/slam/mapping/loop_voting.hpp"
 #include "adit/slam/mapping/map_memory.hpp"
-#include "adit/slam/mapping/map_store.hpp"
 #include "adit/slam/mapping/place_index.hpp"
 #include "adit/slam/mapping/search_pauses.hpp"
 #include "adit/slam/mapping/submap_cache.hpp"
@@ -55,9 +55,9 @@ struct PendingLoop {
 /// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
 class LoopCloser {
  public:
-  /// What the constructor is given must outlive it. No loops are looked for once the graph has
-  /// outgrown `memory`.
-  LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
+  /// `context` must outlive it. `load` reads the submaps of earlier keyframes. No loops are looked
+  /// for once the graph has outgrown `memory`.
+  LoopCloser(engine::Context& context, const Config& config, SubmapLoader load,
              const MapMemory& memory);
 
   /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are

@@ -48,10 +48,10 @@ double usual_rms(std::vector<double> consecutive) {
   return consecutive.empty() ? kFirstRms : std::max(median(std::move(consecutive)), kLeastRms);
 }
 
-LoopCloser::LoopCloser(engine::Context& context, const Config& config, const MapStore& store,
+LoopCloser::LoopCloser(engine::Context& context, const Config& config, SubmapLoader load,
                        const MapMemory& memory)
     : memory_(memory),
-      submaps_(store, memory.submap_bytes),
+      submaps_(std::move(load), memory.submap_bytes),
       index_(context),
       search_(search_settings(config)),
       appearance_{.min_path = search_.min_path},

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/loop_candidate.hpp"
 #include "adit/slam/mapping/place_index.hpp"
 #include "adit/slam/mapping/relative_covariance.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "adit/slam/mapping/drift_claim.hpp"
-#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/loop_candidate.hpp"
 #include "adit/slam/mapping/tracking_gap.hpp"
 
 namespace adit {

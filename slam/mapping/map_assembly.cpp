@@ -14,7 +14,7 @@ MapAssembly::MapAssembly(engine::Context& context, const Config& config, MapStor
                          const MapMemory& memory)
     : store_(&store), memory_(memory), delay_(config.mapping.delay), world_(config.gnss) {
   if (config.mapping.loops) {
-    loops_.emplace(context, config, store, memory);
+    loops_.emplace(context, config, submap_loader(store), memory);
   }
 }
 

@@ -10,13 +10,14 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
 #include "adit/slam/mapping/ground_control.hpp"
+#include "adit/slam/mapping/loop_candidate.hpp"
 #include "adit/slam/mapping/map_fix.hpp"
+#include "adit/slam/mapping/map_submap.hpp"
 #include "adit/slam/mapping/pose_graph.hpp"
 #include "adit/slam/mapping/vertical.hpp"
 #include "adit/slam/mapping/world_frame.hpp"
@@ -44,68 +45,6 @@ struct MapKeyframe {
   bool fixed = false;                      ///< the optimisation leaves it where it is
   Matrix6d covariance = Matrix6d::Zero();  ///< the pose's, [rho, phi]: m^2, rad^2
   Vertical vertical = Vertical::unknown;   ///< its submap's
-};
-
-/// What a keyframe has seen, in its own frame.
-struct MapSubmap {
-  Eigen::Vector3d lower = Eigen::Vector3d::Zero();  ///< corners of the box around it, m
-  Eigen::Vector3d upper = Eigen::Vector3d::Zero();  ///< the upper one
-  std::vector<std::vector<std::byte>> chunks;       ///< their content is mapping's own affair
-};
-
-/// What became of a candidate.
-enum class CandidateVerdict {
-  waiting,
-  accepted,
-  rejected,
-  revoked,  ///< accepted once; its edge is revoked
-};
-/// The enumerator's name.
-constexpr std::string_view to_string(CandidateVerdict verdict) {
-  switch (verdict) {
-    case CandidateVerdict::waiting:
-      return "waiting";
-    case CandidateVerdict::accepted:
-      return "accepted";
-    case CandidateVerdict::rejected:
-      return "rejected";
-    case CandidateVerdict::revoked:
-      return "revoked";
-  }
-  return "unknown";
-}
-
-/// How a place that might have been seen before was found.
-enum class LoopSource {
-  position,    ///< by where the graph has it
-  appearance,  ///< by what it looks like
-  hand,        ///< somebody knew of it
-};
-/// The enumerator's name.
-constexpr std::string_view to_string(LoopSource source) {
-  return source == LoopSource::position     ? "position"
-         : source == LoopSource::appearance ? "appearance"
-                                            : "hand";
-}
-
-/// A place that might have been seen before, and what became of that.
-struct LoopCandidate {
-  int64_t id = 0;   ///< given by the store
-  NodeId from = 0;  ///< earlier keyframe
-  NodeId to = 0;    ///< later one
-  Eigen::Isometry3d T_from_to =
-      Eigen::Isometry3d::Identity();         ///< as verified, or as guessed before
-  LoopSource source = LoopSource::position;  ///< how it was found
-  double score = 0.0;                        ///< LoopPlace::score that it was found with
-  double overlap = 0.0;                      ///< share of the later submap's points with a match
-  double chi2 = 0.0;                         ///< correction's; after acceptance that of its edge
-  CandidateVerdict verdict = CandidateVerdict::waiting;  ///< what became of it
-  std::string reason;                                    ///< the name of a LoopReason
-  double rms = 0.0;                                      ///< m, of the matches
-  double correction = 0.0;                               ///< m, of the pose that the graph had
-  double turn = 0.0;                                     ///< rad
-  double through = 0.0;  ///< share of points that the other submap sees through
-  double figure = 0.0;   ///< what the reason turns on, see LoopReason; accepted: votes
 };
 
 /// Everything that comes with a new keyframe; it is stored as a whole or not at all.
@@ -166,5 +105,10 @@ class MapStore {
   virtual std::vector<NodeId> submaps_within(const Eigen::Vector3d& lower,
                                              const Eigen::Vector3d& upper) const = 0;
 };
+
+/// Reads submaps from `store`, which must outlive it.
+inline SubmapLoader submap_loader(const MapStore& store) {
+  return [&store](NodeId keyframe) { return store.submap(keyframe); };
+}
 
 }  // namespace adit

@@ -19,7 +19,7 @@ std::shared_ptr<const KeyframeSubmap> SubmapCache::get(NodeId keyframe) {
     kept_.splice(kept_.begin(), kept_, known->second);
     return kept_.front().submap;
   }
-  auto submap = std::make_shared<const KeyframeSubmap>(decode(store_->submap(keyframe)));
+  auto submap = std::make_shared<const KeyframeSubmap>(decode(load_(keyframe)));
   ++reads_;
   bytes_ += memory_of(*submap);
   kept_.push_front({.keyframe = keyframe, .submap = std::move(submap)});

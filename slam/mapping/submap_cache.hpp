@@ -6,9 +6,10 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include "adit/slam/mapping/keyframe_submap.hpp"
-#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/map_submap.hpp"
 
 namespace adit {
 
@@ -22,16 +23,15 @@ uint64_t memory_of(const KeyframeSubmap& submap);
 /// read again when they are needed.
 class SubmapCache {
  public:
-  /// `store` must outlive it. The one that was asked for last stays even if it is larger than
-  /// `most_bytes`.
-  SubmapCache(const MapStore& store, uint64_t most_bytes)
-      : store_(&store), most_bytes_(most_bytes) {}
+  /// The one that was asked for last stays even if it is larger than `most_bytes`.
+  SubmapCache(SubmapLoader load, uint64_t most_bytes)
+      : load_(std::move(load)), most_bytes_(most_bytes) {}
 
-  /// Throws what the store does, and SubmapDamaged.
+  /// Throws what the loader does, and SubmapDamaged.
   std::shared_ptr<const KeyframeSubmap> get(NodeId keyframe);
 
   uint64_t bytes() const { return bytes_; }
-  uint64_t reads() const { return reads_; }  ///< from the store
+  uint64_t reads() const { return reads_; }  ///< by the loader
 
  private:
   struct Kept {
@@ -39,7 +39,7 @@ class SubmapCache {
     std::shared_ptr<const KeyframeSubmap> submap;
   };
 
-  const MapStore* store_;
+  SubmapLoader load_;
   uint64_t most_bytes_;
   uint64_t bytes_ = 0;
   uint64_t reads_ = 0;

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "adit/slam/mapping/keyframe_submap.hpp"
-#include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/map_submap.hpp"
 #include "adit/slam/mapping/place_descriptor.hpp"
 
 namespace adit {

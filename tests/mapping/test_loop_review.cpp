@@ -76,7 +76,7 @@ class LoopReview : public test::DeviceTest {
   }
 
   test::TemporaryMap map_;
-  LoopCloser closer_{context(), test::loop_config(), map_.store(), {}};
+  LoopCloser closer_{context(), test::loop_config(), submap_loader(map_.store()), {}};
   std::vector<Eigen::Isometry3d> truth_;
   PoseGraph graph_;
   std::map<int64_t, LoopCandidate> records_;

@@ -56,7 +56,7 @@ class SubmapsInMemory : public testing::Test {
 };
 
 TEST_F(SubmapsInMemory, ThoseNeededLastStay) {
-  SubmapCache cache(map_, 3 * size_ + size_ / 2);
+  SubmapCache cache(submap_loader(map_), 3 * size_ + size_ / 2);
   for (const NodeId id : {0, 1, 2, 0, 3}) {  // 1 has not been needed for longest
     EXPECT_EQ(cache.get(id)->points.size(), 2000U);
     EXPECT_LE(cache.bytes(), 3 * size_ + size_ / 2);
@@ -71,7 +71,7 @@ TEST_F(SubmapsInMemory, ThoseNeededLastStay) {
 }
 
 TEST_F(SubmapsInMemory, OneStaysHoweverLittleThereIsAndThoseInUseLive) {
-  SubmapCache cache(map_, 1);
+  SubmapCache cache(submap_loader(map_), 1);
   const auto first = cache.get(0);
   static_cast<void>(cache.get(1));
   static_cast<void>(cache.get(1));

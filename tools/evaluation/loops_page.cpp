@@ -176,7 +176,7 @@ std::string loops_page(const MapDatabase& map, std::span<const int64_t> shown) {
                        "The map is damaged: `adit check` says what else is wrong");
     }
   }
-  SubmapCache submaps(map, kSubmapBytes);
+  SubmapCache submaps(submap_loader(map), kSubmapBytes);
   const std::string name = map.file().string();
   std::string body =
       "<style>.pair { display: flex; flex-wrap: wrap; gap: 1em; } figure { margin: "

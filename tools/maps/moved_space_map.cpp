@@ -31,7 +31,7 @@ int64_t middle(const std::vector<MapKeyframe>& keyframes, double edge) {
 
 MovedSpace find_moved_space(const MapDatabase& map, engine::Context& context, uint64_t submap_bytes,
                             const std::function<void(std::size_t, std::size_t)>& progress) {
-  SubmapCache cache(map, submap_bytes);
+  SubmapCache cache(submap_loader(map), submap_bytes);
   double edge = kFinest;
   if (const std::vector<MapKeyframe> keyframes = map.keyframes(); !keyframes.empty()) {
     edge = std::max(edge, load_submap(cache, keyframes.front().id, map.file())->r_submap);

@@ -31,7 +31,7 @@ int64_t voxels_across(double resolution) {
 
 void visit(const MapDatabase& map, const ProductCoordinates& coordinates, const TileGrid& grid,
            const TiledCloud& wanted, uint64_t submap_bytes, const TakeTile& take) {
-  SubmapCache cache(map, submap_bytes);
+  SubmapCache cache(submap_loader(map), submap_bytes);
   std::vector<CloudPoint> chosen;
   for (const auto& [tile, keyframes] :
        keyframes_by_tile(map, coordinates, wanted.selection, grid)) {
