@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "adit/slam/core/units.hpp"
+#include "adit/slam/loops/loop_voting.hpp"
+#include "adit/slam/loops/place_index.hpp"
 #include "adit/slam/mapping/loop_by_hand.hpp"
-#include "adit/slam/mapping/loop_voting.hpp"
-#include "adit/slam/mapping/place_index.hpp"
-#include "adit/slam/mapping/submap_builder.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_builder.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"
 #include "adit/tools/maps/map_database.hpp"

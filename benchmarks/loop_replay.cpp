@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/slam/mapping/loop_verification.hpp"
+#include "adit/slam/loops/loop_verification.hpp"
 #include "adit/slam/mapping/map_assembly.hpp"
-#include "adit/slam/mapping/submap_cache.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "adit/benchmarks/simulated_graph.hpp"
-#include "adit/slam/mapping/condensation.hpp"
-#include "adit/slam/mapping/initialization.hpp"
+#include "adit/slam/graph/condensation.hpp"
+#include "adit/slam/graph/initialization.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
 
 namespace adit {
 

@@ -27,7 +27,8 @@ LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
 # Each is a CMake library of its own (the CMakeLists.txt of its top folder); engine/ and engine/vulkan/ are one.
 GROUPS = [
     "shaders", "engine", "engine/kernels", "engine/self_test",
-    "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/mapping", "slam/executor",
+    "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/graph",
+    "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
     "tools/topics", "tools/results", "tools/simulator", "tools/maps", "tools/foxglove", "tools/viewer", "tools/run",
     "tools/evaluation", "tools/inspection", "tools/commands",
@@ -179,8 +180,8 @@ def check_vulkan(files):
 
 
 # A library that can be replaced in one file; tests use it as an oracle.
-ONE_FILE = {"ceres/": "slam/mapping/solver.cpp", "glog/": "slam/mapping/solver.cpp",
-            "GeographicLib/": "slam/mapping/world_frame.cpp", "GeographicLib/Geoid": "tools/maps/geoid.cpp",
+ONE_FILE = {"ceres/": "slam/graph/solver.cpp", "glog/": "slam/graph/solver.cpp",
+            "GeographicLib/": "slam/gnss/world_frame.cpp", "GeographicLib/Geoid": "tools/maps/geoid.cpp",
             "proj.h": "tools/maps/projected_system.cpp", "boost/": "tools/viewer/view_server.cpp"}
 
 

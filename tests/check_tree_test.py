@@ -84,9 +84,9 @@ class CheckTree(unittest.TestCase):
         self.expect("engine/kernels/a.cpp", SPDX + "#include <vulkan/vulkan.h>\n", "only engine/")
 
     def test_a_library_outside_its_file_is_found(self):
-        self.expect("slam/mapping/world_fit.cpp", SPDX + "#include <GeographicLib/UTMUPS.hpp>\n", "only slam/mapping/world_frame.cpp")
-        self.expect("slam/mapping/pose_graph.hpp", HEADER + "#include <ceres/ceres.h>\n", "only slam/mapping/solver.cpp")
-        self.assertEqual(check_tree.check({**SOUND, "slam/mapping/solver.cpp": SPDX + "#include <ceres/ceres.h>\n"}), [])
+        self.expect("slam/gnss/world_fit.cpp", SPDX + "#include <GeographicLib/UTMUPS.hpp>\n", "only slam/gnss/world_frame.cpp")
+        self.expect("slam/graph/pose_graph.hpp", HEADER + "#include <ceres/ceres.h>\n", "only slam/graph/solver.cpp")
+        self.assertEqual(check_tree.check({**SOUND, "slam/graph/solver.cpp": SPDX + "#include <ceres/ceres.h>\n"}), [])
 
     def test_boost_outside_of_the_server_is_found(self):
         self.expect("tools/viewer/view_data.cpp", SPDX + "#include <boost/beast.hpp>\n", "only tools/viewer/view_server.cpp")

@@ -48,7 +48,7 @@ MUTANTS = [
     ("slam/fusion/high_rate.cpp", "kVelocityAt) = t * back", "kVelocityAt) = -t * back"),
     ("slam/odometry/motion_model.cpp", "kLongestExtrapolation = 1.0", "kLongestExtrapolation = 3.0"),
     ("slam/odometry/pose_uncertainty.cpp", "moved(from.uncertainty.local, T_from_to) -", "moved(from.uncertainty.local, T_from_to) +"),
-    ("slam/mapping/ground_plane.cpp", "fit.plane.offset = -fit.plane.normal.dot(mean)", "fit.plane.offset = fit.plane.normal.dot(mean)"),
+    ("slam/submaps/ground_plane.cpp", "fit.plane.offset = -fit.plane.normal.dot(mean)", "fit.plane.offset = fit.plane.normal.dot(mean)"),
     ("slam/executor/sensor_feed.cpp", "kLongestWait = std::chrono::milliseconds(300)", "kLongestWait = std::chrono::milliseconds(3000)"),
 ]
 

@@ -13,7 +13,7 @@
 #include "adit/benchmarks/verify/device_runs.hpp"
 #include "adit/benchmarks/verify/verify.hpp"
 #include "adit/engine/kernels/free_space.hpp"
-#include "adit/slam/mapping/moved_space.hpp"
+#include "adit/slam/submaps/moved_space.hpp"
 
 namespace adit::test {
 

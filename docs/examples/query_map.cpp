@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/maps/map_database.hpp"
 
 int main(int argc, char** argv) try {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "adit/slam/mapping/gnss_noise.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {
 namespace {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/slam/mapping/loop_closer.hpp"
-#include "adit/slam/mapping/relative_covariance.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/graph/relative_covariance.hpp"
+#include "adit/slam/loops/loop_closer.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 
 namespace adit {
 namespace {

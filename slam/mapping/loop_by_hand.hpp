@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "adit/slam/core/config.hpp"
-#include "adit/slam/mapping/loop_verification.hpp"
+#include "adit/slam/loops/loop_verification.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 
 namespace adit {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "adit/slam/mapping/loop_optimization.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/graph/loop_optimization.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 
 namespace adit {
 

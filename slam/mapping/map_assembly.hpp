@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
-#include "adit/slam/mapping/loop_closer.hpp"
-#include "adit/slam/mapping/map_memory.hpp"
+#include "adit/slam/gnss/world_ties.hpp"
+#include "adit/slam/loops/loop_closer.hpp"
 #include "adit/slam/mapping/map_store.hpp"
-#include "adit/slam/mapping/world_ties.hpp"
+#include "adit/slam/submaps/map_memory.hpp"
 
 namespace adit {
 

@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
-#include "adit/slam/mapping/ground_control.hpp"
-#include "adit/slam/mapping/loop_candidate.hpp"
-#include "adit/slam/mapping/map_fix.hpp"
-#include "adit/slam/mapping/map_submap.hpp"
-#include "adit/slam/mapping/pose_graph.hpp"
-#include "adit/slam/mapping/vertical.hpp"
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/ground_control.hpp"
+#include "adit/slam/gnss/map_fix.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
+#include "adit/slam/graph/vertical.hpp"
+#include "adit/slam/loops/loop_candidate.hpp"
+#include "adit/slam/submaps/map_submap.hpp"
 
 namespace adit {
 

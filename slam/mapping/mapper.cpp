@@ -7,9 +7,9 @@
 #include <chrono>
 #include <utility>
 
-#include "adit/slam/mapping/gnss_noise.hpp"
-#include "adit/slam/mapping/submap_alignment.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/slam/registration/beam_spacing.hpp"
+#include "adit/slam/submaps/submap_alignment.hpp"
 
 namespace adit {
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "adit/slam/core/config.hpp"
-#include "adit/slam/mapping/keyframe_edge.hpp"
+#include "adit/slam/graph/keyframe_edge.hpp"
 #include "adit/slam/mapping/map_assembly.hpp"
-#include "adit/slam/mapping/submap_builder.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/slam/registration/batch_aligner.hpp"
+#include "adit/slam/submaps/submap_builder.hpp"
 
 namespace adit {
 

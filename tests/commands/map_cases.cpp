@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/commands/small_room.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tools/commands/command_export.hpp"

@@ -11,10 +11,10 @@
 #include <random>
 #include <vector>
 
-#include "adit/slam/mapping/antenna_calibration.hpp"
-#include "adit/slam/mapping/gnss_noise.hpp"
-#include "adit/slam/mapping/map_fix.hpp"
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/gnss/antenna_calibration.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
+#include "adit/slam/gnss/map_fix.hpp"
+#include "adit/slam/graph/solver.hpp"
 
 namespace adit::test {
 

@@ -10,7 +10,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/mapping/ground_control.hpp"
+#include "adit/slam/gnss/ground_control.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 

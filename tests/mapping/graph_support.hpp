@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adit/benchmarks/simulated_graph.hpp"
-#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
 
 namespace adit::test {
 

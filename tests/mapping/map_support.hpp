@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/row_checksums.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "adit/benchmarks/verify/synthetic_world.hpp"
-#include "adit/slam/mapping/submap_builder.hpp"
+#include "adit/slam/submaps/submap_builder.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/maps/map_database.hpp"
 

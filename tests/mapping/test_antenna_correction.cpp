@@ -4,7 +4,7 @@
 // What the end of a map makes of an antenna that sits elsewhere and of a receiver that is late.
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/world_ties.hpp"
+#include "adit/slam/gnss/world_ties.hpp"
 #include "adit/tests/mapping/antenna_drive.hpp"
 
 namespace adit {

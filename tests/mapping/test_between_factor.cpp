@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/between_factor.hpp"
+#include "adit/slam/graph/between_factor.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/condensation.hpp"
+#include "adit/slam/graph/condensation.hpp"
 
 #include <gtest/gtest.h>
 

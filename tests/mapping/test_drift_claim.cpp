@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/drift_claim.hpp"
+#include "adit/slam/graph/drift_claim.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/benchmarks/simulated_graph.hpp"
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/graph/solver.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"

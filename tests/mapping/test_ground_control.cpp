@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/ground_control.hpp"
+#include "adit/slam/gnss/ground_control.hpp"
 
 #include <gtest/gtest.h>
 

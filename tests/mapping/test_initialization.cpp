@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/initialization.hpp"
+#include "adit/slam/graph/initialization.hpp"
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/graph/solver.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

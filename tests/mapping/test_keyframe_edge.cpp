@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/keyframe_edge.hpp"
+#include "adit/slam/graph/keyframe_edge.hpp"
 
 #include <chrono>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/level_drift.hpp"
+#include "adit/slam/graph/level_drift.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/slam/mapping/loop_optimization.hpp"
+#include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

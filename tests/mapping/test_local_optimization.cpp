@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/local_optimization.hpp"
+#include "adit/slam/graph/local_optimization.hpp"
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/loop_optimization.hpp"
+#include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

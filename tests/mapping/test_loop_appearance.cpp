@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/drift_claim.hpp"
-#include "adit/slam/mapping/loop_voting.hpp"
+#include "adit/slam/graph/drift_claim.hpp"
+#include "adit/slam/loops/loop_voting.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

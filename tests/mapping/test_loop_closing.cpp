@@ -9,7 +9,7 @@
 
 #include "adit/slam/executor/slam.hpp"
 #include "adit/slam/mapping/mapper.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/loop_move.hpp"
+#include "adit/slam/loops/loop_move.hpp"
 
 #include <cmath>
 

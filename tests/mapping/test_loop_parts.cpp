@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/join_review.hpp"
+#include "adit/slam/loops/join_review.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/loop_closer.hpp"
+#include "adit/slam/loops/loop_closer.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"

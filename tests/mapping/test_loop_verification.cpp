@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/loop_verification.hpp"
+#include "adit/slam/loops/loop_verification.hpp"
 
 #include <map>
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/free_space.hpp"
+#include "adit/slam/submaps/free_space.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 

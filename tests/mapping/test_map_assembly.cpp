@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/executor/slam.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 

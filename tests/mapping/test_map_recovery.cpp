@@ -21,7 +21,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/maps/map_recovery.hpp"

@@ -9,7 +9,7 @@
 
 #include "adit/engine/error.hpp"
 #include "adit/slam/executor/slam.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/benchmarks/verify/free_space.hpp"
-#include "adit/slam/mapping/moved_space.hpp"
+#include "adit/slam/submaps/moved_space.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/odometry_track.hpp"
+#include "adit/slam/gnss/odometry_track.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/place_index.hpp"
+#include "adit/slam/loops/place_index.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
 

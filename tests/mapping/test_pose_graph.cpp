@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
 
 #include <limits>
 #include <string>

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/initialization.hpp"
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/graph/initialization.hpp"
+#include "adit/slam/graph/solver.hpp"
 #include "adit/tests/support/shared_data.hpp"
 #include "adit/tools/maps/g2o_file.hpp"
 

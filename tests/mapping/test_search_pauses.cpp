@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/search_pauses.hpp"
+#include "adit/slam/loops/search_pauses.hpp"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/graph/solver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/graph_residuals.hpp"
+#include "adit/slam/graph/graph_residuals.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/support/numerical_jacobian.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/maps/tiled_cloud.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 
 #include <cstring>
 #include <limits>

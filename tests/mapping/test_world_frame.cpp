@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/slam/mapping/world_ties.hpp"
+#include "adit/slam/gnss/world_ties.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/gnss_noise.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 
 namespace adit {

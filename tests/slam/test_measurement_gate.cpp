@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "adit/slam/mapping/gnss_noise.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {
 namespace {

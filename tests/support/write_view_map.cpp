@@ -10,7 +10,7 @@
 #include <exception>
 #include <numbers>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 
 namespace adit {

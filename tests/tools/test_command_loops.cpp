@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"

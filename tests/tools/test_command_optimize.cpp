@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/graph/solver.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/core/lie.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/evaluation/true_keyframes.hpp"

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"

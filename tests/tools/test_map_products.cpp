@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/clouds/las_writer.hpp"

@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/engine/error.hpp"
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/support/input_error.hpp"

@@ -15,9 +15,9 @@
 #include <fmt/core.h>
 
 #include "adit/slam/core/lie.hpp"
-#include "adit/slam/mapping/condensation.hpp"
-#include "adit/slam/mapping/initialization.hpp"
-#include "adit/slam/mapping/loop_optimization.hpp"
+#include "adit/slam/graph/condensation.hpp"
+#include "adit/slam/graph/initialization.hpp"
+#include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/optimize_report.hpp"

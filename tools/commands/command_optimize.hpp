@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "adit/slam/mapping/solver.hpp"
+#include "adit/slam/graph/solver.hpp"
 
 namespace adit {
 

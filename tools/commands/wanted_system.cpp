@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "adit/slam/core/text.hpp"
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

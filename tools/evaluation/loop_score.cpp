@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
 #include "adit/tools/evaluation/true_keyframes.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"

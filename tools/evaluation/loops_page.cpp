@@ -12,8 +12,8 @@
 #include <fmt/core.h>
 
 #include "adit/slam/core/units.hpp"
-#include "adit/slam/mapping/loop_reason.hpp"
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/overlay_picture.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
 #include "adit/tools/evaluation/evaluate_alignment.hpp"
 #include "adit/tools/evaluation/true_keyframes.hpp"
 #include "adit/tools/support/input_error.hpp"

@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/mapping/level_drift.hpp"
-#include "adit/slam/mapping/world_covariance.hpp"
+#include "adit/slam/gnss/world_covariance.hpp"
+#include "adit/slam/graph/level_drift.hpp"
 #include "adit/tools/evaluation/evaluate_association.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"

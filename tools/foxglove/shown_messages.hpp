@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
 #include "adit/tools/containers/protobuf_schema.hpp"
 #include "adit/tools/foxglove/foxglove_messages.hpp"
 #include "adit/tools/foxglove/foxglove_scene.hpp"

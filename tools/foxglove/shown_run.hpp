@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "adit/slam/mapping/map_fix.hpp"
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/map_fix.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
 #include "adit/tools/foxglove/foxglove_graph.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/results/sweep_table.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/maps/cloud_selection.hpp"
 
-#include "adit/slam/mapping/moved_space.hpp"
+#include "adit/slam/submaps/moved_space.hpp"
 
 namespace adit {
 

@@ -14,7 +14,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "adit/slam/mapping/ground_control.hpp"
+#include "adit/slam/gnss/ground_control.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/product_coordinates.hpp"
 

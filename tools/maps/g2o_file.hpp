@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "adit/slam/mapping/pose_graph.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
 
 namespace adit {
 

@@ -10,8 +10,8 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/mapping/loop_reason.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

@@ -7,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/support/usage_error.hpp"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "adit/slam/mapping/loop_optimization.hpp"
+#include "adit/slam/graph/loop_optimization.hpp"
 #include "adit/slam/mapping/map_store.hpp"
 
 namespace adit {

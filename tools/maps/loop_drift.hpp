@@ -7,8 +7,8 @@
 #include <map>
 #include <optional>
 
+#include "adit/slam/graph/pose_graph.hpp"
 #include "adit/slam/mapping/map_store.hpp"
-#include "adit/slam/mapping/pose_graph.hpp"
 
 namespace adit {
 

@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
 #include "adit/tools/drawing/map_picture.hpp"
 #include "adit/tools/drawing/markup.hpp"
 

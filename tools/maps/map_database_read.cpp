@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_records.hpp"

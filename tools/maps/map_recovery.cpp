@@ -14,7 +14,7 @@
 #include <optional>
 #include <utility>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/containers/sqlite_database.hpp"
 #include "adit/tools/maps/id_ranges.hpp"
 #include "adit/tools/maps/map_database.hpp"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {

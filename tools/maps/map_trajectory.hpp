@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
-#include "adit/slam/mapping/keyframe_submap.hpp"
 #include "adit/slam/mapping/map_store.hpp"
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/submaps/keyframe_submap.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 
 namespace adit {
 

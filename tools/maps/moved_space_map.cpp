@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tools/maps/map_tiles.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 

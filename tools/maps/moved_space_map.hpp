@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "adit/slam/mapping/moved_space.hpp"
+#include "adit/slam/submaps/moved_space.hpp"
 #include "adit/tools/maps/map_database.hpp"
 
 namespace adit {

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "adit/slam/mapping/keyframe_submap.hpp"
+#include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/tools/maps/cell_grid.hpp"
 #include "adit/tools/maps/cloud_selection.hpp"
 #include "adit/tools/maps/map_database.hpp"

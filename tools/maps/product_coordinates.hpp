@@ -12,7 +12,7 @@
 #include <string_view>
 #include <utility>
 
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
 #include "adit/tools/maps/geoid.hpp"
 #include "adit/tools/maps/projected_system.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tools/maps/map_tiles.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/results/map_thinning.hpp"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
-#include "adit/slam/mapping/keyframe_submap.hpp"
+#include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/tools/maps/cloud_selection.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_tiles.hpp"

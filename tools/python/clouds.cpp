@@ -13,9 +13,9 @@
 #include <pybind11/stl.h>
 
 #include "adit/engine/context.hpp"
-#include "adit/slam/mapping/keyframe_submap.hpp"
 #include "adit/slam/registration/alignment_clouds.hpp"
 #include "adit/slam/registration/cloud_aligner.hpp"
+#include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/tools/commands/align_report.hpp"
 #include "adit/tools/python/arrays.hpp"
 #include "adit/tools/python/device.hpp"

@@ -12,7 +12,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "adit/slam/mapping/keyframe_submap.hpp"
+#include "adit/slam/submaps/keyframe_submap.hpp"
 #include "adit/tools/maps/map_database.hpp"
 #include "adit/tools/maps/map_trajectory.hpp"
 #include "adit/tools/python/arrays.hpp"

@@ -9,8 +9,8 @@
 #include <pybind11/pybind11.h>
 
 #include "adit/engine/error.hpp"
-#include "adit/slam/mapping/pose_graph.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/python/clouds.hpp"
 #include "adit/tools/python/configuration.hpp"
 #include "adit/tools/python/device.hpp"

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "adit/slam/mapping/loop_reason.hpp"
+#include "adit/slam/loops/loop_reason.hpp"
 
 namespace adit {
 

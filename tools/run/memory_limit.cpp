@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/slam/mapping/submap_cache.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
 #include "adit/tools/support/resident_memory.hpp"
 #include "adit/tools/support/usage_error.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "adit/slam/core/config.hpp"
-#include "adit/slam/mapping/map_memory.hpp"
+#include "adit/slam/submaps/map_memory.hpp"
 
 namespace adit {
 

@@ -14,7 +14,7 @@
 #include <variant>
 
 #include "adit/engine/error.hpp"
-#include "adit/slam/mapping/submap_codec.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/recordings/events_ahead.hpp"
 #include "adit/tools/run/device_session.hpp"

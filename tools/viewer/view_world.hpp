@@ -10,7 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "adit/slam/mapping/world_frame.hpp"
+#include "adit/slam/gnss/world_frame.hpp"
 
 namespace adit {
 

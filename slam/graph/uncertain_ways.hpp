@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Relative poses with what is known of them, for the votes on loops.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "adit/slam/graph/relative_covariance.hpp"
+
+namespace adit {
+
+/// A pose with the covariance of its right perturbation.
+struct Uncertain {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();
+  double path = 0.0;  ///< m, along edges
+};
+
+inline Uncertain operator*(const Uncertain& a, const Uncertain& b) {
+  return {a.pose * b.pose, compounded(a.covariance, b.pose, b.covariance), a.path + b.path};
+}
+
+inline Uncertain inverse(const Uncertain& a) {
+  return {a.pose.inverse(), inverted(a.pose, a.covariance), a.path};
+}
+
+/// Whose word counts for a relative pose: the edges' of the way there, or the graph's, which may
+/// have bent some of them for loops far away.
+enum class Poses { measured, optimized };
+
+/// Relative poses that the graph knows; paths from a node are looked for once.
+class Ways {
+ public:
+  Ways(const PoseGraph& graph, const RelativeCovariances& covariances, Poses poses,
+       double lumps = 1.0)
+      : graph_(graph), covariances_(covariances), poses_(poses), lumps_(lumps) {}
+
+  std::optional<Uncertain> between(NodeId from, NodeId to) {
+    auto paths = paths_.find(from);
+    if (paths == paths_.end()) {
+      paths = paths_.emplace(from, covariances_.paths_from(from, lumps_)).first;
+    }
+    const std::optional<RelativePlace> place = covariances_.place(paths->second, to);
+    if (!place) {
+      return std::nullopt;
+    }
+    const Eigen::Isometry3d pose =
+        poses_ == Poses::measured ? place->T_start_node
+                                  : graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
+                                        graph_.nodes()[graph_.index_of(to)].T_map_node;
+    return Uncertain{pose, place->covariance, place->path};
+  }
+
+ private:
+  const PoseGraph& graph_;
+  const RelativeCovariances& covariances_;
+  Poses poses_;
+  double lumps_;
+  std::map<NodeId, LeastUncertainPaths> paths_;
+};
+
+}  // namespace adit

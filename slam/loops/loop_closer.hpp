@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "adit/slam/loops/loop_candidate.hpp"
+#include "adit/slam/loops/loop_move.hpp"
+#include "adit/slam/loops/loop_search.hpp"
+#include "adit/slam/loops/loop_verification.hpp"
+#include "adit/slam/loops/loop_voting.hpp"
+#include "adit/slam/loops/place_index.hpp"
+#include "adit/slam/loops/search_pauses.hpp"
+#include "adit/slam/submaps/map_memory.hpp"
+#include "adit/slam/submaps/submap_cache.hpp"
+
+namespace adit {
+
+/// What has become of the loops of a run.
+struct LoopReport {
+  std::size_t candidates = 0;
+  std::size_t by_appearance = 0;                    ///< among the candidates
+  std::size_t without_vertical = 0;                 ///< keyframes that are not known by their looks
+  std::size_t accepted = 0;                         ///< and not taken back
+  std::size_t accepted_by_appearance = 0;           ///< among the accepted
+  std::array<std::size_t, kLoopReasons> refused{};  ///< by LoopReason; those taken back, too
+  std::size_t optimizations = 0;
+  /// The accepted loop that is farthest from where the odometry alone has it, in its standard
+  /// deviations; known at the run's end.
+  std::optional<LoopMove> farthest_from_odometry{};
+  double largest_correction = 0.0;  ///< m, that an optimisation moved the newest keyframe by
+  std::vector<float> search_ms;     ///< host time per keyframe, with its waits for the device
+};
+
+/// What alignments of submaps are expected to leave (rms, m) after those of consecutive ones.
+double usual_rms(std::vector<double> consecutive);
+
+/// A candidate on its way to a verdict.
+struct PendingLoop {
+  LoopHypothesis loop;
+  LoopCandidate record;
+  bool expected = true;  ///< it is where the graph had it
+  // Once it has been accepted:
+  std::size_t votes = 0;
+  double odometry_chi2 = 0.0;           ///< LoopVote::odometry_chi2
+  std::optional<ClaimedClimb> climb{};  ///< of the odometry, that it shows
+  bool tried_again = false;             ///< it was taken back once
+};
+
+/// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
+class LoopCloser {
+ public:
+  /// `context` must outlive it. `load` reads the submaps of earlier keyframes. No loops are looked
+  /// for once the graph has outgrown `memory`.
+  LoopCloser(engine::Context& context, const Config& config, SubmapLoader load,
+             const MapMemory& memory);
+
+  /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are
+  /// held.
+  void add_expected_rms(double rms) { rms_.push_back(rms); }
+
+  /// What the next node's submap looks like; nothing where its vertical is not known. To be called
+  /// once for each node, in their order, and before find().
+  std::optional<PlaceDescriptor> describe(const KeyframeSubmap& submap, const SurfaceCloud& cloud);
+
+  /// Verified and refused candidates of the graph's newest node, whose submap is `submap` and, on
+  /// the device, `cloud`. To be called once for each node, in their order.
+  std::vector<PendingLoop> find(const PoseGraph& graph, const KeyframeSubmap& submap,
+                                const SurfaceCloud& cloud);
+
+  /// What a step has changed.
+  struct Change {
+    std::vector<LoopCandidate> records;                        ///< for the store
+    std::vector<PoseEdge> edges;                               ///< that the graph has got
+    std::vector<std::pair<std::size_t, EdgeStatus>> statuses;  ///< new ones of the graph's edges
+    bool moved = false;                                        ///< the graph has other poses
+  };
+  /// What was found for `keyframe` takes effect: it joins the queue, whose loops vote; the graph
+  /// gets those that are accepted, and is optimised.
+  Change take_effect(PoseGraph& graph, NodeId keyframe, std::vector<PendingLoop> found);
+  /// Verdicts about what is still waiting.
+  Change finish(PoseGraph& graph);
+
+  const LoopReport& report() const { return report_; }
+
+ private:
+  std::vector<PendingLoop> verified(std::span<const LoopPlace> places, NodeId newest,
+                                    const KeyframeSubmap& submap, const SurfaceCloud& cloud);
+  PendingLoop judged(const LoopPlace& place, NodeId newest, const LoopVerification& verdict);
+  void note_gap(const PoseGraph& graph, const KeyframeSubmap& submap);
+  void sort_by_parts(const PoseGraph& graph);
+  void leave(const PoseGraph& graph, std::deque<PendingLoop>& queue,
+             std::span<const LoopVote> votes, Change& change);
+  void review_joins(PoseGraph& graph, Change& change);
+  void settle(PoseGraph& graph, NodeId oldest, Change& change);
+  std::vector<LoopVote> voted(const PoseGraph& graph, const std::deque<PendingLoop>& queue,
+                              bool last_chance) const;
+  bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
+              Change& change);
+  void optimize_and_review(PoseGraph& graph, std::vector<int64_t> let_in, Change& change);
+  bool review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
+  bool let_in_again(PoseGraph& graph, std::vector<int64_t>& let_in, Change& change);
+  void note_correction(const PoseGraph& graph, std::span<const Eigen::Isometry3d> poses);
+  void accept(PendingLoop pending, std::size_t votes);
+  void forget_revoked();
+  void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
+  void take_back(PendingLoop& accepted, LoopReason reason, double figure, Change& change);
+
+  MapMemory memory_;
+  SubmapCache submaps_;
+  PlaceIndex index_;
+  LoopSearchSettings search_;
+  AppearanceSearchSettings appearance_;
+  LoopVotingSettings voting_;
+  LoopVerifier verifier_;
+  std::vector<double> reaches_;  ///< m, in the order of the graph's nodes
+  std::vector<bool> levelled_;   ///< they know their vertical, in the same order
+  std::vector<double> rms_;      ///< m, of alignments of consecutive submaps
+  std::vector<TrackingGap> gaps_;
+  std::vector<double> speeds_;       ///< m/s, from keyframe to keyframe
+  Nanoseconds last_stamp_{0};        ///< the newest keyframe's
+  Nanoseconds last_tracked_{0};      ///< when the odometry was last on its track
+  std::deque<PendingLoop> queue_;    ///< in the order of their later keyframes
+  std::deque<PendingLoop> joining_;  ///< the same, of those that tie parts of the graph
+  std::vector<PendingLoop> accepted_;
+  std::vector<PendingLoop> doubted_;     ///< that a review has taken back
+  std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
+  std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
+  SearchPauses pauses_;                  ///< of the search by appearance
+  int64_t next_id_ = 1;
+  int64_t reviewed_ = 0;  ///< the opposing loop up to which joins have been reviewed
+  LoopReport report_;
+};
+
+}  // namespace adit

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The closer's search: candidates of a keyframe, and what verification makes of them.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "adit/slam/core/median.hpp"
+#include "adit/slam/loops/loop_closer.hpp"
+#include "adit/slam/submaps/submap_codec.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kFirstRms = 0.05;  // m, expected of alignments where none has shown it yet
+constexpr double kLeastRms = 0.02;  // m, and at the least
+// What position finds may have drifted: the voting tells how far.
+constexpr double kNoGate = std::numeric_limits<double>::infinity();
+
+LoopSearchSettings search_settings(const Config& config) {
+  return {.max_distance = 0.5 * config.preprocess.c_max,
+          .min_path = std::max(10.0, 5.0 * config.keyframe.delta_trans)};
+}
+
+/// Half of the submap's points are nearer to its origin, m.
+double reach_of(const KeyframeSubmap& submap) {
+  std::vector<double> ranges;
+  ranges.reserve(submap.points.size());
+  for (const SubmapPoint& point : submap.points) {
+    ranges.push_back(point.position().norm());
+  }
+  return ranges.empty() ? 0.0 : median(std::move(ranges));
+}
+
+bool is_any_borne_out(const std::vector<PendingLoop>& found) {
+  return std::ranges::any_of(found, [](const PendingLoop& one) {
+    return one.record.verdict == CandidateVerdict::waiting && one.expected;
+  });
+}
+
+}  // namespace
+
+double usual_rms(std::vector<double> consecutive) {
+  return consecutive.empty() ? kFirstRms : std::max(median(std::move(consecutive)), kLeastRms);
+}
+
+LoopCloser::LoopCloser(engine::Context& context, const Config& config, SubmapLoader load,
+                       const MapMemory& memory)
+    : memory_(memory),
+      submaps_(std::move(load), memory.submap_bytes),
+      index_(context),
+      search_(search_settings(config)),
+      appearance_{.min_path = search_.min_path},
+      verifier_(context, config) {}
+
+std::optional<PlaceDescriptor> LoopCloser::describe(const KeyframeSubmap& submap,
+                                                    const SurfaceCloud& cloud) {
+  if (submap.vertical == Vertical::unknown) {
+    ++report_.without_vertical;
+    index_.add_unknown();
+    return std::nullopt;
+  }
+  return index_.add(cloud, plan_cell(submap.r_submap));
+}
+
+PendingLoop LoopCloser::judged(const LoopPlace& place, NodeId newest,
+                               const LoopVerification& verdict) {
+  const int64_t id = next_id_++;
+  const bool validated = verdict.reason == LoopReason::none;
+  ++report_.candidates;
+  report_.by_appearance += place.source == LoopSource::appearance ? 1U : 0U;
+  if (!validated) {
+    ++report_.refused[static_cast<std::size_t>(verdict.reason)];
+  }
+  return {.loop = {.id = id,
+                   .from = place.node,
+                   .to = newest,
+                   .T_from_to = verdict.T_from_to,
+                   .covariance = verdict.covariance,
+                   .strong = verdict.strong,
+                   .source = place.source},
+          .record = {.id = id,
+                     .from = place.node,
+                     .to = newest,
+                     .T_from_to = verdict.T_from_to,
+                     .source = place.source,
+                     .score = place.score,
+                     .overlap = verdict.overlap,
+                     .chi2 = verdict.chi2,
+                     .verdict = validated ? CandidateVerdict::waiting : CandidateVerdict::rejected,
+                     .reason = std::string(to_string(verdict.reason)),
+                     .rms = verdict.rms,
+                     .correction = verdict.correction,
+                     .turn = verdict.turn,
+                     .through = verdict.through,
+                     .figure = verdict.figure},
+          .expected = verdict.expected};
+}
+
+// The newest node may not be tied to the one before: the odometry has started anew with it.
+void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) {
+  constexpr std::size_t kAsked = 10;  // keyframes, whose highest speed counts
+  const Nanoseconds stamp = submap.sweeps.front().stamp;
+  if (graph.nodes().size() > 1) {
+    const NodeId newest = graph.nodes().back().id;
+    const NodeId before = graph.nodes()[graph.nodes().size() - 2].id;
+    const auto edges = graph.edges_of(newest);
+    const auto way = std::ranges::find_if(edges, [&](std::size_t index) {
+      return graph.edges()[index].from == before || graph.edges()[index].to == before;
+    });
+    if (way == edges.end()) {
+      const auto last = std::span(speeds_).last(std::min(speeds_.size(), kAsked));
+      gaps_.push_back(tracking_gap(newest, seconds(stamp - std::min(last_tracked_, last_stamp_)),
+                                   last.empty() ? 0.0 : std::ranges::max(last)));
+    } else if (stamp > last_stamp_) {
+      speeds_.push_back(graph.edges()[*way].T_from_to.translation().norm() /
+                        seconds(stamp - last_stamp_));
+    }
+  } else {
+    last_tracked_ = stamp;
+  }
+  last_stamp_ = stamp;
+  for (const SubmapSweep& sweep : submap.sweeps) {
+    last_tracked_ = sweep.merged ? sweep.stamp : last_tracked_;
+  }
+}
+
+std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places, NodeId newest,
+                                              const KeyframeSubmap& submap,
+                                              const SurfaceCloud& cloud) {
+  if (places.empty()) {
+    return {};
+  }
+  std::vector<std::shared_ptr<const KeyframeSubmap>> submaps;
+  submaps.reserve(places.size());
+  std::vector<LoopQuestion> questions;
+  for (const LoopPlace& place : places) {
+    submaps.push_back(submaps_.get(place.node));
+    questions.push_back({.from = submaps.back().get(),
+                         .T_from_to = place.T_node_newest,
+                         .covariance = place.covariance,
+                         .gate = place.source == LoopSource::position ? kNoGate : kExpectedGate});
+  }
+  const std::vector<LoopVerification> verdicts =
+      verifier_.verify(submap, cloud, questions, usual_rms(rms_));
+  std::vector<PendingLoop> found;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    found.push_back(judged(places[i], newest, verdicts[i]));
+  }
+  return found;
+}
+
+// By appearance only where no place that was found by position is borne out, and those again: the
+// gate may have refused them for drift that it does not know of.
+std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
+                                          const SurfaceCloud& cloud) {
+  const auto start = std::chrono::steady_clock::now();
+  const NodeId newest = graph.nodes().back().id;
+  note_gap(graph, submap);
+  reaches_.push_back(reach_of(submap));
+  levelled_.push_back(submap.vertical != Vertical::unknown);
+  if (!memory_.can_optimize(graph.nodes().size())) {
+    return {};
+  }
+  const auto known = relative_places(graph, newest, voting_.lumps);
+  const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
+  std::vector<PendingLoop> found = verified(places, newest, submap, cloud);
+  if (is_any_borne_out(found)) {
+    pauses_.reset();
+  } else if (pauses_.is_due()) {
+    std::vector<LoopPlace> similar = find_similar_places(graph, index_, known, appearance_);
+    std::erase_if(similar, [&](const LoopPlace& place) {
+      return std::ranges::any_of(found, [&](const PendingLoop& one) {
+        return one.loop.from == place.node && one.record.verdict == CandidateVerdict::waiting;
+      });
+    });
+    std::vector<PendingLoop> alike = verified(similar, newest, submap, cloud);
+    if (alike.empty() || is_any_borne_out(alike)) {
+      pauses_.reset();
+    } else {
+      pauses_.refused();
+    }
+    std::ranges::move(alike, std::back_inserter(found));
+  }
+  for (PendingLoop& one : found) {
+    const std::size_t from = graph.index_of(one.loop.from);
+    const auto& way = known[from];
+    one.loop.levelled = levelled_[from] && levelled_.back();
+    one.loop.without_heading = way && std::sqrt(way->covariance(5, 5)) > voting_.heading_sigma;
+  }
+  report_.search_ms.push_back(
+      std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
+  return found;
+}
+
+}  // namespace adit

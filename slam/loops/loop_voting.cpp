@@ -1,0 +1,467 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/slam/loops/loop_voting.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include <Eigen/Cholesky>
+
+#include "adit/slam/graph/uncertain_ways.hpp"
+
+namespace adit {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+Uncertain measured(const LoopHypothesis& loop) {
+  return {loop.T_from_to, loop.covariance};
+}
+
+double chi2(const Uncertain& error) {
+  const Vector6d off = se3_log(error.pose);
+  return off.dot(error.covariance.ldlt().solve(off));
+}
+
+/// With a third of what an odometry may drift by on that path as a standard deviation besides.
+Uncertain drifting(Uncertain error, const DriftLimits& drift) {
+  const double moved = error.path * drift.height / 3.0;
+  const double turned = error.path * drift.turn / 3.0;
+  error.covariance.diagonal().head<3>().array() += moved * moved;
+  error.covariance.diagonal().tail<3>().array() += turned * turned;
+  return error;
+}
+
+double odometry_disagreement(Ways& ways, const LoopHypothesis& loop) {
+  const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
+  return known ? chi2(*known * measured(loop)) : kNever;
+}
+
+/// The cycle over both; nothing where the graph does not tie them.
+std::optional<Uncertain> cycle(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
+  const std::optional<Uncertain> later = ways.between(a.to, b.to);
+  const std::optional<Uncertain> earlier = ways.between(b.from, a.from);
+  return later && earlier ? std::optional(measured(a) * *later * inverse(measured(b)) * *earlier)
+                          : std::nullopt;
+}
+
+/// A loop claims a height that the odometry is not believed to drift by, and bears it out in all
+/// else: a floor that is built like the one above or below. What drifts is off elsewhere, too.
+bool is_another_floor(Ways& ways, const PoseGraph& graph, const LoopHypothesis& loop,
+                      const LoopVotingSettings& settings) {
+  const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
+  if (!known || !loop.levelled) {
+    return false;
+  }
+  const ClaimedClimb claim = claimed_climb(graph, loop.from, loop.to, loop.T_from_to);
+  if (std::abs(claim.climb) <= settings.near.least_distance + settings.near.height * claim.length) {
+    return false;
+  }
+  const Uncertain error = *known * measured(loop);
+  const Eigen::Matrix3d R_map_to = graph.nodes()[graph.index_of(loop.to)].T_map_node.linear();
+  Eigen::Matrix<double, 5, 6> but_height = Eigen::Matrix<double, 5, 6>::Zero();
+  but_height.topLeftCorner<2, 3>() = R_map_to.topRows<2>();
+  but_height.bottomRightCorner<3, 3>().setIdentity();
+  const Eigen::Matrix<double, 5, 1> off = but_height * se3_log(error.pose);
+  const Eigen::Matrix<double, 5, 5> spread = but_height * error.covariance * but_height.transpose();
+  return off.dot(spread.ldlt().solve(off)) <= settings.contradiction;
+}
+
+double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
+  const std::optional<Uncertain> error = cycle(ways, a, b);
+  return error ? chi2(*error) : kNever;
+}
+
+/// What is known of the parts that a graph is in.
+struct Parts {
+  std::vector<std::size_t> part_of;  ///< by node
+  std::span<const TrackingGap> gaps;
+};
+
+bool joins_parts(const PoseGraph& graph, const Parts& parts, const LoopHypothesis& loop) {
+  return parts.part_of[graph.index_of(loop.from)] != parts.part_of[graph.index_of(loop.to)];
+}
+
+/// By how much a loop between parts claims that more way was gone in a gap than can have been: the
+/// worst chi squared of the gaps between the two. Keyframes know which way is up, as only
+/// appearance finds such loops. Infinite where it claims a height that no odometry is believed to
+/// drift by, however little it knows it: a floor that is built like the one above or below.
+double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
+                        const LoopHypothesis& loop, const LoopVotingSettings& settings) {
+  const std::size_t from_part = parts.part_of[graph.index_of(loop.from)];
+  const std::size_t to_part = parts.part_of[graph.index_of(loop.to)];
+  double worst = 0.0;
+  for (const GapCrossing& gap :
+       gap_crossings(graph, parts.part_of, parts.gaps, from_part, to_part)) {
+    const bool forward = parts.part_of[graph.index_of(gap.last)] == from_part;
+    const auto before = ways.between(gap.last, forward ? loop.from : loop.to);
+    const auto after = ways.between(forward ? loop.to : loop.from, gap.first);
+    if (!before || !after) {
+      continue;
+    }
+    const Uncertain crossed =
+        *before * (forward ? measured(loop) : inverse(measured(loop))) * *after;
+    const Eigen::Vector3d gone = crossed.pose.translation();
+    const double aside = gone.head<2>().norm();
+    const double climbed = gone.z() - gap.rise;
+    Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
+    beyond.head<2>() = gone.head<2>() * (std::max(0.0, aside - gap.reach) / std::max(aside, 1e-9));
+    beyond.z() = std::copysign(std::max(0.0, std::abs(climbed) - gap.climb), climbed);
+    if (std::abs(beyond.z()) >
+        settings.near.least_distance + settings.near.height * (crossed.path + gap.between)) {
+      return kNever;
+    }
+    const Eigen::Matrix3d R = crossed.pose.linear();
+    const Eigen::Matrix3d spread =
+        R * crossed.covariance.topLeftCorner<3, 3>() * R.transpose() +
+        settings.gap_sigma * settings.gap_sigma * Eigen::Matrix3d::Identity();
+    worst = std::max(worst, beyond.dot(spread.ldlt().solve(beyond)));
+  }
+  return worst;
+}
+
+/// Hypotheses that agree with one of them, with each other, and belong to different keyframes.
+struct Bundle {
+  std::vector<std::size_t> members;
+  double cost = 0.0;
+};
+
+bool better(const Bundle& a, const Bundle& b) {
+  return std::tuple(b.members.size(), a.cost) < std::tuple(a.members.size(), b.cost);
+}
+
+/// Disagreement of all loops with all.
+using Table = std::vector<std::vector<double>>;
+
+// The seed's best partner of each other keyframe, best first, as far as they agree with all before.
+Bundle bundle_of(std::size_t seed, std::span<const LoopHypothesis> all, const Table& table,
+                 const std::vector<bool>& open, double agreement) {
+  std::map<NodeId, std::size_t> partners;
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    if (!open[m] || all[m].to == all[seed].to || table[seed][m] > agreement) {
+      continue;
+    }
+    const auto [place, is_new] = partners.emplace(all[m].to, m);
+    if (!is_new && table[seed][m] < table[seed][place->second]) {
+      place->second = m;
+    }
+  }
+  std::vector<std::size_t> order;
+  for (const auto& [node, m] : partners) {
+    order.push_back(m);
+  }
+  std::ranges::stable_sort(order, {}, [&](std::size_t m) { return table[seed][m]; });
+  Bundle bundle{.members = {seed}};
+  for (const std::size_t m : order) {
+    if (std::ranges::all_of(bundle.members,
+                            [&](std::size_t k) { return table[k][m] <= agreement; })) {
+      bundle.members.push_back(m);
+      bundle.cost += table[seed][m];
+    }
+  }
+  return bundle;
+}
+
+/// The worst disagreement with an accepted loop, where too many of them contradict, by what was
+/// measured and by what the graph has made of it; else nothing. What is unexpected is held against
+/// what drift may have done on the cycle's ways.
+std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const LoopHypothesis& loop,
+                                   bool unexpected, std::span<const LoopHypothesis> accepted,
+                                   const LoopVotingSettings& settings) {
+  const auto asked = accepted.last(std::min(accepted.size(), settings.most_asked));
+  std::size_t speaking = 0;
+  std::size_t contradicting = 0;
+  double worst = 0.0;
+  for (const LoopHypothesis& other : asked) {
+    const std::optional<Uncertain> error = cycle(far_ways, loop, other);
+    if (!error) {
+      continue;  // loops of other parts of the map say nothing
+    }
+    ++speaking;
+    const auto contradicts = [&](const Uncertain& one) {
+      return unexpected ? !is_possible_drift(one.pose, one.path, settings.drift,
+                                             loop.levelled && other.levelled)
+                        : chi2(one) > settings.contradiction;
+    };
+    if (contradicts(*error) && contradicts(*cycle(measured_ways, loop, other))) {
+      ++contradicting;
+      worst = std::max(worst, chi2(*error));
+    }
+  }
+  const double most = settings.most_contradicting * static_cast<double>(speaking);
+  return static_cast<double>(contradicting) > most ? std::optional(worst) : std::nullopt;
+}
+
+/// What all votes rest on.
+struct Poll {
+  std::span<const LoopHypothesis> all;
+  std::vector<bool> open;  ///< nothing speaks against it
+  Table table;             ///< disagreements
+};
+
+/// How the two keyframes are turned to each other, whatever else the graph knows of them.
+bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSettings& settings) {
+  const std::optional<Uncertain> known = ways.between(loop.from, loop.to);
+  return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
+}
+
+/// Whether the odometry and the loops before object.
+LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& graph,
+                      const Parts& parts, const LoopHypothesis& loop, const EarlierLoops& before,
+                      const LoopVotingSettings& settings) {
+  const bool joins = joins_parts(graph, parts, loop);
+  LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
+                                       : odometry_disagreement(far_ways, loop)};
+  vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
+  const auto climbs_as_shown = [&] {
+    return !loop.levelled ||
+           before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
+  };
+  // Once the odometry is known to climb, that tells.
+  const auto is_twin_floor = [&] {
+    return !joins && !before.climb.is_steady() && is_another_floor(far_ways, graph, loop, settings);
+  };
+  const auto is_explained = [&] {
+    if (joins) {
+      return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
+    }
+    return drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift,
+                          loop.levelled) &&
+           climbs_as_shown();
+  };
+  const auto claims_the_same = [&](const LoopHypothesis& other) {
+    return disagreement(far_ways, loop, other) <= settings.agreement;
+  };
+  vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
+  vote.far =
+      vote.unexpected && !joins && loop.source == LoopSource::position &&
+      (before.far_off || vote.odometry_chi2 > settings.most_by_position ||
+       !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.near, loop.levelled));
+  const bool is_possible =
+      !is_twin_floor() &&
+      (vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
+                       // Drift may have brought a floor to where the one below was.
+                       : !before.climb.is_steady() || climbs_as_shown());
+  if (!is_possible) {
+    vote.objection = LoopObjection::odometry;
+    return vote;
+  }
+  if (const auto worst =
+          contradicted(far_ways, measured_ways, loop, vote.unexpected, before.accepted, settings)) {
+    vote.objection = LoopObjection::loops;
+    vote.worst_chi2 = *worst;
+  }
+  return vote;
+}
+
+/// The largest bundle of those of one kind.
+std::optional<Bundle> best_bundle(const Poll& poll, std::vector<LoopVote>& votes, bool unexpected,
+                                  double agreement) {
+  std::vector<bool> open = poll.open;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    open[k] = open[k] && votes[k].unexpected == unexpected;
+  }
+  std::optional<Bundle> best;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    if (open[k]) {
+      const Bundle bundle = bundle_of(k, poll.all, poll.table, open, agreement);
+      votes[k].voters = bundle.members.size();
+      best = !best || better(bundle, *best) ? bundle : *best;
+    }
+  }
+  return best;
+}
+
+/// A crossing has one or two keyframes: what is strong and undisputed may come alone.
+std::optional<Bundle> single_crossing(const Poll& poll, const std::vector<LoopVote>& votes,
+                                      std::size_t most_voters, double contradiction) {
+  const auto alone = [&](std::size_t k) {
+    return poll.open[k] && !votes[k].unexpected && !votes[k].blind && poll.all[k].strong &&
+           poll.all[k].to == poll.all.front().to && votes[k].voters == most_voters;
+  };
+  const auto disputed = [&](std::size_t k) {
+    for (std::size_t m = 0; m < poll.all.size(); ++m) {
+      if (poll.open[m] && !votes[m].unexpected && m != k && poll.table[k][m] > contradiction) {
+        return true;
+      }
+    }
+    return false;
+  };
+  std::optional<std::size_t> one;
+  for (std::size_t k = 0; k < poll.all.size(); ++k) {
+    if (alone(k) && !disputed(k) && (!one || votes[k].odometry_chi2 < votes[*one].odometry_chi2)) {
+      one = k;
+    }
+  }
+  if (!one) {
+    return std::nullopt;
+  }
+  Bundle bundle;
+  bundle.members.push_back(*one);
+  return bundle;
+}
+
+/// Whether later keyframes of a bundle lie far enough apart, or look elsewhere, to tie parts.
+bool is_wide(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
+             const LoopVotingSettings& settings) {
+  const auto pose = [&](std::size_t k) {
+    return graph.nodes()[graph.index_of(poll.all[k].to)].T_map_node;
+  };
+  return std::ranges::any_of(bundle.members, [&](std::size_t a) {
+    return std::ranges::any_of(bundle.members, [&](std::size_t b) {
+      const Eigen::Isometry3d way = pose(a).inverse() * pose(b);
+      return way.translation().norm() >= settings.least_apart ||
+             rotation_angle(way.linear()) >= settings.least_turned;
+    });
+  });
+}
+
+/// Whether later keyframes of a bundle do not lie on one line: seen along the line, a place may be
+/// like itself turned by half.
+bool is_broad(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
+              const LoopVotingSettings& settings) {
+  std::vector<Eigen::Vector2d> places;
+  for (const std::size_t k : bundle.members) {
+    places.emplace_back(
+        graph.nodes()[graph.index_of(poll.all[k].to)].T_map_node.translation().head<2>());
+  }
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& a : places) {
+    for (const Eigen::Vector2d& b : places) {
+      along = (b - a).norm() > along.norm() ? Eigen::Vector2d(b - a) : along;
+    }
+  }
+  const Eigen::Vector2d across = Eigen::Vector2d(-along.y(), along.x()).normalized();
+  double lowest = kNever;
+  double highest = -kNever;
+  for (const Eigen::Vector2d& place : places) {
+    lowest = std::min(lowest, across.dot(place));
+    highest = std::max(highest, across.dot(place));
+  }
+  return highest - lowest >= settings.least_aside;
+}
+
+/// Loops that are far off have a voice only where the largest bundle has some of them and grows.
+void leave_what_does_not_grow(const PoseGraph& graph, Poll& poll, std::vector<LoopVote>& votes,
+                              const LoopVotingSettings& settings) {
+  const auto is_far = [&](std::size_t k) { return poll.open[k] && votes[k].far; };
+  const std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
+  if (best && std::ranges::any_of(best->members, is_far)) {
+    std::vector<ClaimedDrift> claims;
+    for (const std::size_t k : best->members) {
+      const LoopHypothesis& loop = poll.all[k];
+      claims.push_back(claimed_drift(graph, loop.from, loop.to, loop.T_from_to));
+    }
+    if (best->members.size() >= settings.least_unexpected && grows_with_way(claims)) {
+      return;
+    }
+  }
+  for (std::size_t k = 0; k < poll.all.size(); ++k) {
+    if (is_far(k)) {
+      votes[k].objection = LoopObjection::odometry;
+      poll.open[k] = false;
+    }
+  }
+}
+
+/// The bundle that the odometry does not bear out, where it is large enough and nothing speaks
+/// against it; those that another bundle disputes are told so.
+std::optional<Bundle> unexpected_bundle(const PoseGraph& graph, const Parts& parts,
+                                        const Poll& poll, std::vector<LoopVote>& votes,
+                                        const LoopVotingSettings& settings) {
+  std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
+  if (!best || best->members.size() < settings.least_unexpected ||
+      (joins_parts(graph, parts, poll.all[best->members.front()]) &&
+       !is_wide(graph, poll, *best, settings))) {
+    return std::nullopt;
+  }
+  for (std::size_t m = 0; m < poll.all.size(); ++m) {
+    const bool counts = !votes[m].unexpected || 2 * votes[m].voters > best->members.size();
+    const bool against = std::ranges::any_of(best->members, [&](std::size_t k) {
+      // What nothing ties together says nothing.
+      return k != m && poll.table[k][m] > settings.contradiction && poll.table[k][m] < kNever;
+    });
+    if (poll.open[m] && counts && against) {
+      for (const std::size_t k : best->members) {
+        votes[k].objection = LoopObjection::places;
+      }
+      return std::nullopt;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b) {
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances, Poses::measured);
+  return disagreement(ways, a, b);
+}
+
+double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop) {
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances, Poses::optimized);
+  return odometry_disagreement(ways, loop);
+}
+
+std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
+                           const EarlierLoops& before, bool last_chance,
+                           const LoopVotingSettings& settings) {
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances, Poses::measured);                       // between neighbours
+  Ways far_ways(graph, covariances, Poses::optimized, settings.lumps);  // whole rounds
+  Ways measured_ways(graph, covariances, Poses::measured, settings.lumps);
+  const Parts parts{.part_of = connected_components(graph).component_of, .gaps = before.gaps};
+  std::vector<LoopVote> votes;
+  Poll poll{.all = hypotheses, .open = {}, .table = Table(hypotheses.size())};
+  for (const LoopHypothesis& loop : hypotheses) {
+    votes.push_back(first_judged(far_ways, measured_ways, graph, parts, loop, before, settings));
+    poll.open.push_back(votes.back().objection == LoopObjection::voters);
+  }
+  for (std::size_t a = 0; a < hypotheses.size(); ++a) {
+    poll.table[a].resize(hypotheses.size(), 0.0);
+    for (std::size_t b = 0; b < a; ++b) {
+      if (poll.open[a] && poll.open[b]) {
+        const auto error = cycle(ways, hypotheses[b], hypotheses[a]);
+        const bool drifted = votes[a].unexpected || votes[b].unexpected;
+        poll.table[a][b] = poll.table[b][a] =
+            !error ? kNever : chi2(drifted ? drifting(*error, settings.drift) : *error);
+      }
+    }
+  }
+  std::optional<Bundle> best = best_bundle(poll, votes, false, settings.agreement);
+  if (best && best->members.size() < settings.least_voters) {
+    best = last_chance ? single_crossing(poll, votes, best->members.size(), settings.contradiction)
+                       : std::nullopt;
+  }
+  const auto may_be_turned = [&](const Bundle& bundle) {
+    return std::ranges::any_of(bundle.members, [&](std::size_t k) { return votes[k].blind; }) &&
+           !is_broad(graph, poll, bundle, settings);
+  };
+  if (best && may_be_turned(*best)) {
+    best.reset();
+  }
+  if (!best) {
+    leave_what_does_not_grow(graph, poll, votes, settings);
+    best = unexpected_bundle(graph, parts, poll, votes, settings);
+    if (best && may_be_turned(*best)) {
+      best.reset();
+    }
+  }
+  const Bundle chosen = best.value_or(Bundle());
+  for (const std::size_t k : chosen.members) {
+    votes[k].accepted = true;
+    votes[k].objection = LoopObjection::none;
+    for (const std::size_t m : chosen.members) {
+      votes[k].worst_chi2 = std::max(votes[k].worst_chi2, poll.table[k][m]);
+    }
+  }
+  return votes;
+}
+
+}  // namespace adit

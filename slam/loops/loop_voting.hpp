@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which of the verified loops of the last keyframes agree with each other, with the odometry and
+// with the loops that were accepted before (docs/theory/loops.md).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "adit/slam/graph/drift_claim.hpp"
+#include "adit/slam/graph/tracking_gap.hpp"
+#include "adit/slam/loops/loop_candidate.hpp"
+
+namespace adit {
+
+/// A loop that its submaps bear out: a measured pose of the later keyframe in the earlier one's
+/// frame.
+struct LoopHypothesis {
+  int64_t id = 0;
+  NodeId from = 0;  ///< the earlier keyframe
+  NodeId to = 0;    ///< the later one
+  Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Identity();  ///< its covariance, right perturbation
+  bool strong = false;  ///< may be accepted alone: all directions constrained, much in common
+  LoopSource source = LoopSource::position;
+  /// When it was found, the graph did not know how the two are turned to each other.
+  bool without_heading = false;
+  bool levelled = true;  ///< both know their vertical: tilts and heights tell something
+};
+
+struct LoopVotingSettings {
+  double agreement = 12.59;  ///< chi squared of 6 directions that two loops agree within: 95 %
+  double contradiction =
+      16.81;  ///< and beyond which odometry or an accepted loop contradicts: 99 %
+  /// See relative_places(): of ways over odometry that are no neighbours. Measured on the simulated
+  /// office's odometry, over 20 to 40 edges (docs/theory/loops.md).
+  double lumps = 4.0;
+  std::size_t least_voters = 3;      ///< distinct later keyframes
+  std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
+  /// Chi squared against the graph of what position has found: where the odometry is as far off as
+  /// that, it may be a place like the one that is believed, unless what a bundle claims grows as
+  /// its ways do.
+  double most_by_position = 100.0;
+  double gap = 11.34;          ///< chi squared of what is claimed of a gap, 3 directions: 99 %
+  double gap_sigma = 0.2;      ///< m, besides what is known of the ways to its ends
+  double least_apart = 10.0;   ///< m, between two later keyframes that tie parts of a map, or
+  double least_turned = 1.0;   ///< rad
+  double heading_sigma = 1.0;  ///< rad, from where on the graph does not know a heading
+  double least_aside = 3.0;  ///< m, from the line of a bundle's later keyframes, where it does not
+  DriftLimits drift{};
+  /// And what position has found may have drifted by, unless what a bundle claims grows: 4 m
+  /// between floors that are built alike pass for drift on a way of 30 m, and by lidar alone for
+  /// likely.
+  DriftLimits near{.aside = 0.02, .height = 0.01};
+  double most_contradicting = 0.25;  ///< share of the accepted loops that may
+  std::size_t most_asked = 50;       ///< accepted loops that are asked, the latest
+};
+
+/// Why a loop has not been accepted.
+enum class LoopObjection {
+  none,
+  odometry,  ///< contradicts what the graph knows without it
+  loops,     ///< contradicts loops that were accepted before
+  places,    ///< others agree as well that it is another place
+  voters,    ///< too few others agree by now
+};
+
+struct LoopVote {
+  LoopObjection objection = LoopObjection::voters;
+  double odometry_chi2 = 0.0;  ///< against the graph, or the gaps between its parts
+  double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
+  std::size_t voters = 1;      ///< later keyframes that agree, its own among them
+  bool unexpected = false;     ///< not where the graph's covariances have it
+  bool far = false;            ///< as far as position is believed only where a bundle's claims grow
+  bool blind = false;          ///< the graph does not know its heading
+  bool accepted = false;
+};
+
+/// Loops that came before.
+struct EarlierLoops {
+  std::span<const LoopHypothesis> accepted{};  ///< the graph's
+  std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
+  std::span<const TrackingGap> gaps{};         ///< between parts of the graph
+  ShownClimb climb{};                          ///< of the accepted ones
+  /// One of them was farther off than LoopVotingSettings::most_by_position: where the graph has
+  /// places says little, and what position finds has to be within its covariances, or to grow.
+  bool far_off = false;
+};
+
+/// A vote per hypothesis, in order. Those of one bundle are accepted together: at least
+/// `least_voters`, one for each later keyframe, each agreeing with each. `graph` has not seen them.
+/// `last_chance`: the oldest later keyframe is about to leave the queue, and a strong loop of it
+/// may come alone, where nothing contradicts it.
+///
+/// A loop may contradict the graph's covariances, as far as drift explains it (drift_explains())
+/// and no refuted loop has claimed the same. Such loops are accepted in bundles of their own, where
+/// nothing that the graph bears out contradicts them, nor another such bundle. So are those that
+/// tie parts of the graph, as far as the gaps between the parts allow it; later keyframes of such a
+/// bundle lie `least_apart`, or have turned by `least_turned`: who stands in one corridor has seen
+/// nothing that a corridor like it would not have shown. Where the graph does not know how two
+/// keyframes are turned to each other (a track that was lost in a turn, and no IMU), it bears out
+/// whatever is found, and a corridor walked back looks like the same one walked on: such loops are
+/// accepted where their later keyframes do not lie on one line.
+std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
+                           const EarlierLoops& before, bool last_chance,
+                           const LoopVotingSettings& settings);
+
+/// Chi squared of the cycle of two loops over the graph: a's measurement, the way to b's later
+/// keyframe, b's measurement back, and the way between the earlier ones. Infinite where the graph
+/// does not tie them.
+double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b);
+
+/// Chi squared of a loop against the graph's own relative pose.
+double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop);
+
+}  // namespace adit
