@@ -24,7 +24,7 @@
 #include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/device_session.hpp"
 

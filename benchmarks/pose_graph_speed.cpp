@@ -16,7 +16,7 @@
 #include "adit/slam/graph/condensation.hpp"
 #include "adit/slam/graph/initialization.hpp"
 #include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
 
 namespace {
 

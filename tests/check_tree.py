@@ -30,8 +30,8 @@ GROUPS = [
     "slam/core", "slam/inertial", "slam/registration", "slam/fusion", "slam/odometry", "slam/graph",
     "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
-    "tools/topics", "tools/results", "tools/simulator", "tools/maps", "tools/foxglove", "tools/viewer", "tools/run",
-    "tools/evaluation", "tools/inspection", "tools/commands",
+    "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/map_edits",
+    "tools/foxglove", "tools/viewer", "tools/run", "tools/evaluation", "tools/inspection", "tools/commands",
     "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]
 # Includes of the project's own files begin so, that none can collide with a user's.
@@ -181,8 +181,8 @@ def check_vulkan(files):
 
 # A library that can be replaced in one file; tests use it as an oracle.
 ONE_FILE = {"ceres/": "slam/graph/solver.cpp", "glog/": "slam/graph/solver.cpp",
-            "GeographicLib/": "slam/gnss/world_frame.cpp", "GeographicLib/Geoid": "tools/maps/geoid.cpp",
-            "proj.h": "tools/maps/projected_system.cpp", "boost/": "tools/viewer/view_server.cpp"}
+            "GeographicLib/": "slam/gnss/world_frame.cpp", "GeographicLib/Geoid": "tools/map_products/geoid.cpp",
+            "proj.h": "tools/map_products/projected_system.cpp", "boost/": "tools/viewer/view_server.cpp"}
 
 
 def check_libraries(files):

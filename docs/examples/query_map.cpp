@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "adit/slam/submaps/submap_codec.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 
 int main(int argc, char** argv) try {
   if (argc != 5) {

@@ -68,7 +68,7 @@ struct MapRevision {
   std::optional<std::vector<ControlPoint>> control{};          ///< in place of all those stored
 };
 
-/// A place where a map is kept: maps/map_database.hpp is one.
+/// A place where a map is kept: map_database/map_database.hpp is one.
 class MapStore {
  public:
   virtual ~MapStore() = default;

@@ -7,8 +7,8 @@
 
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/graph_support.hpp"
-#include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/row_checksums.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_database/row_checksums.hpp"
 
 namespace adit::test {
 

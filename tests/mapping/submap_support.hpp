@@ -10,7 +10,7 @@
 #include "adit/benchmarks/verify/synthetic_world.hpp"
 #include "adit/slam/submaps/submap_builder.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 
 namespace adit::test {
 

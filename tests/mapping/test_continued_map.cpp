@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/maps/continued_map.hpp"
+#include "adit/tools/map_database/continued_map.hpp"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
 
 #include <string>
 

@@ -24,9 +24,9 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/maps/map_recovery.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/write_ahead_log.hpp"
+#include "adit/tools/map_database/map_recovery.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_database/write_ahead_log.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {

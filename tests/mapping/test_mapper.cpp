@@ -12,7 +12,7 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
 #include "adit/tests/support/device_fixture.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 
 namespace adit {
 namespace {

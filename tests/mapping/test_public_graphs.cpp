@@ -12,7 +12,7 @@
 #include "adit/slam/graph/initialization.hpp"
 #include "adit/slam/graph/solver.hpp"
 #include "adit/tests/support/shared_data.hpp"
-#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/maps/row_checksums.hpp"
+#include "adit/tools/map_database/row_checksums.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/error_text.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/maps/map_recovery.hpp"
+#include "adit/tools/map_database/map_recovery.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {

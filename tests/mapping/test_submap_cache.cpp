@@ -14,7 +14,7 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/mapping/map_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/maps/tiled_cloud.hpp"
+#include "adit/tools/map_products/tiled_cloud.hpp"
 
 namespace adit {
 namespace {

@@ -15,7 +15,7 @@
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/program.hpp"
-#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
 
 namespace adit {
 namespace {

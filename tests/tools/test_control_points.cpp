@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/maps/control_points.hpp"
+#include "adit/tools/map_edits/control_points.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
-#include "adit/tools/maps/map_recovery.hpp"
+#include "adit/tools/map_database/map_recovery.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/input_file.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/maps/dense_cloud.hpp"
+#include "adit/tools/map_products/dense_cloud.hpp"
 
 #include <cmath>
 #include <limits>

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/maps/tile_folder.hpp"
+#include "adit/tools/map_products/tile_folder.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

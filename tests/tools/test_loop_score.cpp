@@ -13,7 +13,7 @@
 #include "adit/tests/mapping/graph_support.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {

@@ -22,8 +22,8 @@
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
-#include "adit/tools/maps/g2o_file.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
 
 namespace adit {
 namespace {

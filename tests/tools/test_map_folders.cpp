@@ -18,8 +18,8 @@
 #include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_recover.hpp"
-#include "adit/tools/maps/map_location.hpp"
-#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/map_database/map_location.hpp"
+#include "adit/tools/map_database/writer_lock.hpp"
 
 namespace adit {
 namespace {

@@ -18,9 +18,9 @@
 #include "adit/tools/clouds/ply_reader.hpp"
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/export_job.hpp"
-#include "adit/tools/maps/cloud_raster.hpp"
-#include "adit/tools/maps/g2o_file.hpp"
-#include "adit/tools/maps/trajectory_products.hpp"
+#include "adit/tools/map_products/cloud_raster.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
+#include "adit/tools/map_products/trajectory_products.hpp"
 
 namespace adit {
 namespace {

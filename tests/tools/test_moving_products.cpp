@@ -12,7 +12,7 @@
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_export.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 
 namespace adit {
 namespace {

@@ -14,7 +14,7 @@
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/drawing/html_page.hpp"
-#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/map_database/writer_lock.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/usage_error.hpp"
 

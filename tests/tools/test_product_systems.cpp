@@ -14,8 +14,8 @@
 
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tools/clouds/las_writer.hpp"
-#include "adit/tools/maps/cloud_selection.hpp"
-#include "adit/tools/maps/product_coordinates.hpp"
+#include "adit/tools/map_products/cloud_selection.hpp"
+#include "adit/tools/map_products/product_coordinates.hpp"
 #include "adit/tools/support/output_file.hpp"
 
 namespace adit {

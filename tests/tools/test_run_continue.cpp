@@ -10,7 +10,7 @@
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_run.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/run/earlier_run.hpp"
 
 namespace adit {

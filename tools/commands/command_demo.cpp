@@ -20,7 +20,7 @@
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
 #include "adit/tools/evaluation/run_evaluation.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/simulator/simulation.hpp"

@@ -16,11 +16,11 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/maps/control_points.hpp"
-#include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/map_location.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_database/map_location.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_database/writer_lock.hpp"
+#include "adit/tools/map_edits/control_points.hpp"
 
 namespace adit {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/maps/map_location.hpp"
-#include "adit/tools/maps/map_recovery.hpp"
+#include "adit/tools/map_database/map_location.hpp"
+#include "adit/tools/map_database/map_recovery.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

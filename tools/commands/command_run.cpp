@@ -22,7 +22,7 @@
 #include "adit/tools/commands/run_settings.hpp"
 #include "adit/tools/commands/run_view.hpp"
 #include "adit/tools/commands/wanted_run.hpp"
-#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/map_database/writer_lock.hpp"
 #include "adit/tools/recordings/one_sensor.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/run/configured_recording.hpp"

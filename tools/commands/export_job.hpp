@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "adit/tools/commands/command_export.hpp"
-#include "adit/tools/maps/cloud_selection.hpp"
-#include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/product_coordinates.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_products/cloud_selection.hpp"
+#include "adit/tools/map_products/product_coordinates.hpp"
 #include "adit/tools/run/memory_limit.hpp"
 
 namespace adit {

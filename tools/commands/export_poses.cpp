@@ -7,10 +7,10 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/maps/g2o_file.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/tiled_cloud.hpp"
-#include "adit/tools/maps/trajectory_products.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
+#include "adit/tools/map_products/tiled_cloud.hpp"
+#include "adit/tools/map_products/trajectory_products.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/output_file.hpp"
 

@@ -6,10 +6,10 @@
 
 #include "adit/slam/core/text.hpp"
 #include "adit/tools/commands/export_cloud.hpp"
-#include "adit/tools/maps/cloud_raster.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/occupancy_grid.hpp"
-#include "adit/tools/maps/tiled_cloud.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_products/cloud_raster.hpp"
+#include "adit/tools/map_products/occupancy_grid.hpp"
+#include "adit/tools/map_products/tiled_cloud.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "adit/tools/commands/command_optimize.hpp"
-#include "adit/tools/maps/control_points.hpp"
-#include "adit/tools/maps/g2o_file.hpp"
+#include "adit/tools/map_edits/control_points.hpp"
+#include "adit/tools/map_products/g2o_file.hpp"
 
 namespace adit {
 

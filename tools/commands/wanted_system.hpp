@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "adit/tools/maps/product_coordinates.hpp"
+#include "adit/tools/map_products/product_coordinates.hpp"
 
 namespace adit {
 

@@ -15,8 +15,8 @@
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/loops/loop_reason.hpp"
 #include "adit/tools/evaluation/true_keyframes.hpp"
-#include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/run/loop_reasons.hpp"
 #include "adit/tools/support/input_error.hpp"
 

@@ -17,8 +17,8 @@
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/drawing/markup.hpp"
 #include "adit/tools/drawing/overlay_picture.hpp"
-#include "adit/tools/maps/loop_drift.hpp"
-#include "adit/tools/maps/loops_picture.hpp"
+#include "adit/tools/map_edits/loop_drift.hpp"
+#include "adit/tools/map_edits/loops_picture.hpp"
 #include "adit/tools/support/base64.hpp"
 #include "adit/tools/support/input_error.hpp"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 
 namespace adit {
 

@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "adit/slam/core/lie.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 
 namespace adit {
 namespace {

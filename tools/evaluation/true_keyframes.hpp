@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 
 namespace adit {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 
 namespace adit {

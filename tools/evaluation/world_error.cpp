@@ -11,8 +11,8 @@
 #include "adit/slam/gnss/world_covariance.hpp"
 #include "adit/slam/graph/level_drift.hpp"
 #include "adit/tools/evaluation/evaluate_association.hpp"
-#include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {

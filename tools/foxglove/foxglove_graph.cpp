@@ -8,7 +8,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/maps/odometry_chain.hpp"
+#include "adit/tools/map_database/odometry_chain.hpp"
 
 namespace adit {
 namespace {

@@ -10,8 +10,8 @@
 #include "adit/tools/clouds/ply_visit.hpp"
 #include "adit/tools/foxglove/foxglove_types.hpp"
 #include "adit/tools/foxglove/sweep_message.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/tiled_cloud.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_products/tiled_cloud.hpp"
 #include "adit/tools/results/page_cloud.hpp"
 #include "adit/tools/support/progress.hpp"
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/input_file.hpp"

@@ -12,7 +12,7 @@
 #include "adit/slam/gnss/map_fix.hpp"
 #include "adit/slam/gnss/world_frame.hpp"
 #include "adit/tools/foxglove/foxglove_graph.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/results/sweep_table.hpp"
 
 namespace adit {

@@ -13,8 +13,8 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "adit/slam/submaps/keyframe_submap.hpp"
-#include "adit/tools/maps/map_database.hpp"
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/python/arrays.hpp"
 #include "adit/tools/python/gil.hpp"
 #include "adit/tools/python/measurements.hpp"

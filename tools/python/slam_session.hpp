@@ -13,7 +13,7 @@
 
 #include "adit/slam/executor/slam.hpp"
 #include "adit/slam/odometry/verdict.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/python/device.hpp"
 #include "adit/tools/python/recording.hpp"
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/run/run_summary.hpp"
 
 namespace adit {

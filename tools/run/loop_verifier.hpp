@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "adit/tools/maps/loop_addition.hpp"
+#include "adit/tools/map_edits/loop_addition.hpp"
 #include "adit/tools/run/device_session.hpp"
 
 namespace adit {

@@ -10,9 +10,9 @@
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/drawing/markup.hpp"
-#include "adit/tools/maps/loop_drift.hpp"
-#include "adit/tools/maps/loops_picture.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_edits/loop_drift.hpp"
+#include "adit/tools/map_edits/loops_picture.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/input_error.hpp"
 

@@ -6,8 +6,8 @@
 #include <system_error>
 #include <vector>
 
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/writer_lock.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_database/writer_lock.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
 #include "adit/tools/support/output_file.hpp"
 

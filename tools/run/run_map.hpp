@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "adit/tools/maps/continued_map.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/continued_map.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/results/placed_cloud.hpp"
 #include "adit/tools/run/earlier_run.hpp"
 #include "adit/tools/run/run_summary.hpp"

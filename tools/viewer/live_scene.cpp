@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/maps/map_trajectory.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
 #include "adit/tools/support/version.hpp"
 #include "adit/tools/viewer/view_access.hpp"
 

@@ -13,7 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/viewer/view_graph.hpp"
 
 namespace adit {

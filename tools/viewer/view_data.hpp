@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "adit/tools/maps/loop_addition.hpp"
-#include "adit/tools/maps/loop_change.hpp"
+#include "adit/tools/map_edits/loop_addition.hpp"
+#include "adit/tools/map_edits/loop_change.hpp"
 #include "adit/tools/viewer/cloud_tiles.hpp"
 #include "adit/tools/viewer/foxglove_feed.hpp"
 #include "adit/tools/viewer/view_graph.hpp"

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/maps/map_trajectory.hpp"
-#include "adit/tools/maps/odometry_chain.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_database/odometry_chain.hpp"
 #include "adit/tools/viewer/view_world.hpp"
 
 namespace adit {

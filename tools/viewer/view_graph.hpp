@@ -14,7 +14,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "adit/slam/core/types.hpp"
-#include "adit/tools/maps/map_database.hpp"
+#include "adit/tools/map_database/map_database.hpp"
 
 namespace adit {
 

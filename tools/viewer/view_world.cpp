@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/maps/product_coordinates.hpp"
+#include "adit/tools/map_products/product_coordinates.hpp"
 
 namespace adit {
 namespace {

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/map_products/cloud_product.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "adit/tools/clouds/las_writer.hpp"
+#include "adit/tools/clouds/pcd_writer.hpp"
+#include "adit/tools/clouds/ply_writer.hpp"
+#include "adit/tools/support/version.hpp"
+
+namespace adit {
+namespace {
+
+std::vector<std::string> comments_of(const CloudHeading& heading) {
+  if (heading.coordinates.empty()) {
+    return {};
+  }
+  return {"coordinates: " + heading.coordinates,
+          fmt::format("offset: {:.4f} {:.4f} {:.4f}, to be added to x, y and z", heading.offset.x(),
+                      heading.offset.y(), heading.offset.z())};
+}
+
+/// PLY and PCD.
+template <class Writer, class P>
+class SingleProduct final : public CloudProduct {
+ public:
+  SingleProduct(const std::filesystem::path& file, const CloudHeading& heading)
+      : offset_(heading.offset), writer_(file, comments_of(heading)) {}
+
+  void write(std::span<const CloudPoint> points) override {
+    single_.clear();
+    for (const CloudPoint& point : points) {
+      const Eigen::Vector3f p = (point.position - offset_).cast<float>();
+      if constexpr (std::is_same_v<P, TimedPoint>) {
+        single_.push_back({.x = p.x(),
+                           .y = p.y(),
+                           .z = p.z(),
+                           .intensity = point.intensity,
+                           .time = seconds(point.time),
+                           .ring = point.ring});
+      } else {
+        single_.push_back({.x = p.x(), .y = p.y(), .z = p.z(), .intensity = point.intensity});
+      }
+    }
+    writer_.write(single_);
+  }
+  void close() override { writer_.close(); }
+  uint64_t count() const override { return writer_.count(); }
+
+ private:
+  Eigen::Vector3d offset_;
+  Writer writer_;
+  std::vector<P> single_;
+};
+
+constexpr float kMost = 65535.0F;
+
+/// What brings the intensities of a sensor to 16 bits.
+float stretch_of(std::span<const CloudPoint> points) {
+  float largest = 0.0F;
+  for (const CloudPoint& point : points) {
+    largest = std::max(largest, point.intensity);
+  }
+  return largest <= 1.0F ? kMost : largest <= 255.0F ? kMost / 255.0F : 1.0F;
+}
+
+class LasProduct final : public CloudProduct {
+ public:
+  LasProduct(const std::filesystem::path& file, const CloudHeading& heading)
+      : writer_(file, {.software = "adit " + std::string(version()),
+                       .wkt = heading.wkt,
+                       .offset = heading.offset,
+                       .unix_times = heading.unix_times}) {}
+
+  void write(std::span<const CloudPoint> points) override {
+    if (!stretch_ && !points.empty()) {
+      stretch_ = stretch_of(points);
+    }
+    las_.clear();
+    for (const CloudPoint& point : points) {
+      const float intensity = std::isfinite(point.intensity) ? point.intensity : 0.0F;
+      las_.push_back(
+          {.position = point.position,
+           .time = point.time,
+           .intensity = static_cast<uint16_t>(
+               std::lround(std::clamp(intensity * stretch_.value_or(1.0F), 0.0F, kMost))),
+           .classification = point.moving ? LasClass::moving : LasClass::unclassified,
+           .source = static_cast<uint16_t>(std::clamp<SessionId>(point.session, 0, 65535)),
+           .ring = point.ring,
+           .keyframe = static_cast<uint32_t>(point.keyframe)});
+    }
+    writer_.write(las_);
+  }
+  void close() override { writer_.close(); }
+  uint64_t count() const override { return writer_.count(); }
+
+ private:
+  LasWriter writer_;
+  std::optional<float> stretch_;
+  std::vector<LasPoint> las_;
+};
+
+}  // namespace
+
+CloudFormat cloud_format(std::string_view name) {
+  if (name == "ply") {
+    return CloudFormat::ply;
+  }
+  if (name == "pcd") {
+    return CloudFormat::pcd;
+  }
+  if (name == "las") {
+    return CloudFormat::las;
+  }
+  throw std::logic_error("no cloud format: " + std::string(name));
+}
+
+CloudHeading heading_of(const ProductCoordinates& coordinates) {
+  if (coordinates.frame() == ProductFrame::map) {
+    return {};
+  }
+  return {
+      .coordinates = coordinates.name(), .wkt = coordinates.wkt(), .offset = coordinates.offset()};
+}
+
+std::unique_ptr<CloudProduct> make_cloud_product(const std::filesystem::path& file,
+                                                 CloudFormat format, const CloudHeading& heading) {
+  switch (format) {
+    case CloudFormat::las:
+      return std::make_unique<LasProduct>(file, heading);
+    case CloudFormat::ply:
+      if (heading.measured) {
+        return std::make_unique<SingleProduct<TimedPlyWriter, TimedPoint>>(file, heading);
+      }
+      return std::make_unique<SingleProduct<PlyWriter, Point>>(file, heading);
+    case CloudFormat::pcd:
+      break;
+  }
+  if (heading.measured) {
+    return std::make_unique<SingleProduct<TimedPcdWriter, TimedPoint>>(file, heading);
+  }
+  return std::make_unique<SingleProduct<PcdWriter, Point>>(file, heading);
+}
+
+}  // namespace adit
