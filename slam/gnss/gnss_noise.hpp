@@ -17,6 +17,8 @@ namespace adit {
 inline constexpr double kFixGate = 11.34;
 /// Standard deviation of the map's own shape, m.
 inline constexpr double kShapeNoise = 0.1;
+/// The same between places near each other, m.
+inline constexpr double kMapNoise = 0.05;
 /// Standard deviation of an altitude that was not measured, m: all of the Earth's surface is
 /// within.
 inline constexpr double kUnknownHeight = 1e4;

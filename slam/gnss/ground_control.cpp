@@ -8,6 +8,7 @@
 
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/core/text.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
 #include "adit/slam/gnss/world_covariance.hpp"
 #include "adit/slam/gnss/world_fit.hpp"
 
@@ -18,8 +19,7 @@ constexpr std::size_t kFewestToPlace = 3;
 // What a map as it is may be off by: standard deviations, besides those of the points.
 constexpr double kDriftLevel = 0.01;  // of the distance between the points farthest apart
 constexpr double kDriftUp = 0.03;
-constexpr double kMapNoise = 0.05;  // m
-constexpr double kGate = 3.29;      // 99.9 %
+constexpr double kControlGate = 3.29;  // 99.9 %
 // What fixes may have in common that no map shows: where the antenna sits, the datum. m.
 constexpr double kFixNoise = 0.3;
 
@@ -72,9 +72,10 @@ Eigen::Isometry3d place_by_control(const PoseGraph& graph, std::span<const Contr
   for (std::size_t i = 0; i < of.size(); ++i) {
     const Eigen::Vector3d& sigma = of[i]->sigma;
     const double off = (fit->T_world_map * pairs[i].p_map - pairs[i].p_world).head<2>().norm();
-    if (off > kGate * std::hypot(sigma.head<2>().maxCoeff(), kDriftLevel * extent, kMapNoise) ||
+    if (off > kControlGate *
+                  std::hypot(sigma.head<2>().maxCoeff(), kDriftLevel * extent, kMapNoise) ||
         std::abs(heights[i] - height) >
-            kGate * std::hypot(sigma.z(), kDriftUp * extent, kMapNoise)) {
+            kControlGate * std::hypot(sigma.z(), kDriftUp * extent, kMapNoise)) {
       odd.push_back(of[i]);
     }
   }
@@ -124,9 +125,9 @@ void hold_against_fixes(PoseGraph graph, std::span<const ControlPoint> points,
     const double level = errors[i].head<2>().norm();
     const double up = std::abs(errors[i].z());
     if (is_control(point) && tied[graph.index_of(point.keyframe)] &&
-        (level > kGate * std::hypot(std::sqrt(variance.head<2>().maxCoeff()), kDriftLevel * reach,
-                                    kFixNoise) ||
-         up > kGate * std::hypot(std::sqrt(variance.z()), kDriftUp * reach, kFixNoise))) {
+        (level > kControlGate * std::hypot(std::sqrt(variance.head<2>().maxCoeff()),
+                                           kDriftLevel * reach, kFixNoise) ||
+         up > kControlGate * std::hypot(std::sqrt(variance.z()), kDriftUp * reach, kFixNoise))) {
       odd += (odd.empty() ? "" : ", ") + point.name + " (" + with_decimals(level, 2) +
              " m level, " + with_decimals(up, 2) + " m up)";
     }

@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "adit/slam/core/median.hpp"
+#include "adit/slam/gnss/gnss_noise.hpp"
 
 namespace adit {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kFewest = 5;  // pairs on either side
-constexpr double kExplained = 0.9;  // share of each side that the jump has to explain
-constexpr double kGate = 3.035;     // standard deviations in two directions, 99 %
-constexpr double kMapNoise = 0.05;  // m
-constexpr double kMapDrift = 0.01;  // of the distance travelled since the jump
+constexpr std::size_t kFewestBeside = 5;  // pairs on either side
+constexpr double kExplained = 0.9;        // share of each side that the jump has to explain
+constexpr double kJumpGate = 3.035;       // standard deviations in two directions, 99 %
+constexpr double kDriftSinceJump = 0.01;  // of the distance travelled since the jump
 
 /// Where a jump would be: pairs up to it agree with the fit, those from it on do not, or the other
 /// way round.
@@ -55,12 +55,12 @@ Vector2d median_of(const std::vector<Vector2d>& values) {
 }  // namespace
 
 std::optional<ReceiverJump> find_jump(std::span<const PositionPair> pairs, const WorldFit& fit) {
-  if (pairs.size() < 2 * kFewest || fit.agrees.size() != pairs.size()) {
+  if (pairs.size() < 2 * kFewestBeside || fit.agrees.size() != pairs.size()) {
     return std::nullopt;
   }
   const Split split = best_split(fit.agrees);
   const std::size_t after = pairs.size() - split.at;
-  if (split.at < kFewest || after < kFewest ||
+  if (split.at < kFewestBeside || after < kFewestBeside ||
       static_cast<double>(split.right) < kExplained * static_cast<double>(pairs.size())) {
     return std::nullopt;
   }
@@ -75,14 +75,14 @@ std::optional<ReceiverJump> find_jump(std::span<const PositionPair> pairs, const
   std::size_t alike = 0;
   double sigma = 0.0;
   for (std::size_t i = 0; i < other.size(); ++i) {
-    const double drift = kMapDrift * (other[i].p_map - nearest.p_map).norm();
+    const double drift = kDriftSinceJump * (other[i].p_map - nearest.p_map).norm();
     const double variance = std::max(other[i].covariance(0, 0), other[i].covariance(1, 1)) +
                             kMapNoise * kMapNoise + drift * drift;
-    alike += (off[i] - shift).squaredNorm() < kGate * kGate * variance ? 1U : 0U;
+    alike += (off[i] - shift).squaredNorm() < kJumpGate * kJumpGate * variance ? 1U : 0U;
     sigma = std::max(sigma, std::sqrt(variance));
   }
   if (static_cast<double>(alike) < kExplained * static_cast<double>(other.size()) ||
-      shift.norm() < kGate * sigma) {
+      shift.norm() < kJumpGate * sigma) {
     return std::nullopt;
   }
   return ReceiverJump{

@@ -14,10 +14,9 @@ using Eigen::Vector2d;
 
 constexpr std::size_t kHypotheses = 400;
 constexpr int kRefinements = 5;
-constexpr double kGate = 9.21;      // chi squared of two directions, 99 %
+constexpr double kPairGate = 9.21;  // chi squared of two directions, 99 %
 constexpr double kMapDrift = 0.01;  // of the distance from the middle of the pairs
-constexpr double kMapNoise = 0.05;  // m
-constexpr std::size_t kFewest = 3;
+constexpr std::size_t kFewestPairs = 3;
 
 Vector2d level(const Eigen::Vector3d& p) {
   return p.head<2>();
@@ -47,7 +46,8 @@ class Fitter {
   bool agrees(const PositionPair& pair, const Placement& placement) const {
     const double drift = kMapDrift * (level(pair.p_map) - middle_).norm();
     const double variance = variance_of(pair) + drift * drift + kMapNoise * kMapNoise;
-    return (placement * level(pair.p_map) - level(pair.p_world)).squaredNorm() < kGate * variance;
+    return (placement * level(pair.p_map) - level(pair.p_world)).squaredNorm() <
+           kPairGate * variance;
   }
 
   std::vector<bool> agreeing(const Placement& placement) const {
@@ -172,7 +172,7 @@ class Fitter {
 }  // namespace
 
 std::optional<WorldFit> fit_world(std::span<const PositionPair> pairs, double correlation) {
-  if (pairs.size() < kFewest) {
+  if (pairs.size() < kFewestPairs) {
     return std::nullopt;
   }
   const Fitter fitter(pairs);
@@ -183,7 +183,8 @@ std::optional<WorldFit> fit_world(std::span<const PositionPair> pairs, double co
   WorldFit fit{.agrees = fitter.agreeing(*placement)};
   for (int round = 0; round < kRefinements; ++round) {
     fit.agreeing = static_cast<std::size_t>(std::ranges::count(fit.agrees, true));
-    const auto better = fit.agreeing < kFewest ? std::nullopt : fitter.least_squares(fit.agrees);
+    const auto better =
+        fit.agreeing < kFewestPairs ? std::nullopt : fitter.least_squares(fit.agrees);
     if (!better) {
       return std::nullopt;
     }
@@ -191,7 +192,7 @@ std::optional<WorldFit> fit_world(std::span<const PositionPair> pairs, double co
     fit.agrees = fitter.agreeing(*placement);
   }
   fit.agreeing = static_cast<std::size_t>(std::ranges::count(fit.agrees, true));
-  if (fit.agreeing < kFewest) {
+  if (fit.agreeing < kFewestPairs) {
     return std::nullopt;
   }
   fit.T_world_map.linear() =

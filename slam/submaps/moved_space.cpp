@@ -18,13 +18,13 @@ namespace {
 constexpr double kUnits = 1U << gpu::kSpaceBits;  // a voxel's edge
 // A ray begins behind what carries the sensor, and ends before what it hit by what surfaces and
 // poses may be off by: m, and a share of the range. Far away beams are far apart.
-constexpr double kNearest = 1.5;
-constexpr double kMargin = 0.5;
-constexpr double kMarginShare = 0.02;
-constexpr double kReach = 60.0;  // m
+constexpr double kRayBegins = 1.5;
+constexpr double kRayMargin = 0.5;
+constexpr double kRayMarginShare = 0.02;
+constexpr double kRayReach = 60.0;  // m
 // Normals of one plane agree: the length of their mean.
-constexpr double kPlane = 0.6;
-constexpr uint32_t kLeastThrough = 2;         // submaps
+constexpr double kPlaneAgreement = 0.6;
+constexpr uint32_t kLeastSubmapsThrough = 2;  // submaps
 constexpr std::size_t kMostRays = 1U << 17U;  // rays; then they go to the device
 
 VoxelIndex voxel_of(const Eigen::Vector3d& p, double edge) {
@@ -138,7 +138,7 @@ std::vector<gpu::SpaceVoxel> space_table(const SpaceTile& tile, double edge, std
     }
     const Eigen::Vector3d mean = one.normals / one.points;
     table[slot].key = key;
-    table[slot].normal = mean.norm() > kPlane ? packed(mean.normalized()) : 0;
+    table[slot].normal = mean.norm() > kPlaneAgreement ? packed(mean.normalized()) : 0;
   }
   return table;
 }
@@ -160,11 +160,11 @@ std::vector<gpu::SpaceRay> space_rays(const SpaceTile& tile, double edge,
     const Eigen::Vector3d& sensor = sensors[point.sweep];
     const double range = (p - sensor).norm();
     const Eigen::Vector3d direction = (p - sensor) / std::max(range, edge);
-    const double end = std::min((1.0 - kMarginShare) * range - kMargin, kReach);
-    const Eigen::Vector3d from = (sensor + kNearest * direction) / edge;
-    const auto count = static_cast<int64_t>(std::floor((end - kNearest) / edge)) + 1;
+    const double end = std::min((1.0 - kRayMarginShare) * range - kRayMargin, kRayReach);
+    const Eigen::Vector3d from = (sensor + kRayBegins * direction) / edge;
+    const auto count = static_cast<int64_t>(std::floor((end - kRayBegins) / edge)) + 1;
     const Samples samples =
-        end < kNearest ? Samples{} : within(tile, from - centre, direction, count);
+        end < kRayBegins ? Samples{} : within(tile, from - centre, direction, count);
     const Eigen::Vector3i hit = in_tile_of(tile, voxel_of(p, edge));
     if (samples.first == samples.end && !is_in(around, hit)) {
       continue;
@@ -266,7 +266,7 @@ std::vector<VoxelIndex> MovedSpaceSearch::in_tile(
     return moved;
   }
   for (const gpu::SpaceVoxel& voxel : count_votes(std::move(table), tile, submaps, submap)) {
-    if (voxel.through >= kLeastThrough && 2 * voxel.through > 3 * voxel.seen) {
+    if (voxel.through >= kLeastSubmapsThrough && 2 * voxel.through > 3 * voxel.seen) {
       const std::array at = engine::unpack_voxel(voxel.key);
       moved.emplace_back(tile.centre + VoxelIndex(at[0], at[1], at[2]));
     }

@@ -19,7 +19,8 @@ struct Entry {
 };
 constexpr std::array kEntries{Entry{"city", make_city},     Entry{"field", make_field},
                               Entry{"forest", make_forest}, Entry{"mine", make_mine},
-                              Entry{"office", make_office}, Entry{"room", make_room}};
+                              Entry{"office", make_office}, Entry{"room", make_room},
+                              Entry{"wings", make_wings}};
 
 constexpr double kStep = 0.05;  // s
 

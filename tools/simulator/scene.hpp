@@ -60,5 +60,6 @@ Scene make_forest(uint64_t seed);
 Scene make_mine(uint64_t seed);
 Scene make_office(uint64_t seed);
 Scene make_room(uint64_t seed);
+Scene make_wings(uint64_t seed);
 
 }  // namespace adit

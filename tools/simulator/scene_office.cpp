@@ -3,23 +3,20 @@
 //
 // An office: two floors, each a corridor of 44 m with eight rooms on either side that look alike,
 // some behind glass, and a staircase at the end.
+#include "adit/tools/simulator/scene_office.hpp"
+
 #include <utility>
 
 #include "adit/tools/simulator/scene.hpp"
-#include "adit/tools/support/random.hpp"
 
 namespace adit {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLength = 44.0;
 constexpr int kRooms = 8;
-constexpr double kRoom = kLength / kRooms;  // m along the corridor
-constexpr double kCorridor = 1.2;           // m, half its width
-constexpr double kOuter = 7.7;              // m, to the outer walls
+constexpr double kRoom = kOfficeLength / kRooms;  // m along the corridor
 constexpr double kStorey = 3.4;
-constexpr double kCeiling = 3.0;
 constexpr double kWall = 0.12;
 constexpr double kStairs = 46.0;  // m, where the steps begin
 constexpr double kEnd = 53.0;     // m, the end of the stairwell
@@ -38,10 +35,10 @@ void add_wall(Mesh& mesh, double y, double from, double to, double floor, const 
       add_block(mesh, {x0, y - 0.5 * kWall, floor + z0}, {x1, y + 0.5 * kWall, floor + z1}, of);
     }
   };
-  part(from, opening.from, 0.0, kCeiling, material);
-  part(opening.to, to, 0.0, kCeiling, material);
+  part(from, opening.from, 0.0, kOfficeCeiling, material);
+  part(opening.to, to, 0.0, kOfficeCeiling, material);
   part(opening.from, opening.to, 0.0, opening.low, material);
-  part(opening.from, opening.to, opening.high, kCeiling, material);
+  part(opening.from, opening.to, opening.high, kOfficeCeiling, material);
 }
 
 void furnish(Mesh& mesh, const Vector3d& corner, double towards_window, Random& random) {
@@ -66,50 +63,23 @@ void furnish(Mesh& mesh, const Vector3d& corner, double towards_window, Random& 
   }
 }
 
-void add_storey(Mesh& mesh, int storey, Random& random) {
-  const double z = storey * kStorey;
-  add_block(mesh, {-0.2, -kOuter, z - 0.2}, {kLength, kOuter, z}, Material::concrete);
-  add_block(mesh, {-0.2, -kOuter, z + kCeiling}, {kLength, kOuter, z + kCeiling + 0.05},
-            Material::plaster);
-  add_block(mesh, {-0.2, -kOuter, z}, {0.0, kOuter, z + kCeiling}, Material::plaster);
-  for (int room = 0; room < kRooms; ++room) {
-    const double from = room * kRoom;
-    const double to = from + kRoom;
-    for (const double side : {-1.0, 1.0}) {
-      const double door = from + (room % 2 == 0 ? 0.5 : kRoom - 1.5);
-      const bool glass = (room + (side > 0.0 ? 1 : 0)) % 3 == 0;
-      add_wall(mesh, side * kCorridor, from, to, z, {door, door + 0.95, 0.0, 2.1},
-               glass ? Material::glass : Material::plaster);
-      add_wall(mesh, side * kOuter, from, to, z, {from + 0.6, to - 0.6, 0.9, 2.4},
-               Material::concrete);
-      add_block(mesh, {from + 0.6, side * kOuter - 0.01, z + 0.9},
-                {to - 0.6, side * kOuter + 0.01, z + 2.4}, Material::glass);
-      add_block(mesh, {to - 0.5 * kWall, std::min(side * kCorridor, side * kOuter), z},
-                {to + 0.5 * kWall, std::max(side * kCorridor, side * kOuter), z + kCeiling},
-                Material::plaster);
-      furnish(mesh, {from, side * kCorridor, z}, side, random);
-    }
-    // Lamps and door frames give the corridor its only texture.
-    add_block(mesh, {from + 2.0, -0.15, z + kCeiling - 0.08}, {from + 3.4, 0.15, z + kCeiling},
-              Material::metal);
-  }
-}
-
 void add_stairwell(Mesh& mesh) {
-  const double top = kStorey + kCeiling;
-  add_block(mesh, {kLength, -3.0, -0.2}, {kEnd, 3.0, 0.0}, Material::concrete);
-  add_block(mesh, {kLength, -3.0, top}, {kEnd, 3.0, top + 0.1}, Material::plaster);
+  const double top = kStorey + kOfficeCeiling;
+  add_block(mesh, {kOfficeLength, -3.0, -0.2}, {kEnd, 3.0, 0.0}, Material::concrete);
+  add_block(mesh, {kOfficeLength, -3.0, top}, {kEnd, 3.0, top + 0.1}, Material::plaster);
   add_block(mesh, {kEnd, -3.0, 0.0}, {kEnd + 0.2, 3.0, top}, Material::concrete);
   for (const double side : {-1.0, 1.0}) {
-    add_block(mesh, {kLength, side * 3.1 - 0.1, 0.0}, {kEnd, side * 3.1 + 0.1, top},
+    add_block(mesh, {kOfficeLength, side * 3.1 - 0.1, 0.0}, {kEnd, side * 3.1 + 0.1, top},
               Material::plaster);
     for (const double z : {0.0, kStorey}) {
-      add_block(mesh, {kLength - 0.06, std::min(side * kCorridor, side * 3.0), z},
-                {kLength + 0.06, std::max(side * kCorridor, side * 3.0), z + kCeiling},
-                Material::plaster);
+      add_block(
+          mesh, {kOfficeLength - 0.06, std::min(side * kOfficeCorridor, side * 3.0), z},
+          {kOfficeLength + 0.06, std::max(side * kOfficeCorridor, side * 3.0), z + kOfficeCeiling},
+          Material::plaster);
     }
   }
-  add_block(mesh, {kLength, -3.0, kStorey - 0.2}, {kStairs, 3.0, kStorey}, Material::concrete);
+  add_block(mesh, {kOfficeLength, -3.0, kStorey - 0.2}, {kStairs, 3.0, kStorey},
+            Material::concrete);
   add_block(mesh, {kStairs + 4.0, -3.0, 1.5}, {kEnd, 3.0, 1.7}, Material::concrete);
   constexpr int kSteps = 10;
   for (int i = 0; i < kSteps; ++i) {
@@ -135,11 +105,44 @@ void add_stairwell(Mesh& mesh) {
 
 }  // namespace
 
+void add_office_storey(Mesh& mesh, double floor, Random& random) {
+  const double z = floor;
+  add_block(mesh, {-0.2, -kOfficeOuter, z - 0.2}, {kOfficeLength, kOfficeOuter, z},
+            Material::concrete);
+  add_block(mesh, {-0.2, -kOfficeOuter, z + kOfficeCeiling},
+            {kOfficeLength, kOfficeOuter, z + kOfficeCeiling + 0.05}, Material::plaster);
+  for (int room = 0; room < kRooms; ++room) {
+    const double from = room * kRoom;
+    const double to = from + kRoom;
+    for (const double side : {-1.0, 1.0}) {
+      const double door = from + (room % 2 == 0 ? 0.5 : kRoom - 1.5);
+      const bool glass = (room + (side > 0.0 ? 1 : 0)) % 3 == 0;
+      add_wall(mesh, side * kOfficeCorridor, from, to, z, {door, door + 0.95, 0.0, 2.1},
+               glass ? Material::glass : Material::plaster);
+      add_wall(mesh, side * kOfficeOuter, from, to, z, {from + 0.6, to - 0.6, 0.9, 2.4},
+               Material::concrete);
+      add_block(mesh, {from + 0.6, side * kOfficeOuter - 0.01, z + 0.9},
+                {to - 0.6, side * kOfficeOuter + 0.01, z + 2.4}, Material::glass);
+      add_block(mesh, {to - 0.5 * kWall, std::min(side * kOfficeCorridor, side * kOfficeOuter), z},
+                {to + 0.5 * kWall, std::max(side * kOfficeCorridor, side * kOfficeOuter),
+                 z + kOfficeCeiling},
+                Material::plaster);
+      furnish(mesh, {from, side * kOfficeCorridor, z}, side, random);
+    }
+    // Lamps and door frames give the corridor its only texture.
+    add_block(mesh, {from + 2.0, -0.15, z + kOfficeCeiling - 0.08},
+              {from + 3.4, 0.15, z + kOfficeCeiling}, Material::metal);
+  }
+}
+
 Scene make_office(uint64_t seed) {
   Random random(seed);
   Scene scene;
   for (int storey = 0; storey < 2; ++storey) {
-    add_storey(scene.mesh, storey, random);
+    const double floor = storey * kStorey;
+    add_block(scene.mesh, {-0.2, -kOfficeOuter, floor}, {0.0, kOfficeOuter, floor + kOfficeCeiling},
+              Material::plaster);
+    add_office_storey(scene.mesh, floor, random);
   }
   add_stairwell(scene.mesh);
   const double half = 0.5 * kStorey;
