@@ -129,5 +129,23 @@ TEST(Scenes, AreTheSameForTheSameSeedAndOthersForOthers) {
   }
 }
 
+TEST(Scenes, TheSecondWingLooksLikeTheFirst) {
+  const Scene wings = make_scene("wings", 3);
+  const RayScene scene(wings.mesh);
+  const Vector3d apart(0.0, wings.route[5].y(), 0.0);  // the corner where the second wing begins
+  ASSERT_GT(apart.y(), 20.0);
+  for (int i = 0; i < 40; ++i) {
+    const double angle = 0.37 * i;
+    const Vector3d eye(1.0 + i, 0.2, 1.2);
+    const Vector3d ahead(std::cos(angle), std::sin(angle), 0.2 * std::sin(3.1 * angle));
+    const auto first = scene.cast(eye, ahead.normalized(), 7.0);  // within the wing
+    const auto second = scene.cast(eye + apart, ahead.normalized(), 7.0);
+    ASSERT_EQ(first.has_value(), second.has_value()) << i;
+    if (first) {
+      EXPECT_NEAR(first->distance, second->distance, 1e-4) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace adit
