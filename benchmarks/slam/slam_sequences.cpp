@@ -137,7 +137,8 @@ std::vector<SlamEntry> slam_catalogue() {
           {"room-mid360-fast", "room", "Mid-360", "fast-handheld", 20.0},
           {"mine-vlp16-spikes", "mine", "VLP-16", "drive", 30.0, 0.0, 1, false, {"spikes"}},
           {"room-mid360-handheld", "room", "Mid-360", "handheld", 30.0, 0.0, 1, true},
-          {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2}};
+          {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2},
+          {"wings-vlp16-walk", "wings", "VLP-16", "walk", 40.0}};
 }
 
 std::vector<SlamEntry> loop_catalogue() {
