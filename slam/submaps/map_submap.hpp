@@ -18,7 +18,7 @@ struct MapSubmap {
   std::vector<std::vector<std::byte>> chunks;       ///< their content is mapping's own affair
 };
 
-/// Reads the stored submap of a keyframe; throws what the place does where the map is kept.
+/// Reads the stored submap of a keyframe; throws what the store throws.
 using SubmapLoader = std::function<MapSubmap(NodeId keyframe)>;
 
 }  // namespace adit

@@ -153,16 +153,16 @@ std::optional<uint32_t> find_floats_per_point(std::span<const float> numbers) {
   }
   std::vector<std::size_t> classes(numbers.size());
   std::ranges::transform(numbers, classes.begin(), class_of);
-  std::array<double, kMostFloats + 1> told{};
+  std::array<double, kMostFloats + 1> mutual_information{};
   for (uint32_t places = kFewestFloats; places <= kMostFloats; ++places) {
-    told[places] = information(classes, places);
+    mutual_information[places] = information(classes, places);
   }
-  const double greatest = *std::ranges::max_element(told);
+  const double greatest = *std::ranges::max_element(mutual_information);
   if (greatest < kClear) {
     return std::nullopt;
   }
   for (uint32_t places = kFewestFloats; places <= kMostFloats; ++places) {
-    if (told[places] >= kAsMuch * greatest) {
+    if (mutual_information[places] >= kAsMuch * greatest) {
       return places;
     }
   }

@@ -23,7 +23,7 @@ constexpr double kNarrowest = 1.0;    // m, from its middle to a wall
 constexpr double kWidest = 2.2;
 constexpr double kThin = 0.2;  // m, of floors and ceilings
 
-/// A block of the passage: along its direction and across (to the left), m from where it begins.
+/// Places of a straight passage: m along it from where it begins, and m to the left of its middle.
 struct Frame {
   Vector2d origin;
   Vector2d ahead;
