@@ -31,7 +31,8 @@ GROUPS = [
     "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
     "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/map_edits",
-    "tools/foxglove", "tools/viewer", "tools/run", "tools/evaluation", "tools/inspection", "tools/commands",
+    "tools/foxglove", "tools/viewer", "tools/run", "tools/live", "tools/evaluation", "tools/inspection",
+    "tools/commands",
     "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]
 # Includes of the project's own files begin so, that none can collide with a user's.
@@ -41,7 +42,8 @@ GENERATED = {"version.hpp"}
 # The sources of a page, which are no C++: one level more.
 PAGE = "tools/viewer/page/"
 # Where threads may be started: tests and benchmarks aside.
-THREADS = {"engine/self_test/", "slam/executor/", "tools/recordings/events_ahead", "tools/simulator/parallel.hpp",
+THREADS = {"engine/self_test/", "tools/live/udp_receiver", "tools/commands/command_live",
+           "slam/executor/", "tools/recordings/events_ahead", "tools/simulator/parallel.hpp",
            "tools/viewer/live_view", "tools/viewer/foxglove_run_feed"}
 # What these layers are not to include; they do not print or end the process either (PRINTS).
 FORBIDDEN_HEADERS = {

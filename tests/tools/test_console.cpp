@@ -119,7 +119,7 @@ TEST_F(ConsoleTest, OtherWordsAreUsageErrorsOfEveryCommand) {
 
 TEST_F(ConsoleTest, EveryCommandHasTheOptions) {
   for (const char* command :
-       {"demo", "run", "simulate", "inspect", "convert", "align", "evaluate", "info", "check",
+       {"demo", "run", "live", "simulate", "inspect", "convert", "align", "evaluate", "info", "check",
         "recover", "view", "export", "loops", "optimize", "devices", "config", "generate"}) {
     const std::string help = call({command, "--help"}).out;
     for (const char* part :

@@ -27,6 +27,7 @@
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/commands/command_live.hpp"
 #include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_recover.hpp"
@@ -112,6 +113,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   const auto done = [&code](int command_code) { code = command_code; };
   add_demo_command(app, done);
   add_run_command(app, done);
+  add_live_command(app, done);
   add_simulate_command(app, done);
   add_inspect_command(app, done);
   add_convert_command(app, done);

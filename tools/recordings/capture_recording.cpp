@@ -317,4 +317,8 @@ std::unique_ptr<Recording> open_packet_capture(const fs::path& path, const fs::p
   return std::make_unique<CaptureRecording>(path, recognise(path, metadata));
 }
 
+PacketSensor sensor_of_capture(const fs::path& path, const fs::path& metadata) {
+  return recognise(path, metadata);
+}
+
 }  // namespace adit

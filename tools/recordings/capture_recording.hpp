@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "adit/tools/recordings/packet_decoder.hpp"
 #include "adit/tools/recordings/recording.hpp"
 
 namespace adit {
@@ -20,5 +21,9 @@ namespace adit {
 /// no sensor that is known, of several, or without the metadata that they need.
 std::unique_ptr<Recording> open_packet_capture(const std::filesystem::path& path,
                                                const std::filesystem::path& metadata = {});
+
+/// The sensor of such a capture, by its first packets. Throws as open_packet_capture() does.
+PacketSensor sensor_of_capture(const std::filesystem::path& path,
+                               const std::filesystem::path& metadata = {});
 
 }  // namespace adit

@@ -115,6 +115,11 @@ std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::pat
                                           const RecordingConfig& config) {
   std::unique_ptr<Recording> recording =
       open_recording(paths, std::filesystem::path(config.metadata.value_or("")));
+  return configured(std::move(recording), config);
+}
+
+std::unique_ptr<Recording> configured(std::unique_ptr<Recording> recording,
+                                      const RecordingConfig& config) {
   if (config == RecordingConfig{}) {
     return recording;
   }

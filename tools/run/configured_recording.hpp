@@ -30,4 +30,8 @@ std::unique_ptr<Recording> open_recording(const std::vector<std::filesystem::pat
 std::size_t require_clear_point_times(const Recording& recording, std::size_t topic,
                                       const std::filesystem::path& path);
 
+/// The recording with what the configuration corrects of it.
+std::unique_ptr<Recording> configured(std::unique_ptr<Recording> recording,
+                                      const RecordingConfig& config);
+
 }  // namespace adit

@@ -211,6 +211,13 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                   {"host_ms", describe_stages(statistics.host_stages())},
                   {"device_ms", describe_stages(statistics.device_stages())},
                   {"device_work", describe_work(statistics.device_work())}};
+  if (outcome.live) {
+    json["live"] = {{"latency_p50_ms", outcome.live->latency_p50_ms},
+                    {"latency_p99_ms", outcome.live->latency_p99_ms},
+                    {"sweeps", outcome.live->sweeps},
+                    {"lost_datagrams", outcome.live->lost_datagrams},
+                    {"unknown_datagrams", outcome.live->unknown_datagrams}};
+  }
   json["output"] = describe_outputs(run, outcome);
   json["validation"] = {{"enabled", run.validation}, {"messages", outcome.validation_messages}};
   return json;

@@ -46,6 +46,15 @@ struct RunDescription {
   bool kept = true;        ///< false: its folder goes away in the end
 };
 
+/// What a live run reports besides.
+struct LiveReport {
+  double latency_p50_ms = 0.0;  ///< from the arrival of a sweep's last point to its pose
+  double latency_p99_ms = 0.0;
+  std::size_t sweeps = 0;          ///< whose latency is known
+  uint64_t lost_datagrams = 0;     ///< dropped by the kernel: its buffer was full
+  uint64_t unknown_datagrams = 0;  ///< of no known sensor: neither used nor recorded
+};
+
 /// What is known after the last.
 struct RunOutcome {
   MappingResult result;
@@ -57,6 +66,7 @@ struct RunOutcome {
   uint64_t resident_peak_bytes = 0;             ///< of the process; 0: not told
   std::optional<HighRateStatistics> high_rate;  ///< none: not asked for
   std::vector<std::string> validation_messages;
+  std::optional<LiveReport> live{};  ///< of `adit live`
 };
 
 /// summary.json as it stands while the run goes on: its status is "running". A process that is

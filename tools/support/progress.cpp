@@ -36,7 +36,9 @@ std::string rate_text(const ProgressState& state, const std::string& separator) 
   if (state.done == 0 || state.elapsed_s <= 0.0) return {};
   const double rate = static_cast<double>(state.done) / state.elapsed_s;
   std::string result = separator + fmt::format("{:.{}f}/s", rate, rate < 10.0 ? 2 : 1);
-  if (state.done < state.total) {
+  if (state.total == kUnknownTotal) {
+    result += separator + format_duration(state.elapsed_s);
+  } else if (state.done < state.total) {
     const double left_s = static_cast<double>(state.total - state.done) / rate;
     result += state.done < kEnoughForAnEstimate ? std::string()
                                                 : separator + format_duration(left_s) + " left";
@@ -51,6 +53,9 @@ std::string failed_text(const ProgressState& state, const std::string& separator
 }
 
 std::string count_text(const ProgressState& state) {
+  if (state.total == kUnknownTotal) {
+    return std::to_string(state.done) + " " + state.unit;
+  }
   return std::to_string(state.done) + "/" + std::to_string(state.total) + " " + state.unit;
 }
 
@@ -73,6 +78,9 @@ std::string format_duration(double seconds) {
 }
 
 std::string format_bar(const std::string& label, const ProgressState& state, std::size_t columns) {
+  if (state.total == kUnknownTotal) {
+    return format_line(label, state).substr(0, columns);
+  }
   constexpr std::size_t kLongestBar = 40;
   constexpr std::size_t kShortestBar = 5;
   const std::string share = fmt::format("{:3} %", percent(state));
@@ -94,6 +102,9 @@ std::string format_bar(const std::string& label, const ProgressState& state, std
 }
 
 std::string format_line(const std::string& label, const ProgressState& state) {
+  if (state.total == kUnknownTotal) {
+    return label + " " + count_text(state) + failed_text(state, ", ") + rate_text(state, ", ");
+  }
   return label + " " + count_text(state) + " (" + std::to_string(percent(state)) + " %)" +
          failed_text(state, ", ") + rate_text(state, ", ");
 }

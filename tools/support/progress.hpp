@@ -11,6 +11,9 @@
 
 namespace adit {
 
+/// Of work whose end nobody knows: it has no percentage.
+inline constexpr std::size_t kUnknownTotal = std::size_t{1} << 48U;
+
 /// How far the work is.
 struct ProgressState {
   std::size_t done = 0;

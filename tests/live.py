@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The adit authors
+# SPDX-License-Identifier: Apache-2.0
+"""`adit live`: packets over loopback are recorded and mapped, and `adit run` of the recording gives the same bytes.
+
+Usage: live.py ADIT.
+"""
+
+import json
+import math
+import pathlib
+import random
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+SWEEPS = 28
+SAME = ["trajectory.tum", "online.tum", "odometry.tum", "sweeps.csv", "map.ply"]
+ELEVATIONS = [-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15]
+
+
+def distance(azimuth, elevation, x):
+    """Metres to the walls of a room, from a sensor at (x, 0.3, 1.2)."""
+    a, e = math.radians(azimuth), math.radians(elevation)
+    ray = (math.cos(e) * math.sin(a), math.cos(e) * math.cos(a), math.sin(e))
+    walls = zip(ray, (x, 0.3, 1.2), ((-6, 7), (-4, 5), (0, 3.5)))
+    return min(((far if d > 0 else near) - p) / d for d, p, (near, far) in walls if abs(d) > 1e-9)
+
+
+def vlp16_packets():
+    """Packets of a VLP-16 that turns ten times a second and moves at 0.4 m/s."""
+    packets = []
+    for number in range(SWEEPS * 75):
+        body = b""
+        for block in range(12):
+            turn = (number * 12 + block) % 900
+            second = (number * 12 + block) * 110.592e-6
+            body += struct.pack("<HH", 0xEEFF, turn * 40)
+            ranges = [distance(turn * 0.4, elevation, 0.4 * second) for elevation in ELEVATIONS]
+            channels = b"".join(struct.pack("<HB", round(r / 0.002), 50) for r in ranges)
+            body += channels + channels
+        packets.append(body + struct.pack("<IBB", round(number * 12 * 110.592), 0x37, 0x22))
+    return packets
+
+
+def payloads(file):
+    """UDP payloads of a recording."""
+    data, at, found = file.read_bytes(), 24, []
+    while at < len(data):
+        size = struct.unpack_from("<I", data, at + 8)[0]
+        found.append(data[at + 16 + 28:at + 16 + size])
+        at += 16 + size
+    return found
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def expect(holds, what):
+    if not holds:
+        sys.exit(f"live: {what}")
+
+
+def same_files(one, other):
+    for name in SAME:
+        expect((one / name).read_bytes() == (other / name).read_bytes(), f"{name} is another file")
+    expect((one / "trajectory.tum").stat().st_size > 0, "the trajectory is empty")
+
+
+def run(adit, *words):
+    done = subprocess.run([adit, *map(str, words)], capture_output=True, text=True, check=False)
+    expect(done.returncode == 0, f"{words}: exit code {done.returncode}\n{done.stderr}")
+
+
+def wait_for(process, port):
+    mark = f"0100007F:{port:04X}"
+    while mark not in pathlib.Path("/proc/net/udp").read_text(encoding="ascii"):
+        expect(process.poll() is None, f"it ended before it listened: {process.communicate()}")
+        time.sleep(0.02)
+
+
+def send(sender, port, packets):
+    """At the sensor's pace, with datagrams that no sensor sends between them."""
+    chance = random.Random(52)
+    bad = 0
+    for number, packet in enumerate(packets):
+        sender.sendto(packet, ("127.0.0.1", port))
+        sender.sendto(chance.randbytes(chance.randrange(1400)), ("127.0.0.1", port))
+        bad += 1
+        if number % 50 == 7:
+            sender.sendto(packet[:chance.randrange(1200)], ("127.0.0.1", port))
+            bad += 1
+        time.sleep(1 / 754)
+    return bad
+
+
+def check_sensor(adit, folder):
+    out, port, packets = folder / "live", free_port(), vlp16_packets()
+    command = [adit, "live", f"udp://127.0.0.1:{port}", "-o", out, "--wait", "60"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        wait_for(process, port)
+        bad = send(sender, port, packets)
+        while not (out / "map.adit").exists():  # the job has begun
+            expect(process.poll() is None, f"it ended by itself: {process.communicate()}")
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate()
+        expect(process.returncode == 0, f"exit code {process.returncode}\n{err}")
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    live, recorded = summary["live"], payloads(out / "recording.pcap")
+    rest = iter(packets)
+    expect(all(one in rest for one in recorded), "the recording is not what was sent, in its order")
+    missing = len(packets) - len(recorded) + bad - live["unknown_datagrams"]
+    expect(0 <= missing <= live["lost_datagrams"], f"{missing} datagrams are unaccounted for: {live}")
+    expect(live["sweeps"] > SWEEPS // 2, f"the latency of too few sweeps is known: {live}")
+    expect("verdict" in summary, "there is no verdict")
+    run(adit, "check", out / "map.adit")
+    run(adit, "run", out / "recording.pcap", "-o", folder / "again", "--quiet")
+    same_files(out, folder / "again")
+
+
+def check_recording(adit, folder):
+    recording = folder / "room.mcap"
+    run(adit, "simulate", "room", "--duration", "1.5", "-o", recording)
+    run(adit, "run", recording, "-o", folder / "run", "--quiet")
+    run(adit, "live", recording, "-o", folder / "paced", "--speed", "20", "--quiet")
+    same_files(folder / "run", folder / "paced")
+
+
+def check_silence(adit, folder):
+    command = [adit, "live", f"udp://127.0.0.1:{free_port()}", "-o", folder / "none", "--wait", "0.2"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    expect(done.returncode == 1 and "no packet of a known sensor arrived" in done.stderr, f"silence: {done}")
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    adit = str(pathlib.Path(sys.argv[1]).resolve())
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        check_silence(adit, folder)
+        check_recording(adit, folder)
+        check_sensor(adit, folder)
+
+
+if __name__ == "__main__":
+    main()
