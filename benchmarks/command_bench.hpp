@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 class Command;

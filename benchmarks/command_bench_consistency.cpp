@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/benchmarks/consistency/consistency.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/commands/command_config.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"

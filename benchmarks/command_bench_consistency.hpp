@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 class Command;

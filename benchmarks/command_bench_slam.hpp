@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "adit/benchmarks/slam/slam_sequences.hpp"
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 class Command;

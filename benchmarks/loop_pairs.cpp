@@ -26,11 +26,11 @@
 #include "adit/slam/mapping/loop_by_hand.hpp"
 #include "adit/slam/submaps/submap_builder.hpp"
 #include "adit/slam/submaps/submap_codec.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/evaluation/loop_score.hpp"
 #include "adit/tools/map_database/map_database.hpp"
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace {
 

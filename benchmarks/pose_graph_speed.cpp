@@ -15,7 +15,7 @@
 #include "adit/benchmarks/simulated_graph.hpp"
 #include "adit/slam/graph/condensation.hpp"
 #include "adit/slam/graph/initialization.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/map_products/g2o_file.hpp"
 
 namespace {

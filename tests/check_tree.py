@@ -31,8 +31,8 @@ GROUPS = [
     "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
     "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/map_edits",
-    "tools/foxglove", "tools/viewer", "tools/run", "tools/live", "tools/evaluation", "tools/inspection",
-    "tools/commands",
+    "tools/foxglove", "tools/viewer", "tools/setup", "tools/report", "tools/run", "tools/live", "tools/evaluation",
+    "tools/inspection", "tools/export", "tools/cli", "tools/commands",
     "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]
 # Includes of the project's own files begin so, that none can collide with a user's.
@@ -200,10 +200,10 @@ def check_libraries(files):
 def check_command_line(files):
     """CLI11 takes longer to compile than any source that is ours: one does."""
     for path, text in files.items():
-        if suffix(path) in CXX and path != "tools/commands/command_line.cpp":
+        if suffix(path) in CXX and path != "tools/cli/command_line.cpp":
             for _, name in includes(text):
                 if name.startswith("CLI/"):
-                    yield path, f"includes <{name}>; only tools/commands/command_line.cpp does"
+                    yield path, f"includes <{name}>; only tools/cli/command_line.cpp does"
 
 
 # What reads variables of the environment, and where they are listed: rows of a table under a heading.

@@ -97,7 +97,7 @@ class CheckTree(unittest.TestCase):
         self.expect("tools/viewer/page/deep/view.ts", SPDX, "more than one level")
 
     def test_cli11_outside_its_file_is_found(self):
-        self.expect("tools/commands/a.cpp", SPDX + "#include <CLI/CLI.hpp>\n", "only tools/commands/command_line.cpp")
+        self.expect("tools/commands/a.cpp", SPDX + "#include <CLI/CLI.hpp>\n", "only tools/cli/command_line.cpp")
 
     def test_a_variable_that_is_not_listed_is_found_and_one_that_nothing_reads(self):
         reads = {"tools/run/a.cpp": SPDX + 'auto a = std::getenv("ADIT_A");\nconst char* b[] = {"ADIT_B", "no ADIT_C"};\n',

@@ -79,19 +79,9 @@ def run(adit, *words):
     expect(done.returncode == 0, f"{words}: exit code {done.returncode}\n{done.stderr}")
 
 
-def is_free(port):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        try:
-            one.bind(("127.0.0.1", port))
-        except OSError:
-            return False
-    return True
-
-
-def wait_for(process, port):
-    while is_free(port):
-        expect(process.poll() is None, f"it ended before it listened: {process.communicate()}")
-        time.sleep(0.1)
+def wait_until_it_listens(process):
+    line = process.stderr.readline()
+    expect(line.startswith("listening"), f"it says {line!r} first: {process.communicate()}")
 
 
 def send(sender, port, packets):
@@ -114,7 +104,7 @@ def check_sensor(adit, folder):
     command = [adit, "live", f"udp://127.0.0.1:{port}", "-o", out, "--wait", "60"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process, \
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        wait_for(process, port)
+        wait_until_it_listens(process)
         bad = send(sender, port, packets)
         while not (out / "map.adit").exists():  # the job has begun
             expect(process.poll() is None, f"it ended by itself: {process.communicate()}")

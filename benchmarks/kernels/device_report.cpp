@@ -9,7 +9,7 @@
 
 #include "adit/benchmarks/kernels/compile_table.hpp"
 #include "adit/engine/error.hpp"
-#include "adit/tools/run/device_finding.hpp"
+#include "adit/tools/setup/device_finding.hpp"
 
 namespace adit::bench {
 namespace {

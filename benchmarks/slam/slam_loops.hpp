@@ -13,7 +13,7 @@
 
 #include "adit/benchmarks/slam/slam_sequences.hpp"
 #include "adit/tools/evaluation/run_loops.hpp"
-#include "adit/tools/run/loop_reasons.hpp"
+#include "adit/tools/report/loop_reasons.hpp"
 
 namespace adit::bench {
 

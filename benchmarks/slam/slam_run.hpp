@@ -10,8 +10,8 @@
 
 #include "adit/benchmarks/slam/slam_report.hpp"
 #include "adit/benchmarks/slam/slam_sequences.hpp"
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit::bench {
 

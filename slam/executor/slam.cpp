@@ -7,6 +7,7 @@
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <future>
 #include <memory>
 #include <string>
@@ -18,8 +19,6 @@
 
 namespace adit {
 namespace {
-
-constexpr std::size_t kMostBehind = 4;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -49,8 +48,9 @@ class Waiting {
 };
 
 /// The map takes up a sweep once the odometry is done with it, in a thread of its own, while the
-/// odometry goes on with the next ones, at most kMostBehind of them. A sweep is told when it is in
-/// the map, and the odometry learns nothing of it: so nothing hangs on which of the two is faster.
+/// odometry goes on with the next ones, at most SlamOptions::most_behind of them. A sweep is told
+/// when it is in the map, and the odometry learns nothing of it: so nothing hangs on which of the
+/// two is faster.
 class OfflineSlam final : public Slam {
  public:
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)
@@ -63,7 +63,9 @@ class OfflineSlam final : public Slam {
         map_(options.map),
         session_(options.session),
         map_memory_(options.map_memory),
-        map_beside_(options.map_beside) {
+        map_beside_(options.map_beside),
+        most_behind_(options.most_behind),
+        placed_(options.placed) {
     if (options.high_rate_smoothing) {
       high_rate_.emplace(config.imu, *options.high_rate_smoothing);
     }
@@ -129,7 +131,12 @@ class OfflineSlam final : public Slam {
     }
   }
 
-  void settle() override { wait_until_behind(0); }
+  void settle() override {
+    wait_until_behind(0);
+    if (last_fix_.valid()) {
+      last_fix_.get();
+    }
+  }
 
   std::optional<Mounting> mounting() const override { return mounting_; }
 
@@ -245,9 +252,18 @@ class OfflineSlam final : public Slam {
       before_map_fixes_.push_back(fix);
       return;
     }
-    wait_for_map();
-    if (!map_error_) {
-      mapper_->add(fix, antenna());
+    last_fix_ = worker_.run([this, fix, p = antenna()] { map_fix(fix, p); });
+  }
+
+  /// The worker's.
+  void map_fix(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
+    if (map_error_) {
+      return;
+    }
+    try {
+      mapper_->add(fix, p_lidar_antenna);
+    } catch (...) {
+      map_error_ = std::current_exception();  // the next sweep's, or finish_map()'s
     }
   }
 
@@ -290,6 +306,9 @@ class OfflineSlam final : public Slam {
     if (high_rate_) {
       high_rate_->update(result.inertial);
     }
+    if (placed_) {
+      placed_(sweep);
+    }
     SweepPlaced placed{.sweep = std::move(sweep), .result = std::move(result)};
     // After the odometry is done with the sweep: a map changes nothing of it.
     if (goes_into_map(placed.result)) {
@@ -311,7 +330,7 @@ class OfflineSlam final : public Slam {
   void add_to_map(SweepPlaced placed) {
     const auto start = std::chrono::steady_clock::now();
     begin_map();
-    wait_for_map(kMostBehind - 1);
+    wait_for_map(most_behind_ - 1);
     placed.map_ms = 1e3 * seconds_since(start);
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
@@ -343,7 +362,7 @@ class OfflineSlam final : public Slam {
     }
     mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_);
     for (const GnssFix& fix : std::exchange(before_map_fixes_, {})) {
-      take(fix);
+      map_fix(fix, antenna());  // the worker has nothing to do yet
     }
     for (const SweepResult& result : before_map_) {
       static_cast<void>(mapper_->add(Sweep{}, result, {}));
@@ -375,6 +394,8 @@ class OfflineSlam final : public Slam {
   SessionId session_;
   MapMemory map_memory_;
   bool map_beside_;
+  std::size_t most_behind_;
+  std::function<void(const Sweep&)> placed_;
   Waits waits_;
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began
@@ -382,6 +403,7 @@ class OfflineSlam final : public Slam {
   std::optional<HighRateStream> high_rate_;
   std::deque<Result> results_;                           ///< not asked for yet, in their order
   std::deque<std::shared_future<MapPlacement>> behind_;  ///< sweeps that the map may work on
+  std::future<void> last_fix_;  ///< that the map may work on; those before it are done before it
   bool flushing_ = false;
   bool failed_ = false;             ///< the last of results_ is a failure
   std::exception_ptr map_error_;    ///< the worker's: to be read once that was waited for

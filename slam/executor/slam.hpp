@@ -10,6 +10,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -79,6 +81,10 @@ struct SlamOptions {
   /// The map may be some sweeps behind the odometry; otherwise the map holds each sweep before the
   /// next is placed, so that it has no more than next() has given.
   bool map_beside = true;
+  /// Sweeps that the map may be behind the odometry before that waits. At least 1.
+  std::size_t most_behind = 4;
+  /// Called as soon as the odometry has placed a sweep, before the map has it; empty: not called.
+  std::function<void(const Sweep&)> placed{};
 };
 
 /// The whole system: measurements in, placed sweeps out. make_slam() makes one.

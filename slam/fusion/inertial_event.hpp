@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What happens to an inertial sensor, as values; tools/run/inertial_text makes sentences of them.
+// What happens to an inertial sensor, as values; tools/report/inertial_text makes sentences of
+// them.
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tests/support/temporary_folder.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/support/input_file.hpp"
 
 namespace adit {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/setup/configured_recording.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/commands/console.hpp"
+#include "adit/tools/cli/console.hpp"
 
 #include <algorithm>
 #include <array>
@@ -118,9 +118,9 @@ TEST_F(ConsoleTest, OtherWordsAreUsageErrorsOfEveryCommand) {
 }
 
 TEST_F(ConsoleTest, EveryCommandHasTheOptions) {
-  for (const char* command :
-       {"demo", "run", "live", "simulate", "inspect", "convert", "align", "evaluate", "info", "check",
-        "recover", "view", "export", "loops", "optimize", "devices", "config", "generate"}) {
+  for (const char* command : {"demo", "run", "live", "simulate", "inspect", "convert", "align",
+                              "evaluate", "info", "check", "recover", "view", "export", "loops",
+                              "optimize", "devices", "config", "generate"}) {
     const std::string help = call({command, "--help"}).out;
     for (const char* part :
          {"Options of every command:", "--color auto|always|never", "--log FILE", "--verbose"}) {

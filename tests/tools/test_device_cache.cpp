@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/device_cache.hpp"
+#include "adit/tools/setup/device_cache.hpp"
 
 #include <sys/wait.h>
 #include <unistd.h>

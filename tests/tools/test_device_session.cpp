@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 #include <stdexcept>
 #include <utility>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What `adit export` is told of places, and folders of tiles that do not become whole.
-#include "adit/tools/commands/export_job.hpp"
+#include "adit/tools/export/export_job.hpp"
 
 #include <filesystem>
 #include <functional>

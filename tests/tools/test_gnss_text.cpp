@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/gnss_text.hpp"
+#include "adit/tools/report/gnss_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What happens to an inertial sensor, each event as people read it.
-#include "adit/tools/run/inertial_text.hpp"
+#include "adit/tools/report/inertial_text.hpp"
 
 #include <limits>
 #include <numbers>

@@ -7,8 +7,8 @@
 #include "adit/tests/tools/inspect_support.hpp"
 #include "adit/tests/tools/run_support.hpp"
 #include "adit/tools/commands/command_run.hpp"
-#include "adit/tools/commands/convert_recording.hpp"
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/export/convert_recording.hpp"
+#include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

@@ -17,7 +17,7 @@
 #include "adit/tools/clouds/pcd_reader.hpp"
 #include "adit/tools/clouds/ply_reader.hpp"
 #include "adit/tools/commands/command_export.hpp"
-#include "adit/tools/commands/export_job.hpp"
+#include "adit/tools/export/export_job.hpp"
 #include "adit/tools/map_products/cloud_raster.hpp"
 #include "adit/tools/map_products/g2o_file.hpp"
 #include "adit/tools/map_products/trajectory_products.hpp"

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/presets.hpp"
+#include "adit/tools/setup/presets.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

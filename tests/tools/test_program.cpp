@@ -17,7 +17,7 @@
 #include "adit/tests/support/temporary_folder.hpp"
 #include "adit/tests/tools/program_support.hpp"
 #include "adit/tests/tools/run_support.hpp"
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/support/version.hpp"
 
 namespace adit {

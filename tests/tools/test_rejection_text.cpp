@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Each rejection as people read it.
-#include "adit/tools/run/rejection_text.hpp"
+#include "adit/tools/report/rejection_text.hpp"
 
 #include <gtest/gtest.h>
 

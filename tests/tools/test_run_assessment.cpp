@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/run_assessment.hpp"
+#include "adit/tools/report/run_assessment.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/run/verdict_text.hpp"
+#include "adit/tools/report/verdict_text.hpp"
 
 namespace adit {
 namespace {

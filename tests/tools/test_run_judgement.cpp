@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What `adit run` says at its end.
-#include "adit/tools/commands/run_judgement.hpp"
+#include "adit/tools/run/run_judgement.hpp"
 
 #include <sstream>
 #include <string>

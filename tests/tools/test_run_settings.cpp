@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What `adit run` says of settings that have no effect, or not the one that they state.
-#include "adit/tools/commands/run_settings.hpp"
+#include "adit/tools/run/run_settings.hpp"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/report/run_statistics.hpp"
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/run_timeline.hpp"
+#include "adit/tools/report/run_timeline.hpp"
 
 #include <chrono>
 #include <string>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Which IMU and receiver a run uses, and how it finds their mounting.
-#include "adit/tools/run/sensor_topics.hpp"
+#include "adit/tools/setup/sensor_topics.hpp"
 
 #include <algorithm>
 #include <functional>

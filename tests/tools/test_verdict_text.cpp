@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/run/verdict_text.hpp"
+#include "adit/tools/report/verdict_text.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/run/run_assessment.hpp"
-#include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/report/run_assessment.hpp"
+#include "adit/tools/report/run_statistics.hpp"
 
 namespace adit {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/commands/wanted_run.hpp"
+#include "adit/tools/run/wanted_run.hpp"
 
 #include <filesystem>
 

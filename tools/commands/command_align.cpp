@@ -14,11 +14,11 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/commands/align_report.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/drawing/overlay_picture.hpp"
+#include "adit/tools/export/align_report.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit {

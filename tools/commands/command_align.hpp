@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "adit/slam/registration/cloud_aligner.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 

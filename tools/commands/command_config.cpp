@@ -6,9 +6,10 @@
 #include <memory>
 #include <utility>
 
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/run/presets.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
+#include "adit/tools/setup/presets.hpp"
 
 namespace adit {
 
@@ -17,29 +18,6 @@ int config_command(const ConfigSource& source, std::ostream& out, std::ostream& 
     out << to_toml(load_config(source)) << std::flush;
     return 0;
   });
-}
-
-void add_config_options(Command command, ConfigSource& source) {
-  command.option("--config", source.file, "TOML file; `adit config` prints one with every setting")
-      .value_name("FILE");
-  std::string known;
-  for (const std::string& name : preset_names()) {
-    known += (known.empty() ? "" : ", ") + name;
-  }
-  command.option("--preset", source.preset, "Settings for a public data set: " + known)
-      .value_name("NAME")
-      .suggest(preset_names());
-  command.option("--set", source.overrides, "Overrides one setting; may be given several times")
-      .value_name("SECTION.KEY=VALUE")
-      .one_value_each();
-}
-
-void add_metadata_option(Command command, ConfigSource& source) {
-  command
-      .option("--metadata", source.metadata,
-              "What tells of the sensor whose packets are recorded: Ouster's JSON, Hesai's "
-              "angle correction (CSV)")
-      .value_name("FILE");
 }
 
 void add_config_command(Command app, std::function<void(int)> done) {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `adit config`, and the options of every command that takes a configuration.
+// `adit config`.
 #pragma once
 
 #include <functional>
 #include <iosfwd>
 
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/setup/config_file.hpp"
 
 namespace adit {
 
@@ -16,12 +16,6 @@ class Command;
 /// Prints the effective configuration as TOML. Returns the exit code: 0, 1 for a bad file, 2 for a
 /// bad option.
 int config_command(const ConfigSource& source, std::ostream& out, std::ostream& err);
-
-/// Adds --config and --set.
-void add_config_options(Command command, ConfigSource& source);
-
-/// Adds --metadata.
-void add_metadata_option(Command command, ConfigSource& source);
 
 /// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
 /// gets the exit code.

@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
-#include "adit/tools/commands/command_config.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/foxglove/foxglove_recording.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
 #include "adit/tools/support/usage_error.hpp"

@@ -7,7 +7,7 @@
 #include <functional>
 #include <iosfwd>
 
-#include "adit/tools/commands/convert_recording.hpp"
+#include "adit/tools/export/convert_recording.hpp"
 
 namespace adit {
 

@@ -13,9 +13,10 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/commands/command_export.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/evaluate.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"

@@ -8,7 +8,7 @@
 #include <functional>
 #include <iosfwd>
 
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 

@@ -12,10 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/engine/context.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/run/device_cache.hpp"
-#include "adit/tools/run/device_finding.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/setup/device_cache.hpp"
+#include "adit/tools/setup/device_finding.hpp"
 
 namespace adit {
 namespace {

@@ -11,9 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/commands/wanted_system.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/drawing/html_page.hpp"
 #include "adit/tools/evaluation/edge_consistency.hpp"
 #include "adit/tools/evaluation/evaluation_plot.hpp"
@@ -23,6 +22,7 @@
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/evaluation/world_error.hpp"
+#include "adit/tools/export/wanted_system.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 #include "adit/tools/support/output_file.hpp"

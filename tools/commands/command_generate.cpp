@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/commands/completion.hpp"
-#include "adit/tools/commands/manual_page.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/completion.hpp"
+#include "adit/tools/cli/manual_page.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/output_file.hpp"
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <iosfwd>
 
-#include "adit/tools/commands/command_description.hpp"
+#include "adit/tools/cli/command_description.hpp"
 
 namespace adit {
 

@@ -14,8 +14,8 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_database/map_location.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"

@@ -12,10 +12,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/commands/command_config.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/commands/command_run.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/evaluation/run_page.hpp"
 #include "adit/tools/inspection/inspection.hpp"
 #include "adit/tools/inspection/inspection_page.hpp"

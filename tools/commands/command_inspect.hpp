@@ -9,8 +9,8 @@
 #include <iosfwd>
 #include <optional>
 
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 

@@ -14,17 +14,17 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/commands/command_config.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/commands/run_job.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/live/growing_capture.hpp"
 #include "adit/tools/live/live_recording.hpp"
 #include "adit/tools/live/packet_recorder.hpp"
 #include "adit/tools/live/udp_receiver.hpp"
 #include "adit/tools/recordings/capture_recording.hpp"
 #include "adit/tools/results/output_folder.hpp"
-#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/run/run_job.hpp"
+#include "adit/tools/setup/configured_recording.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
@@ -91,7 +91,7 @@ int map_paced(const LiveCommandOptions& options, std::ostream& out, std::ostream
     RunSource source{.known = open_recording(chosen.options.recording, config.recording)};
     source.arriving = std::make_unique<LiveRecording>(*source.known, options.speed, arrivals);
     source.ends_by_itself = true;
-    source.placed = [&](const SweepPlaced& placed) { latency.add(placed.sweep.stamp); };
+    source.placed = [&](const Sweep& sweep) { latency.add(sweep.stamp); };
     source.report = [&] { return latency.report(); };
     return source;
   };
@@ -198,6 +198,10 @@ int map_received(const LiveCommandOptions& options, const std::vector<UdpEndpoin
   given.recording = prepare_recording(given);
   PacketRecorder recorder(given.recording);
   UdpReceiver receiver(endpoints, recorder, ouster);
+  if (!given.quiet) {
+    err << fmt::format("listening; adit waits {} s for the first packet", options.wait_s)
+        << std::endl;
+  }
   const double looked_s = first_look(options, receiver);
   if (!given.quiet) {
     say_start(options, receiver, looked_s, err);
@@ -226,7 +230,7 @@ int map_received(const LiveCommandOptions& options, const std::vector<UdpEndpoin
     source.arriving = std::make_unique<LiveRecording>(*source.underlying, std::nullopt, arrivals);
     source.endless = true;
     source.ends_by_itself = true;
-    source.placed = [&](const SweepPlaced& placed) { latency.add(placed.sweep.stamp); };
+    source.placed = [&](const Sweep& sweep) { latency.add(sweep.stamp); };
     source.report = [&] { return with_counts(latency.report(), receiver); };
     return source;
   };

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 

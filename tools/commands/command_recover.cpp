@@ -10,8 +10,8 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/map_database/map_location.hpp"
 #include "adit/tools/map_database/map_recovery.hpp"
 #include "adit/tools/support/usage_error.hpp"

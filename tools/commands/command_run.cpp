@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "adit/tools/commands/command_config.hpp"
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
-#include "adit/tools/commands/run_job.hpp"
-#include "adit/tools/commands/run_judgement.hpp"
-#include "adit/tools/commands/run_view.hpp"
-#include "adit/tools/commands/wanted_run.hpp"
-#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
+#include "adit/tools/run/run_job.hpp"
+#include "adit/tools/run/run_judgement.hpp"
+#include "adit/tools/run/run_view.hpp"
+#include "adit/tools/run/wanted_run.hpp"
+#include "adit/tools/setup/configured_recording.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 
 namespace adit {
@@ -50,27 +50,6 @@ int run(const RunCommandOptions& given, std::ostream& out, std::ostream& err) {
 
 int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err) {
   return guarded("adit run", out, err, [&] { return run(options, out, err); });
-}
-
-void add_device_options(Command command, DeviceOptions& device) {
-  command.option("--device", device.device, "Index, UUID or part of the name, see `adit devices`")
-      .value_name("DEVICE");
-  command
-      .option("--max-vram", device.max_vram_bytes,
-              "Most device memory to use, e.g. 512MiB; where more is needed: exit 1")
-      .bytes()
-      .value_name("SIZE");
-  command.flag("--validation", device.validation,
-               "Check every Vulkan call and barrier (slow); a complaint is a failure");
-}
-
-void add_max_ram_option(Command command, uint64_t& bytes) {
-  command
-      .option("--max-ram", bytes,
-              "Most memory to be resident, a software device's included, e.g. 1GiB; below what is "
-              "needed: exit 2")
-      .bytes()
-      .value_name("SIZE");
 }
 
 void add_run_command(Command app, std::function<void(int)> done) {

@@ -4,65 +4,18 @@
 // `adit run RECORDING -o OUT`.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <iosfwd>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "adit/tools/commands/served_page.hpp"
-#include "adit/tools/results/high_rate_output.hpp"
-#include "adit/tools/results/run_outputs.hpp"
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/run/run_options.hpp"
 
 namespace adit {
 
 class Command;
 
-struct RunCommandOptions {
-  std::filesystem::path recording;  ///< empty: that of the map that is gone on with or begun from
-  std::vector<std::filesystem::path> further_recordings{};  ///< parts of it that follow in time
-  std::filesystem::path output;  ///< empty: default_output() of the recording
-  ConfigSource config{};
-  DeviceOptions device{};
-  MapOptions map{};
-  HighRateOptions high_rate{};
-  std::optional<std::string> topic{};  ///< the sweeps' topic; none: the only one
-  std::optional<int64_t> start{};      ///< the first sweep, counted from 0; none: the first of all
-  std::optional<int64_t> count{};      ///< none: to the end
-  bool continues = false;              ///< the output's map is gone on with
-  std::optional<std::filesystem::path> from{};      ///< a map whose recording and settings to take
-  uint64_t max_ram_bytes = 0;                       ///< that may be resident; 0: no limit
-  bool odometry = false;                            ///< odometry alone: no map, loops or GNSS
-  bool overwrite = false;                           ///< an earlier run's results are replaced
-  bool strict = false;                              ///< anything but a reliable run is a failure
-  bool strict_input = false;                        ///< the first damage ends the run
-  bool json = false;                                ///< summary.json on `out` instead of the table
-  bool quiet = false;                               ///< errors alone
-  bool stage_table = false;                         ///< the table with every stage
-  std::optional<std::filesystem::path> timeline{};  ///< .html or .json: what worked when
-  bool keeps = true;                                ///< false: `output` goes away in the end
-  bool view = false;                                ///< the run is shown in a browser
-  ServeOptions serve{};                             ///< where, if so
-};
-
-/// The recording and those that are parts of it.
-std::vector<std::filesystem::path> recordings_of(const RunCommandOptions& options);
-/// Sets them; empty: none is named.
-void take_recordings(RunCommandOptions& options, const std::vector<std::filesystem::path>& all);
-
 /// Maps a recording. Returns the exit code: 0 done, 1 failed on the data or the device, 2 usage,
 /// 128 + signal when stopped by one. What was computed before a failure stays in the output folder.
 int run_command(const RunCommandOptions& options, std::ostream& out, std::ostream& err);
-
-/// Adds --device, --max-vram and --validation.
-void add_device_options(Command command, DeviceOptions& device);
-
-/// Adds --max-ram.
-void add_max_ram_option(Command command, uint64_t& bytes);
 
 /// Adds the sub-command. It runs on std::cout and std::cerr once the command line is read; `done`
 /// gets the exit code.

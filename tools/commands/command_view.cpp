@@ -11,8 +11,9 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/commands/command_guard.hpp"
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/evaluation/trajectory_source.hpp"
 #include "adit/tools/evaluation/truth_on_map.hpp"

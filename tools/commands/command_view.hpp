@@ -9,8 +9,8 @@
 #include <iosfwd>
 #include <optional>
 
-#include "adit/tools/commands/served_page.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/run/served_page.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 

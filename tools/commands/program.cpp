@@ -15,6 +15,9 @@
 #include <fmt/core.h>
 
 #include "adit/engine/loader.hpp"
+#include "adit/tools/cli/command_guard.hpp"
+#include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/console.hpp"
 #include "adit/tools/commands/command_align.hpp"
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_convert.hpp"
@@ -23,10 +26,8 @@
 #include "adit/tools/commands/command_evaluate.hpp"
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_generate.hpp"
-#include "adit/tools/commands/command_guard.hpp"
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_inspect.hpp"
-#include "adit/tools/commands/command_line.hpp"
 #include "adit/tools/commands/command_live.hpp"
 #include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
@@ -34,7 +35,6 @@
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
 #include "adit/tools/commands/command_view.hpp"
-#include "adit/tools/commands/console.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/version.hpp"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <span>
 
-#include "adit/tools/commands/command_line.hpp"
+#include "adit/tools/cli/command_line.hpp"
 
 namespace adit {
 

@@ -17,7 +17,7 @@
 #include "adit/tools/evaluation/true_keyframes.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_database/map_trajectory.hpp"
-#include "adit/tools/run/loop_reasons.hpp"
+#include "adit/tools/report/loop_reasons.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {

@@ -16,8 +16,8 @@
 
 #include "adit/slam/mapping/map_store.hpp"
 #include "adit/tools/evaluation/loop_table.hpp"
+#include "adit/tools/report/loop_reasons.hpp"
 #include "adit/tools/results/trajectory_io.hpp"
-#include "adit/tools/run/loop_reasons.hpp"
 
 namespace adit {
 

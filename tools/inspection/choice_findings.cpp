@@ -10,7 +10,7 @@
 
 #include <fmt/core.h>
 
-#include "adit/tools/run/static_transforms.hpp"
+#include "adit/tools/setup/static_transforms.hpp"
 
 namespace adit {
 namespace {

@@ -16,7 +16,7 @@
 #include "adit/tools/inspection/rotation_profile.hpp"
 #include "adit/tools/inspection/unknown_mounting.hpp"
 #include "adit/tools/recordings/one_sensor.hpp"
-#include "adit/tools/run/configured_recording.hpp"
+#include "adit/tools/setup/configured_recording.hpp"
 
 namespace adit {
 namespace {

@@ -13,8 +13,8 @@
 #include "adit/tools/inspection/motion_check.hpp"
 #include "adit/tools/inspection/recording_findings.hpp"
 #include "adit/tools/recordings/recording.hpp"
-#include "adit/tools/run/device_session.hpp"
-#include "adit/tools/run/sensor_topics.hpp"
+#include "adit/tools/setup/device_session.hpp"
+#include "adit/tools/setup/sensor_topics.hpp"
 #include "adit/tools/topics/topic_statistics.hpp"
 
 namespace adit {

@@ -13,7 +13,7 @@
 #include "adit/slam/inertial/gyroscope_integral.hpp"
 #include "adit/slam/inertial/reading_gate.hpp"
 #include "adit/tools/clouds/returns.hpp"
-#include "adit/tools/run/inertial_text.hpp"
+#include "adit/tools/report/inertial_text.hpp"
 #include "adit/tools/topics/clock_watch.hpp"
 
 namespace adit {

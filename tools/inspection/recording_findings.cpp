@@ -15,7 +15,7 @@
 #include "adit/tools/containers/declaration_error.hpp"
 #include "adit/tools/inspection/clock_findings.hpp"
 #include "adit/tools/inspection/topic_findings.hpp"
-#include "adit/tools/run/inertial_text.hpp"
+#include "adit/tools/report/inertial_text.hpp"
 
 namespace adit {
 namespace {

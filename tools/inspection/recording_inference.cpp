@@ -10,7 +10,7 @@
 
 #include "adit/slam/core/lie.hpp"
 #include "adit/slam/core/units.hpp"
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/support/utf8.hpp"
 
 namespace adit {

@@ -16,7 +16,7 @@
 #include "adit/slam/registration/alignment_clouds.hpp"
 #include "adit/slam/registration/cloud_aligner.hpp"
 #include "adit/slam/submaps/keyframe_submap.hpp"
-#include "adit/tools/commands/align_report.hpp"
+#include "adit/tools/export/align_report.hpp"
 #include "adit/tools/python/arrays.hpp"
 #include "adit/tools/python/device.hpp"
 #include "adit/tools/python/gil.hpp"

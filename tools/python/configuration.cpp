@@ -11,8 +11,8 @@
 #include <pybind11/stl/filesystem.h>
 #include <nlohmann/json.hpp>
 
-#include "adit/tools/run/config_file.hpp"
-#include "adit/tools/run/presets.hpp"
+#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/setup/presets.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
 namespace adit::python {

@@ -8,7 +8,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit::python {
 

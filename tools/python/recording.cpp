@@ -12,8 +12,8 @@
 #include "adit/tools/python/gil.hpp"
 #include "adit/tools/python/measurements.hpp"
 #include "adit/tools/recordings/tolerant_recording.hpp"
-#include "adit/tools/run/configured_recording.hpp"
-#include "adit/tools/run/sensor_topics.hpp"
+#include "adit/tools/setup/configured_recording.hpp"
+#include "adit/tools/setup/sensor_topics.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/usage_error.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/python/arrays.hpp"
-#include "adit/tools/run/run_statistics.hpp"
+#include "adit/tools/report/run_statistics.hpp"
 
 namespace adit::python {
 namespace {

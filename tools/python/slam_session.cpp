@@ -7,8 +7,8 @@
 #include <utility>
 #include <variant>
 
-#include "adit/tools/run/config_file.hpp"
 #include "adit/tools/run/earlier_run.hpp"
+#include "adit/tools/setup/config_file.hpp"
 
 namespace adit::python {
 namespace {

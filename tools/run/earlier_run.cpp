@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adit/tools/recordings/recording.hpp"
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/fingerprint.hpp"
 #include "adit/tools/support/input_file.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "adit/tools/map_database/map_database.hpp"
-#include "adit/tools/run/run_summary.hpp"
+#include "adit/tools/report/run_summary.hpp"
 
 namespace adit {
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "adit/tools/run/config_file.hpp"
+#include "adit/tools/setup/config_file.hpp"
 
 namespace adit {
 

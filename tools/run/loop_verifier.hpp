@@ -3,7 +3,7 @@
 #pragma once
 
 #include "adit/tools/map_edits/loop_addition.hpp"
-#include "adit/tools/run/device_session.hpp"
+#include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
 

@@ -10,9 +10,9 @@
 
 #include "adit/tools/map_database/continued_map.hpp"
 #include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/report/run_summary.hpp"
 #include "adit/tools/results/placed_cloud.hpp"
 #include "adit/tools/run/earlier_run.hpp"
-#include "adit/tools/run/run_summary.hpp"
 
 namespace adit {
 

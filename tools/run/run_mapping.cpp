@@ -17,8 +17,8 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/recordings/events_ahead.hpp"
-#include "adit/tools/run/device_session.hpp"
-#include "adit/tools/run/inertial_text.hpp"
+#include "adit/tools/report/inertial_text.hpp"
+#include "adit/tools/setup/device_session.hpp"
 #include "adit/tools/support/input_error.hpp"
 
 namespace adit {
@@ -288,32 +288,6 @@ MappingResult map_events(const Mapping& mapping) {
 }
 
 }  // namespace
-
-RunEnd end_of(const std::exception& error) {
-  return dynamic_cast<const InputError*>(&error) != nullptr  ? RunEnd::input_error
-         : dynamic_cast<const FileError*>(&error) != nullptr ? RunEnd::output_error
-                                                             : RunEnd::failed;
-}
-
-std::string_view to_string(RunEnd end) {
-  switch (end) {
-    case RunEnd::completed:
-      return "completed";
-    case RunEnd::interrupted:
-      return "interrupted";
-    case RunEnd::input_error:
-      return "input_error";
-    case RunEnd::output_error:
-      return "output_error";
-    case RunEnd::device_error:
-      return "device_error";
-    case RunEnd::memory_limit:
-      return "memory_limit";
-    case RunEnd::failed:
-      return "failed";
-  }
-  return "unknown";
-}
 
 namespace {
 

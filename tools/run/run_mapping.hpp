@@ -15,42 +15,16 @@
 
 #include "adit/slam/executor/slam.hpp"
 #include "adit/tools/recordings/recording.hpp"
+#include "adit/tools/report/run_end.hpp"
+#include "adit/tools/report/run_statistics.hpp"
+#include "adit/tools/report/run_timeline.hpp"
 #include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
-#include "adit/tools/run/memory_limit.hpp"
-#include "adit/tools/run/run_statistics.hpp"
-#include "adit/tools/run/run_timeline.hpp"
+#include "adit/tools/setup/memory_limit.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/progress.hpp"
 
 namespace adit {
-
-/// How a run ended. Whatever the end, what was computed before it is written.
-enum class RunEnd {
-  completed,
-  interrupted,   ///< the user asked for it
-  input_error,   ///< a sweep could not be read
-  output_error,  ///< a result could not be written
-  device_error,  ///< the device or its memory failed
-  memory_limit,  ///< more memory was needed than it was allowed
-  failed,        ///< something else went wrong, in the program or its host memory
-};
-std::string_view to_string(RunEnd end);
-/// How a run ends with an error of its files, or another.
-RunEnd end_of(const std::exception& error);
-
-/// A part of a recording.
-struct SweepRange {
-  std::size_t first = 0;
-  std::size_t count = 0;
-};
-
-struct MappingResult {
-  RunEnd end = RunEnd::completed;
-  std::string reason;              ///< for people; empty when completed
-  std::optional<MapReport> map{};  ///< where one was made and could be ended
-  MeasurementFaults faults{};      ///< values that no sensor measures
-};
 
 /// What map_recording() works with.
 struct Mapping {

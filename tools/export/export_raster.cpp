@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/export/export_raster.hpp"
+
+#include <fmt/core.h>
+
+#include "adit/slam/core/text.hpp"
+#include "adit/tools/export/export_cloud.hpp"
+#include "adit/tools/map_database/map_trajectory.hpp"
+#include "adit/tools/map_products/cloud_raster.hpp"
+#include "adit/tools/map_products/occupancy_grid.hpp"
+#include "adit/tools/map_products/tiled_cloud.hpp"
+#include "adit/tools/support/output_file.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kRasterCell = 0.25;          // m
+constexpr double kGridCell = 0.05;            // m
+constexpr int64_t kMostPixels = 200'000'000;  // of a PNG, which is made in memory
+
+/// A file beside the one that was asked for.
+void write_beside(const fs::path& file, const std::string& text) {
+  Draft draft(file);
+  write_text_file(draft.path(), text);
+  draft.take_its_place();
+}
+
+}  // namespace
+
+std::string export_raster(const ExportJob& job) {
+  const ExportCommandOptions& options = *job.options;
+  const ProductCoordinates coordinates = coordinates_of(job, true);
+  const bool intensity = options.raster == "intensity";
+  const double cell = options.cell.value_or(kRasterCell);
+  CloudRaster raster(intensity ? RasterValue::intensity : RasterValue::height, cell);
+  const TakeCloud take = [&](std::span<const CloudPoint> points) {
+    raster.add(points);
+    require_within(job);
+  };
+  if (intensity) {
+    visit_dense(job, coordinates, take);
+  } else {
+    visit_cloud(*job.map, coordinates, selection_of(job, coordinates), take);
+  }
+  if (raster.empty()) {
+    throw UsageError("--raster " + options.raster +
+                     ": no point is within what --box, --polygon, --session, --from and --until "
+                     "leave of the map.");
+  }
+  const std::string wrote =
+      fmt::format("{} x {} cells of {} m, {} with points{}", raster.columns(), raster.rows(),
+                  shortest(cell), raster.filled(), in_coordinates(coordinates));
+  if (options.output->extension() != ".png") {
+    raster.write_tiff(job.file, coordinates);
+    return wrote;
+  }
+  if (raster.columns() * raster.rows() > kMostPixels) {
+    throw UsageError(
+        fmt::format("-o {}: a PNG of {} x {} pixels is too large. Choose larger cells "
+                    "with --cell, or a GeoTIFF (*.tif).",
+                    options.output->string(), raster.columns(), raster.rows()));
+  }
+  write_text_file(job.file, raster.png());
+  write_beside(fs::path(*options.output).replace_extension(".pgw"), raster.world_file());
+  return wrote;
+}
+
+std::string export_grid(const ExportJob& job) {
+  const ExportCommandOptions& options = *job.options;
+  const ProductCoordinates coordinates = coordinates_of(job, false);
+  const CloudSelection selection = selection_of(job, coordinates);
+  const double cell = options.cell.value_or(kGridCell);
+  OccupancyGridConfig config{.cell = cell};
+  if (!options.heights.empty()) {
+    const auto heights = parse_number_list(options.heights);
+    if (!heights || heights->size() != 2 || !((*heights)[0] < (*heights)[1])) {
+      throw UsageError("--heights " + options.heights + ": expected LOW,HIGH with LOW < HIGH, m.");
+    }
+    config.low = (*heights)[0];
+    config.high = (*heights)[1];
+  }
+  OccupancyGrid grid(config);
+  for (const MapKeyframe& keyframe : job.map->keyframes()) {
+    if (is_wanted(selection, keyframe.session, keyframe.stamp)) {
+      grid.add(keyframe, load_submap(*job.map, keyframe.id, job.map->file()), coordinates,
+               selection);
+      require_within(job);
+    }
+  }
+  if (grid.empty()) {
+    throw UsageError(
+        "--grid: no point is within what --session, --from and --until leave of the map.");
+  }
+  const fs::path picture = fs::path(*options.output).replace_extension(".pgm");
+  Draft draft(picture);
+  grid.write_pgm(draft.path());
+  draft.take_its_place();
+  write_text_file(job.file, grid.yaml(picture.filename().string()));
+  return fmt::format("{} x {} cells of {} m{}", grid.columns(), grid.rows(), shortest(cell),
+                     in_coordinates(coordinates));
+}
+
+}  // namespace adit

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/setup/sensor_topics.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "adit/tools/recordings/topic_survey.hpp"
+#include "adit/tools/support/usage_error.hpp"
+
+namespace adit {
+namespace {
+
+/// Rates that differ by less are the same: drivers drop messages.
+constexpr double kHigherRate = 1.2;
+constexpr const char* kNoMessages = "it has no messages";
+
+/// The messages of a topic from one frame.
+struct SensorCandidate {
+  std::size_t topic = 0;
+  SensorSample sample{};
+  bool connected = false;  ///< by transforms with the frame of the sweeps
+};
+
+struct CandidateList {
+  std::vector<SensorCandidate> candidates{};
+  std::vector<PassedOver> silent{};  ///< topics without messages
+};
+
+/// Those of that kind, or of the topic that is named by the setting.
+CandidateList candidates_of(const Recording& recording, TopicKind kind,
+                            const std::optional<std::string>& name, const std::string& setting,
+                            const std::string& sensor) {
+  CandidateList list;
+  bool found = false;
+  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
+    const Topic& topic = recording.topics()[i];
+    if (topic.kind != kind || (name && topic.name != *name)) {
+      continue;
+    }
+    found = true;
+    if (topic.messages == 0U) {
+      list.silent.push_back({topic.name, kNoMessages});
+      continue;
+    }
+    std::vector<SensorSample> samples = first_samples(recording, i);
+    if (samples.empty()) {
+      samples.emplace_back().fault = "not one of its first messages can be read";
+    }
+    for (SensorSample& sample : samples) {
+      list.candidates.push_back({.topic = i, .sample = std::move(sample)});
+    }
+  }
+  if (!found && name) {
+    const auto other = std::ranges::find(recording.topics(), *name, &Topic::name);
+    throw UsageError(setting + ": the recording has no " + sensor + " on '" + *name + "'" +
+                     (other == recording.topics().end() ? "" : ", which has " + other->type) +
+                     "; adit inspect lists its topics.");
+  }
+  return list;
+}
+
+/// Leaves those of other frames out. A frame that is not among the first messages may come later.
+void keep_named(CandidateList& list, const std::optional<std::string>& frame) {
+  if (!frame || list.candidates.empty()) {
+    return;
+  }
+  SensorCandidate other = list.candidates.front();
+  other.sample.frame = plain_frame(*frame);
+  std::erase_if(list.candidates,
+                [&](const SensorCandidate& one) { return one.sample.frame != other.sample.frame; });
+  if (list.candidates.empty()) {
+    list.candidates.push_back(std::move(other));
+  }
+}
+
+/// Why `one` is not used where `best` is; empty where it would be the better choice.
+std::string why_passed_over(const SensorCandidate& one, const SensorCandidate& best,
+                            const std::string& best_name) {
+  if (one.sample.fault.empty() != best.sample.fault.empty()) {
+    return one.sample.fault;
+  }
+  if (one.connected != best.connected) {
+    return one.connected ? ""
+                         : "no transform connects its frame '" + one.sample.frame +
+                               "' with the range sensor's";
+  }
+  const double rate = one.sample.rate;
+  if (best.sample.rate > kHigherRate * rate || rate > kHigherRate * best.sample.rate) {
+    return rate > best.sample.rate ? ""
+                                   : fmt::format("its rate is {:.0f} Hz, that of {} {:.0f} Hz",
+                                                 rate, best_name, best.sample.rate);
+  }
+  return best_name + " is as good";
+}
+
+/// None where there are no candidates. Says of the others why they are not used.
+std::optional<SensorCandidate> best_of(const Recording& recording, const CandidateList& list,
+                                       std::vector<PassedOver>& passed_over) {
+  std::optional<SensorCandidate> best;
+  const auto name = [&](const SensorCandidate& one) { return recording.topics()[one.topic].name; };
+  for (const SensorCandidate& one : list.candidates) {
+    if (!best || why_passed_over(one, *best, name(*best)).empty()) {
+      best = one;
+    }
+  }
+  passed_over.insert(passed_over.end(), list.silent.begin(), list.silent.end());
+  for (const SensorCandidate& one : list.candidates) {
+    const bool itself = one.topic == best->topic && one.sample.frame == best->sample.frame;
+    if (!itself) {
+      const std::string of_frame =
+          one.topic == best->topic ? ", frame '" + one.sample.frame + "'" : "";
+      passed_over.push_back({name(one) + of_frame, why_passed_over(one, *best, name(*best))});
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+RecordedSensors choose_sensors(const Recording& recording, std::size_t sweeps,
+                               const Config& config) {
+  RecordedSensors chosen;
+  const auto keep_frame = [&](std::size_t topic, const std::string& frame) {
+    if (!frame.empty()) {
+      chosen.frames[topic] = frame;
+    }
+  };
+  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
+    const Topic& topic = recording.topics()[i];
+    if (topic.kind == TopicKind::sweeps && i != sweeps) {
+      const std::string why = topic.messages == 0U ? kNoMessages : fault_of_topic(recording, i);
+      if (!why.empty()) {
+        chosen.passed_over.push_back({topic.name, why});
+      }
+    }
+  }
+  const std::vector<SensorSample> range = first_samples(recording, sweeps);
+  const std::string lidar = config.recording.sweep_frame
+                                ? plain_frame(*config.recording.sweep_frame)
+                            : range.empty() ? ""
+                                            : range.front().frame;
+  keep_frame(sweeps, lidar);
+  CandidateList imus;
+  if (config.imu.use) {
+    imus = candidates_of(recording, TopicKind::imu, config.recording.imu_topic,
+                         "recording.imu_topic", "IMU");
+    keep_named(imus, config.recording.imu_frame);
+  }
+  CandidateList receivers;
+  if (config.gnss.use) {
+    receivers = candidates_of(recording, TopicKind::gnss, config.recording.gnss_topic,
+                              "recording.gnss_topic", "GNSS receiver");
+  }
+  std::vector<std::string> frames{lidar};
+  for (const CandidateList* list : {&imus, &receivers}) {
+    for (const SensorCandidate& one : list->candidates) {
+      frames.push_back(one.sample.frame);
+    }
+  }
+  chosen.transforms = recorded_transforms(recording, frames);
+  const FrameTree tree = frame_tree_of(chosen.transforms);
+  for (SensorCandidate& one : imus.candidates) {
+    one.connected = config.imu.T_imu_lidar || (!lidar.empty() && !one.sample.frame.empty() &&
+                                               tree.transform(lidar, one.sample.frame));
+  }
+  for (SensorCandidate& one : receivers.candidates) {
+    one.sample.rate = 0.0;  // a slower receiver is no worse
+  }
+  if (const auto imu = best_of(recording, imus, chosen.passed_over)) {
+    chosen.imu = imu->topic;
+    keep_frame(imu->topic, imu->sample.frame);
+  }
+  if (const auto receiver = best_of(recording, receivers, chosen.passed_over)) {
+    chosen.gnss = receiver->topic;
+    keep_frame(receiver->topic, receiver->sample.frame);
+  }
+  return chosen;
+}
+
+std::string describe(const PassedOver& passed_over) {
+  return passed_over.topic + " is not used: " + passed_over.why;
+}
+
+std::vector<std::string> notes_of(const RecordedSensors& sensors) {
+  std::vector<std::string> notes;
+  for (const PassedOver& one : sensors.passed_over) {
+    notes.push_back(describe(one));
+  }
+  const std::vector<std::string> of_transforms = notes_of(sensors.transforms);
+  notes.insert(notes.end(), of_transforms.begin(), of_transforms.end());
+  return notes;
+}
+
+}  // namespace adit
