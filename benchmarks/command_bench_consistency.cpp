@@ -14,7 +14,7 @@
 #include "adit/benchmarks/consistency/consistency.hpp"
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/command_line.hpp"
-#include "adit/tools/commands/command_config.hpp"
+#include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/support/nearest_name.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"

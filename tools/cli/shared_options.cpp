@@ -3,6 +3,7 @@
 #include "adit/tools/cli/shared_options.hpp"
 
 #include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/setup/presets.hpp"
 
 namespace adit {
 namespace {

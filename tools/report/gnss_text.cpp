@@ -110,7 +110,7 @@ std::string antenna_settings(const AntennaReport& antenna) {
   return text;
 }
 
-nlohmann::ordered_json to_json(const AntennaReport& antenna) {
+nlohmann::ordered_json antenna_json(const AntennaReport& antenna) {
   nlohmann::ordered_json parts;
   for (std::size_t i = 0; i < kAntennaParts.size(); ++i) {
     const AntennaParameter& found = antenna.parameters[i];
@@ -227,7 +227,7 @@ nlohmann::ordered_json to_json(const GnssReport& gnss) {
     return json;
   }
   if (gnss.antenna.estimated) {
-    json["antenna"] = to_json(gnss.antenna);
+    json["antenna"] = antenna_json(gnss.antenna);
     json["antenna"]["text"] = describe_antenna(gnss);
   }
   const Georeference& world = *gnss.georeference;

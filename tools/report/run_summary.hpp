@@ -17,6 +17,7 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/tools/report/run_end.hpp"
 #include "adit/tools/report/run_statistics.hpp"
+#include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
 
 namespace adit {

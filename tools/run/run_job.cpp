@@ -220,21 +220,20 @@ void require_writable(const RunCommandOptions& options, const Config& config) {
   check_writable(options.output, options.map, others);
 }
 
-/// The device; nothing where a signal came while its programs were compiled.
-std::optional<DeviceSession> open_device(const RunCommandOptions& options, std::ostream& err) {
+/// The device; null where a signal came while its programs were compiled.
+std::unique_ptr<DeviceSession> open_device(const RunCommandOptions& options, std::ostream& err) {
   DeviceOptions wanted = options.device;
   wanted.notes = options.quiet ? nullptr : &err;
-  std::optional<DeviceSession> session;
   try {
-    session.emplace(wanted);
+    auto session = std::make_unique<DeviceSession>(wanted);
+    if (session->context().software_fallback() && !options.quiet) {
+      err << software_note(session->context().device()) << std::endl;
+    }
+    return session;
   } catch (const StoppedWhileCompiling& stopped) {
     err << "adit run: " << stopped.what() << std::endl;
-    return std::nullopt;
+    return nullptr;
   }
-  if (session->context().software_fallback() && !options.quiet) {
-    err << software_note(session->context().device()) << std::endl;
-  }
-  return session;
 }
 
 /// Says what is mapped, and how.
@@ -431,7 +430,7 @@ int run_job(const WantedRun& chosen, const OpenSource& open, RunView* view, std:
     view->say_link();
   }
   const auto started = std::chrono::steady_clock::now();
-  std::optional<DeviceSession> session = open_device(options, err);
+  const std::unique_ptr<DeviceSession> session = open_device(options, err);
   if (!session) {
     return 128 + StopSignal::received();
   }
