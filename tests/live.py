@@ -81,7 +81,7 @@ def run(adit, *words):
 
 def wait_until_it_listens(process):
     line = process.stderr.readline()
-    expect(line.startswith("listening"), f"it says {line!r} first: {process.communicate()}")
+    expect(line.startswith("listening"), f"it says {line!r} first")
 
 
 def send(sender, port, packets):
@@ -107,7 +107,8 @@ def check_sensor(adit, folder):
         wait_until_it_listens(process)
         bad = send(sender, port, packets)
         while not (out / "map.adit").exists():  # the job has begun
-            expect(process.poll() is None, f"it ended by itself: {process.communicate()}")
+            if process.poll() is not None:
+                sys.exit(f"live: it ended by itself: {process.communicate()}")
             time.sleep(0.05)
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate()
