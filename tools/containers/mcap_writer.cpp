@@ -119,6 +119,11 @@ void McapWriter::write(std::size_t channel, Nanoseconds received,
   }
 }
 
+uint64_t McapWriter::flush() {
+  file_.flush();
+  return offset_;
+}
+
 void McapWriter::close_chunk() {
   if (chunk_index_.empty()) {
     return;

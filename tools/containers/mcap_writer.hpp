@@ -48,6 +48,9 @@ class McapWriter final : public MessageWriter {
                           const std::map<std::string, std::string>& metadata = {});
   void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes) override;
   void close() override;
+  /// Hands what was written, but for an open chunk, to the operating system. Returns the file's
+  /// length then.
+  uint64_t flush();
 
  private:
   /// Where a chunk went, for the index.

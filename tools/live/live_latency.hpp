@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <iosfwd>
+#include <vector>
+
+#include "adit/tools/live/live_recording.hpp"
+#include "adit/tools/report/run_summary.hpp"
+
+namespace adit {
+
+/// From the arrival of a sweep's last point to its pose.
+class LiveLatency {
+ public:
+  /// `arrivals` outlives it.
+  explicit LiveLatency(ArrivalTimes& arrivals) : arrivals_(&arrivals) {}
+
+  /// The sweep has its pose now.
+  void add(Nanoseconds stamp);
+  LiveReport report() const;
+
+ private:
+  ArrivalTimes* arrivals_;
+  std::vector<float> ms_;
+};
+
+/// A line.
+void say_latency(const LiveReport& report, std::ostream& err);
+
+}  // namespace adit

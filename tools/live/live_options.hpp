@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adit/tools/run/run_options.hpp"
+
+namespace adit {
+
+/// What `adit live` is asked for.
+struct LiveOptions {
+  std::vector<std::string> sources{};  ///< udp://ADDRESS:PORT, ROS 2 topics, or one recording
+  RunCommandOptions run{};             ///< its recording is set by the source
+  double wait_s = 10.0;                ///< for the first packets or messages
+  double speed = 1.0;                  ///< of a recording; 0: no pace
+  double duration_s = 0.0;             ///< of receiving; 0: until a signal
+  bool lists = false;                  ///< the topics are listed, and nothing is mapped
+  bool record = true;                  ///< what arrived stays in OUT
+};
+
+}  // namespace adit

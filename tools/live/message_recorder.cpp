@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/live/message_recorder.hpp"
+
+#include <utility>
+
+namespace adit {
+
+MessageRecorder::MessageRecorder(std::filesystem::path path, std::vector<Channel> channels)
+    : path_(std::move(path)),
+      channels_(std::move(channels)),
+      writer_(path_, {.chunks = false, .profile = "ros2"}) {
+  for (const Channel& channel : channels_) {
+    writer_.add_channel(channel);
+  }
+  begin_ = writer_.flush();
+  committed_ = begin_;
+}
+
+void MessageRecorder::write(std::size_t channel, Nanoseconds received,
+                            std::span<const std::byte> bytes) {
+  writer_.write(channel, received, bytes);
+  committed_ = writer_.flush();
+}
+
+void MessageRecorder::finish() {
+  writer_.close();
+  finished_ = true;
+}
+
+}  // namespace adit

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "adit/tools/containers/mcap_writer.hpp"
+#include "adit/tools/containers/message_file.hpp"
+
+namespace adit {
+
+/// Appends messages to an MCAP file without chunks, so that a program that is killed loses none
+/// that was written. Another thread may read what committed() covers while the file grows.
+class MessageRecorder {
+ public:
+  /// Creates the file, with CDR channels. Throws OutputError.
+  MessageRecorder(std::filesystem::path path, std::vector<Channel> channels);
+
+  /// Writes the message. Throws OutputError.
+  void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes);
+  /// Completes the file. Nothing follows. Throws OutputError.
+  void finish();
+  /// Nothing follows, and the file is left as it is.
+  void abandon() { finished_ = true; }
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::vector<Channel>& channels() const { return channels_; }
+  /// Bytes of whole records in the file.
+  uint64_t committed() const { return committed_; }
+  /// committed() before the first message.
+  uint64_t begin() const { return begin_; }
+  bool finished() const { return finished_; }
+
+ private:
+  std::filesystem::path path_;
+  std::vector<Channel> channels_;
+  McapWriter writer_;
+  uint64_t begin_ = 0;
+  std::atomic<uint64_t> committed_ = 0;
+  std::atomic<bool> finished_ = false;
+};
+
+}  // namespace adit

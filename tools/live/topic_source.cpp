@@ -1,0 +1,287 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/live/topic_source.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "adit/tools/containers/ros_definitions.hpp"
+#include "adit/tools/dds/dds_library.hpp"
+#include "adit/tools/live/growing_messages.hpp"
+#include "adit/tools/live/live_folder.hpp"
+#include "adit/tools/live/live_latency.hpp"
+#include "adit/tools/live/live_recording.hpp"
+#include "adit/tools/live/live_timer.hpp"
+#include "adit/tools/live/message_recorder.hpp"
+#include "adit/tools/live/topic_receiver.hpp"
+#include "adit/tools/recordings/message_recording.hpp"
+#include "adit/tools/recordings/ros_events.hpp"
+#include "adit/tools/run/run_job.hpp"
+#include "adit/tools/run/wanted_run.hpp"
+#include "adit/tools/setup/configured_recording.hpp"
+#include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/stop_signal.hpp"
+
+namespace adit {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kAllTopics = "ros2";
+// From the first message of a lidar on: the topics of the other sensors begin within that.
+constexpr double kFirstLook = 2.0;  // s
+constexpr auto kNap = std::chrono::milliseconds(50);
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Channel channel_of(const DdsTopic& topic) {
+  const auto definition = ros::definition_of(topic.type, Encoding::cdr);
+  return {.topic = topic.name,
+          .type = topic.type,
+          .encoding = Encoding::cdr,
+          .definition = definition ? definition->text : "",
+          .messages = std::nullopt};
+}
+
+TopicKind kind_of(const DdsTopic& topic) {
+  return ros::kind_of(channel_of(topic));
+}
+
+/// A topic that several publish is there once: reliable or latched where all of them are.
+struct PublishedTopic {
+  DdsTopic topic;
+  std::size_t publishers = 0;
+};
+
+std::vector<PublishedTopic> understood_topics(DdsNode& node) {
+  std::map<std::pair<std::string, std::string>, PublishedTopic> found;
+  for (const DdsTopic& one : node.published()) {
+    if (kind_of(one) == TopicKind::other) {
+      continue;
+    }
+    auto [at, is_new] = found.try_emplace({one.name, one.type}, PublishedTopic{.topic = one});
+    DdsTopic& topic = at->second.topic;
+    topic.reliable = topic.reliable && one.reliable;
+    topic.latched = topic.latched && one.latched;
+    ++at->second.publishers;
+  }
+  std::vector<PublishedTopic> topics;
+  for (auto& [key, topic] : found) {
+    topics.push_back(std::move(topic));
+  }
+  return topics;
+}
+
+bool is_named(const LiveOptions& options, const DdsTopic& topic) {
+  return std::ranges::any_of(options.sources, [&](const std::string& source) {
+    return source == kAllTopics || source == topic.name;
+  });
+}
+
+/// The topics to record, once sweeps are among them and all that are named are there.
+std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const LiveOptions& options) {
+  const auto start = Clock::now();
+  std::optional<Clock::time_point> ready;
+  while (true) {
+    std::vector<PublishedTopic> topics = understood_topics(node);
+    std::erase_if(topics, [&](const PublishedTopic& one) {
+      // Transforms tell how the sensors are mounted, whoever names the others.
+      return !is_named(options, one.topic) && kind_of(one.topic) != TopicKind::transforms;
+    });
+    std::string missing;
+    for (const std::string& source : options.sources) {
+      const bool there = source == kAllTopics || std::ranges::any_of(topics, [&](const auto& one) {
+                           return one.topic.name == source;
+                         });
+      missing = missing.empty() && !there ? source : missing;
+    }
+    const bool sweeps = std::ranges::any_of(
+        topics, [](const auto& one) { return kind_of(one.topic) == TopicKind::sweeps; });
+    if (sweeps && missing.empty()) {
+      ready = ready ? ready : Clock::now();
+      if (seconds_since(*ready) > kFirstLook) {
+        return topics;
+      }
+    }
+    if ((!ready && seconds_since(start) > options.wait_s) || StopSignal::received() != 0) {
+      throw InputError(
+          options.sources.front(), {},
+          missing.empty() ? fmt::format("no topic of point clouds was published in {:.1f} s",
+                                        seconds_since(start))
+                          : fmt::format("{} was not published in {:.1f} s, with a type that adit "
+                                        "reads",
+                                        missing, seconds_since(start)),
+          "`adit live --list` shows what is published. Check ROS_DOMAIN_ID; for other machines set "
+          "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET");
+    }
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
+std::string text_of(const DdsTopic& topic) {
+  return fmt::format("{} {} ({}{})", topic.name, topic.type,
+                     topic.reliable ? "reliable" : "best effort", topic.latched ? ", latched" : "");
+}
+
+/// Waits for the first sweep, then a while more.
+double first_look(const LiveOptions& options, const TopicReceiver& receiver,
+                  const std::vector<PublishedTopic>& topics) {
+  const auto start = Clock::now();
+  std::optional<Clock::time_point> first;
+  while (!first || seconds_since(*first) < kFirstLook) {
+    if (const std::string failure = receiver.failure(); !failure.empty()) {
+      throw InputError(options.sources.front(), {}, failure, "");
+    }
+    const std::vector<TopicCounts> counts = receiver.counts();
+    for (std::size_t i = 0; i < counts.size() && !first; ++i) {
+      if (counts[i].messages > 0 && kind_of(topics[i].topic) == TopicKind::sweeps) {
+        first = Clock::now();
+      }
+    }
+    if (!first && (seconds_since(start) > options.wait_s || StopSignal::received() != 0)) {
+      throw InputError(options.sources.front(), {},
+                       fmt::format("no point cloud arrived in {:.1f} s, though a topic of them is "
+                                   "published",
+                                   seconds_since(start)),
+                       "Check that its driver runs, and that both sides may use the same network");
+    }
+    if (first && StopSignal::received() != 0) {
+      break;
+    }
+    std::this_thread::sleep_for(kNap);
+  }
+  return std::max(seconds_since(*first), 1e-3);
+}
+
+/// A line a topic: rate, size, and what is wrong with it.
+void say_start(const std::vector<PublishedTopic>& topics, const std::vector<TopicCounts>& counts,
+               double span_s, std::ostream& err) {
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    const TopicCounts& one = counts[i];
+    err << fmt::format(
+        "{}: {:.1f} messages/s, {:.0f} kB/s{}\n", text_of(topics[i].topic),
+        static_cast<double>(one.messages) / span_s, static_cast<double>(one.bytes) / span_s / 1e3,
+        one.messages == 0 && !topics[i].topic.latched ? ", nothing has arrived" : "");
+    if (topics[i].publishers > 1) {
+      err << fmt::format("note: {} nodes publish {}; their messages are mixed\n",
+                         topics[i].publishers, topics[i].topic.name);
+    }
+    if (one.faults.incompatible > 0) {
+      err << fmt::format("note: {} of the publishers of {} offer less than adit asks for\n",
+                         one.faults.incompatible, topics[i].topic.name);
+    }
+  }
+}
+
+std::unique_ptr<Recording> recording_of(std::unique_ptr<MessageFile> file) {
+  std::vector<fs::path> paths = {file->path()};
+  std::vector<std::unique_ptr<MessageFile>> files;
+  files.push_back(std::move(file));
+  return make_message_recording(std::move(paths), std::move(files));
+}
+
+/// What has arrived so far, and what arrives.
+RunSource source_of(const MessageRecorder& recorder, const Config& config) {
+  RunSource source{.known = configured(recording_of(std::make_unique<GrowingMessages>(recorder)),
+                                       config.recording)};
+  auto growing = std::make_unique<GrowingMessages>(recorder);
+  GrowingMessages& file = *growing;
+  source.underlying = configured(recording_of(std::move(growing)), config.recording);
+  file.wait_for_more();
+  source.endless = true;
+  source.ends_by_itself = true;
+  return source;
+}
+
+LiveReport with_counts(LiveReport report, const TopicReceiver& receiver) {
+  for (const TopicCounts& counts : receiver.counts()) {
+    report.lost_datagrams += counts.faults.lost;
+  }
+  return report;
+}
+
+}  // namespace
+
+bool is_topic_source(const std::string& source) {
+  std::error_code unknown;
+  return source == kAllTopics || (source.starts_with('/') && !fs::exists(source, unknown));
+}
+
+int list_topics(double wait_s, std::ostream& out) {
+  const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
+  const auto start = Clock::now();
+  while (seconds_since(start) < wait_s && StopSignal::received() == 0) {
+    std::this_thread::sleep_for(kNap);
+  }
+  std::string sweeps;
+  for (const PublishedTopic& one : understood_topics(*node)) {
+    const TopicKind kind = kind_of(one.topic);
+    out << fmt::format("{:10} {}\n", to_string(kind), text_of(one.topic));
+    sweeps = sweeps.empty() && kind == TopicKind::sweeps ? one.topic.name : sweeps;
+  }
+  out << (sweeps.empty() ? "no topic of point clouds is published\n"
+                         : "map it: adit live " + std::string(kAllTopics) + " -o out\n")
+      << std::flush;
+  return sweeps.empty() ? 1 : 0;
+}
+
+int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std::ostream& err) {
+  RunCommandOptions given = options.run;
+  given.recording = prepare_recording(given, "recording.mcap");
+  const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
+  if (!given.quiet) {
+    err << fmt::format("listening; adit waits {} s for topics", options.wait_s) << std::endl;
+  }
+  const std::vector<PublishedTopic> topics = wait_for_topics(*node, options);
+  std::vector<DdsTopic> wanted;
+  std::vector<Channel> channels;
+  for (const PublishedTopic& one : topics) {
+    wanted.push_back(one.topic);
+    channels.push_back(channel_of(one.topic));
+  }
+  MessageRecorder recorder(given.recording, std::move(channels));
+  TopicReceiver receiver(*node, wanted, recorder);
+  const double looked_s = first_look(options, receiver, topics);
+  if (!given.quiet) {
+    say_start(topics, receiver.counts(), looked_s, err);
+  }
+  const LiveTimer timer(rest_of(options.duration_s, looked_s), [&] { receiver.stop(); });
+  ArrivalTimes arrivals;
+  LiveLatency latency(arrivals);
+  const WantedRun chosen = wanted_run(given);
+  const OpenSource open = [&](const Config& config) {
+    RunSource source = source_of(recorder, config);
+    source.arriving = std::make_unique<LiveRecording>(*source.underlying, std::nullopt, arrivals);
+    source.placed = [&](const Sweep& sweep) { latency.add(sweep.stamp); };
+    source.report = [&] { return with_counts(latency.report(), receiver); };
+    return source;
+  };
+  const int code = run_job(chosen, open, view, out, err);
+  if (!given.quiet) {
+    const LiveReport report = with_counts(latency.report(), receiver);
+    say_latency(report, err);
+    err << fmt::format("messages: {} lost on the way\n", report.lost_datagrams);
+  }
+  end_recording(options, given.recording);
+  if (const std::string failure = receiver.failure(); !failure.empty()) {
+    err << "adit live: receiving ended early: " << failure << "\n";
+    return 1;
+  }
+  return code;
+}
+
+}  // namespace adit
