@@ -8,9 +8,9 @@
 #include <cstring>
 #include <deque>
 #include <fstream>
-#include <thread>
 #include <utility>
 
+#include "adit/tools/live/growth.hpp"
 #include "adit/tools/recordings/ordered_packets.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -20,7 +20,6 @@ namespace {
 constexpr uint64_t kFileHeader = 24;
 constexpr uint64_t kPacketHeader = 16;
 constexpr uint32_t kRawIp = 101;  // LINKTYPE_RAW
-constexpr auto kNap = std::chrono::milliseconds(2);
 
 class GrowingStream final : public EventStream {
  public:
@@ -61,12 +60,8 @@ class GrowingStream final : public EventStream {
  private:
   /// Waits until the next packet is written; nothing at the end.
   std::optional<CapturedPacket> next_packet() {
-    while (at_ >= recorder_->committed()) {
-      // Finished first: what was written before that is seen.
-      if (recorder_->finished() && at_ >= recorder_->committed()) {
-        return std::nullopt;
-      }
-      std::this_thread::sleep_for(kNap);
+    if (!wait_for_growth(*recorder_, at_)) {
+      return std::nullopt;
     }
     file_.clear();
     std::array<uint32_t, kPacketHeader / 4> header{};

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <thread>
 #include <utility>
+
+#include "adit/tools/live/growth.hpp"
 
 namespace adit {
 namespace {
@@ -17,7 +17,6 @@ namespace {
 // A message record of MCAP: opcode, length, channel, sequence, two times.
 constexpr uint64_t kRecordHead = 9;
 constexpr uint64_t kMessageHead = 22;
-constexpr auto kNap = std::chrono::milliseconds(2);
 
 template <class T>
 T number_at(const std::byte* bytes) {
@@ -56,19 +55,7 @@ class GrowingMessageStream final : public MessageStream {
 
  private:
   /// Whether there is another one, now or later.
-  bool wait_for_record() const {
-    if (end_) {
-      return at_ < *end_;
-    }
-    while (at_ >= recorder_->committed()) {
-      // Finished first: what was written before that is seen.
-      if (recorder_->finished() && at_ >= recorder_->committed()) {
-        return false;
-      }
-      std::this_thread::sleep_for(kNap);
-    }
-    return true;
-  }
+  bool wait_for_record() const { return end_ ? at_ < *end_ : wait_for_growth(*recorder_, at_); }
 
   RawMessage read_record(uint64_t offset) {
     file_.clear();

@@ -10,6 +10,18 @@
 
 namespace adit {
 
+using LiveClock = std::chrono::steady_clock;
+
+inline double seconds_since(LiveClock::time_point start) {
+  return std::chrono::duration<double>(LiveClock::now() - start).count();
+}
+
+/// From the first packet or message of a lidar on: time in which the other sensors begin, s.
+inline constexpr double kFirstLook = 2.0;
+
+/// Between two looks at what has arrived.
+inline constexpr auto kLookEvery = std::chrono::milliseconds(20);
+
 /// What is left of a duration (0: no end) after some seconds: at least a millisecond.
 inline double rest_of(double duration_s, double passed_s) {
   return duration_s > 0.0 ? std::max(duration_s - passed_s, 1e-3) : 0.0;
@@ -22,13 +34,13 @@ class LiveTimer {
   LiveTimer(double seconds, std::function<void()> call) {
     if (seconds > 0.0) {
       thread_ = std::jthread([seconds, call = std::move(call)](const std::stop_token& stop) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+        const auto end = LiveClock::now() + std::chrono::duration<double>(seconds);
         while (!stop.stop_requested()) {
-          if (std::chrono::steady_clock::now() >= end) {
+          if (LiveClock::now() >= end) {
             call();
             return;
           }
-          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+          std::this_thread::sleep_for(kLookEvery);
         }
       });
     }

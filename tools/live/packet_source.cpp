@@ -31,19 +31,11 @@ namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-// From the first packet on: time for a first look at the sensors.
-constexpr double kFirstLook = 2.0;  // s
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Waits for packets; then a while more. Throws InputError where none come.
 double first_look(const LiveOptions& options, const UdpReceiver& receiver) {
-  const auto start = Clock::now();
-  std::optional<Clock::time_point> first;
+  const auto start = LiveClock::now();
+  std::optional<LiveClock::time_point> first;
   while (!first || seconds_since(*first) < kFirstLook) {
     if (const std::string failure = receiver.failure(); !failure.empty()) {
       throw InputError(options.sources.front(), {}, failure, "");
@@ -55,7 +47,7 @@ double first_look(const LiveOptions& options, const UdpReceiver& receiver) {
       unknown += counts.unknown;
     }
     if (!first && datagrams > 0) {
-      first = Clock::now();
+      first = LiveClock::now();
     }
     if (StopSignal::received() != 0 && first) {
       break;
@@ -68,7 +60,7 @@ double first_look(const LiveOptions& options, const UdpReceiver& receiver) {
           "Check the address and port that the sensor sends to, and a firewall; an Ouster needs "
           "--metadata FILE");
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(kLookEvery);
   }
   return std::max(seconds_since(*first), 1e-3);
 }

@@ -37,16 +37,8 @@ namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr const char* kAllTopics = "ros2";
-// From the first message of a lidar on: the topics of the other sensors begin within that.
-constexpr double kFirstLook = 2.0;  // s
-constexpr auto kNap = std::chrono::milliseconds(50);
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Channel channel_of(const DdsTopic& topic) {
   const auto definition = ros::definition_of(topic.type, Encoding::cdr);
@@ -94,8 +86,8 @@ bool is_named(const LiveOptions& options, const DdsTopic& topic) {
 
 /// The topics to record, once sweeps are among them and all that are named are there.
 std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const LiveOptions& options) {
-  const auto start = Clock::now();
-  std::optional<Clock::time_point> ready;
+  const auto start = LiveClock::now();
+  std::optional<LiveClock::time_point> ready;
   while (true) {
     std::vector<PublishedTopic> topics = understood_topics(node);
     std::erase_if(topics, [&](const PublishedTopic& one) {
@@ -112,7 +104,7 @@ std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const LiveOptions& op
     const bool sweeps = std::ranges::any_of(
         topics, [](const auto& one) { return kind_of(one.topic) == TopicKind::sweeps; });
     if (sweeps && missing.empty()) {
-      ready = ready ? ready : Clock::now();
+      ready = ready ? ready : LiveClock::now();
       if (seconds_since(*ready) > kFirstLook) {
         return topics;
       }
@@ -128,7 +120,7 @@ std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const LiveOptions& op
           "`adit live --list` shows what is published. Check ROS_DOMAIN_ID; for other machines set "
           "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET");
     }
-    std::this_thread::sleep_for(kNap);
+    std::this_thread::sleep_for(kLookEvery);
   }
 }
 
@@ -140,8 +132,8 @@ std::string text_of(const DdsTopic& topic) {
 /// Waits for the first sweep, then a while more.
 double first_look(const LiveOptions& options, const TopicReceiver& receiver,
                   const std::vector<PublishedTopic>& topics) {
-  const auto start = Clock::now();
-  std::optional<Clock::time_point> first;
+  const auto start = LiveClock::now();
+  std::optional<LiveClock::time_point> first;
   while (!first || seconds_since(*first) < kFirstLook) {
     if (const std::string failure = receiver.failure(); !failure.empty()) {
       throw InputError(options.sources.front(), {}, failure, "");
@@ -149,7 +141,7 @@ double first_look(const LiveOptions& options, const TopicReceiver& receiver,
     const std::vector<TopicCounts> counts = receiver.counts();
     for (std::size_t i = 0; i < counts.size() && !first; ++i) {
       if (counts[i].messages > 0 && kind_of(topics[i].topic) == TopicKind::sweeps) {
-        first = Clock::now();
+        first = LiveClock::now();
       }
     }
     if (!first && (seconds_since(start) > options.wait_s || StopSignal::received() != 0)) {
@@ -162,7 +154,7 @@ double first_look(const LiveOptions& options, const TopicReceiver& receiver,
     if (first && StopSignal::received() != 0) {
       break;
     }
-    std::this_thread::sleep_for(kNap);
+    std::this_thread::sleep_for(kLookEvery);
   }
   return std::max(seconds_since(*first), 1e-3);
 }
@@ -223,9 +215,9 @@ bool is_topic_source(const std::string& source) {
 
 int list_topics(double wait_s, std::ostream& out) {
   const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
-  const auto start = Clock::now();
+  const auto start = LiveClock::now();
   while (seconds_since(start) < wait_s && StopSignal::received() == 0) {
-    std::this_thread::sleep_for(kNap);
+    std::this_thread::sleep_for(kLookEvery);
   }
   std::string sweeps;
   for (const PublishedTopic& one : understood_topics(*node)) {
