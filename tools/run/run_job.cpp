@@ -62,14 +62,14 @@ SweepChoice choose_sweeps(const RunSource& source, const RunCommandOptions& opti
   const Recording& recording = *source.known;
   const std::size_t topic = sweep_topic(recording, options.recording, name);
   const auto size = static_cast<std::size_t>(recording.topics()[topic].messages.value_or(0));
+  if (source.endless) {
+    return {.topic = topic, .size = size, .range = {.first = 0, .count = kUnknownTotal}};
+  }
   const auto start = static_cast<std::size_t>(options.start.value_or(0));
   if (size == 0) {
     throw InputError(options.recording, {},
                      recording.topics()[topic].name + " holds no whole sweep",
                      "`adit inspect` tells what is in it");
-  }
-  if (source.endless) {
-    return {.topic = topic, .size = size, .range = {.first = 0, .count = kUnknownTotal}};
   }
   if (start >= size) {
     throw UsageError("--start " + std::to_string(start) + ": the recording has the sweeps 0 to " +
