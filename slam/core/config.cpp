@@ -207,6 +207,7 @@ void check_imu(Checks& checks, const ImuConfig& imu) {
   checks.between("imu.max_gap", imu.max_gap, 0.001, 1.0, "s");
   checks.between("imu.max_rate", imu.max_rate, 1.0, 1e6, "rad/s");
   checks.between("imu.max_acceleration", imu.max_acceleration, 1.0, 1e6, "m/s^2");
+  checks.between("imu.wait", imu.wait, 0.0, 10.0, "s");
   checks.between("imu.lag", imu.lag, 2, 1000, "sweeps");
   checks.require(imu.reset == 0 || imu.reset >= 2, "imu.reset", imu.reset,
                  "0, or at least 2 sweeps");

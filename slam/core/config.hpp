@@ -59,6 +59,7 @@ struct ImuConfig {
   double max_acceleration = 2000.0;  ///< m/s²
   int lag = 20;                      ///< sweeps
   int reset = 0;                     ///< sweeps
+  double wait = 0.5;                 ///< s
   bool refine_time_offset = false;
   bool refine_rotation = false;
 
@@ -97,6 +98,9 @@ struct ImuConfig {
     field("reset", self.reset, "sweeps",
           "greater than 0: instead of the lag, the graph is reduced to its newest state every so "
           "many sweeps (the paper: 100)");
+    field("wait", self.wait, "s",
+          "a measurement waits for earlier ones until one has arrived that is so much later; `adit "
+          "live` takes 0.02 s, unless --set says otherwise");
     field(
         "refine_time_offset", self.refine_time_offset, "",
         "true: the IMU's clock is corrected whenever its turns and the sweeps' differ; false: only "

@@ -9,7 +9,6 @@
 namespace adit {
 namespace {
 
-constexpr Nanoseconds kWindow = std::chrono::milliseconds(500);
 constexpr Nanoseconds kLongestWait = std::chrono::milliseconds(300);
 /// However far stamps and order of arrival disagree, and where a clock stands still.
 constexpr std::size_t kMostHeldBytes = std::size_t{256} << 20U;
@@ -46,7 +45,7 @@ void SensorFeed::flush() {
 }
 
 bool SensorFeed::is_due() const {
-  return !held_.empty() && (flushing_ || latest_arrival_ - held_.begin()->first >= kWindow ||
+  return !held_.empty() && (flushing_ || latest_arrival_ - held_.begin()->first >= window_ ||
                             held_bytes_ > kMostHeldBytes);
 }
 

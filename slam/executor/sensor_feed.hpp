@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <map>
@@ -21,8 +22,8 @@ Nanoseconds stamp_of(const Measurement& measurement);
 /// Puts measurements that arrive in any order into the order in which the odometry wants them: by
 /// their own stamps, and a sweep once the inertial readings that cover it have been handed on.
 ///
-/// - A measurement is held until one has arrived whose stamp is half a second later; what is later
-///   than that comes at once, behind measurements with later stamps, and is never lost.
+/// - A measurement is held until one has arrived whose stamp is `window` later; what is later than
+///   that comes at once, behind measurements with later stamps, and is never lost.
 /// - A sweep waits for a reading at its end, for 0.3 s of the sensors' own time at most, since the
 ///   inertial sensor may have stopped.
 /// - Memory is bounded: beyond 256 MiB of sweeps the first ones go as they are.
@@ -32,7 +33,8 @@ Nanoseconds stamp_of(const Measurement& measurement);
 class SensorFeed {
  public:
   /// `inertial`: there is an inertial sensor to wait for.
-  explicit SensorFeed(bool inertial) : waits_(inertial) {}
+  explicit SensorFeed(bool inertial, Nanoseconds window = std::chrono::milliseconds(500))
+      : waits_(inertial), window_(window) {}
 
   void add(Measurement measurement);
 
@@ -54,6 +56,7 @@ class SensorFeed {
   void release(Measurement measurement);
 
   bool waits_;
+  Nanoseconds window_;
   bool flushing_ = false;
   std::multimap<Nanoseconds, Measurement> held_;  ///< by stamp
   std::size_t held_bytes_ = 0;

@@ -57,7 +57,7 @@ class OfflineSlam final : public Slam {
       : configured_(config.imu.T_imu_lidar),
         gnss_(config.gnss),
         inertial_(options.inertial && config.imu.use),
-        feed_(inertial_),
+        feed_(inertial_, nanoseconds(config.imu.wait)),
         odometry_(context, config),
         context_(&context),
         map_(options.map),

@@ -91,6 +91,7 @@ std::vector<BadSetting> bad_settings() {
       {"imu.max_acceleration", [](Config& c) { c.imu.max_acceleration = 0.0; }, "m/s^2"},
       {"recovery.max_speed", [](Config& c) { c.recovery.max_speed = 0.0; }, "m/s"},
       {"imu.lag", [](Config& c) { c.imu.lag = 1; }, "between 2"},
+      {"imu.wait", [](Config& c) { c.imu.wait = -0.1; }, "between 0 and 10 s"},
       {"imu.reset", [](Config& c) { c.imu.reset = 1; }, "at least 2 sweeps"},
       {"recovery.max_coasting", [](Config& c) { c.recovery.max_coasting = -1; }, "between 0"},
       {"recording.point_time_unit", [](Config& c) { c.recording.point_time_unit = -1; }, "s"},

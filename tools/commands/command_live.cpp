@@ -25,6 +25,9 @@ namespace adit {
 namespace {
 
 constexpr const char* kFolder = "live";
+// A network delivers in order but for some milliseconds. The first of the settings, so that others
+// win.
+constexpr const char* kShortWait = "imu.wait=0.02";
 
 using MapSource = std::function<int(const LiveOptions&, RunView*)>;
 
@@ -68,6 +71,8 @@ int live(LiveOptions options, std::ostream& out, std::ostream& err) {
   if (options.run.output.empty()) {
     options.run.output = kFolder;
   }
+  std::vector<std::string>& settings = options.run.config.overrides;
+  settings.insert(settings.begin(), kShortWait);
   const MapSource map = source_of(options.sources, out, err);
   std::optional<RunView> view;
   if (options.run.view) {
