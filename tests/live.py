@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""`adit live`: packets over loopback are recorded and mapped, and `adit run` of the recording gives the same bytes.
+"""`adit live`: packets over loopback and ROS 2 topics are recorded and mapped, and `adit run` of the recording gives the
+same bytes.
 
-Usage: live.py ADIT.
+Usage: live.py ADIT [TOPIC_PEER]. TOPIC_PEER, built where there is a DDS, is the other side of the topics.
 """
 
 import json
 import math
+import os
 import pathlib
 import random
 import signal
@@ -134,6 +136,34 @@ def check_recording(adit, folder):
     same_files(folder / "run", folder / "paced")
 
 
+def check_topics(adit, peer, folder):
+    recording, out = folder / "topics.mcap", folder / "topics"
+    run(adit, "simulate", "room", "--duration", "5", "--seed", "52", "-o", recording)
+    os.environ["ROS_DOMAIN_ID"] = str(random.randrange(100, 200))  # another test may run beside this one
+    with subprocess.Popen([peer, recording, "1"], stdout=subprocess.PIPE, text=True) as other:
+        expect(other.stdout.readline() == "ready\n", "the other side does not begin")
+        command = [adit, "live", "ros2", "--publish", "-o", out, "--wait", "60"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            told, _ = other.communicate()
+            process.send_signal(signal.SIGTERM)
+            _, err = process.communicate()
+            expect(process.returncode == 0, f"topics: exit code {process.returncode}\n{err}")
+    counts = {tuple(line.split()[:2]): int(line.split()[2]) for line in told.splitlines()}
+    live = json.loads((out / "summary.json").read_text(encoding="utf-8"))["live"]
+    expect(live["sweeps"] == counts["sent", "/points"], f"{counts}, {live}")
+    expect(counts.get(("received", "/adit/odometry")) == live["sweeps"], f"{counts}, {live}")
+    for topic in "/tf", "/adit/path", "/adit/keyframe_cloud", "/diagnostics":
+        expect(counts.get(("received", topic), 0) > 0, f"{topic} is missing: {counts}")
+    run(adit, "run", out / "recording.mcap", "-o", folder / "topics_again", "--quiet")
+    same_files(out, folder / "topics_again")
+
+
+def check_no_topics(adit, folder):
+    command = [adit, "live", "/nowhere", "-o", folder / "nowhere", "--wait", "0.3"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    expect(done.returncode == 1 and "/nowhere was not published" in done.stderr, f"no topics: {done}")
+
+
 def check_silence(adit, folder):
     command = [adit, "live", f"udp://127.0.0.1:{free_port()}", "-o", folder / "none", "--wait", "0.2"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -141,7 +171,7 @@ def check_silence(adit, folder):
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     adit = str(pathlib.Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as name:
@@ -149,6 +179,9 @@ def main():
         check_silence(adit, folder)
         check_recording(adit, folder)
         check_sensor(adit, folder)
+        if len(sys.argv) == 3:
+            check_no_topics(adit, folder)
+            check_topics(adit, sys.argv[2], folder)
 
 
 if __name__ == "__main__":

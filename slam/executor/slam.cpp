@@ -307,7 +307,7 @@ class OfflineSlam final : public Slam {
       high_rate_->update(result.inertial);
     }
     if (placed_) {
-      placed_(sweep);
+      placed_(sweep, result);
     }
     SweepPlaced placed{.sweep = std::move(sweep), .result = std::move(result)};
     // After the odometry is done with the sweep: a map changes nothing of it.
@@ -395,7 +395,7 @@ class OfflineSlam final : public Slam {
   MapMemory map_memory_;
   bool map_beside_;
   std::size_t most_behind_;
-  std::function<void(const Sweep&)> placed_;
+  std::function<void(const Sweep&, const SweepResult&)> placed_;
   Waits waits_;
   std::optional<Mapper> mapper_;
   std::vector<SweepResult> before_map_;  ///< results of sweeps before the odometry began

@@ -84,7 +84,7 @@ struct SlamOptions {
   /// Sweeps that the map may be behind the odometry before that waits. At least 1.
   std::size_t most_behind = 4;
   /// Called as soon as the odometry has placed a sweep, before the map has it; empty: not called.
-  std::function<void(const Sweep&)> placed{};
+  std::function<void(const Sweep&, const SweepResult&)> placed{};
 };
 
 /// The whole system: measurements in, placed sweeps out. make_slam() makes one.

@@ -114,6 +114,18 @@ void add_live_command(Command app, std::function<void(int)> done) {
   command.flag("--odometry", options->run.odometry, "Odometry alone: no map, no loops, no GNSS");
   command.flag("--overwrite", options->run.overwrite,
                "Replace the results of an earlier run in OUT, its recording included");
+  command.flag("--publish", options->publishes,
+               "Publish odometry, transforms, path, keyframes and diagnostics to ROS 2");
+  command.option("--map-frame", options->frames.map, "With --publish: the frame of the map")
+      .value_name("NAME")
+      .show_default();
+  command.option("--odom-frame", options->frames.odom, "With --publish: the frame of the odometry")
+      .value_name("NAME")
+      .show_default();
+  command
+      .option("--base-frame", options->frames.base,
+              "With --publish: the frame that moves; without it the lidar's")
+      .value_name("NAME");
   command.flag("--list", options->lists, "List the ROS 2 topics that are published, and end");
   add_config_options(command, options->run.config);
   add_metadata_option(command, options->run.config);

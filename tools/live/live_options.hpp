@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adit/tools/live/topic_publisher.hpp"
 #include "adit/tools/run/run_options.hpp"
 
 namespace adit {
@@ -17,6 +18,8 @@ struct LiveOptions {
   double speed = 1.0;                  ///< of a recording; 0: no pace
   double duration_s = 0.0;             ///< of receiving; 0: until a signal
   bool lists = false;                  ///< the topics are listed, and nothing is mapped
+  bool publishes = false;              ///< to ROS 2, what a run of topics comes to
+  RosFrames frames{};                  ///< that are published
   bool record = true;                  ///< what arrived stays in OUT
 };
 

@@ -23,7 +23,7 @@ int map_paced(const LiveOptions& options, RunView* view, std::ostream& out, std:
     RunSource source{.known = open_recording(chosen.options.recording, config.recording)};
     source.arriving = std::make_unique<LiveRecording>(*source.known, options.speed, arrivals);
     source.ends_by_itself = true;
-    source.placed = [&](const Sweep& sweep) { latency.add(sweep.stamp); };
+    source.placed = [&](const Sweep& sweep, const SweepResult&) { latency.add(sweep.stamp); };
     source.report = [&] { return latency.report(); };
     return source;
   };

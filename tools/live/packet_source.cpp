@@ -139,7 +139,7 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
     source.arriving = std::make_unique<LiveRecording>(*source.underlying, std::nullopt, arrivals);
     source.endless = true;
     source.ends_by_itself = true;
-    source.placed = [&](const Sweep& sweep) { latency.add(sweep.stamp); };
+    source.placed = [&](const Sweep& sweep, const SweepResult&) { latency.add(sweep.stamp); };
     source.report = [&] { return with_counts(latency.report(), receiver); };
     return source;
   };

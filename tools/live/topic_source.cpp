@@ -24,12 +24,14 @@
 #include "adit/tools/live/live_recording.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/message_recorder.hpp"
+#include "adit/tools/live/topic_publisher.hpp"
 #include "adit/tools/live/topic_receiver.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/run/run_job.hpp"
 #include "adit/tools/run/wanted_run.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
+#include "adit/tools/setup/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 
@@ -199,6 +201,23 @@ RunSource source_of(const MessageRecorder& recorder, const Config& config) {
   return source;
 }
 
+/// The frame of the first sweep.
+std::string lidar_frame_of(const Recording& recording) {
+  EventSelection selection;
+  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
+    if (recording.topics()[i].kind == TopicKind::sweeps) {
+      selection.topics.push_back(i);
+    }
+  }
+  const auto events = recording.events(selection);
+  try {
+    const std::optional<Event> first = events->next();
+    return first ? first->frame : "";
+  } catch (const InputError&) {
+    return "";  // reported where it is mapped
+  }
+}
+
 LiveReport with_counts(LiveReport report, const TopicReceiver& receiver) {
   for (const TopicCounts& counts : receiver.counts()) {
     report.lost_datagrams += counts.faults.lost;
@@ -252,13 +271,27 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
     say_start(topics, receiver.counts(), looked_s, err);
   }
   const LiveTimer timer(rest_of(options.duration_s, looked_s), [&] { receiver.stop(); });
+  std::optional<TopicPublisher> publisher;
+  if (options.publishes) {
+    publisher.emplace(*node, options.frames);
+  }
   ArrivalTimes arrivals;
   LiveLatency latency(arrivals);
   const WantedRun chosen = wanted_run(given);
   const OpenSource open = [&](const Config& config) {
     RunSource source = source_of(recorder, config);
     source.arriving = std::make_unique<LiveRecording>(*source.underlying, std::nullopt, arrivals);
-    source.placed = [&](const Sweep& sweep) { latency.add(sweep.stamp); };
+    if (publisher) {
+      publisher->mount(frame_tree_of(recorded_transforms(*source.known, {})),
+                       lidar_frame_of(*source.known));
+      source.mapped = [&](const SweepPlaced& placed) { publisher->publish(placed); };
+    }
+    source.placed = [&](const Sweep& sweep, const SweepResult& result) {
+      latency.add(sweep.stamp);
+      if (publisher) {
+        publisher->publish(sweep, result);
+      }
+    };
     source.report = [&] { return with_counts(latency.report(), receiver); };
     return source;
   };

@@ -89,8 +89,8 @@ struct Odometry {
   std::string child_frame;
   Pose pose;
   std::array<double, 36> pose_covariance{};
-  Vector3 linear;
-  Vector3 angular;
+  Vector3 linear{};
+  Vector3 angular{};
   std::array<double, 36> twist_covariance{};
 };
 
@@ -98,6 +98,31 @@ struct PoseStamped {
   static constexpr std::string_view kType = "geometry_msgs/PoseStamped";
   Header header;
   Pose pose;
+};
+
+struct Path {
+  static constexpr std::string_view kType = "nav_msgs/Path";
+  Header header;
+  std::vector<PoseStamped> poses;
+};
+
+struct KeyValue {
+  std::string key;
+  std::string value;
+};
+
+struct DiagnosticStatus {
+  uint8_t level = 0;  ///< 0 ok, 1 warning, 2 error, 3 stale
+  std::string name;
+  std::string message;
+  std::string hardware_id;
+  std::vector<KeyValue> values;
+};
+
+struct DiagnosticArray {
+  static constexpr std::string_view kType = "diagnostic_msgs/DiagnosticArray";
+  Header header;
+  std::vector<DiagnosticStatus> status;
 };
 
 struct TransformStamped {

@@ -96,6 +96,24 @@ void visit(Archive& archive, IsA<PoseStamped> auto& pose) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<Path> auto& path) {
+  visit(archive, path.header);
+  archive.sequence(path.poses, 68, [](auto& a, auto& pose) { visit(a, pose); });
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<DiagnosticStatus> auto& status) {
+  archive(status.level, status.name, status.message, status.hardware_id);
+  archive.sequence(status.values, 8, [](auto& a, auto& pair) { a(pair.key, pair.value); });
+}
+
+template <class Archive>
+void visit(Archive& archive, IsA<DiagnosticArray> auto& diagnostics) {
+  visit(archive, diagnostics.header);
+  archive.sequence(diagnostics.status, 17, [](auto& a, auto& status) { visit(a, status); });
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<TransformStamped> auto& transform) {
   visit(archive, transform.header);
   archive(transform.child_frame);

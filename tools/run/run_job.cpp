@@ -349,6 +349,9 @@ MappedRun map(const RunCommandOptions& options, const PreparedRun& run, JobOutpu
     };
   }
   const auto placed = [&](const SweepPlaced& sweep) {
+    if (run.source.mapped) {
+      run.source.mapped(sweep);
+    }
     if (view != nullptr) {
       view->add(sweep, statistics,
                 run.source.endless ? statistics.sweeps() : run.sweeps.range.count);

@@ -26,7 +26,8 @@ struct RunSource {
   std::unique_ptr<Recording> underlying{};  ///< what `arriving` reads, where that is another
   bool endless = false;         ///< the number of sweeps is unknown until the source ends
   bool ends_by_itself = false;  ///< a signal ends the source, and the run is complete then
-  std::function<void(const Sweep&)> placed{};  ///< SlamOptions::placed
+  std::function<void(const Sweep&, const SweepResult&)> placed{};  ///< SlamOptions::placed
+  std::function<void(const SweepPlaced&)> mapped{};  ///< gets each sweep when it is written
   std::function<LiveReport()> report{};  ///< called once after the last sweep; empty: not live
 };
 

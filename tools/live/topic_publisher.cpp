@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#include "adit/tools/live/topic_publisher.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "adit/slam/core/lie.hpp"
+#include "adit/tools/recordings/ros_visit.hpp"
+#include "adit/tools/support/input_error.hpp"
+
+namespace adit {
+namespace {
+
+constexpr auto kDiagnosticsEvery = std::chrono::seconds(1);
+constexpr uint8_t kFloat32 = 7;  // of PointField
+
+ros::Vector3 vector_of(const Eigen::Vector3d& v) {
+  return {.x = v.x(), .y = v.y(), .z = v.z()};
+}
+
+ros::Quaternion quaternion_of(const Eigen::Isometry3d& T) {
+  const Eigen::Quaterniond q(T.rotation());
+  return {.x = q.x(), .y = q.y(), .z = q.z(), .w = q.w()};
+}
+
+ros::Pose pose_of_message(const Eigen::Isometry3d& T) {
+  return {.position = vector_of(T.translation()), .orientation = quaternion_of(T)};
+}
+
+ros::TransformStamped transform_of(Nanoseconds stamp, const std::string& parent,
+                                   const std::string& child, const Eigen::Isometry3d& T) {
+  return {.header = {.stamp = stamp, .frame = parent},
+          .child_frame = child,
+          .translation = vector_of(T.translation()),
+          .rotation = quaternion_of(T)};
+}
+
+std::array<double, 36> numbers_of_matrix(const Matrix6d& matrix) {
+  std::array<double, 36> numbers{};
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers.data()) = matrix;
+  return numbers;
+}
+
+/// Covariance of position and small fixed-axis rotation in the parent's axes (ROS REP 103), from
+/// that of the right perturbation [rho, phi].
+Matrix6d in_parent_axes(const Matrix6d& covariance, const Eigen::Matrix3d& R) {
+  Matrix6d rotation = Matrix6d::Zero();
+  rotation.topLeftCorner<3, 3>() = R;
+  rotation.bottomRightCorner<3, 3>() = R;
+  return rotation * covariance * rotation.transpose();
+}
+
+}  // namespace
+
+TopicPublisher::TopicPublisher(DdsNode& node, RosFrames frames)
+    : node_(node),
+      frames_(std::move(frames)),
+      odometry_topic_(node.advertise(
+          {.name = "/adit/odometry", .type = std::string(ros::Odometry::kType), .reliable = true})),
+      transforms_topic_(node.advertise(
+          {.name = "/tf", .type = std::string(ros::TFMessage::kType), .reliable = true})),
+      path_topic_(node.advertise({.name = "/adit/path",
+                                  .type = std::string(ros::Path::kType),
+                                  .reliable = true,
+                                  .latched = true})),
+      cloud_topic_(node.advertise({.name = "/adit/keyframe_cloud",
+                                   .type = std::string(ros::PointCloud2::kType),
+                                   .reliable = true})),
+      diagnostics_topic_(node.advertise({.name = "/diagnostics",
+                                         .type = std::string(ros::DiagnosticArray::kType),
+                                         .reliable = true})) {}
+
+void TopicPublisher::mount(const FrameTree& transforms, const std::string& lidar_frame) {
+  if (frames_.base.empty() || frames_.base == lidar_frame) {
+    frames_.base = lidar_frame.empty() ? "lidar" : lidar_frame;
+    return;
+  }
+  const auto found = transforms.transform(lidar_frame, frames_.base);
+  if (!found) {
+    throw InputError(
+        "--base-frame " + frames_.base, {},
+        "no static transform connects it with the lidar's frame '" + lidar_frame + "'",
+        "Publish it on /tf_static, or leave the option out: the lidar's frame is used");
+  }
+  T_lidar_base_ = *found;
+}
+
+void TopicPublisher::publish(const Sweep& sweep, const SweepResult& result) {
+  const Eigen::Isometry3d T_odom_base = result.T_map_lidar * T_lidar_base_;
+  ++sweeps_;
+  unaligned_ += result.state == OdometryState::coasting ? 1U : 0U;
+  publish_odometry(result, T_odom_base);
+  publish_transforms(sweep.stamp, T_odom_base);
+  publish_diagnostics(result);
+}
+
+void TopicPublisher::publish_odometry(const SweepResult& result,
+                                      const Eigen::Isometry3d& T_odom_base) {
+  // Seen from the base, the lidar's perturbation is that of another point of the same body.
+  const Matrix6d to_base = adjoint(T_lidar_base_.inverse());
+  const auto at_base = [&](const Matrix6d& covariance) {
+    return Matrix6d(to_base * covariance * to_base.transpose());
+  };
+  ros::Odometry message{.header = {.stamp = result.stamp, .frame = frames_.odom},
+                        .child_frame = frames_.base,
+                        .pose = pose_of_message(T_odom_base),
+                        .pose_covariance = numbers_of_matrix(in_parent_axes(
+                            at_base(result.uncertainty.in_map()), T_odom_base.rotation()))};
+  if (last_ && result.stamp > last_->stamp) {
+    const double step = std::chrono::duration<double>(result.stamp - last_->stamp).count();
+    const Vector6d moved = se3_log(last_->T_map_lidar.inverse() * T_odom_base) / step;
+    message.linear = vector_of(moved.head<3>());
+    message.angular = vector_of(moved.tail<3>());
+    // Both ends are as well known as their submap makes them.
+    message.twist_covariance = numbers_of_matrix(
+        at_base(result.uncertainty.local + last_->uncertainty.local) / (step * step));
+  }
+  last_ = {.stamp = result.stamp, .T_map_lidar = T_odom_base, .uncertainty = result.uncertainty};
+  node_.publish(odometry_topic_, ros::encode(Encoding::cdr, message));
+}
+
+void TopicPublisher::publish_transforms(Nanoseconds stamp, const Eigen::Isometry3d& T_odom_base) {
+  node_.publish(
+      transforms_topic_,
+      ros::encode(Encoding::cdr,
+                  ros::TFMessage{{transform_of(stamp, frames_.map, frames_.odom, T_map_odom_),
+                                  transform_of(stamp, frames_.odom, frames_.base, T_odom_base)}}));
+}
+
+void TopicPublisher::publish_diagnostics(const SweepResult& result) {
+  if (diagnosed_ && result.stamp - *diagnosed_ < kDiagnosticsEvery) {
+    return;
+  }
+  diagnosed_ = result.stamp;
+  const bool aligned = result.state == OdometryState::tracking;
+  const bool begins = result.state == OdometryState::initializing;
+  const ros::DiagnosticStatus status{
+      .level = static_cast<uint8_t>(aligned || begins ? 0 : 2),
+      .name = "adit: odometry",
+      .message = std::string(to_string(result.state)),
+      .hardware_id = "adit",
+      .values = {{"sweeps", std::to_string(sweeps_)},
+                 {"sweeps not aligned", std::to_string(unaligned_)},
+                 {"points after down-sampling", std::to_string(result.cloud_points)}}};
+  node_.publish(diagnostics_topic_,
+                ros::encode(Encoding::cdr,
+                            ros::DiagnosticArray{.header = {.stamp = result.stamp, .frame = ""},
+                                                 .status = {status}}));
+}
+
+void TopicPublisher::publish(const SweepPlaced& placed) {
+  if (placed.mapped) {
+    T_map_odom_ = placed.mapped->T_map_lidar * placed.result.T_map_lidar.inverse();
+  }
+  if (!placed.result.keyframe) {
+    return;
+  }
+  const Eigen::Isometry3d T_map_lidar = T_map_odom_ * placed.result.T_map_lidar;
+  publish_cloud(placed.result, T_map_lidar);
+  path_.header = {.stamp = placed.result.stamp, .frame = frames_.map};
+  path_.poses.push_back(
+      {.header = path_.header, .pose = pose_of_message(T_map_lidar * T_lidar_base_)});
+  node_.publish(path_topic_, ros::encode(Encoding::cdr, path_));
+}
+
+void TopicPublisher::publish_cloud(const SweepResult& result,
+                                   const Eigen::Isometry3d& T_map_lidar) {
+  std::vector<Point> points = result.cloud;
+  for (Point& point : points) {
+    const Eigen::Vector3f moved =
+        (T_map_lidar * Eigen::Vector3f(point.x, point.y, point.z).cast<double>()).cast<float>();
+    point = {.x = moved.x(), .y = moved.y(), .z = moved.z(), .intensity = point.intensity};
+  }
+  const auto field = [](const char* name, uint32_t offset) {
+    return ros::PointField{.name = name, .offset = offset, .datatype = kFloat32};
+  };
+  const auto size = static_cast<uint32_t>(points.size());
+  node_.publish(
+      cloud_topic_,
+      ros::encode(Encoding::cdr,
+                  ros::PointCloud2{.header = {.stamp = result.stamp, .frame = frames_.map},
+                                   .width = size,
+                                   .fields = {field("x", 0), field("y", 4), field("z", 8),
+                                              field("intensity", 12)},
+                                   .point_step = sizeof(Point),
+                                   .row_step = static_cast<uint32_t>(sizeof(Point)) * size,
+                                   .data = std::as_bytes(std::span(points)),
+                                   .is_dense = true}));
+}
+
+}  // namespace adit
