@@ -33,12 +33,21 @@ ros::Pose pose_of_message(const Eigen::Isometry3d& T) {
   return {.position = vector_of(T.translation()), .orientation = quaternion_of(T)};
 }
 
+ros::Header header_of(Nanoseconds stamp, const std::string& frame) {
+  ros::Header header;
+  header.stamp = stamp;
+  header.frame = frame;
+  return header;
+}
+
 ros::TransformStamped transform_of(Nanoseconds stamp, const std::string& parent,
                                    const std::string& child, const Eigen::Isometry3d& T) {
-  return {.header = {.stamp = stamp, .frame = parent},
-          .child_frame = child,
-          .translation = vector_of(T.translation()),
-          .rotation = quaternion_of(T)};
+  ros::TransformStamped transform;
+  transform.header = header_of(stamp, parent);
+  transform.child_frame = child;
+  transform.translation = vector_of(T.translation());
+  transform.rotation = quaternion_of(T);
+  return transform;
 }
 
 std::array<double, 36> numbers_of_matrix(const Matrix6d& matrix) {
@@ -107,11 +116,12 @@ void TopicPublisher::publish_odometry(const SweepResult& result,
   const auto at_base = [&](const Matrix6d& covariance) {
     return Matrix6d(to_base * covariance * to_base.transpose());
   };
-  ros::Odometry message{.header = {.stamp = result.stamp, .frame = frames_.odom},
-                        .child_frame = frames_.base,
-                        .pose = pose_of_message(T_odom_base),
-                        .pose_covariance = numbers_of_matrix(in_parent_axes(
-                            at_base(result.uncertainty.in_map()), T_odom_base.rotation()))};
+  ros::Odometry message;
+  message.header = header_of(result.stamp, frames_.odom);
+  message.child_frame = frames_.base;
+  message.pose = pose_of_message(T_odom_base);
+  message.pose_covariance = numbers_of_matrix(
+      in_parent_axes(at_base(result.uncertainty.in_map()), T_odom_base.rotation()));
   if (last_ && result.stamp > last_->stamp) {
     const double step = std::chrono::duration<double>(result.stamp - last_->stamp).count();
     const Vector6d moved = se3_log(last_->T_map_lidar.inverse() * T_odom_base) / step;
@@ -140,18 +150,18 @@ void TopicPublisher::publish_diagnostics(const SweepResult& result) {
   diagnosed_ = result.stamp;
   const bool aligned = result.state == OdometryState::tracking;
   const bool begins = result.state == OdometryState::initializing;
-  const ros::DiagnosticStatus status{
-      .level = static_cast<uint8_t>(aligned || begins ? 0 : 2),
-      .name = "adit: odometry",
-      .message = std::string(to_string(result.state)),
-      .hardware_id = "adit",
-      .values = {{"sweeps", std::to_string(sweeps_)},
-                 {"sweeps not aligned", std::to_string(unaligned_)},
-                 {"points after down-sampling", std::to_string(result.cloud_points)}}};
-  node_.publish(diagnostics_topic_,
-                ros::encode(Encoding::cdr,
-                            ros::DiagnosticArray{.header = {.stamp = result.stamp, .frame = ""},
-                                                 .status = {status}}));
+  ros::DiagnosticStatus status;
+  status.level = aligned || begins ? 0 : 2;
+  status.name = "adit: odometry";
+  status.message = to_string(result.state);
+  status.hardware_id = "adit";
+  status.values = {{"sweeps", std::to_string(sweeps_)},
+                   {"sweeps not aligned", std::to_string(unaligned_)},
+                   {"points after down-sampling", std::to_string(result.cloud_points)}};
+  ros::DiagnosticArray message;
+  message.header = header_of(result.stamp, "");
+  message.status = {status};
+  node_.publish(diagnostics_topic_, ros::encode(Encoding::cdr, message));
 }
 
 void TopicPublisher::publish(const SweepPlaced& placed) {
@@ -163,9 +173,11 @@ void TopicPublisher::publish(const SweepPlaced& placed) {
   }
   const Eigen::Isometry3d T_map_lidar = T_map_odom_ * placed.result.T_map_lidar;
   publish_cloud(placed.result, T_map_lidar);
-  path_.header = {.stamp = placed.result.stamp, .frame = frames_.map};
-  path_.poses.push_back(
-      {.header = path_.header, .pose = pose_of_message(T_map_lidar * T_lidar_base_)});
+  path_.header = header_of(placed.result.stamp, frames_.map);
+  ros::PoseStamped pose;
+  pose.header = path_.header;
+  pose.pose = pose_of_message(T_map_lidar * T_lidar_base_);
+  path_.poses.push_back(pose);
   node_.publish(path_topic_, ros::encode(Encoding::cdr, path_));
 }
 
@@ -178,20 +190,21 @@ void TopicPublisher::publish_cloud(const SweepResult& result,
     point = {.x = moved.x(), .y = moved.y(), .z = moved.z(), .intensity = point.intensity};
   }
   const auto field = [](const char* name, uint32_t offset) {
-    return ros::PointField{.name = name, .offset = offset, .datatype = kFloat32};
+    ros::PointField made;
+    made.name = name;
+    made.offset = offset;
+    made.datatype = kFloat32;
+    return made;
   };
-  const auto size = static_cast<uint32_t>(points.size());
-  node_.publish(
-      cloud_topic_,
-      ros::encode(Encoding::cdr,
-                  ros::PointCloud2{.header = {.stamp = result.stamp, .frame = frames_.map},
-                                   .width = size,
-                                   .fields = {field("x", 0), field("y", 4), field("z", 8),
-                                              field("intensity", 12)},
-                                   .point_step = sizeof(Point),
-                                   .row_step = static_cast<uint32_t>(sizeof(Point)) * size,
-                                   .data = std::as_bytes(std::span(points)),
-                                   .is_dense = true}));
+  ros::PointCloud2 message;
+  message.header = header_of(result.stamp, frames_.map);
+  message.width = static_cast<uint32_t>(points.size());
+  message.fields = {field("x", 0), field("y", 4), field("z", 8), field("intensity", 12)};
+  message.point_step = sizeof(Point);
+  message.row_step = message.point_step * message.width;
+  message.data = std::as_bytes(std::span(points));
+  message.is_dense = true;
+  node_.publish(cloud_topic_, ros::encode(Encoding::cdr, message));
 }
 
 }  // namespace adit
