@@ -43,7 +43,7 @@ GENERATED = {"version.hpp"}
 # The sources of a page, which are no C++: one level more.
 PAGE = "tools/viewer/page/"
 # Where threads may be started: tests and benchmarks aside.
-THREADS = {"engine/self_test/", "tools/live/", "tools/commands/command_live",
+THREADS = {"engine/self_test/", "tools/live/",
            "slam/executor/", "tools/recordings/events_ahead", "tools/simulator/parallel.hpp",
            "tools/viewer/live_view", "tools/viewer/foxglove_run_feed"}
 # What these layers are not to include; they do not print or end the process either (PRINTS).
