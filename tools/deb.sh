@@ -77,7 +77,8 @@ printf 'Source: adit\n\nPackage: adit\nArchitecture: any\n' >"$work/debian/contr
 depends=$(cd "$work" && dpkg-shlibdeps -O debian/adit/usr/bin/adit | sed -n 's/^shlibs:Depends=//p')
 [[ -n $depends ]] || die "dpkg-shlibdeps found nothing that adit needs"
 
-# The loader is opened by name while the program runs; without a driver there is no device.
+# The loader is opened by name while the program runs; without a driver there is no device. The plug-in for ROS 2 topics
+# is opened when it is asked for, and needs a DDS that others need not install.
 cat >"$stage/DEBIAN/control" <<EOT
 Package: adit
 Version: $full
@@ -85,7 +86,7 @@ Architecture: $architecture
 Maintainer: $maintainer
 Installed-Size: $(du -ks --apparent-size "$stage/usr" | cut -f 1)
 Depends: $depends, libvulkan1, mesa-vulkan-drivers | vulkan-icd
-Suggests: libproj25
+Suggests: libproj25, libddsc0debian
 Section: science
 Priority: optional
 Description: LiDAR recordings to trajectories and maps, on any GPU or none

@@ -53,7 +53,8 @@ std::unique_ptr<DdsNode> open_dds_node(const DdsOptions& options) {
     // It stays open: its threads may outlive what is done with it here.
     void* library = ::dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) {
-      throw std::runtime_error(place.string() + ": it cannot be opened: " + ::dlerror());
+      throw std::runtime_error(place.string() + ": it cannot be opened: " + ::dlerror() +
+                               ". It needs Cyclone DDS: apt install libddsc0debian");
     }
     const auto interface = function_of<int (*)()>(library, kDdsInterfaceFunction);
     const auto open =
@@ -70,7 +71,7 @@ std::unique_ptr<DdsNode> open_dds_node(const DdsOptions& options) {
   }
   throw std::runtime_error(
       "ROS 2 topics need adit's DDS plug-in, which is not here (looked for " + looked +
-      "). The package adit-ros2 has it; a build makes it where cyclonedds-dev is installed.");
+      "). The .deb has it, and a build makes it where cyclonedds-dev is installed.");
 }
 
 DdsOptions dds_options_of_environment() {
