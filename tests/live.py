@@ -159,6 +159,24 @@ def check_topics(adit, peer, folder):
     same_files(out, folder / "topics_again")
 
 
+def check_record(adit, peer, folder):
+    recording = folder / "topics.mcap"
+    with subprocess.Popen([peer, recording, "2"], stdout=subprocess.PIPE, text=True) as other:
+        expect(other.stdout.readline() == "ready\n", "the other side does not begin")
+        command = [adit, "record", "ros2", "-o", folder / "parts.mcap", "--split-time", "1", "--quiet"]
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+            told, _ = other.communicate()
+            process.send_signal(signal.SIGTERM)
+            _, err = process.communicate()
+            expect(process.returncode == 0, f"record: exit code {process.returncode}\n{err}")
+    counts = {tuple(line.split()[:2]): int(line.split()[2]) for line in told.splitlines()}
+    parts = sorted(folder.glob("parts_*.mcap"))
+    expect(len(parts) >= 3, f"{parts}")
+    run(adit, "run", *parts, "-o", folder / "of_parts", "--odometry", "--quiet")
+    sweeps = (folder / "of_parts" / "trajectory.tum").read_text(encoding="utf-8").count("\n")
+    expect(sweeps == counts["sent", "/points"], f"{sweeps} sweeps of {counts}")
+
+
 def check_no_topics(adit, folder):
     command = [adit, "live", "/nowhere", "-o", folder / "nowhere", "--wait", "0.3"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -183,6 +201,7 @@ def main():
         if len(sys.argv) == 3:
             check_no_topics(adit, folder)
             check_topics(adit, sys.argv[2], folder)
+            check_record(adit, sys.argv[2], folder)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@
 #include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/live/paced_source.hpp"
 #include "adit/tools/live/packet_source.hpp"
+#include "adit/tools/live/topic_choice.hpp"
 #include "adit/tools/live/topic_source.hpp"
 #include "adit/tools/live/udp_receiver.hpp"
 #include "adit/tools/run/run_view.hpp"

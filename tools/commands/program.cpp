@@ -31,6 +31,7 @@
 #include "adit/tools/commands/command_live.hpp"
 #include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
+#include "adit/tools/commands/command_record.hpp"
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
@@ -114,6 +115,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_demo_command(app, done);
   add_run_command(app, done);
   add_live_command(app, done);
+  add_record_command(app, done);
   add_simulate_command(app, done);
   add_inspect_command(app, done);
   add_convert_command(app, done);

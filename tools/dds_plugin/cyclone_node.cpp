@@ -24,7 +24,6 @@ namespace adit {
 namespace {
 
 constexpr std::size_t kEncapsulation = 4;  // bytes before the content
-constexpr int32_t kHistory = 2000;         // messages a reader holds until they are taken
 constexpr uint32_t kMostAtOnce = 64;
 constexpr std::size_t kMostPublishers = 1024;
 
@@ -246,6 +245,7 @@ struct QosDelete {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDelete>;
 
+/// `depth`: the last messages that are kept for the other side; 0: all, until they are taken.
 Qos qos_of(const DdsTopic& topic, int32_t depth) {
   Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(),
@@ -253,7 +253,7 @@ Qos qos_of(const DdsTopic& topic, int32_t depth) {
                        DDS_MSECS(100));
   dds_qset_durability(qos.get(),
                       topic.latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
+  dds_qset_history(qos.get(), depth > 0 ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, depth);
   const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &representation);
   return qos;
@@ -324,9 +324,9 @@ class CycloneNode final : public DdsNode {
   }
 
   std::size_t subscribe(const DdsTopic& topic) override {
-    const dds_entity_t reader = required("subscription to " + topic.name,
-                                         dds_create_reader(participant_, topic_of(topic).entity,
-                                                           qos_of(topic, kHistory).get(), nullptr));
+    const dds_entity_t reader = required(
+        "subscription to " + topic.name,
+        dds_create_reader(participant_, topic_of(topic).entity, qos_of(topic, 0).get(), nullptr));
     const dds_entity_t arrival =
         required("subscription to " + topic.name, dds_create_readcondition(reader, DDS_ANY_STATE));
     dds_waitset_attach(waitset_, arrival, arrival);

@@ -6,25 +6,34 @@
 
 namespace adit {
 
-MessageRecorder::MessageRecorder(std::filesystem::path path, std::vector<Channel> channels)
-    : path_(std::move(path)),
-      channels_(std::move(channels)),
-      writer_(path_, {.chunks = false, .profile = "ros2"}) {
+MessageRecorder::MessageRecorder(std::filesystem::path path, std::vector<Channel> channels,
+                                 const RecordingSplit& split)
+    : parts_(std::move(path), split), channels_(std::move(channels)) {
+  open();
+}
+
+void MessageRecorder::open() {
+  path_ = parts_.path();
+  writer_ = std::make_unique<McapWriter>(path_, McapOptions{.chunks = false, .profile = "ros2"});
   for (const Channel& channel : channels_) {
-    writer_.add_channel(channel);
+    writer_->add_channel(channel);
   }
-  begin_ = writer_.flush();
+  begin_ = writer_->flush();
   committed_ = begin_;
 }
 
 void MessageRecorder::write(std::size_t channel, Nanoseconds received,
                             std::span<const std::byte> bytes) {
-  writer_.write(channel, received, bytes);
-  committed_ = writer_.flush();
+  if (parts_.advance(received, committed_)) {
+    writer_->close();
+    open();
+  }
+  writer_->write(channel, received, bytes);
+  committed_ = writer_->flush();
 }
 
 void MessageRecorder::finish() {
-  writer_.close();
+  writer_->close();
   finished_ = true;
 }
 

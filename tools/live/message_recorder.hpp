@@ -5,11 +5,13 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "adit/tools/containers/mcap_writer.hpp"
 #include "adit/tools/containers/message_file.hpp"
+#include "adit/tools/live/recording_split.hpp"
 
 namespace adit {
 
@@ -18,7 +20,8 @@ namespace adit {
 class MessageRecorder {
  public:
   /// Creates the file, with CDR channels. Throws OutputError.
-  MessageRecorder(std::filesystem::path path, std::vector<Channel> channels);
+  MessageRecorder(std::filesystem::path path, std::vector<Channel> channels,
+                  const RecordingSplit& split = {});
 
   /// Writes the message. Throws OutputError.
   void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes);
@@ -27,18 +30,22 @@ class MessageRecorder {
   /// Nothing follows, and the file is left as it is.
   void abandon() { finished_ = true; }
 
+  /// Of the file that is written, where it is one.
   const std::filesystem::path& path() const { return path_; }
   const std::vector<Channel>& channels() const { return channels_; }
-  /// Bytes of whole records in the file.
+  /// Bytes of whole records in the file that is written.
   uint64_t committed() const { return committed_; }
   /// committed() before the first message.
   uint64_t begin() const { return begin_; }
   bool finished() const { return finished_; }
 
  private:
+  void open();
+
+  RecordingParts parts_;
   std::filesystem::path path_;
   std::vector<Channel> channels_;
-  McapWriter writer_;
+  std::unique_ptr<McapWriter> writer_;
   uint64_t begin_ = 0;
   std::atomic<uint64_t> committed_ = 0;
   std::atomic<bool> finished_ = false;

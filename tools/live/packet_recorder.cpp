@@ -31,7 +31,14 @@ void put_network(std::vector<std::byte>& bytes, uint64_t value, int count) {
 
 }  // namespace
 
-PacketRecorder::PacketRecorder(std::filesystem::path path) : path_(std::move(path)) {
+PacketRecorder::PacketRecorder(std::filesystem::path path, const RecordingSplit& split)
+    : parts_(std::move(path), split) {
+  open();
+}
+
+void PacketRecorder::open() {
+  path_ = parts_.path();
+  committed_ = 0;
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (descriptor_ < 0) {
     throw OutputError(path_, path_.string() + ": cannot be created: " + std::strerror(errno));
@@ -50,6 +57,11 @@ PacketRecorder::~PacketRecorder() {
 }
 
 void PacketRecorder::add(const ReceivedDatagram& datagram) {
+  if (parts_.advance(datagram.received, committed_ + pending_.size())) {
+    commit();
+    ::close(descriptor_);
+    open();
+  }
   const std::size_t udp = kUdpHeader + datagram.payload.size();
   const std::size_t size = kIpHeader + udp;
   const auto ns = static_cast<uint64_t>(datagram.received.count());

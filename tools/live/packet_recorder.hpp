@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/tools/live/recording_split.hpp"
 
 namespace adit {
 
@@ -28,12 +29,12 @@ struct ReceivedDatagram {
 class PacketRecorder {
  public:
   /// Creates the file. Throws OutputError, also where it exists.
-  explicit PacketRecorder(std::filesystem::path path);
+  explicit PacketRecorder(std::filesystem::path path, const RecordingSplit& split = {});
   ~PacketRecorder();
   PacketRecorder(const PacketRecorder&) = delete;
   PacketRecorder& operator=(const PacketRecorder&) = delete;
 
-  /// Keeps the datagram until commit().
+  /// Keeps the datagram until commit(). Throws OutputError where a next file cannot be begun.
   void add(const ReceivedDatagram& datagram);
   /// Writes what was added. Throws OutputError.
   void commit();
@@ -46,6 +47,9 @@ class PacketRecorder {
   bool finished() const { return finished_; }
 
  private:
+  void open();
+
+  RecordingParts parts_;
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::vector<std::byte> pending_;

@@ -26,7 +26,9 @@ TopicReceiver::TopicReceiver(DdsNode& node, const std::vector<DdsTopic>& topics,
 
 TopicReceiver::~TopicReceiver() {
   thread_.request_stop();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
 }
 
 void TopicReceiver::receive(const std::stop_token& stop) {

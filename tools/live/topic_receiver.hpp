@@ -37,6 +37,8 @@ class TopicReceiver {
   std::string failure() const;
   /// Ends receiving; what has arrived by now is recorded.
   void stop() { thread_.request_stop(); }
+  /// Until it has ended.
+  void wait() { thread_.join(); }
 
  private:
   void receive(const std::stop_token& stop);

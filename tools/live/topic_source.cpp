@@ -5,18 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <ostream>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
-#include "adit/tools/containers/ros_definitions.hpp"
 #include "adit/tools/dds/dds_library.hpp"
 #include "adit/tools/live/growing_messages.hpp"
 #include "adit/tools/live/live_folder.hpp"
@@ -24,10 +21,10 @@
 #include "adit/tools/live/live_recording.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/message_recorder.hpp"
+#include "adit/tools/live/topic_choice.hpp"
 #include "adit/tools/live/topic_publisher.hpp"
 #include "adit/tools/live/topic_receiver.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
-#include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/run/run_job.hpp"
 #include "adit/tools/run/wanted_run.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
@@ -39,97 +36,6 @@ namespace adit {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kAllTopics = "ros2";
-
-Channel channel_of(const DdsTopic& topic) {
-  const auto definition = ros::definition_of(topic.type, Encoding::cdr);
-  return {.topic = topic.name,
-          .type = topic.type,
-          .encoding = Encoding::cdr,
-          .definition = definition ? definition->text : "",
-          .messages = std::nullopt};
-}
-
-TopicKind kind_of(const DdsTopic& topic) {
-  return ros::kind_of(channel_of(topic));
-}
-
-/// A topic that several publish is there once: reliable or latched where all of them are.
-struct PublishedTopic {
-  DdsTopic topic;
-  std::size_t publishers = 0;
-};
-
-std::vector<PublishedTopic> understood_topics(DdsNode& node) {
-  std::map<std::pair<std::string, std::string>, PublishedTopic> found;
-  for (const DdsTopic& one : node.published()) {
-    if (kind_of(one) == TopicKind::other) {
-      continue;
-    }
-    auto [at, is_new] = found.try_emplace({one.name, one.type}, PublishedTopic{.topic = one});
-    DdsTopic& topic = at->second.topic;
-    topic.reliable = topic.reliable && one.reliable;
-    topic.latched = topic.latched && one.latched;
-    ++at->second.publishers;
-  }
-  std::vector<PublishedTopic> topics;
-  for (auto& [key, topic] : found) {
-    topics.push_back(std::move(topic));
-  }
-  return topics;
-}
-
-bool is_named(const LiveOptions& options, const DdsTopic& topic) {
-  return std::ranges::any_of(options.sources, [&](const std::string& source) {
-    return source == kAllTopics || source == topic.name;
-  });
-}
-
-/// The topics to record, once sweeps are among them and all that are named are there.
-std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const LiveOptions& options) {
-  const auto start = LiveClock::now();
-  std::optional<LiveClock::time_point> ready;
-  while (true) {
-    std::vector<PublishedTopic> topics = understood_topics(node);
-    std::erase_if(topics, [&](const PublishedTopic& one) {
-      // Transforms tell how the sensors are mounted, whoever names the others.
-      return !is_named(options, one.topic) && kind_of(one.topic) != TopicKind::transforms;
-    });
-    std::string missing;
-    for (const std::string& source : options.sources) {
-      const bool there = source == kAllTopics || std::ranges::any_of(topics, [&](const auto& one) {
-                           return one.topic.name == source;
-                         });
-      missing = missing.empty() && !there ? source : missing;
-    }
-    const bool sweeps = std::ranges::any_of(
-        topics, [](const auto& one) { return kind_of(one.topic) == TopicKind::sweeps; });
-    if (sweeps && missing.empty()) {
-      ready = ready ? ready : LiveClock::now();
-      if (seconds_since(*ready) > kFirstLook) {
-        return topics;
-      }
-    }
-    if ((!ready && seconds_since(start) > options.wait_s) || StopSignal::received() != 0) {
-      throw InputError(
-          options.sources.front(), {},
-          missing.empty() ? fmt::format("no topic of point clouds was published in {:.1f} s",
-                                        seconds_since(start))
-                          : fmt::format("{} was not published in {:.1f} s, with a type that adit "
-                                        "reads",
-                                        missing, seconds_since(start)),
-          "`adit live --list` shows what is published. Check ROS_DOMAIN_ID; for other machines set "
-          "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET");
-    }
-    std::this_thread::sleep_for(kLookEvery);
-  }
-}
-
-std::string text_of(const DdsTopic& topic) {
-  return fmt::format("{} {} ({}{})", topic.name, topic.type,
-                     topic.reliable ? "reliable" : "best effort", topic.latched ? ", latched" : "");
-}
 
 /// Waits for the first sweep, then a while more.
 double first_look(const LiveOptions& options, const TopicReceiver& receiver,
@@ -227,11 +133,6 @@ LiveReport with_counts(LiveReport report, const TopicReceiver& receiver) {
 
 }  // namespace
 
-bool is_topic_source(const std::string& source) {
-  std::error_code unknown;
-  return source == kAllTopics || (source.starts_with('/') && !fs::exists(source, unknown));
-}
-
 int list_topics(double wait_s, std::ostream& out) {
   const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
   const auto start = LiveClock::now();
@@ -245,7 +146,7 @@ int list_topics(double wait_s, std::ostream& out) {
     sweeps = sweeps.empty() && kind == TopicKind::sweeps ? one.topic.name : sweeps;
   }
   out << (sweeps.empty() ? "no topic of point clouds is published\n"
-                         : "map it: adit live " + std::string(kAllTopics) + " -o out\n")
+                         : "map it: adit live ros2 -o out\n")
       << std::flush;
   return sweeps.empty() ? 1 : 0;
 }
@@ -257,7 +158,8 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
   if (!given.quiet) {
     err << fmt::format("listening; adit waits {} s for topics", options.wait_s) << std::endl;
   }
-  const std::vector<PublishedTopic> topics = wait_for_topics(*node, options);
+  const std::vector<PublishedTopic> topics =
+      wait_for_topics(*node, options.sources, options.wait_s);
   std::vector<DdsTopic> wanted;
   std::vector<Channel> channels;
   for (const PublishedTopic& one : topics) {

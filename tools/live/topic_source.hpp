@@ -3,15 +3,11 @@
 #pragma once
 
 #include <iosfwd>
-#include <string>
 
 #include "adit/tools/live/live_options.hpp"
 #include "adit/tools/run/run_view.hpp"
 
 namespace adit {
-
-/// Whether a source is a ROS 2 topic ("/points", as no file is named) or all of them ("ros2").
-bool is_topic_source(const std::string& source);
 
 /// Maps the messages of ROS 2 topics that are published. Returns the exit code: that of run_job(),
 /// or 1 where receiving ended early. Throws InputError where no sweep arrives.

@@ -101,7 +101,9 @@ UdpReceiver::UdpReceiver(const std::vector<UdpEndpoint>& endpoints, PacketRecord
 
 UdpReceiver::~UdpReceiver() {
   thread_.request_stop();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
   for (const Socket& socket : sockets_) {
     ::close(socket.descriptor);
   }

@@ -56,6 +56,8 @@ class UdpReceiver {
   std::string failure() const;
   /// Ends receiving; what has arrived by now is recorded.
   void stop() { thread_.request_stop(); }
+  /// Until it has ended.
+  void wait() { thread_.join(); }
 
  private:
   struct Socket {
