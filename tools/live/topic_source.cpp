@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/dds/dds_library.hpp"
+#include "adit/tools/live/clock_check.hpp"
 #include "adit/tools/live/growing_messages.hpp"
 #include "adit/tools/live/live_folder.hpp"
 #include "adit/tools/live/live_latency.hpp"
@@ -171,6 +172,9 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
   const double looked_s = first_look(options, receiver, topics);
   if (!given.quiet) {
     say_start(topics, receiver.counts(), looked_s, err);
+    for (const std::string& fault : clock_faults(lateness_of(GrowingMessages(recorder)))) {
+      err << "note: " << fault << "\n";
+    }
   }
   const LiveTimer timer(rest_of(options.duration_s, looked_s), [&] { receiver.stop(); });
   std::optional<TopicPublisher> publisher;
