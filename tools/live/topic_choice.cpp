@@ -12,6 +12,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/containers/live_metadata.hpp"
 #include "adit/tools/containers/ros_definitions.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
@@ -78,7 +79,8 @@ Channel channel_of(const DdsTopic& topic) {
           .type = topic.type,
           .encoding = Encoding::cdr,
           .definition = definition ? definition->text : "",
-          .messages = std::nullopt};
+          .messages = std::nullopt,
+          .metadata = {{kOrderKey, kArrivalOrder}}};
 }
 
 TopicKind kind_of(const DdsTopic& topic) {

@@ -14,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/containers/live_metadata.hpp"
 #include "adit/tools/dds/dds_library.hpp"
 #include "adit/tools/live/clock_check.hpp"
 #include "adit/tools/live/growing_messages.hpp"
@@ -31,6 +32,7 @@
 #include "adit/tools/setup/configured_recording.hpp"
 #include "adit/tools/setup/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
+#include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 
 namespace adit {
@@ -161,11 +163,14 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
   }
   const std::vector<PublishedTopic> topics =
       wait_for_topics(*node, options.sources, options.wait_s);
+  std::string wait;
+  append_number(wait, load_config(given.config).imu.wait);
   std::vector<DdsTopic> wanted;
   std::vector<Channel> channels;
   for (const PublishedTopic& one : topics) {
     wanted.push_back(one.topic);
     channels.push_back(channel_of(one.topic));
+    channels.back().metadata[kWaitKey] = wait;
   }
   MessageRecorder recorder(given.recording, std::move(channels));
   TopicReceiver receiver(*node, wanted, recorder);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "adit/tools/containers/live_metadata.hpp"
 #include "adit/tools/containers/message_blocks.hpp"
 #include "adit/tools/recordings/message_times.hpp"
 #include "adit/tools/recordings/recording_parts.hpp"
@@ -34,6 +35,14 @@ bool is_measured(const Topic& topic) {
 
 bool is_before(Nanoseconds a, Nanoseconds b, Nanoseconds by) {
   return a < b && b - a > by;
+}
+
+/// Recorded as the messages arrived: nothing was regrouped.
+bool in_order_of_arrival(const RecordingPart& part) {
+  return std::ranges::all_of(part.file->channels(), [](const Channel& channel) {
+    const auto order = channel.metadata.find(kOrderKey);
+    return order != channel.metadata.end() && order->second == kArrivalOrder;
+  });
 }
 
 Nanoseconds length(const TimeSpan& span) {
@@ -333,7 +342,8 @@ bool overlap(const TimeSpan& a, const TimeSpan& b) {
 }  // namespace
 
 MessageTimes times_of(const std::vector<RecordingPart>& parts, const std::vector<Topic>& topics) {
-  if (std::ranges::count_if(topics, is_measured) < 2) {
+  if (std::ranges::count_if(topics, is_measured) < 2 ||
+      std::ranges::all_of(parts, in_order_of_arrival)) {
     return {};
   }
   Extents extents = extents_of(parts, topics);

@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <deque>
 #include <iterator>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "adit/tools/clouds/point_time_vote.hpp"
 #include "adit/tools/clouds/returns.hpp"
+#include "adit/tools/containers/live_metadata.hpp"
 #include "adit/tools/recordings/message_cameras.hpp"
 #include "adit/tools/recordings/packet_messages.hpp"
 #include "adit/tools/recordings/recording_parts.hpp"
@@ -369,6 +372,21 @@ class MessageRecording final : public Recording {
            .remedy = "Nothing need be done"});
     }
     return notices;
+  }
+
+  std::optional<double> recorded_wait() const override {
+    for (const Part& part : parts_) {
+      for (const Channel& channel : part.file->channels()) {
+        const auto told = channel.metadata.find(kWaitKey);
+        const std::string text = told == channel.metadata.end() ? "" : told->second;
+        double wait = 0.0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), wait);
+        if (error == std::errc{} && end == text.data() + text.size() && !text.empty()) {
+          return wait;
+        }
+      }
+    }
+    return std::nullopt;
   }
 
   std::string description() const override {

@@ -125,6 +125,10 @@ class Recording {
 
   /// What opening found worth knowing.
   virtual std::vector<RecordingNotice> notices() const { return {}; }
+
+  /// ImuConfig::wait (s) of the run that mapped it as it arrived and recorded it; none: no such
+  /// run.
+  virtual std::optional<double> recorded_wait() const { return std::nullopt; }
 };
 
 /// The topic of sweeps that is named, else the only one that has messages with points, by its first

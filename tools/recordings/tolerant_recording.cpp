@@ -38,6 +38,7 @@ class TolerantRecording final : public Recording {
   std::string description() const override { return recording_->description(); }
   bool times_are_assumed() const override { return recording_->times_are_assumed(); }
   std::vector<RecordingNotice> notices() const override { return recording_->notices(); }
+  std::optional<double> recorded_wait() const override { return recording_->recorded_wait(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     return std::make_unique<TolerantStream>(recording_->events(selection), damage_);
   }

@@ -187,6 +187,9 @@ PreparedRun prepare(const WantedRun& chosen, const OpenSource& open, std::ostrea
   run.config = load_config(options.config);
   run.source = open(run.config);
   const Recording& recording = *run.source.known;
+  if (run.config.imu.wait == ImuConfig{}.wait) {  // not stated: as when it arrived
+    run.config.imu.wait = recording.recorded_wait().value_or(run.config.imu.wait);
+  }
   require_packets(options.config, options.recording);
   run.sweeps = choose_sweeps(run.source, options,
                              options.topic ? options.topic : run.config.recording.sweep_topic);

@@ -72,6 +72,7 @@ class ConfiguredRecording final : public Recording {
   std::string description() const override { return recording_->description(); }
   bool times_are_assumed() const override { return recording_->times_are_assumed(); }
   std::vector<RecordingNotice> notices() const override { return recording_->notices(); }
+  std::optional<double> recorded_wait() const override { return recording_->recorded_wait(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override {
     EventSelection told = selection;
     told.point_time_unit = config_.point_time_unit;
