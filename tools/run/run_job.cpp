@@ -364,6 +364,7 @@ MappedRun map(const RunCommandOptions& options, const PreparedRun& run, JobOutpu
       map_sweeps({.recording = *run.mapped,
                   .topic = run.sweeps.topic,
                   .range = run.sweeps.range,
+                  .path = options.recording,
                   .imu_topic = run.sensors.imu,
                   .gnss_topic = run.gnss,
                   .slam = *slam,

@@ -17,6 +17,7 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tools/clouds/cloud_origin.hpp"
 #include "adit/tools/recordings/events_ahead.hpp"
+#include "adit/tools/recordings/steady_stamps.hpp"
 #include "adit/tools/report/inertial_text.hpp"
 #include "adit/tools/setup/device_session.hpp"
 #include "adit/tools/support/input_error.hpp"
@@ -246,7 +247,8 @@ void settle(const Mapping& mapping, Mapped& done) {
 }
 
 MappingResult map_events(const Mapping& mapping) {
-  EventsAhead events(open_events(mapping));
+  EventsAhead events(
+      with_steady_stamps(open_events(mapping), mapping.recording.topics(), mapping.path));
   Mapped done;
   while (done.sweeps < mapping.range.count) {
     if (mapping.stop()) {

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -31,6 +32,7 @@ struct Mapping {
   const Recording& recording;
   std::size_t topic;  ///< index of the sweeps' topic
   SweepRange range;
+  std::filesystem::path path{};             ///< of the recording, for messages to people
   std::optional<std::size_t> imu_topic{};   ///< none: there is none, or it is not used
   std::optional<std::size_t> gnss_topic{};  ///< likewise
   Slam& slam;
