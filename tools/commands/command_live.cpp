@@ -113,6 +113,8 @@ void add_live_command(Command app, std::function<void(int)> done) {
   command.option("-o,--output", options->run.output, "Folder for the results; without it ./live")
       .value_name("OUT");
   command.flag("--odometry", options->run.odometry, "Odometry alone: no map, no loops, no GNSS");
+  command.option("--topic", options->run.topic, "The topic of the sweeps, where there are several")
+      .value_name("NAME");
   command.flag("--overwrite", options->run.overwrite,
                "Replace the results of an earlier run in OUT, its recording included");
   command.flag("--publish", options->publishes,
