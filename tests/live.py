@@ -18,6 +18,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 SWEEPS = 28
@@ -177,6 +178,33 @@ def check_record(adit, peer, folder):
     expect(sweeps == counts["sent", "/points"], f"{sweeps} sweeps of {counts}")
 
 
+def serve_gpsd(server):
+    """One client of a gpsd: garbage, then ten fixes a second."""
+    client, _ = server.accept()
+    with client:
+        expect(b"?WATCH=" in client.recv(100), "gpsd is not asked for reports")
+        client.sendall(b'{"class":"VERSION"}\n\x00\xff{{{\n')
+        try:
+            for number in range(100):
+                client.sendall(b'{"class":"TPV","mode":3,"lat":49.1,"lon":8.4,"altHAE":%d}\n' % number)
+                time.sleep(0.1)
+        except OSError:
+            pass  # it has ended
+
+
+def check_gpsd(adit, peer, folder):
+    with socket.create_server(("127.0.0.1", 0)) as server, \
+            subprocess.Popen([peer, folder / "topics.mcap", "2"], stdout=subprocess.PIPE, text=True) as other:
+        threading.Thread(target=serve_gpsd, args=[server], daemon=True).start()
+        expect(other.stdout.readline() == "ready\n", "the other side does not begin")
+        gpsd = f"gpsd://127.0.0.1:{server.getsockname()[1]}"
+        run(adit, "record", "ros2", gpsd, "-o", folder / "gpsd.mcap", "--duration", "4", "--quiet")
+        other.kill()
+    done = subprocess.run([adit, "inspect", folder / "gpsd.mcap", "--json"], capture_output=True, text=True, check=False)
+    topics = {topic["name"]: topic for topic in json.loads(done.stdout)["topics"]}
+    expect(topics["/gpsd/fix"]["events"] >= 10, f"{topics.get('/gpsd/fix')}")
+
+
 def check_no_topics(adit, folder):
     command = [adit, "live", "/nowhere", "-o", folder / "nowhere", "--wait", "0.3"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -202,6 +230,7 @@ def main():
             check_no_topics(adit, folder)
             check_topics(adit, sys.argv[2], folder)
             check_record(adit, sys.argv[2], folder)
+            check_gpsd(adit, sys.argv[2], folder)
 
 
 if __name__ == "__main__":

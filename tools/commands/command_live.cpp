@@ -105,7 +105,7 @@ void add_live_command(Command app, std::function<void(int)> done) {
       "  adit live udp://127.0.0.1:2368 -o out\n"
       "  adit live udp://0.0.0.0:7502 udp://0.0.0.0:7503 --metadata os1.json -o out\n"
       "  adit live ros2 -o out\n"
-      "  adit live /points /imu -o out\n"
+      "  adit live /points /imu gpsd://localhost -o out\n"
       "  adit live drive.mcap --speed 2 -o out\n\n"
       "Exit codes: 0 done, also after Ctrl-C or SIGTERM; 1 failed, or nothing arrived; 2 usage.");
   command.option("source", options->sources, "Where sensors send to, topics, or a recording")

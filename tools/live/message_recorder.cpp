@@ -24,6 +24,10 @@ void MessageRecorder::open() {
 
 void MessageRecorder::write(std::size_t channel, Nanoseconds received,
                             std::span<const std::byte> bytes) {
+  const std::scoped_lock lock(mutex_);
+  if (finished_) {
+    return;
+  }
   if (parts_.advance(received, committed_)) {
     writer_->close();
     open();
@@ -33,6 +37,7 @@ void MessageRecorder::write(std::size_t channel, Nanoseconds received,
 }
 
 void MessageRecorder::finish() {
+  const std::scoped_lock lock(mutex_);
   writer_->close();
   finished_ = true;
 }

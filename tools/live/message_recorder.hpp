@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,7 @@ class MessageRecorder {
   MessageRecorder(std::filesystem::path path, std::vector<Channel> channels,
                   const RecordingSplit& split = {});
 
-  /// Writes the message. Throws OutputError.
+  /// Writes the message; nothing after finish(). Throws OutputError.
   void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes);
   /// Completes the file. Nothing follows. Throws OutputError.
   void finish();
@@ -42,6 +43,7 @@ class MessageRecorder {
  private:
   void open();
 
+  std::mutex mutex_;  ///< of the file
   RecordingParts parts_;
   std::filesystem::path path_;
   std::vector<Channel> channels_;

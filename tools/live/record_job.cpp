@@ -14,6 +14,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/dds/dds_library.hpp"
+#include "adit/tools/live/gpsd_receiver.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/message_recorder.hpp"
 #include "adit/tools/live/packet_recorder.hpp"
@@ -112,8 +113,16 @@ int record_topics(const RecordOptions& options, const RecordingSplit& split, std
     topics.push_back(one.topic);
     channels.push_back(channel_of(one.topic));
   }
+  const std::optional<GpsdEndpoint> gpsd = gpsd_among(options.sources);
+  if (gpsd) {
+    channels.push_back(gpsd_channel());
+  }
   MessageRecorder recorder(options.output, std::move(channels), split);
   TopicReceiver receiver(*node, topics, recorder);
+  std::optional<GpsdReceiver> fixes;
+  if (gpsd) {
+    fixes.emplace(*gpsd, recorder, topics.size());
+  }
   return watch(options, receiver, err);
 }
 

@@ -14,6 +14,7 @@
 
 #include "adit/tools/containers/live_metadata.hpp"
 #include "adit/tools/containers/ros_definitions.hpp"
+#include "adit/tools/live/gpsd_receiver.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/support/input_error.hpp"
@@ -54,6 +55,9 @@ bool is_wanted(const DdsTopic& topic, const std::vector<std::string>& sources) {
 std::string missing_source(const std::vector<PublishedTopic>& topics,
                            const std::vector<std::string>& sources) {
   for (const std::string& source : sources) {
+    if (gpsd_endpoint(source)) {
+      continue;
+    }
     const bool there = std::ranges::any_of(topics, [&](const PublishedTopic& one) {
       return source == kAllTopics ? kind_of(one.topic) == TopicKind::sweeps
                                   : one.topic.name == source;
@@ -70,7 +74,8 @@ std::string missing_source(const std::vector<PublishedTopic>& topics,
 bool is_topic_source(const std::string& source) {
   std::error_code unknown;
   return source == kAllTopics ||
-         (source.starts_with('/') && !std::filesystem::exists(source, unknown));
+         (source.starts_with('/') && !std::filesystem::exists(source, unknown)) ||
+         gpsd_endpoint(source).has_value();
 }
 
 Channel channel_of(const DdsTopic& topic) {

@@ -18,7 +18,8 @@ struct PublishedTopic {
   std::size_t publishers = 0;
 };
 
-/// Whether a source is a ROS 2 topic ("/points", as no file is named) or all of them ("ros2").
+/// Whether a source is a ROS 2 topic ("/points", as no file is named), all of them ("ros2"), or a
+/// gpsd, whose fixes are recorded beside them.
 bool is_topic_source(const std::string& source);
 
 /// The topic as a channel of a recording.

@@ -17,6 +17,7 @@
 #include "adit/tools/containers/live_metadata.hpp"
 #include "adit/tools/dds/dds_library.hpp"
 #include "adit/tools/live/clock_check.hpp"
+#include "adit/tools/live/gpsd_receiver.hpp"
 #include "adit/tools/live/growing_messages.hpp"
 #include "adit/tools/live/live_folder.hpp"
 #include "adit/tools/live/live_latency.hpp"
@@ -172,11 +173,24 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
     channels.push_back(channel_of(one.topic));
     channels.back().metadata[kWaitKey] = wait;
   }
+  const std::optional<GpsdEndpoint> gpsd = gpsd_among(options.sources);
+  if (gpsd) {
+    channels.push_back(gpsd_channel());
+    channels.back().metadata[kWaitKey] = wait;
+  }
   MessageRecorder recorder(given.recording, std::move(channels));
   TopicReceiver receiver(*node, wanted, recorder);
+  std::optional<GpsdReceiver> fixes;
+  if (gpsd) {
+    fixes.emplace(*gpsd, recorder, wanted.size());
+  }
   const double looked_s = first_look(options, receiver, topics);
   if (!given.quiet) {
     say_start(topics, receiver.counts(), looked_s, err);
+    if (fixes) {
+      err << fmt::format("gpsd://{}:{}: {}, {} fixes\n", gpsd->host, gpsd->port,
+                         fixes->connected() ? "connected" : "not connected", fixes->fixes());
+    }
     for (const std::string& fault : clock_faults(lateness_of(GrowingMessages(recorder)))) {
       err << "note: " << fault << "\n";
     }

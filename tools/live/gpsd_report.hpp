@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The adit authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "adit/slam/core/types.hpp"
+#include "adit/tools/recordings/ros_messages.hpp"
+
+namespace adit {
+
+/// Reads what gpsd reports, a line of JSON each (gpsd_json(5)): TPV has the position, GST the
+/// standard deviations of the same receiver.
+class GpsdReports {
+ public:
+  /// The fix that the line completes, with covariances (east, north, up, m²) where gpsd tells them;
+  /// nothing for other lines and for what is no report. `received` is its time where the report has
+  /// none.
+  std::optional<ros::NavSatFix> take(std::string_view line, Nanoseconds received);
+
+ private:
+  /// Standard deviations, m.
+  struct Deviations {
+    std::string time;  ///< of the report; those of another time are not used
+    double east = 0.0;
+    double north = 0.0;
+    double up = 0.0;
+  };
+
+  std::optional<Deviations> deviations_{};
+};
+
+/// "2026-11-29T10:20:30.500Z" since 1970; nothing where it is no such time.
+std::optional<Nanoseconds> parse_utc(const std::string& text);
+
+}  // namespace adit
