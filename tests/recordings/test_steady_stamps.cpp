@@ -23,7 +23,8 @@ std::vector<Event> sweeps(const std::map<int, Nanoseconds>& leaps, int count) {
   for (int i = 0; i < count; ++i) {
     Sweep sweep;
     sweep.stamp = std::chrono::seconds(1000) + i * milliseconds(100);
-    Event event{.received = sweep.stamp + milliseconds(100)};
+    Event event;
+    event.received = sweep.stamp + milliseconds(100);
     const auto leap = leaps.find(i);
     sweep.stamp += leap == leaps.end() ? Nanoseconds(0) : leap->second;
     event.value = sweep;
