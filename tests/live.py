@@ -215,6 +215,7 @@ def check_silence(adit, folder):
     command = [adit, "live", f"udp://127.0.0.1:{free_port()}", "-o", folder / "none", "--wait", "0.2"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     expect(done.returncode == 1 and "no packet of a known sensor arrived" in done.stderr, f"silence: {done}")
+    expect(not (folder / "none").exists(), "silence leaves a folder")
 
 
 def main():

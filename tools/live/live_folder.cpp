@@ -28,6 +28,14 @@ fs::path prepare_recording(const RunCommandOptions& run, const std::string& name
   return file;
 }
 
+PendingRecording::~PendingRecording() {
+  if (!kept_) {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+    fs::remove(file_.parent_path(), ignored);  // fails where other files are in it
+  }
+}
+
 void end_recording(const LiveOptions& options, const fs::path& file) {
   if (!options.record) {
     std::error_code ignored;

@@ -114,6 +114,7 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
   }
   given.recording = prepare_recording(given, "recording.pcap");
   copy_metadata(given);
+  PendingRecording pending(given.recording);
   PacketRecorder recorder(given.recording);
   UdpReceiver receiver(endpoints, recorder, ouster);
   if (!given.quiet) {
@@ -121,6 +122,7 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
         << std::endl;
   }
   const double looked_s = first_look(options, receiver);
+  pending.keep();
   if (!given.quiet) {
     say_start(options, receiver, looked_s, err);
   }

@@ -158,6 +158,7 @@ int list_topics(double wait_s, std::ostream& out) {
 int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std::ostream& err) {
   RunCommandOptions given = options.run;
   given.recording = prepare_recording(given, "recording.mcap");
+  PendingRecording pending(given.recording);
   const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
   if (!given.quiet) {
     err << fmt::format("listening; adit waits {} s for topics", options.wait_s) << std::endl;
@@ -185,6 +186,7 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
     fixes.emplace(*gpsd, recorder, wanted.size());
   }
   const double looked_s = first_look(options, receiver, topics);
+  pending.keep();
   if (!given.quiet) {
     say_start(topics, receiver.counts(), looked_s, err);
     if (fixes) {
