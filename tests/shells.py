@@ -22,7 +22,7 @@ OPTION = re.compile(r"^  (-\S+)", re.MULTILINE)
 COMMAND = re.compile(r"^  ([a-z]+) ", re.MULTILINE)
 # What is typed, up to the tabulator key; what the line must become, or what must be offered; what must not be.
 CASES = [
-    ("adit reco", ["adit recover "], []),
+    ("adit recov", ["adit recover "], []),
     ("adit run --presen", [], ["--preset"]),
     ("adit run --prese", ["adit run --preset"], []),
     ("adit run --preset kitti-r", ["adit run --preset kitti-raw"], []),
