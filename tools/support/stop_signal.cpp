@@ -3,6 +3,7 @@
 #include "adit/tools/support/stop_signal.hpp"
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstddef>
 
@@ -11,8 +12,9 @@ namespace {
 
 constexpr std::array kStops = {SIGINT, SIGTERM, SIGHUP};
 
-// A signal handler reaches nothing but variables of this kind.
-volatile std::sig_atomic_t received_signal = 0;
+// A signal handler reaches nothing but lock-free atomics; other threads read it, too.
+std::atomic<int> received_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void note_signal(int signal) {
   received_signal = signal;
