@@ -145,11 +145,11 @@ def check_topics(adit, peer, folder):
         expect(other.stdout.readline() == "ready\n", "the other side does not begin")
         command = [adit, "live", "ros2", "--publish", "-o", out, "--wait", "60"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            told, _ = other.communicate()
+            report, _ = other.communicate()
             process.send_signal(signal.SIGTERM)
             _, err = process.communicate()
             expect(process.returncode == 0, f"topics: exit code {process.returncode}\n{err}")
-    counts = {tuple(line.split()[:2]): int(line.split()[2]) for line in told.splitlines()}
+    counts = {tuple(line.split()[:2]): int(line.split()[2]) for line in report.splitlines()}
     live = json.loads((out / "summary.json").read_text(encoding="utf-8"))["live"]
     expect(live["sweeps"] == counts["sent", "/points"], f"{counts}, {live}")
     # The last sweeps wait for IMU samples that come no more, until the run ends.
@@ -166,11 +166,11 @@ def check_record(adit, peer, folder):
         expect(other.stdout.readline() == "ready\n", "the other side does not begin")
         command = [adit, "record", "ros2", "-o", folder / "parts.mcap", "--split-time", "1", "--quiet"]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-            told, _ = other.communicate()
+            report, _ = other.communicate()
             process.send_signal(signal.SIGTERM)
             _, err = process.communicate()
             expect(process.returncode == 0, f"record: exit code {process.returncode}\n{err}")
-    counts = {tuple(line.split()[:2]): int(line.split()[2]) for line in told.splitlines()}
+    counts = {tuple(line.split()[:2]): int(line.split()[2]) for line in report.splitlines()}
     parts = sorted(folder.glob("parts_*.mcap"))
     expect(len(parts) >= 3, f"{parts}")
     run(adit, "run", *parts, "-o", folder / "of_parts", "--odometry", "--quiet")
@@ -216,6 +216,10 @@ def check_silence(adit, folder):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     expect(done.returncode == 1 and "no packet of a known sensor arrived" in done.stderr, f"silence: {done}")
     expect(not (folder / "none").exists(), "silence leaves a folder")
+    command = [adit, "record", f"udp://127.0.0.1:{free_port()}", "-o", folder / "none.pcap", "--wait", "0.2"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    expect(done.returncode == 1 and "nothing arrived" in done.stderr, f"silence: {done}")
+    expect(not (folder / "none.pcap").exists(), "silence leaves a recording")
 
 
 def main():

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <map>
 #include <optional>
 #include <variant>
 
+#include "adit/slam/core/config.hpp"
 #include "adit/slam/core/types.hpp"
 
 namespace adit {
@@ -33,7 +33,7 @@ Nanoseconds stamp_of(const Measurement& measurement);
 class SensorFeed {
  public:
   /// `inertial`: there is an inertial sensor to wait for.
-  explicit SensorFeed(bool inertial, Nanoseconds window = std::chrono::milliseconds(500))
+  explicit SensorFeed(bool inertial, Nanoseconds window = nanoseconds(ImuConfig{}.wait))
       : waits_(inertial), window_(window) {}
 
   void add(Measurement measurement);

@@ -48,9 +48,9 @@ class Waiting {
 };
 
 /// The map takes up a sweep once the odometry is done with it, in a thread of its own, while the
-/// odometry goes on with the next ones, at most SlamOptions::most_behind of them. A sweep is told
-/// when it is in the map, and the odometry learns nothing of it: so nothing hangs on which of the
-/// two is faster.
+/// odometry goes on with the next ones, at most SlamOptions::most_behind of them. next()
+/// returns a sweep once it is in the map. The odometry takes nothing from the map, so that results
+/// do not depend on which of the two is faster.
 class OfflineSlam final : public Slam {
  public:
   OfflineSlam(engine::Context& context, const Config& config, const SlamOptions& options)

@@ -51,7 +51,7 @@ void add_config_options(Command command, ConfigSource& source) {
 void add_metadata_option(Command command, ConfigSource& source) {
   command
       .option("--metadata", source.metadata,
-              "What tells of the sensor whose packets are recorded: Ouster's JSON, Hesai's "
+              "A file about the sensor whose packets are recorded: Ouster's JSON, Hesai's "
               "angle correction (CSV)")
       .value_name("FILE");
 }

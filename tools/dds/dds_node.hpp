@@ -39,7 +39,7 @@ struct DdsMessage {
   std::vector<std::byte> bytes;
 };
 
-/// How many messages of a subscription did not arrive, as far as DDS tells.
+/// How many messages of a subscription did not arrive, as far as DDS reports it.
 struct DdsFaults {
   uint64_t lost = 0;          ///< messages that were sent and not received
   uint64_t incompatible = 0;  ///< publishers whose quality of service does not fit

@@ -15,9 +15,9 @@ namespace adit {
 /// standard deviations of the same receiver.
 class GpsdReports {
  public:
-  /// The fix that the line completes, with covariances (east, north, up, m²) where gpsd tells them;
-  /// nothing for other lines and for what is no report. `received` is its time where the report has
-  /// none.
+  /// The fix that the line completes, with covariances (east, north, up, m²) where gpsd reports
+  /// them; nothing for other lines and for what is no report. `received` is its time where the
+  /// report has none.
   std::optional<ros::NavSatFix> take(std::string_view line, Nanoseconds received);
 
  private:

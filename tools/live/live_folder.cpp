@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/live/live_folder.hpp"
 
+#include <ostream>
 #include <system_error>
 
+#include "adit/tools/live/live_latency.hpp"
 #include "adit/tools/results/output_folder.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -32,15 +34,24 @@ PendingRecording::~PendingRecording() {
   if (!kept_) {
     std::error_code ignored;
     fs::remove(file_, ignored);
-    fs::remove(file_.parent_path(), ignored);  // fails where other files are in it
+    fs::remove(folder_, ignored);  // fails where other files are in it
   }
 }
 
-void end_recording(const LiveOptions& options, const fs::path& file) {
+int end_live(const LiveOptions& options, const fs::path& recording, const LiveReport& report,
+             const std::string& failure, int code, std::ostream& err) {
+  if (!options.run.quiet) {
+    say_latency(report, err);
+  }
   if (!options.record) {
     std::error_code ignored;
-    fs::remove(file, ignored);
+    fs::remove(recording, ignored);
   }
+  if (!failure.empty()) {
+    err << "adit live: receiving ended early: " << failure << "\n";
+    return 1;
+  }
+  return code;
 }
 
 }  // namespace adit

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <utility>
 
 #include "adit/tools/live/live_options.hpp"
+#include "adit/tools/report/run_summary.hpp"
 
 namespace adit {
 
@@ -14,11 +16,12 @@ namespace adit {
 /// --overwrite is given. Throws UsageError where results or a recording are there otherwise.
 std::filesystem::path prepare_recording(const RunCommandOptions& run, const std::string& name);
 
-/// A recording that goes away, and its folder if that is empty then, unless it is kept: where
-/// nothing arrives the same command may be given again.
+/// A recording that is removed unless it is kept, and `folder`, if one is named, where that is
+/// empty then: where nothing arrives the same command may be given again.
 class PendingRecording {
  public:
-  explicit PendingRecording(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit PendingRecording(std::filesystem::path file, std::filesystem::path folder = {})
+      : file_(std::move(file)), folder_(std::move(folder)) {}
   ~PendingRecording();
   PendingRecording(const PendingRecording&) = delete;
   PendingRecording& operator=(const PendingRecording&) = delete;
@@ -27,10 +30,13 @@ class PendingRecording {
 
  private:
   std::filesystem::path file_;
+  std::filesystem::path folder_;
   bool kept_ = false;
 };
 
-/// Removes what was recorded, unless it is to stay.
-void end_recording(const LiveOptions& options, const std::filesystem::path& file);
+/// Ends a live run whose job gave `code`: prints the latency, removes the recording unless it is to
+/// stay, and prints why receiving ended early, if it did (`failure`). Returns the exit code.
+int end_live(const LiveOptions& options, const std::filesystem::path& recording,
+             const LiveReport& report, const std::string& failure, int code, std::ostream& err);
 
 }  // namespace adit

@@ -114,7 +114,7 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
   }
   given.recording = prepare_recording(given, "recording.pcap");
   copy_metadata(given);
-  PendingRecording pending(given.recording);
+  PendingRecording pending(given.recording, given.output);
   PacketRecorder recorder(given.recording);
   UdpReceiver receiver(endpoints, recorder, ouster);
   if (!given.quiet) {
@@ -148,16 +148,10 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
   const int code = run_job(chosen, open, view, out, err);
   const LiveReport report = with_counts(latency.report(), receiver);
   if (!given.quiet) {
-    say_latency(report, err);
     err << fmt::format("datagrams: {} lost in the kernel's buffer, {} left out as of no sensor\n",
                        report.lost_datagrams, report.unknown_datagrams);
   }
-  end_recording(options, given.recording);
-  if (const std::string failure = receiver.failure(); !failure.empty()) {
-    err << "adit live: receiving ended early: " << failure << "\n";
-    return 1;
-  }
-  return code;
+  return end_live(options, given.recording, report, receiver.failure(), code, err);
 }
 
 }  // namespace adit

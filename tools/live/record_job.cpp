@@ -15,6 +15,7 @@
 
 #include "adit/tools/dds/dds_library.hpp"
 #include "adit/tools/live/gpsd_receiver.hpp"
+#include "adit/tools/live/live_folder.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/message_recorder.hpp"
 #include "adit/tools/live/packet_recorder.hpp"
@@ -70,7 +71,8 @@ void say(const Progress& progress, double seconds, std::ostream& err) {
 
 /// Until a signal, the end of the duration or of the receiver. Returns the exit code.
 template <class Receiver>
-int watch(const RecordOptions& options, Receiver& receiver, std::ostream& err) {
+int watch(const RecordOptions& options, Receiver& receiver, PendingRecording& pending,
+          std::ostream& err) {
   const auto start = LiveClock::now();
   double said = 0.0;
   while (StopSignal::received() == 0 && receiver.failure().empty()) {
@@ -92,8 +94,12 @@ int watch(const RecordOptions& options, Receiver& receiver, std::ostream& err) {
   }
   receiver.stop();
   receiver.wait();
+  const Progress progress = progress_of(receiver);
+  if (progress.messages > 0) {
+    pending.keep();
+  }
   if (!options.quiet) {
-    say(progress_of(receiver), seconds_since(start), err);
+    say(progress, seconds_since(start), err);
   }
   if (const std::string failure = receiver.failure(); !failure.empty()) {
     err << "adit record: recording ended early: " << failure << "\n";
@@ -117,13 +123,14 @@ int record_topics(const RecordOptions& options, const RecordingSplit& split, std
   if (gpsd) {
     channels.push_back(gpsd_channel());
   }
+  PendingRecording pending(RecordingParts(options.output, split).path());
   MessageRecorder recorder(options.output, std::move(channels), split);
   TopicReceiver receiver(*node, topics, recorder);
   std::optional<GpsdReceiver> fixes;
   if (gpsd) {
     fixes.emplace(*gpsd, recorder, topics.size());
   }
-  return watch(options, receiver, err);
+  return watch(options, receiver, pending, err);
 }
 
 int record_packets(const RecordOptions& options, const std::vector<UdpEndpoint>& endpoints,
@@ -132,9 +139,10 @@ int record_packets(const RecordOptions& options, const std::vector<UdpEndpoint>&
   if (options.metadata) {
     ouster = read_ouster_sensor(*options.metadata);
   }
+  PendingRecording pending(RecordingParts(options.output, split).path());
   PacketRecorder recorder(options.output, split);
   UdpReceiver receiver(endpoints, recorder, std::move(ouster));
-  return watch(options, receiver, err);
+  return watch(options, receiver, pending, err);
 }
 
 /// Throws UsageError where a file of the recording is there and is not to be replaced.

@@ -19,6 +19,7 @@
 #include "adit/tools/recordings/ros_events.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/stop_signal.hpp"
+#include "adit/tools/support/usage_error.hpp"
 
 namespace adit {
 namespace {
@@ -100,6 +101,10 @@ std::vector<PublishedTopic> understood_topics(DdsNode& node) {
 
 std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const std::vector<std::string>& sources,
                                             double wait_s) {
+  if (std::ranges::all_of(sources,
+                          [](const auto& one) { return gpsd_endpoint(one).has_value(); })) {
+    throw UsageError("gpsd:// goes with ROS 2 topics: name them, or ros2.");
+  }
   const auto start = LiveClock::now();
   std::optional<LiveClock::time_point> ready;
   while (!ready || seconds_since(*ready) < kFirstLook) {

@@ -36,7 +36,7 @@ std::vector<PublishedTopic> understood_topics(DdsNode& node);
 
 /// The topics to record: those that are named, or with "ros2" all that adit reads, once all that
 /// are named are published, and with "ros2" one with sweeps. Static transforms come with them.
-/// Throws InputError where that is not so within `wait_s` seconds.
+/// Throws InputError where that is not so within `wait_s` seconds, and UsageError for a gpsd alone.
 std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const std::vector<std::string>& sources,
                                             double wait_s);
 

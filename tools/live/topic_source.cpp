@@ -58,10 +58,9 @@ double first_look(const LiveOptions& options, const TopicReceiver& receiver,
     }
     if (!first && (seconds_since(start) > options.wait_s || StopSignal::received() != 0)) {
       throw InputError(options.sources.front(), {},
-                       fmt::format("no point cloud arrived in {:.1f} s, though a topic of them is "
-                                   "published",
-                                   seconds_since(start)),
-                       "Check that its driver runs, and that both sides may use the same network");
+                       fmt::format("no point cloud arrived in {:.1f} s", seconds_since(start)),
+                       "Name a topic of point clouds; check that its driver runs, and that both "
+                       "sides may use the same network");
     }
     if (first && StopSignal::received() != 0) {
       break;
@@ -71,7 +70,7 @@ double first_look(const LiveOptions& options, const TopicReceiver& receiver,
   return std::max(seconds_since(*first), 1e-3);
 }
 
-/// A line a topic: rate, size, and what is wrong with it.
+/// Prints one line per topic: rate, size, and what is wrong with it.
 void say_start(const std::vector<PublishedTopic>& topics, const std::vector<TopicCounts>& counts,
                double span_s, std::ostream& err) {
   for (std::size_t i = 0; i < topics.size(); ++i) {
@@ -158,7 +157,7 @@ int list_topics(double wait_s, std::ostream& out) {
 int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std::ostream& err) {
   RunCommandOptions given = options.run;
   given.recording = prepare_recording(given, "recording.mcap");
-  PendingRecording pending(given.recording);
+  PendingRecording pending(given.recording, given.output);
   const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
   if (!given.quiet) {
     err << fmt::format("listening; adit waits {} s for topics", options.wait_s) << std::endl;
@@ -223,17 +222,11 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
     return source;
   };
   const int code = run_job(chosen, open, view, out, err);
+  const LiveReport report = with_counts(latency.report(), receiver);
   if (!given.quiet) {
-    const LiveReport report = with_counts(latency.report(), receiver);
-    say_latency(report, err);
     err << fmt::format("messages: {} lost on the way\n", report.lost_datagrams);
   }
-  end_recording(options, given.recording);
-  if (const std::string failure = receiver.failure(); !failure.empty()) {
-    err << "adit live: receiving ended early: " << failure << "\n";
-    return 1;
-  }
-  return code;
+  return end_live(options, given.recording, report, receiver.failure(), code, err);
 }
 
 }  // namespace adit

@@ -177,12 +177,12 @@ void UdpReceiver::drain(Socket& socket) {
     if (size < 0) {
       return;
     }
-    const Ancillary told = ancillary_of(message);
-    if (told.lost) {
+    const Ancillary ancillary = ancillary_of(message);
+    if (ancillary.lost) {
       const std::scoped_lock lock(mutex_);
-      socket.counts.lost = *told.lost;
+      socket.counts.lost = *ancillary.lost;
     }
-    take(socket, {.received = told.received,
+    take(socket, {.received = ancillary.received,
                   .sender = ntohl(from.sin_addr.s_addr),
                   .receiver = socket.address,
                   .sender_port = ntohs(from.sin_port),
