@@ -63,6 +63,7 @@ class OfflineSlam final : public Slam {
         map_(options.map),
         session_(options.session),
         map_memory_(options.map_memory),
+        earlier_sessions_(options.earlier_sessions),
         map_beside_(options.map_beside),
         most_behind_(options.most_behind),
         placed_(options.placed) {
@@ -360,7 +361,7 @@ class OfflineSlam final : public Slam {
     if (mapper_) {
       return;
     }
-    mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_);
+    mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_, earlier_sessions_);
     for (const GnssFix& fix : std::exchange(before_map_fixes_, {})) {
       map_fix(fix, antenna());  // the worker has nothing to do yet
     }
@@ -393,6 +394,7 @@ class OfflineSlam final : public Slam {
   MapStore* map_;
   SessionId session_;
   MapMemory map_memory_;
+  EarlierSessions earlier_sessions_;
   bool map_beside_;
   std::size_t most_behind_;
   std::function<void(const Sweep&, const SweepResult&)> placed_;

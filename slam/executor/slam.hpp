@@ -78,6 +78,8 @@ struct SlamOptions {
   MapStore* map = nullptr;
   SessionId session = 0;   ///< as MapStore::add_session() gave it
   MapMemory map_memory{};  ///< that the map may take
+  /// What becomes of the sessions that the store had before.
+  EarlierSessions earlier_sessions = EarlierSessions::none;
   /// The map may be some sweeps behind the odometry; otherwise the map holds each sweep before the
   /// next is placed, so that it has no more than next() has given.
   bool map_beside = true;

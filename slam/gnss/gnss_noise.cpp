@@ -81,7 +81,9 @@ std::vector<double> independent_shares(std::span<const double> times, double cor
   std::vector<double> shares(times.size());
   std::size_t begin = 0;
   for (std::size_t end = 1; end <= times.size(); ++end) {
-    if (end < times.size() && times[end] - times[end - 1] < 2.0 * correlation) {
+    // A step back is another session.
+    if (end < times.size() && times[end] >= times[end - 1] &&
+        times[end] - times[end - 1] < 2.0 * correlation) {
       continue;
     }
     const double whole = times[end - 1] - times[begin];

@@ -71,6 +71,21 @@ class FirstPart {
 
 }  // namespace
 
+void WorldTies::begin_behind(std::vector<MapFix> fixes,
+                             const std::optional<Georeference>& georeference) {
+  fixes_ = std::move(fixes);
+  earlier_ = judged_ = tried_ = report_.fixes = fixes_.size();
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    const FixVerdict verdict = fixes_[i].verdict;
+    ++report_.verdicts[static_cast<std::size_t>(verdict)];
+    last_kept_ = takes_part(verdict) ? i : last_kept_;
+    optimized_path_ = verdict == FixVerdict::used ? fixes_[i].path : optimized_path_;
+  }
+  if (georeference) {
+    frame_.emplace(georeference->origin);
+  }
+}
+
 void WorldTies::add(std::span<const MapFix> fixes) {
   fixes_.insert(fixes_.end(), fixes.begin(), fixes.end());
   report_.fixes = fixes_.size();
@@ -131,8 +146,9 @@ double WorldTies::distance2(const PoseGraph& graph, const MapFix& fix, double dr
   return apart.dot(covariance.ldlt().solve(apart));
 }
 
-// Those of nodes up to `last`.
+// Those of nodes up to `last`. What is tied to the world by nothing else cannot be judged by it.
 void WorldTies::judge_new(const PoseGraph& graph, NodeId last) {
+  const FirstPart first(graph);
   for (; judged_ < fixes_.size() && fixes_[judged_].keyframe <= last; ++judged_) {
     const MapFix& fix = fixes_[judged_];
     if (!is_possible(fix)) {
@@ -141,6 +157,9 @@ void WorldTies::judge_new(const PoseGraph& graph, NodeId last) {
       set_verdict(judged_, FixVerdict::frozen);
     } else if (is_near_the_last(judged_)) {
       set_verdict(judged_, FixVerdict::thinned);
+    } else if (frame_ && !first.has(fix.keyframe)) {
+      last_kept_ = judged_;
+      set_verdict(judged_, FixVerdict::apart);
     } else {
       last_kept_ = judged_;
       if (frame_) {
@@ -434,7 +453,7 @@ WorldTies::Change WorldTies::finish(PoseGraph& graph, bool may_optimize) {
       optimize(graph);
     }
   }
-  if (may_optimize) {
+  if (may_optimize && earlier_ == 0) {  // how the lidar of earlier sessions moved is not stored
     calibrate_antenna(graph);
   }
   report_.swapped = !frame_ && would_agree_exchanged(graph);

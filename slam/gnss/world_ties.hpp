@@ -73,6 +73,10 @@ class WorldTies {
  public:
   explicit WorldTies(const GnssConfig& config) : config_(config) {}
 
+  /// The graph begins with nodes of earlier sessions, whose fixes these are in the order of their
+  /// ids, and perhaps with a place in the world. Only before all else.
+  void begin_behind(std::vector<MapFix> fixes, const std::optional<Georeference>& georeference);
+
   /// Of a node that the graph will have, in the order of their times.
   void add(std::span<const MapFix> fixes);
   /// Of the lidar in the odometry's frame, a sweep each; `anew` as of OdometryTrack.
@@ -139,6 +143,7 @@ class WorldTies {
 
   GnssConfig config_;
   std::vector<MapFix> fixes_;
+  std::size_t earlier_ = 0;               ///< of fixes_, from the first: of earlier sessions
   std::set<std::size_t> changed_;         ///< of fixes_, since the last change was taken
   std::size_t judged_ = 0;                ///< of fixes_, from the first
   std::size_t tried_ = 0;                 ///< how many there were when the place was looked for

@@ -160,7 +160,10 @@ void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
     if (let_in(graph, queue_, votes, change)) {
       continue;
     }
-    const std::vector<LoopVote> joins = voted(graph, joining_, false);
+    std::vector<LoopVote> joins = voted(graph, joining_, false);
+    if (doubt_joins(graph, joins, change)) {
+      continue;
+    }
     if (let_in(graph, joining_, joins, change)) {
       continue;
     }
@@ -292,7 +295,10 @@ std::vector<LoopVote> LoopCloser::voted(const PoseGraph& graph,
   }
   const std::vector<LoopHypothesis> waiting = loops_of(queue);
   const std::vector<LoopHypothesis> before = loops_of(accepted_, voting_.most_asked);
-  EarlierLoops earlier{.accepted = before, .refuted = refuted_, .gaps = gaps_};
+  EarlierLoops earlier{.accepted = before,
+                       .refuted = refuted_,
+                       .gaps = gaps_,
+                       .earlier_nodes = search_.earlier_nodes};
   for (const PendingLoop& one : accepted_) {
     earlier.far_off = earlier.far_off || one.odometry_chi2 > voting_.most_by_position;
     if (one.climb) {

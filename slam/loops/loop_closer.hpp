@@ -4,8 +4,10 @@
 
 #include <array>
 #include <deque>
+#include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "adit/slam/loops/loop_search.hpp"
 #include "adit/slam/loops/loop_verification.hpp"
 #include "adit/slam/loops/loop_voting.hpp"
+#include "adit/slam/loops/map_aliases.hpp"
 #include "adit/slam/loops/place_index.hpp"
 #include "adit/slam/loops/search_pauses.hpp"
 #include "adit/slam/submaps/map_memory.hpp"
@@ -52,6 +55,19 @@ struct PendingLoop {
   bool tried_again = false;             ///< it was taken back once
 };
 
+/// A keyframe of an earlier session, which may be seen again.
+struct EarlierPlace {
+  bool levelled = false;                        ///< its vertical is known
+  std::optional<PlaceDescriptor> descriptor{};  ///< none: it is not found by appearance
+};
+
+/// How a keyframe looks at a place of the map of earlier sessions.
+struct PlaceLikeness {
+  enum class Kind { not_mapped, alike, different };
+  Kind kind = Kind::not_mapped;
+  std::optional<double> through{};  ///< share of the points that one sees through in the other
+};
+
 /// Finds loops, verifies them, and lets those in that agree (docs/theory/loops.md).
 class LoopCloser {
  public:
@@ -59,6 +75,13 @@ class LoopCloser {
   /// for once the graph has outgrown `memory`.
   LoopCloser(engine::Context& context, const Config& config, SubmapLoader load,
              const MapMemory& memory);
+
+  /// The graph begins with nodes of earlier sessions, which `places` are of, in its order; where
+  /// these look alike, `aliases` know; `last_id` is the highest of the store's candidates. Only
+  /// before all else.
+  void begin_behind(std::span<const EarlierPlace> places, MapAliases aliases, int64_t last_id);
+  /// The session would be tied to the earlier ones, if it could not be at another place as well.
+  bool is_ambiguous() const { return ambiguous_; }
 
   /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are
   /// held.
@@ -100,6 +123,20 @@ class LoopCloser {
   void settle(PoseGraph& graph, NodeId oldest, Change& change);
   std::vector<LoopVote> voted(const PoseGraph& graph, const std::deque<PendingLoop>& queue,
                               bool last_chance) const;
+  bool is_apart_from_map(std::span<const std::optional<RelativePlace>> known) const;
+  std::vector<LoopPlace> supposed_places(const PoseGraph& graph) const;
+  std::vector<std::size_t> nodes_beside(const PoseGraph& graph,
+                                        const Eigen::Isometry3d& T_map_place) const;
+  std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node) const;
+  PlaceLikeness likeness_at(const PoseGraph& graph, std::size_t node,
+                            const Eigen::Isometry3d& T_map_node);
+  PlaceLikeness compared(const PoseGraph& graph, std::size_t node,
+                         const Eigen::Isometry3d& T_map_node);
+  static Eigen::Isometry3d map_from_part(const PoseGraph& graph, const LoopHypothesis& loop);
+  std::vector<Eigen::Isometry3d> other_suppositions(const PoseGraph& graph,
+                                                    const LoopHypothesis& loop) const;
+  double least_log_odds(const PoseGraph& graph, const LoopHypothesis& loop);
+  bool doubt_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change);
   bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
               Change& change);
   void optimize_and_review(PoseGraph& graph, std::vector<int64_t> let_in, Change& change);
@@ -111,11 +148,13 @@ class LoopCloser {
   void refuse(PendingLoop& pending, LoopReason reason, double figure, Change& change);
   void take_back(PendingLoop& accepted, LoopReason reason, double figure, Change& change);
 
+  engine::Context* context_;
   MapMemory memory_;
   SubmapCache submaps_;
   PlaceIndex index_;
   LoopSearchSettings search_;
   AppearanceSearchSettings appearance_;
+  AppearanceSearchSettings searching_;  ///< of a session that nothing ties to the map yet
   LoopVotingSettings voting_;
   LoopVerifier verifier_;
   std::vector<double> reaches_;  ///< m, in the order of the graph's nodes
@@ -131,7 +170,11 @@ class LoopCloser {
   std::vector<PendingLoop> doubted_;     ///< that a review has taken back
   std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
-  SearchPauses pauses_;                  ///< of the search by appearance
+  MapAliases aliases_;                   ///< of the map of earlier sessions
+  bool ambiguous_ = false;
+  /// By keyframe and the place (m, map) that it was held to; asked again with each later one.
+  std::map<std::tuple<NodeId, int64_t, int64_t, int64_t>, PlaceLikeness> likeness_;
+  SearchPauses pauses_;  ///< of the search by appearance
   int64_t next_id_ = 1;
   int64_t reviewed_ = 0;  ///< the opposing loop up to which joins have been reviewed
   LoopReport report_;

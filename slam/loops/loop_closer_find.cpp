@@ -50,12 +50,34 @@ double usual_rms(std::vector<double> consecutive) {
 
 LoopCloser::LoopCloser(engine::Context& context, const Config& config, SubmapLoader load,
                        const MapMemory& memory)
-    : memory_(memory),
+    : context_(&context),
+      memory_(memory),
       submaps_(std::move(load), memory.submap_bytes),
       index_(context),
       search_(search_settings(config)),
       appearance_{.min_path = search_.min_path},
+      searching_{.min_path = search_.min_path,
+                 .least_similarity = 0.5,
+                 .least_likeness = 0.5,
+                 .most_correlated = 8,
+                 .most = 4},
       verifier_(context, config) {}
+
+// How far submaps of earlier sessions reach is not stored: as far as the newest one's.
+void LoopCloser::begin_behind(std::span<const EarlierPlace> places, MapAliases aliases,
+                              int64_t last_id) {
+  aliases_ = std::move(aliases);
+  std::vector<std::optional<PlaceDescriptor>> descriptors;
+  descriptors.reserve(places.size());
+  for (const EarlierPlace& place : places) {
+    descriptors.push_back(place.descriptor);
+    levelled_.push_back(place.levelled);
+    reaches_.push_back(std::numeric_limits<double>::infinity());
+  }
+  index_.add_described(descriptors);
+  search_.earlier_nodes = appearance_.earlier_nodes = searching_.earlier_nodes = places.size();
+  next_id_ = last_id + 1;
+}
 
 std::optional<PlaceDescriptor> LoopCloser::describe(const KeyframeSubmap& submap,
                                                     const SurfaceCloud& cloud) {
@@ -105,7 +127,7 @@ PendingLoop LoopCloser::judged(const LoopPlace& place, NodeId newest,
 void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) {
   constexpr std::size_t kAsked = 10;  // keyframes, whose highest speed counts
   const Nanoseconds stamp = submap.sweeps.front().stamp;
-  if (graph.nodes().size() > 1) {
+  if (graph.nodes().size() > search_.earlier_nodes + 1) {
     const NodeId newest = graph.nodes().back().id;
     const NodeId before = graph.nodes()[graph.nodes().size() - 2].id;
     const auto edges = graph.edges_of(newest);
@@ -122,6 +144,10 @@ void LoopCloser::note_gap(const PoseGraph& graph, const KeyframeSubmap& submap) 
     }
   } else {
     last_tracked_ = stamp;
+    if (search_.earlier_nodes > 0) {  // how far the sensor was brought meanwhile nobody knows
+      constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+      gaps_.push_back({.after = graph.nodes().back().id, .reach = kAnywhere, .climb = kAnywhere});
+    }
   }
   last_stamp_ = stamp;
   for (const SubmapSweep& sweep : submap.sweeps) {
@@ -169,10 +195,15 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   const auto known = relative_places(graph, newest, voting_.lumps);
   const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
   std::vector<PendingLoop> found = verified(places, newest, submap, cloud);
-  if (is_any_borne_out(found)) {
+  const bool is_apart = is_apart_from_map(known);
+  if (is_any_borne_out(found) && !is_apart) {
     pauses_.reset();
-  } else if (pauses_.is_due()) {
-    std::vector<LoopPlace> similar = find_similar_places(graph, index_, known, appearance_);
+  } else if (is_apart || pauses_.is_due()) {
+    std::vector<LoopPlace> similar =
+        find_similar_places(graph, index_, known, is_apart ? searching_ : appearance_);
+    if (is_apart) {
+      std::ranges::move(supposed_places(graph), std::back_inserter(similar));
+    }
     std::erase_if(similar, [&](const LoopPlace& place) {
       return std::ranges::any_of(found, [&](const PendingLoop& one) {
         return one.loop.from == place.node && one.record.verdict == CandidateVerdict::waiting;

@@ -53,7 +53,8 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
     const Eigen::Isometry3d T_newest_node = T_map_newest.inverse() * graph.nodes()[i].T_map_node;
     const double distance = T_newest_node.translation().norm();
     if (i == self || !known[i] || distance > settings.max_distance ||
-        known[i]->path < settings.min_path + settings.detour * distance) {
+        (i >= settings.earlier_nodes &&
+         known[i]->path < settings.min_path + settings.detour * distance)) {
       in_stretch = false;
       continue;
     }
@@ -91,10 +92,14 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
 std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIndex& index,
                                            std::span<const std::optional<RelativePlace>> known,
                                            const AppearanceSearchSettings& settings) {
+  /// Less than `least` metres along edges from the newest one, in its own session.
+  const auto is_on_the_way = [&](std::size_t place, double least) {
+    return place >= settings.earlier_nodes && known[place] && known[place]->path < least;
+  };
   std::vector<SimilarPlace> similar = index.similar();
   std::erase_if(similar, [&](const SimilarPlace& one) {
-    const auto& way = known[one.place];
-    return one.similarity < settings.least_similarity || (way && way->path < settings.min_path);
+    return one.similarity < settings.least_similarity ||
+           is_on_the_way(one.place, settings.min_path);
   });
   std::ranges::sort(similar, [](const SimilarPlace& a, const SimilarPlace& b) {
     return std::tuple(b.similarity, a.place) < std::tuple(a.similarity, b.place);
@@ -115,9 +120,9 @@ std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIn
     return std::tuple(b.likeness, a.place) < std::tuple(a.likeness, b.place);
   });
   std::erase_if(guesses, [&](const PlaceGuess& guess) {
-    const auto& way = known[guess.place];
-    return way && way->path < settings.min_path +
-                                  settings.detour * guess.T_place_newest.translation().norm();
+    return is_on_the_way(
+        guess.place,
+        settings.min_path + settings.detour * guess.T_place_newest.translation().norm());
   });
   guesses.resize(std::min(guesses.size(), settings.most));
   std::vector<LoopPlace> places;

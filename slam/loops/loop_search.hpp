@@ -24,6 +24,9 @@ struct LoopSearchSettings {
   double min_path = 10.0;        ///< m, along the edges between the two,
   double detour = 2.0;           ///< and besides so many times their distance: else one went on
   std::size_t most = 5;
+  /// So many of the graph's first nodes belong to earlier sessions: nobody went on from there to
+  /// the newest one, however short the path along edges is.
+  std::size_t earlier_nodes = 0;
 };
 
 /// A place that might have been seen before.
@@ -56,7 +59,8 @@ struct AppearanceSearchSettings {
   double least_likeness = 0.6;
   std::size_t most_correlated = 3;
   std::size_t most = 2;
-  std::size_t apart = 5;  ///< nodes: nearer ones are the same place
+  std::size_t apart = 5;          ///< nodes: nearer ones are the same place
+  std::size_t earlier_nodes = 0;  ///< as of LoopSearchSettings
 };
 
 /// At most `most` places that look like the newest one, which the index knows by the numbers of the

@@ -84,7 +84,10 @@ struct EarlierLoops {
   std::span<const LoopHypothesis> accepted{};  ///< the graph's
   std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
   std::span<const TrackingGap> gaps{};         ///< between parts of the graph
-  ShownClimb climb{};                          ///< of the accepted ones
+  /// So many of the graph's first nodes belong to earlier sessions. What ties others to them is
+  /// held against other places by the closer: competing bundles are not asked here.
+  std::size_t earlier_nodes = 0;
+  ShownClimb climb{};  ///< of the accepted ones
   /// One of them was farther off than LoopVotingSettings::most_by_position: where the graph has
   /// places says little, and what position finds has to be within its covariances, or to grow.
   bool far_off = false;

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
 
 #include "adit/engine/context.hpp"
@@ -110,6 +111,35 @@ PlaceDescriptor PlaceIndex::add(const SurfaceCloud& cloud, double cell) {
   sizes_.push_back(bits_of(descriptor.polar));
   newest_ = descriptor;
   return descriptor;
+}
+
+void PlaceIndex::add_described(std::span<const std::optional<PlaceDescriptor>> places) {
+  if (!sizes_.empty()) {
+    throw std::logic_error("places that were described before come first");
+  }
+  for (std::size_t first = 0; first < places.size(); first += gpu::kBlockPlaces) {
+    const std::size_t count = std::min<std::size_t>(places.size() - first, gpu::kBlockPlaces);
+    std::vector<uint32_t> block(gpu::kBlockWords);
+    for (std::size_t place = 0; place < count; ++place) {
+      const std::optional<PlaceDescriptor>& described = places[first + place];
+      sizes_.push_back(described ? bits_of(described->polar) : 0);
+      if (described) {
+        for (std::size_t word = 0; word < gpu::kPolarWords; ++word) {
+          block[word * gpu::kBlockPlaces + place] = described->polar[word];
+        }
+        std::ranges::copy(described->plan,
+                          block.begin() + static_cast<std::ptrdiff_t>(gpu::kBlockPlansAt +
+                                                                      place * gpu::kPlanWords));
+      }
+    }
+    blocks_.push_back(context_->make_buffer(engine::PlaceKernels::block_bytes(), Memory::device,
+                                            "index of places"));
+    const Buffer upload = staged(*context_, block, "index of places");
+    engine::Recorder recorder = context_->make_recorder();
+    recorder.copy(upload, blocks_.back());
+    context_->submit(std::move(recorder)).wait();
+  }
+  newest_ = places.empty() ? std::nullopt : places.back();
 }
 
 void PlaceIndex::add_unknown() {

@@ -45,6 +45,9 @@ class PlaceIndex {
   PlaceDescriptor add(const SurfaceCloud& cloud, double cell);
   /// The next place is one that looks like nothing: its vertical is not known.
   void add_unknown();
+  /// The next places, as they were described before; nothing: unknown. Only into an empty index.
+  /// Throws engine::OutOfMemory.
+  void add_described(std::span<const std::optional<PlaceDescriptor>> places);
 
   /// All places before the newest, in their order; none where that one is unknown, or where too
   /// little stands around it.

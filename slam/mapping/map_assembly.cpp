@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/mapping/map_assembly.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -9,13 +10,113 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 
 namespace adit {
+namespace {
+
+// m. Of odometry between keyframes that are recognised: it drifts by some centimetres on that way.
+constexpr double kRecognisedLately = 20.0;
+constexpr double kNoKeyframeIsNear = 20.0;
+
+}  // namespace
 
 MapAssembly::MapAssembly(engine::Context& context, const Config& config, MapStore& store,
-                         const MapMemory& memory)
-    : store_(&store), memory_(memory), delay_(config.mapping.delay), world_(config.gnss) {
+                         const MapMemory& memory, EarlierSessions earlier)
+    : store_(&store),
+      memory_(memory),
+      delay_(config.mapping.delay),
+      world_(config.gnss),
+      earlier_(earlier) {
   if (config.mapping.loops) {
     loops_.emplace(context, config, submap_loader(store), memory);
   }
+  if (earlier != EarlierSessions::none) {
+    begin_behind(read_stored_map(context, store, earlier));
+  }
+}
+
+// The new session begins as a part of its own at the origin, until a loop ties it.
+void MapAssembly::begin_behind(StoredMap earlier) {
+  if (loops_) {
+    loops_->begin_behind(earlier.places, std::move(earlier.aliases), earlier.last_candidate);
+  }
+  graph_ = std::move(earlier.graph);
+  earlier_nodes_ = graph_.nodes().size();
+  T_odom_keyframes_ = poses_of(graph_);
+  if (earlier_nodes_ > 0) {
+    start_.keyframe = graph_.nodes().back().id + 1;
+    localization_.state = LocalizationState::searching;
+  }
+  if (!earlier.fixes.empty()) {
+    start_.fix = earlier.fixes.back().id + 1;
+    start_.path = earlier.fixes.back().path;
+  }
+  georeference_ = earlier.georeference;
+  const auto used = static_cast<std::size_t>(
+      std::ranges::count(earlier.fixes, FixVerdict::used, &MapFix::verdict));
+  if (earlier_ == EarlierSessions::keep) {
+    uses_fixes_ = false;
+    graph_.clear_fixes();
+  } else if (graph_.fixes().size() > used) {
+    uses_fixes_ = false;  // the map's control points place it, and stay with its graph
+  } else {
+    world_.begin_behind(std::move(earlier.fixes), georeference_);
+  }
+}
+
+// Near: within the range in which loops are searched for by position.
+void MapAssembly::localize() {
+  if (!localization_.any()) {
+    return;
+  }
+  const std::size_t newest = graph_.nodes().size() - 1;
+  if (localization_.recognised == 0 && newest > earlier_nodes_) {
+    localization_.searched += odometry_path(newest - 1, newest);
+  }
+  localization_.recognised = 0;
+  localization_.covariance.setZero();
+  std::optional<std::size_t> last;  // the latest node that a loop ties to an earlier session
+  for (const PoseEdge& edge : graph_.edges()) {
+    if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active &&
+        edge.from < start_.keyframe && edge.to >= start_.keyframe) {
+      ++localization_.recognised;
+      last = std::max(last.value_or(0), graph_.index_of(edge.to));
+    }
+  }
+  if (!last) {
+    localization_.state = loops_ && loops_->is_ambiguous() ? LocalizationState::ambiguous
+                                                           : LocalizationState::searching;
+    ++localization_.keyframes[static_cast<std::size_t>(localization_.state)];
+    return;
+  }
+  const double path = localization_.path = odometry_path(*last, newest);
+  const auto places = relative_places(known_graph(), graph_.nodes()[newest].id);
+  const RelativePlace* best = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < earlier_nodes_; ++i) {
+    nearest = std::min(nearest, (graph_.nodes()[i].T_map_node.translation() -
+                                 graph_.nodes()[newest].T_map_node.translation())
+                                    .norm());
+    if (places[i] &&
+        (best == nullptr || places[i]->covariance.trace() < best->covariance.trace())) {
+      best = &*places[i];
+    }
+  }
+  if (best != nullptr) {
+    localization_.covariance = inverted(best->T_start_node, best->covariance);
+  }
+  localization_.state = best == nullptr               ? LocalizationState::lost
+                        : path <= kRecognisedLately   ? LocalizationState::localized
+                        : nearest > kNoKeyframeIsNear ? LocalizationState::outside
+                                                      : LocalizationState::unconfirmed;
+  ++localization_.keyframes[static_cast<std::size_t>(localization_.state)];
+}
+
+// m, between two keyframes of the session.
+double MapAssembly::odometry_path(std::size_t from, std::size_t to) const {
+  double path = 0.0;
+  for (std::size_t i = from + 1; i <= to; ++i) {
+    path += (T_odom_keyframes_[i - 1].inverse() * T_odom_keyframes_[i]).translation().norm();
+  }
+  return path;
 }
 
 void MapAssembly::add_expected_rms(double rms) {
@@ -45,13 +146,16 @@ void MapAssembly::add(const AssembledKeyframe& added) {
   if (const auto level = level_of(keyframe.id, keyframe.vertical)) {
     graph_.add_level(*level);
   }
-  world_.add(added.fixes);
+  if (uses_fixes_) {
+    world_.add(added.fixes);
+  }
   T_odom_keyframes_.push_back(added.T_odom_keyframe);
   due_.push_back({.at = keyframe.id + delay_, .keyframe = keyframe.id, .edge = added.edge});
   if (loops_) {
     due_.back().loops = loops_->find(known_graph(), *added.submap, *added.cloud);
   }
   take_effect(keyframe.id);
+  localize();
 }
 
 void MapAssembly::finish() {
@@ -61,7 +165,15 @@ void MapAssembly::finish() {
   }
   settle();
   tie_to_world(world_.finish(graph_, can_optimize()), graph_.nodes().size());
-  store_->revise({.poses = graph_.nodes()});
+  MapRevision final_poses{.poses = graph_.nodes()};
+  if (earlier_ == EarlierSessions::keep) {
+    final_poses.poses.erase(
+        final_poses.poses.begin(),
+        final_poses.poses.begin() + static_cast<std::ptrdiff_t>(earlier_nodes_));
+  } else if (!uses_fixes_) {
+    final_poses.georeference = placed(georeference_, graph_.T_world_map());
+  }
+  store_->revise(final_poses);
 }
 
 // What came after the last loop has followed it as the odometry had it, so that verticals have had

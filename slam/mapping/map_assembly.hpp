@@ -10,7 +10,9 @@
 #include "adit/slam/core/config.hpp"
 #include "adit/slam/gnss/world_ties.hpp"
 #include "adit/slam/loops/loop_closer.hpp"
+#include "adit/slam/mapping/localization.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/stored_map.hpp"
 #include "adit/slam/submaps/map_memory.hpp"
 
 namespace adit {
@@ -25,19 +27,31 @@ struct AssembledKeyframe {
   std::vector<MapFix> fixes{};          ///< in the order of their times
 };
 
+/// What a session counts on from: behind those of earlier sessions.
+struct SessionStart {
+  NodeId keyframe = 0;  ///< id of its first
+  int64_t fix = 1;      ///< id of its first
+  double path = 0.0;    ///< m, that MapFix::path is counted from
+};
+
 /// Puts keyframes together to a map: edges and loops take effect after the delay, the graph is
 /// corrected, and all of it goes to the store.
 class MapAssembly {
  public:
   /// What the constructor is given must outlive it. A graph that has outgrown `memory` is optimised
-  /// no more.
+  /// no more. What comes is tied to what `earlier` says of the store.
   MapAssembly(engine::Context& context, const Config& config, MapStore& store,
-              const MapMemory& memory);
+              const MapMemory& memory, EarlierSessions earlier = EarlierSessions::none);
 
   /// The next keyframe. What the store throws comes through.
   void add(const AssembledKeyframe& added);
   /// Everything takes effect, and final poses go to the store.
   void finish();
+
+  /// Where the session begins.
+  const SessionStart& start() const { return start_; }
+  /// Where the newest keyframe is in the map of earlier sessions.
+  const Localization& localization() const { return localization_; }
 
   const Eigen::Isometry3d& T_map_odom() const { return T_map_odom_; }
   const PoseGraph& graph() const { return graph_; }
@@ -65,6 +79,9 @@ class MapAssembly {
   void tie_to_world(const WorldTies::Change& change, std::size_t last_tied);
   void follow(std::size_t last_tied);
   void settle();
+  void begin_behind(StoredMap earlier);
+  void localize();
+  double odometry_path(std::size_t from, std::size_t to) const;
 
   MapStore* store_;
   MapMemory memory_;
@@ -76,6 +93,12 @@ class MapAssembly {
   Eigen::Isometry3d T_map_odom_ = Eigen::Isometry3d::Identity();
   std::deque<Due> due_;
   std::optional<NodeId> outgrown_;
+  EarlierSessions earlier_;
+  bool uses_fixes_ = true;
+  std::optional<Georeference> georeference_{};  ///< of the earlier sessions
+  std::size_t earlier_nodes_ = 0;
+  SessionStart start_;
+  Localization localization_;
 };
 
 }  // namespace adit

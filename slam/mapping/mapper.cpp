@@ -14,7 +14,7 @@
 namespace adit {
 
 Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
-               const MapMemory& memory)
+               const MapMemory& memory, EarlierSessions earlier)
     : context_(&context),
       config_(config),
       store_(&store),
@@ -23,7 +23,10 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       builder_(context, config.preprocess, config.mapping.r_submap),
       clouds_(context, config.preprocess),
       aligner_(context, submap_alignment_settings(config, method_of(config.registration))),
-      assembly_(context, config, store, memory) {}
+      assembly_(context, config, store, memory, earlier),
+      next_(assembly_.start().keyframe),
+      path_(assembly_.start().path),
+      next_fix_(assembly_.start().fix) {}
 
 MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
                          std::span<const Point> cloud) {
@@ -57,7 +60,9 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
     assembly_.world().add_pose(*last_pose_, restarted);
   }
   ++report_.sweeps;
-  return {.keyframe = open_->id, .T_map_lidar = assembly_.T_map_odom() * result.T_map_lidar};
+  return {.keyframe = open_->id,
+          .T_map_lidar = assembly_.T_map_odom() * result.T_map_lidar,
+          .localization = assembly_.localization()};
 }
 
 void Mapper::add(const GnssFix& fix, const Eigen::Vector3d& p_lidar_antenna) {
@@ -113,6 +118,7 @@ void Mapper::finish() {
   }
   report_.outgrown = assembly_.outgrown();
   report_.gnss = assembly_.world().report();
+  report_.localization = assembly_.localization();
   report_.components = connected_components(assembly_.graph()).components.size();
 }
 

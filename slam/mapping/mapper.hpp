@@ -22,6 +22,7 @@ namespace adit {
 struct MapPlacement {
   NodeId keyframe = 0;                                            ///< whose submap it belongs to
   Eigen::Isometry3d T_map_lidar = Eigen::Isometry3d::Identity();  ///< as far as is known by now
+  Localization localization{};  ///< as the last stored keyframe has it
 };
 
 /// What has become of a run's map.
@@ -43,6 +44,7 @@ struct MapReport {
   double longest_wait_s = 0.0;      ///< of one sweep
   std::optional<LoopReport> loops;  ///< none: not looked for
   GnssReport gnss;                  ///< what became of fixes
+  Localization localization{};      ///< of the last keyframe
 };
 
 /// Makes a map of what the odometry has placed: keyframes with their submaps go to the store, edges
@@ -55,8 +57,9 @@ struct MapReport {
 class Mapper {
  public:
   /// What the constructor is given must outlive it; `config` must have passed validate().
+  /// The session is tied to what `earlier` says of the store.
   Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
-         const MapMemory& memory = {});
+         const MapMemory& memory = {}, EarlierSessions earlier = EarlierSessions::none);
 
   /// The sweep belongs to a new keyframe, if its result says so, or else to the last one. `cloud`
   /// is its down-sampled cloud, lidar axes. What the store throws comes through.

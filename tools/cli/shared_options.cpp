@@ -24,6 +24,18 @@ void add_device_options(Command command, DeviceOptions& device) {
                "Check every Vulkan call and barrier (slow); a complaint is a failure");
 }
 
+void add_map_use_options(Command command, MapUseOptions& use) {
+  command
+      .option("--map", use.map,
+              "Localise the run in this earlier map, which stays as it is, or with --extend go on "
+              "with it")
+      .value_name("MAP");
+  command.flag("--localize", use.localize, "With --map, and what it does by itself");
+  command.flag("--extend", use.extend,
+               "With --map: OUT/map.adit is a copy of it that the run extends");
+  command.flag("--keep", use.keep, "With --extend: keyframes of the earlier map stay in place");
+}
+
 void add_max_ram_option(Command command, uint64_t& bytes) {
   command
       .option("--max-ram", bytes,

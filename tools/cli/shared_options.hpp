@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 
+#include "adit/tools/run/map_use.hpp"
 #include "adit/tools/run/served_page.hpp"
 #include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/setup/device_session.hpp"
@@ -20,6 +21,7 @@ void add_device_options(Command command, DeviceOptions& device);
 
 /// Adds --max-ram.
 void add_max_ram_option(Command command, uint64_t& bytes);
+void add_map_use_options(Command command, MapUseOptions& use);
 
 /// Adds --config and --set.
 void add_config_options(Command command, ConfigSource& source);

@@ -106,7 +106,8 @@ void add_live_command(Command app, std::function<void(int)> done) {
       "  adit live udp://0.0.0.0:7502 udp://0.0.0.0:7503 --metadata os1.json -o out\n"
       "  adit live ros2 -o out\n"
       "  adit live /points /imu gpsd://localhost -o out\n"
-      "  adit live drive.mcap --speed 2 -o out\n\n"
+      "  adit live drive.mcap --speed 2 -o out\n"
+      "  adit live ros2 --map site -o out        localise in an earlier map\n\n"
       "Exit codes: 0 done, also after Ctrl-C or SIGTERM; 1 failed, or nothing arrived; 2 usage.");
   command.option("source", options->sources, "Where sensors send to, topics, or a recording")
       .value_name("SOURCE");
@@ -133,6 +134,7 @@ void add_live_command(Command app, std::function<void(int)> done) {
   add_config_options(command, options->run.config);
   add_metadata_option(command, options->run.config);
   add_device_options(command, options->run.device);
+  add_map_use_options(command, options->run.earlier_map);
   command
       .option("--wait", options->wait_s,
               "Wait so long for the first packets or messages, then exit 1")

@@ -78,7 +78,9 @@ void add_run_command(Command app, std::function<void(int)> done) {
       "  adit run drive/ -o out --device 1 --max-vram 2GiB --profile\n"
       "  adit run drive/ -o out --view\n"
       "  adit run -o out --continue\n"
-      "  adit run --from out/map.adit -o finer --set mapping.r_submap=0.1\n\n"
+      "  adit run --from out/map.adit -o finer --set mapping.r_submap=0.1\n"
+      "  adit run later.mcap --map out -o there           localise the recording in a map\n"
+      "  adit run later.mcap --map out --extend -o both   extend a copy of the map\n\n"
       "Exit codes: 0 done, 1 failed on the data or the device, 2 usage, 129, 130 or 143 stopped\n"
       "by SIGHUP, SIGINT (Ctrl-C) or SIGTERM: what was computed by then is kept.\n"
       "The environment's ADIT_DEVICE stands in for --device.");
@@ -126,6 +128,7 @@ void add_run_command(Command app, std::function<void(int)> done) {
       .option("--from", options->from,
               "Map the recording of this map again, with its settings where no others are given")
       .value_name("MAP");
+  add_map_use_options(command, options->earlier_map);
   command.flag("--strict", options->strict,
                "Exit 1 unless the run's verdict is reliable; the results are written all the "
                "same");

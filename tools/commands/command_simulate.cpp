@@ -204,6 +204,16 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
       .from(0.0)
       .value_name("N")
       .show_default();
+  command
+      .option("--noise-seed", simulation.noise_seed,
+              "Another seed of the sensors' errors alone: the same place, recorded again")
+      .value_name("N");
+  command
+      .option("--later", simulation.later,
+              "Seconds that the recording begins later: what moves has gone on")
+      .value_name("S")
+      .show_default();
+  command.flag("--reverse", simulation.reverse, "Take the route from its end to its beginning");
   command.option("--imu", simulation.imu, "Inertial sensor")
       .value_name("NAME")
       .suggest(or_none(imu_names()))

@@ -245,6 +245,23 @@ void SqliteDatabase::execute(const std::string& sql) const {
   }
 }
 
+void SqliteDatabase::copy_to(const fs::path& file) const {
+  constexpr int kAllPages = -1;
+  const SqliteDatabase copy(file, Mode::create);
+  sqlite3_backup* backup = sqlite3_backup_init(copy.handle(), "main", database_.get(), "main");
+  if (backup == nullptr) {
+    copy.fail();
+  }
+  const int ended = sqlite3_backup_step(backup, kAllPages);
+  static_cast<void>(sqlite3_backup_finish(backup));
+  if (ended == SQLITE_CORRUPT || ended == SQLITE_NOTADB) {
+    fail();
+  }
+  if (ended != SQLITE_DONE) {
+    copy.fail();
+  }
+}
+
 void SqliteDatabase::fail() const {
   const std::string reason = sqlite3_errmsg(database_.get());
   const int code = sqlite3_errcode(database_.get()) & 0xff;

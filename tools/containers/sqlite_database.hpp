@@ -75,6 +75,9 @@ class SqliteDatabase {
   SqliteStatement prepare(const std::string& sql) const;
   void execute(const std::string& sql) const;
 
+  /// All of it, as it is now, into a file that does not exist yet. Throws OutputError.
+  void copy_to(const std::filesystem::path& file) const;
+
   /// Throws InputError or OutputError with SQLite's own words.
   [[noreturn]] void fail() const;
 

@@ -12,6 +12,7 @@
 #include "adit/tools/containers/compression.hpp"
 #include "adit/tools/map_database/map_records.hpp"
 #include "adit/tools/map_database/row_checksums.hpp"
+#include "adit/tools/support/output_file.hpp"
 
 namespace adit {
 namespace {
@@ -101,6 +102,14 @@ MapDatabase::~MapDatabase() {
       // The log stays beside the map, and is read with it.
     }
   }
+}
+
+void MapDatabase::copy_to(const fs::path& file) const {
+  Draft draft(file);
+  std::error_code none;
+  fs::remove(draft.path(), none);
+  database_.copy_to(draft.path());
+  draft.take_its_place();
 }
 
 SessionId MapDatabase::add_session(const MapSession& session) {

@@ -80,6 +80,9 @@ class MapDatabase final : public MapStore {
   /// As it was opened.
   const std::filesystem::path& file() const { return database_.path(); }
 
+  /// What the map holds now, as a new map in `file`. Throws OutputError.
+  void copy_to(const std::filesystem::path& file) const;
+
   /// Moves a session with all its keyframes in the map, whose frame the first one gives: what
   /// merging maps comes to, and an edit of the map.
   void set_anchor(SessionId session, const Eigen::Isometry3d& T_map_session);

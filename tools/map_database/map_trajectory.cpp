@@ -21,11 +21,20 @@ auto named(const std::filesystem::path& file, NodeId keyframe, const Read& read)
   }
 }
 
+std::vector<MapKeyframe> keyframes_of(const MapStore& map, std::optional<SessionId> session) {
+  std::vector<MapKeyframe> keyframes = map.keyframes();
+  if (session) {
+    std::erase_if(keyframes, [&](const MapKeyframe& one) { return one.session != *session; });
+  }
+  return keyframes;
+}
+
 }  // namespace
 
-std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file) {
+std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file,
+                                        std::optional<SessionId> session) {
   std::vector<StampedPose> poses;
-  for (const MapKeyframe& keyframe : map.keyframes()) {
+  for (const MapKeyframe& keyframe : keyframes_of(map, session)) {
     for (const SubmapSweep& sweep : load_sweeps(map, keyframe.id, file).sweeps) {
       poses.push_back(
           {.stamp = sweep.stamp, .pose = keyframe.T_map_keyframe * sweep.T_keyframe_lidar});
@@ -34,16 +43,20 @@ std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesyst
   return poses;
 }
 
-std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::path& file) {
+std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::path& file,
+                                   std::optional<SessionId> session) {
   const PoseGraph graph = map.graph();
   const GraphComponents tied = connected_components(graph);
   std::vector<std::size_t> parts;
   std::size_t poses = 0;
-  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
-    if (i > 0 && tied.component_of[i] != tied.component_of[i - 1]) {
+  std::optional<std::size_t> before;
+  for (const MapKeyframe& keyframe : keyframes_of(map, session)) {
+    const std::size_t part = tied.component_of[graph.index_of(keyframe.id)];
+    if (before && part != *before) {
       parts.push_back(poses);
     }
-    poses += load_sweeps(map, graph.nodes()[i].id, file).sweeps.size();
+    before = part;
+    poses += load_sweeps(map, keyframe.id, file).sweeps.size();
   }
   return parts;
 }

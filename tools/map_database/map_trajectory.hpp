@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
@@ -13,13 +14,15 @@
 
 namespace adit {
 
-/// T_map_lidar of every sweep of a map, in the order of keyframes. `file` is for messages. Throws
-/// InputError where a submap is damaged.
-std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file);
+/// T_map_lidar of every sweep of a map, or of one session of it, in the order of keyframes. `file`
+/// is for messages. Throws InputError where a submap is damaged.
+std::vector<StampedPose> map_trajectory(const MapStore& map, const std::filesystem::path& file,
+                                        std::optional<SessionId> session = {});
 
 /// Where in that trajectory a part begins that nothing ties to what comes before; the first is none
 /// of them.
-std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::path& file);
+std::vector<std::size_t> map_parts(const MapStore& map, const std::filesystem::path& file,
+                                   std::optional<SessionId> session = {});
 
 /// A stored submap, the same from a cache, and one without its points. Throw InputError where it is
 /// damaged.

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "adit/slam/odometry/motion_model.hpp"
+#include "adit/tools/report/localization_text.hpp"
 #include "adit/tools/report/verdict_text.hpp"
 
 namespace adit {
@@ -142,6 +143,21 @@ MaybeReason judge_parts(const RunOutcome& outcome) {
                           outcome.result.map->components)};
 }
 
+// A map of which no place was recognised places nothing.
+MaybeReason judge_localization(const RunOutcome& outcome) {
+  if (!outcome.result.map || !outcome.result.map->localization.any()) {
+    return std::nullopt;
+  }
+  const Localization& found = outcome.result.map->localization;
+  if (found.recognised > 0 && found.state != LocalizationState::lost &&
+      found.state != LocalizationState::unconfirmed) {
+    return std::nullopt;
+  }
+  return VerdictReason{.cause = "not localized",
+                       .text = "in the earlier map: " + std::string(to_string(found.state)) + "; " +
+                               describe(found)};
+}
+
 MaybeReason judge_loops(const Verdict& verdict) {
   if (!verdict.moved) {
     return std::nullopt;
@@ -159,7 +175,7 @@ RunAssessment assess_run(const RunDescription& run, const RunOutcome& outcome,
        std::array{judge_end(outcome), judge_clock(statistics.left_out()),
                   judge_coverage(assessment.coverage), judge_comparisons(statistics, verdict),
                   judge_files(statistics.left_out(), assessment.coverage), judge_imu(statistics),
-                  judge_parts(outcome), judge_loops(verdict)}) {
+                  judge_parts(outcome), judge_localization(outcome), judge_loops(verdict)}) {
     if (reason) {
       assessment.trust = std::max(assessment.trust, reason->trust);
       assessment.reasons.push_back(std::move(*reason));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "adit/tools/report/gnss_text.hpp"
+#include "adit/tools/report/localization_text.hpp"
 #include "adit/tools/report/loop_reasons.hpp"
 #include "adit/tools/report/measurement_faults_text.hpp"
 #include "adit/tools/setup/config_file.hpp"
@@ -163,6 +164,9 @@ ordered_json describe_map(const MapReport& map) {
        {{"mean", times.mean}, {"p50", times.p50}, {"p95", times.p95}, {"max", times.max}}}};
   if (map.loops) {
     json["loops"] = describe_loops(*map.loops);
+  }
+  if (map.localization.any()) {
+    json["localization"] = to_json(map.localization);
   }
   if (map.gnss.any()) {
     json["gnss"] = to_json(map.gnss);

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "adit/tools/report/gnss_text.hpp"
+#include "adit/tools/report/localization_text.hpp"
 #include "adit/tools/report/loop_reasons.hpp"
 #include "adit/tools/report/measurement_faults_text.hpp"
 #include "adit/tools/report/verdict_text.hpp"
@@ -227,6 +228,9 @@ std::string summary_table(const RunDescription& run, const RunOutcome& outcome,
     text += "map      " + as_rows(map_text(*outcome.result.map, outcome.wall_s)) + "\n";
     if (outcome.result.map->loops) {
       text += "loops    " + loops_text(*outcome.result.map->loops) + "\n";
+    }
+    if (outcome.result.map->localization.any()) {
+      text += "in map   " + describe(outcome.result.map->localization) + "\n";
     }
     if (outcome.result.map->gnss.any()) {
       text += "gnss     " + as_rows(describe(outcome.result.map->gnss)) + "\n";

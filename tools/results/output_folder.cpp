@@ -51,6 +51,7 @@ std::vector<fs::path> result_files(const fs::path& folder) {
           files.page,
           files.odometry,
           files.online,
+          files.localization,
           files.database,
           files.database.string() + "-wal",
           files.database.string() + "-shm",

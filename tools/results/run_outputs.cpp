@@ -62,6 +62,7 @@ RunFiles::RunFiles(const fs::path& folder)
       odometry(folder / "odometry.tum"),
       online(folder / "online.tum"),
       database(folder / "map.adit"),
+      localization(folder / "localization.csv"),
       summary(folder / "summary.json") {}
 
 void make_output_folder(const fs::path& folder) {
@@ -108,8 +109,9 @@ RunOutputs::RunOutputs(const fs::path& folder, const MapOptions& map, bool odome
 }
 
 void RunOutputs::write(const SweepResult& sweep, std::size_t index,
-                       const std::optional<Eigen::Isometry3d>& T_map_lidar) {
-  const StampedPose pose{.stamp = sweep.stamp, .pose = T_map_lidar.value_or(sweep.T_map_lidar)};
+                       const std::optional<MapPlacement>& mapped) {
+  const StampedPose pose{.stamp = sweep.stamp,
+                         .pose = mapped ? mapped->T_map_lidar : sweep.T_map_lidar};
   const bool apart = sweep.state == OdometryState::restarted && poses_ > 0;
   if (apart) {
     tum_->begin_part();
@@ -127,6 +129,13 @@ void RunOutputs::write(const SweepResult& sweep, std::size_t index,
   }
   sweeps_->write(sweep_record(index, sweep));
   sweeps_->flush();
+  if (mapped && mapped->localization.any()) {
+    if (!localization_) {
+      localization_.emplace(files_.localization);
+    }
+    localization_->write(sweep.stamp, mapped->localization);
+    localization_->flush();
+  }
   if (map_ && sweep.keyframe) {
     page_cloud_.add(sweep.cloud, sweep.T_map_lidar, poses_);
     write_map(sweep);
@@ -172,6 +181,7 @@ void RunOutputs::close() {
   end(kitti_, files_.kitti);
   end(odometry_, files_.odometry);
   end(sweeps_, files_.sweeps);
+  end(localization_, files_.localization);
   if (map_) {
     attempt(map_);
   }

@@ -12,8 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "adit/slam/mapping/mapper.hpp"
 #include "adit/slam/odometry/odometry.hpp"
 #include "adit/tools/clouds/ply_writer.hpp"
+#include "adit/tools/results/localization_table.hpp"
 #include "adit/tools/results/map_thinning.hpp"
 #include "adit/tools/results/page_cloud.hpp"
 #include "adit/tools/results/placed_cloud.hpp"
@@ -40,6 +42,7 @@ struct RunFiles {
   std::filesystem::path odometry;  ///< beside a map database: what it does not correct
   std::filesystem::path online;    ///< poses in the map as they were known at their time
   std::filesystem::path database;
+  std::filesystem::path localization;  ///< of a run in an earlier map
   std::filesystem::path summary;
 };
 
@@ -59,10 +62,10 @@ class RunOutputs {
   /// `odometry`: odometry.tum, too, for a run whose map corrects the trajectory.
   RunOutputs(const std::filesystem::path& folder, const MapOptions& map, bool odometry = false);
 
-  /// Sweep `index` of the recording; `T_map_lidar` is where a map sees it, which the trajectories
+  /// Sweep `index` of the recording; `mapped` is where a map sees it, which the trajectories
   /// follow. Throws OutputError (a full disk); what earlier sweeps wrote stays as it was.
   void write(const SweepResult& sweep, std::size_t index,
-             const std::optional<Eigen::Isometry3d>& T_map_lidar = std::nullopt);
+             const std::optional<MapPlacement>& mapped = std::nullopt);
 
   /// Closes every file, then throws OutputError if one of them could not be completed. Cuts
   /// half-written lines off.
@@ -84,6 +87,7 @@ class RunOutputs {
   std::optional<TrajectoryWriter> kitti_;
   std::optional<TrajectoryWriter> odometry_;
   std::optional<SweepTableWriter> sweeps_;
+  std::optional<LocalizationTableWriter> localization_;  ///< once a sweep has one
   std::optional<PlyWriter> map_;
   std::optional<MapThinning> thinning_;
   std::vector<CloudPart> map_parts_;

@@ -147,6 +147,10 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
                      "Name the recording, and map it anew");
   }
   const MapSession& session = sessions.front();
+  if (const std::string* other = told(session, kLocalizedIn)) {
+    throw InputError(map, {}, "its run was localised in another map, " + *other,
+                     "Run the recording again with --map");
+  }
   const std::string* topic = told(session, kTopic);
   const std::vector<std::filesystem::path> recordings = recordings_of(session);
   require(map, session, kRecording);
@@ -169,6 +173,12 @@ bool is_recording_of(const MapSession& session,
                      const std::vector<std::filesystem::path>& recordings) {
   const std::string* before = told(session, kFingerprint);
   return before == nullptr || *before == fingerprint(recordings).hash;
+}
+
+bool has_same_recording(const MapSession& one, const MapSession& other) {
+  const std::string* first = told(one, kFingerprint);
+  const std::string* second = told(other, kFingerprint);
+  return first != nullptr && second != nullptr && *first == *second;
 }
 
 std::vector<std::filesystem::path> recordings_of(const MapSession& session) {

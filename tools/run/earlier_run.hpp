@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,12 @@ EarlierRun earlier_run(const std::filesystem::path& map);
 /// recording.
 bool is_recording_of(const MapSession& session,
                      const std::vector<std::filesystem::path>& recordings);
+
+/// Both are of the same recording, by its fingerprint; false where one does not say.
+bool has_same_recording(const MapSession& one, const MapSession& other);
+
+/// The session was localised in another map, which its own is nothing without.
+inline constexpr std::string_view kLocalizedIn = "localized in";
 
 /// The paths of the session's recording; none where it does not say.
 std::vector<std::filesystem::path> recordings_of(const MapSession& session);

@@ -170,6 +170,7 @@ struct PreparedRun {
   RunSource source;
   SweepChoice sweeps;
   RecordedSensors sensors;
+  std::optional<MapUse> map_use{};               ///< of an earlier map
   std::optional<std::size_t> gnss{};             ///< the topic whose fixes are used
   std::size_t most_points = 0;                   ///< of a sweep
   std::unique_ptr<OneSensorRecording> mapped{};  ///< what is mapped; it refers to `source`
@@ -185,6 +186,7 @@ PreparedRun prepare(const WantedRun& chosen, const OpenSource& open, std::ostrea
     require_no_results(options.output);
   }
   run.config = load_config(options.config);
+  run.map_use = map_use(options, run.config);
   run.source = open(run.config);
   const Recording& recording = *run.source.known;
   if (run.config.imu.wait == ImuConfig{}.wait) {  // not stated: as when it arrived
@@ -295,6 +297,9 @@ JobOutputs open_outputs(const WantedRun& chosen, const PreparedRun& run, engine:
   } else {
     require_free_map(options.output);
   }
+  if (run.map_use && run.map_use->extends) {
+    require_new_recording(*run.map_use, session_of(outputs.description));
+  }
   if (run.replaces_a_run) {
     rehearse(*run.source.known, run.sweeps.topic, run.sweeps.range, run.config, context);
   }
@@ -306,7 +311,11 @@ JobOutputs open_outputs(const WantedRun& chosen, const PreparedRun& run, engine:
     remove_earlier_run(options.output, continued ? EarlierMap::keep : EarlierMap::remove);
   }
   if (maps) {
-    if (!outputs.map) {
+    if (run.map_use) {
+      outputs.map = std::make_unique<RunMap>(outputs.description, session_of(outputs.description),
+                                             *run.map_use);
+      outputs.slam.earlier_sessions = run.map_use->earlier_sessions();
+    } else if (!outputs.map) {
       outputs.map = std::make_unique<RunMap>(outputs.description, session_of(outputs.description));
     }
     outputs.slam.map = &outputs.map->store();

@@ -25,6 +25,19 @@ void replace_trajectory(const fs::path& file, TrajectoryFormat format,
   draft.take_its_place();
 }
 
+/// The file, in which the copy of a map that is extended lies.
+const fs::path& with_copy(const fs::path& file, const MapUse& use) {
+  if (use.extends) {
+    MapDatabase(use.map, MapAccess::read).copy_to(file);
+  }
+  return file;
+}
+
+MapSession localized_in(MapSession session, const MapUse& use) {
+  session.provenance.emplace_back(kLocalizedIn, fs::absolute(use.map).string());
+  return session;
+}
+
 }  // namespace
 
 void require_free_map(const fs::path& folder) {
@@ -50,6 +63,17 @@ RunMap::RunMap(const RunDescription& run, const MapSession& session, const Earli
   continued_.emplace(database_, session_);
 }
 
+RunMap::RunMap(const RunDescription& run, const MapSession& session, const MapUse& use)
+    : files_(run.output),
+      database_(with_copy(files_.database, use), MapAccess::write),
+      session_(database_.add_session(use.extends ? session : localized_in(session, use))) {
+  database_.begin_run(session_);
+  if (!use.extends) {
+    earlier_.emplace(use.map, MapAccess::read);
+    over_.emplace(*earlier_, database_);
+  }
+}
+
 void RunMap::write_final(std::span<const CloudPart> parts) const {
   std::error_code error;
   fs::copy_file(files_.tum, files_.online, fs::copy_options::overwrite_existing, error);
@@ -57,8 +81,8 @@ void RunMap::write_final(std::span<const CloudPart> parts) const {
     throw OutputError(files_.online,
                       files_.online.string() + ": cannot be written: " + error.message() + ".");
   }
-  const std::vector<StampedPose> poses = map_trajectory(database_, files_.database);
-  const std::vector<std::size_t> apart = map_parts(database_, files_.database);
+  const std::vector<StampedPose> poses = map_trajectory(database_, files_.database, session_);
+  const std::vector<std::size_t> apart = map_parts(database_, files_.database, session_);
   replace_trajectory(files_.tum, TrajectoryFormat::tum, poses, apart);
   replace_trajectory(files_.kitti, TrajectoryFormat::kitti, poses, apart);
   if (!parts.empty()) {

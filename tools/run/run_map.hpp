@@ -10,9 +10,11 @@
 
 #include "adit/tools/map_database/continued_map.hpp"
 #include "adit/tools/map_database/map_database.hpp"
+#include "adit/tools/map_database/session_over_map.hpp"
 #include "adit/tools/report/run_summary.hpp"
 #include "adit/tools/results/placed_cloud.hpp"
 #include "adit/tools/run/earlier_run.hpp"
+#include "adit/tools/run/map_use.hpp"
 
 namespace adit {
 
@@ -26,10 +28,16 @@ class RunMap {
   RunMap(const RunDescription& run, const MapSession& session);
   /// Goes on with the map of an earlier run. Throws InputError where it cannot.
   RunMap(const RunDescription& run, const MapSession& session, const EarlierRun& earlier);
+  /// Extends a copy of an earlier map, or is localised in it. Throws InputError where it cannot.
+  RunMap(const RunDescription& run, const MapSession& session, const MapUse& use);
   RunMap(const RunMap&) = delete;
   RunMap& operator=(const RunMap&) = delete;
 
-  MapStore& store() { return continued_ ? static_cast<MapStore&>(*continued_) : database_; }
+  MapStore& store() {
+    return continued_ ? static_cast<MapStore&>(*continued_)
+           : over_    ? static_cast<MapStore&>(*over_)
+                      : database_;
+  }
   SessionId session() const { return session_; }
   /// The recording was mapped to its end: there is nothing left to go on with.
   void set_complete() { database_.set_complete(session_); }
@@ -40,9 +48,11 @@ class RunMap {
 
  private:
   RunFiles files_;
+  std::optional<MapDatabase> earlier_{};  ///< that the run is localised in
   MapDatabase database_;
   SessionId session_;
   std::optional<ContinuedMap> continued_;
+  std::optional<SessionOverMap> over_;
 };
 
 }  // namespace adit

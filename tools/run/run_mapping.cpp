@@ -93,8 +93,7 @@ void write(const Mapping& mapping, const SweepPlaced& placed, std::size_t index,
   times.inertial = result.inertial_ms;
   times.map = placed.map_ms;
   const auto start = Clock::now();
-  mapping.outputs.write(result, index,
-                        placed.mapped ? std::optional(placed.mapped->T_map_lidar) : std::nullopt);
+  mapping.outputs.write(result, index, placed.mapped);
   if (mapping.high_rate != nullptr) {
     mapping.high_rate->flush();
   }

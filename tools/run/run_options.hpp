@@ -9,6 +9,7 @@
 
 #include "adit/tools/results/high_rate_output.hpp"
 #include "adit/tools/results/run_outputs.hpp"
+#include "adit/tools/run/map_use.hpp"
 #include "adit/tools/run/served_page.hpp"
 #include "adit/tools/setup/config_file.hpp"
 #include "adit/tools/setup/device_session.hpp"
@@ -29,6 +30,7 @@ struct RunCommandOptions {
   std::optional<int64_t> count{};      ///< none: to the end
   bool continues = false;              ///< the output's map is gone on with
   std::optional<std::filesystem::path> from{};      ///< a map whose recording and settings to take
+  MapUseOptions earlier_map{};                      ///< a map of earlier sessions, and its use
   uint64_t max_ram_bytes = 0;                       ///< that may be resident; 0: no limit
   bool odometry = false;                            ///< odometry alone: no map, loops or GNSS
   bool overwrite = false;                           ///< an earlier run's results are replaced

@@ -69,6 +69,14 @@ class Reader {
     return *value;
   }
 
+  uint64_t seed(const toml::node& node) const {
+    const int seed = whole_number(node);
+    if (seed < 0) {
+      refuse(node.source().begin, "a seed is not negative", "Write 0 or more");
+    }
+    return static_cast<uint64_t>(seed);
+  }
+
   bool truth(const toml::node& node) const {
     const auto value = node.is_boolean() ? node.value<bool>() : std::nullopt;
     if (!value) {
@@ -178,6 +186,7 @@ void read_trajectory_keys(const Reader& reader, const toml::table& table,
        {"speed",
         [&](const auto& node) { require_speed(options.speed.emplace(reader.number(node))); }},
        {"begin", [&](const auto& node) { require_begin(options.begin = reader.number(node)); }},
+       {"reverse", [&](const auto& node) { options.reverse = reader.truth(node); }},
        {"corner_radius",
         [&](const auto& node) {
           require_corner_radius(options.corner_radius.emplace(reader.number(node)));
@@ -256,14 +265,9 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
           options.scene = reader.text(node);
           require_scene(options.scene);
         }},
-       {"seed",
-        [&](const auto& node) {
-          const int seed = reader.whole_number(node);
-          if (seed < 0) {
-            reader.refuse(node.source().begin, "a seed is not negative", "Write 0 or more");
-          }
-          options.seed = static_cast<uint64_t>(seed);
-        }},
+       {"seed", [&](const auto& node) { options.seed = reader.seed(node); }},
+       {"noise_seed", [&](const auto& node) { options.noise_seed = reader.seed(node); }},
+       {"later", [&](const auto& node) { require_later(options.later = reader.number(node)); }},
        {"duration",
         [&](const auto& node) { require_duration(options.duration = reader.number(node)); }},
        {"faults",
@@ -291,6 +295,8 @@ std::string scene_file_example() {
 # waypoints apart.
 scene = "mine"
 seed = 1
+# noise_seed = 1  # of the sensors' errors alone: the same place, recorded again; that of seed
+later = 0.0  # s after the simulation's epoch that the recording begins: what moves has gone on
 duration = 60.0  # s
 faults = []
 
@@ -298,6 +304,7 @@ faults = []
 style = "drive"
 # speed = 1.6  # m/s; the scene's
 begin = 0.0  # m along the way
+reverse = false  # from the way's end to its beginning
 # A closed way of one's own, from the first corner on: corners on the floor (m, world), rounded.
 # waypoints = [[0, 0, 0], [25, 0, 0.7], [25, 40, 0.6], [0, 40, -0.1]]
 # corner_radius = 2.5  # m; the scene's

@@ -33,6 +33,7 @@ void check_option(const char* name, const Require& require) {
 
 void check(const SimulationOptions& options) {
   check_option("--duration", [&] { require_duration(options.duration); });
+  check_option("--later", [&] { require_later(options.later); });
   check_option("--imu-rate", [&] { require_imu_rate(options.imu_rate); });
   check_option("--gnss-rate", [&] { require_gnss_rate(options.gnss_rate); });
   check_option("--fault",
@@ -73,6 +74,13 @@ Scene scene_of(const SimulationOptions& options) {
     std::ranges::rotate(scene.route, scene.route.end() - 1);
   }
   scene.corner_radius = options.corner_radius.value_or(scene.corner_radius);
+  if (options.reverse) {
+    std::ranges::reverse(scene.route);
+  }
+  for (MovingObject& object : scene.moving) {
+    object.T_world_object = [at = std::move(object.T_world_object),
+                             later = options.later](double time) { return at(time + later); };
+  }
   return scene;
 }
 
@@ -150,7 +158,7 @@ SimulationSummary simulate(
   for (const std::string& name : options.faults) {
     faults.push_back(fault_named(name));
   }
-  const FaultMaker fault_maker(faults, options.duration, options.seed);
+  const FaultMaker fault_maker(faults, options.duration, options.seed_of_noise());
   const SimulationFiles files(options.output);
   std::optional<OutputFile> labels;
   std::vector<LidarTrack> lidars;
@@ -170,7 +178,7 @@ SimulationSummary simulate(
   if (!scene.moving.empty()) {
     labels.emplace(files.labels);
   }
-  SimulationRecorder recorder(options.output, options.compression);
+  SimulationRecorder recorder(options);
   write_mounts(options, recorder);
   const auto total = static_cast<std::size_t>(
       std::floor(options.duration * 1e9 / static_cast<double>(first.sensor().period) + 1e-6));
@@ -203,7 +211,7 @@ SimulationSummary simulate(
     labels->close();
   }
   write_scene_ply(files.scene, scene);
-  write_loops(files.loops, find_loops(first, options.duration), seconds(kSimulationEpoch));
+  write_loops(files.loops, find_loops(first, options.duration), seconds(options.epoch()));
   if (options.picture) {
     write_scene_picture(files.picture, scene, first.still(), trajectory);
     write_sweep_picture(files.sweep, scene, first, static_cast<int64_t>(total / 3));

@@ -55,9 +55,15 @@ struct SimulationOptions {
   std::vector<Eigen::Vector3d> waypoints{};
   std::optional<double> corner_radius;  ///< m, of its rounding, instead of the scene's
   uint64_t seed = 1;
-  bool picture = true;  ///< draw the scene and a sweep in it
+  std::optional<uint64_t> noise_seed{};  ///< of the sensors' errors; none: `seed`
+  double later = 0.0;    ///< s after kSimulationEpoch that it begins: what moves has gone on
+  bool reverse = false;  ///< the way is taken from its end to its beginning
+  bool picture = true;   ///< draw the scene and a sweep in it
   Compression compression = Compression::none;
   std::filesystem::path output;  ///< the MCAP file
+
+  uint64_t seed_of_noise() const { return noise_seed.value_or(seed); }
+  Nanoseconds epoch() const { return kSimulationEpoch + nanoseconds(later); }
 };
 
 /// Where things are, all beside the recording.

@@ -30,6 +30,13 @@ void require_duration(double seconds) {
   }
 }
 
+void require_later(double seconds) {
+  constexpr double kTenYears = 3.2e8;
+  if (!(seconds >= 0.0 && seconds <= kTenYears)) {
+    throw UsageError(fmt::format("is {} s; must be 0 to 3.2e8, ten years.", shortest(seconds)));
+  }
+}
+
 void require_speed(double speed) {
   if (!(speed > 0.0 && speed <= 50.0)) {
     throw UsageError(

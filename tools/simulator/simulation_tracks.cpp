@@ -32,7 +32,7 @@ void SimulationRecorder::write(const std::string& topic, Nanoseconds received,
                                          .definition = definition ? definition->text : "",
                                          .messages = std::nullopt});
   }
-  writer_.write(known->second, kSimulationEpoch + received, message.bytes);
+  writer_.write(known->second, epoch_ + received, message.bytes);
 }
 
 void SimulationRecorder::write(const std::string& topic, Nanoseconds received,
@@ -43,14 +43,15 @@ void SimulationRecorder::write(const std::string& topic, Nanoseconds received,
 ImuTrack::ImuTrack(const SimulationOptions& options, const SimulationFiles& files,
                    const SplineTrajectory& trajectory, const FaultMaker& faults)
     : readings_(imu_named(options.imu == "none" ? "perfect" : options.imu), options.imu_rate,
-                trajectory, options.seed),
+                trajectory, options.seed_of_noise()),
       recorded_(options.imu != "none"),
+      epoch_(options.epoch()),
       faults_(&faults),
       truth_(files.trajectory, files.states, options.lidars.front().T_imu_lidar),
       next_(readings_.next()) {}
 
 void ImuTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
-  truth_.write(kSimulationEpoch, next_);
+  truth_.write(epoch_, next_);
   if (recorded_) {
     record(recorder, summary);
   }
@@ -65,7 +66,7 @@ void ImuTrack::record(SimulationRecorder& recorder, SimulationSummary& summary) 
   const int copies = faults_->is_silent(received) ? 0 : faults_->copies(kImu, index_, received);
   ImuSample sample = next_.sample;
   faults_->distort(sample);
-  sample.stamp += kSimulationEpoch;
+  sample.stamp += epoch_;
   const bool late = faults_->comes_late(index_++);
   std::vector<ImuSample> due(static_cast<std::size_t>(copies), sample);
   if (late) {
@@ -84,15 +85,16 @@ GnssTrack::GnssTrack(const SimulationOptions& options, const SimulationFiles& fi
                      const SplineTrajectory& trajectory, const RayScene& scene,
                      const FaultMaker& faults)
     : fixes_(gnss_named(options.gnss), options.gnss_rate, trajectory, options.p_imu_antenna, scene,
-             options.seed),
+             options.seed_of_noise()),
+      epoch_(options.epoch()),
       faults_(&faults),
       truth_(files.antenna),
       next_(fixes_.next()) {}
 
 void GnssTrack::write_next(SimulationRecorder& recorder, SimulationSummary& summary) {
-  truth_.write(kSimulationEpoch, next_);
+  truth_.write(epoch_, next_);
   GnssFix fix = next_.fix;
-  fix.stamp += kSimulationEpoch;
+  fix.stamp += epoch_;
   for (int i = faults_->copies(kGnss, index_++, time()); i > 0; --i) {
     recorder.write("/gnss", time(), fix, kAntennaFrame);
     ++summary.gnss_fixes;
@@ -106,8 +108,9 @@ LidarTrack::LidarTrack(const SimulationOptions& options, std::size_t index, cons
       simulator_(std::make_unique<RangeSimulator>(
           scene, range_sensor_named(options_->sensor),
           RangeMount{.trajectory = &trajectory, .T_body_lidar = options_->T_imu_lidar},
-          seed_of(options.seed, index), options_->effects)),
+          seed_of(options.seed_of_noise(), index), options_->effects)),
       faults_(&faults),
+      epoch_(options.epoch()),
       number_(index == 0 ? uint64_t{kPoints} : kFurtherPoints + index) {}
 
 RangeSweep LidarTrack::sweep(std::size_t index) const {
@@ -119,9 +122,8 @@ RangeSweep LidarTrack::sweep(std::size_t index) const {
 void LidarTrack::write(const RangeSweep& sweep, std::size_t index, Nanoseconds received,
                        SimulationRecorder& recorder, std::optional<OutputFile>& labels,
                        SimulationSummary& summary) const {
-  const ros::EncodedEvent message =
-      cloud_message(sweep, options_->layout.value_or(simulator_->sensor().layout), kSimulationEpoch,
-                    options_->frame);
+  const ros::EncodedEvent message = cloud_message(
+      sweep, options_->layout.value_or(simulator_->sensor().layout), epoch_, options_->frame);
   for (int copy = faults_->copies(number_, index, received); copy > 0; --copy) {
     recorder.write(options_->topic, received, message);
     ++summary.sweeps;

@@ -32,8 +32,9 @@ inline constexpr const char* kAntennaFrame = "antenna";
 /// start. Throws OutputError.
 class SimulationRecorder {
  public:
-  SimulationRecorder(const std::filesystem::path& path, Compression compression)
-      : writer_(path, {.compression = compression, .profile = "ros2"}) {}
+  explicit SimulationRecorder(const SimulationOptions& options)
+      : writer_(options.output, {.compression = options.compression, .profile = "ros2"}),
+        epoch_(options.epoch()) {}
 
   void write(const std::string& topic, Nanoseconds received, const ros::EncodedEvent& message);
   void write(const std::string& topic, Nanoseconds received, const EventValue& event,
@@ -42,6 +43,7 @@ class SimulationRecorder {
 
  private:
   McapWriter writer_;
+  Nanoseconds epoch_;
   std::map<std::string, std::size_t> channels_;
 };
 
@@ -60,6 +62,7 @@ class ImuTrack {
 
   ImuSimulator readings_;
   bool recorded_;
+  Nanoseconds epoch_;
   const FaultMaker* faults_;
   TruthWriter truth_;
   SimulatedImu next_;
@@ -79,6 +82,7 @@ class GnssTrack {
 
  private:
   GnssSimulator fixes_;
+  Nanoseconds epoch_;
   const FaultMaker* faults_;
   AntennaTruthWriter truth_;
   SimulatedFix next_;
@@ -104,6 +108,7 @@ class LidarTrack {
   const LidarOptions* options_;
   std::unique_ptr<RangeSimulator> simulator_;
   const FaultMaker* faults_;
+  Nanoseconds epoch_;
   uint64_t number_;  ///< its topic's number, for faults
 };
 
