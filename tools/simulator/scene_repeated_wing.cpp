@@ -99,10 +99,11 @@ Scene make_repeated_wing(uint64_t seed) {
            {-kThin, apart}},
           random);
   add_way(scene.mesh, {{length, apart}, {end, apart}, {end, kHalfPassage}}, random);
+  // It begins where the second corner's rounding does.
   for (const Vector2d& corner :
-       {Vector2d(2.0, -0.35), Vector2d(length, -0.35), Vector2d(east, 0.0), Vector2d(east, south),
-        Vector2d(west, south), Vector2d(west, apart), Vector2d(end, apart), Vector2d(end, 0.35),
-        Vector2d(2.0, 0.35), Vector2d(1.2, 0.0)}) {
+       {Vector2d(1.2, 0.0), Vector2d(2.0, -0.35), Vector2d(length, -0.35), Vector2d(east, 0.0),
+        Vector2d(east, south), Vector2d(west, south), Vector2d(west, apart), Vector2d(end, apart),
+        Vector2d(end, 0.35), Vector2d(2.0, 0.35)}) {
     scene.route.emplace_back(corner.x(), corner.y(), 0.0);
   }
   scene.corner_radius = 1.5;
