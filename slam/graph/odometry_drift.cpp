@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/graph/odometry_drift.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include <Eigen/Cholesky>
 
 namespace adit {
@@ -30,14 +33,17 @@ DriftRates prior_variances() {
   return sigma.cwiseAbs2();
 }
 
-constexpr double kNothingKnown = 1e4;  // rad^2
-
-/// The covariance of a difference with nothing known of the directions that do not count.
-Matrix6d counted(Matrix6d covariance, bool levelled) {
-  if (levelled) {
-    covariance.diagonal().segment<2>(3).array() += kNothingKnown;
+/// Leaves tilts out where both keyframes know their vertical: they add nothing to chi squared or to
+/// a determinant then.
+DriftDifference counted(DriftDifference one) {
+  if (one.levelled) {
+    one.difference.segment<2>(3).setZero();
+    one.response.middleRows<2>(3).setZero();
+    one.covariance.middleRows<2>(3).setZero();
+    one.covariance.middleCols<2>(3).setZero();
+    one.covariance.diagonal().segment<2>(3).setOnes();
   }
-  return covariance;
+  return one;
 }
 
 }  // namespace
@@ -55,10 +61,10 @@ DriftResponse drift_response(const Eigen::Isometry3d& T_from_to, const Eigen::Ve
 }
 
 void OdometryDrift::learn(const DriftDifference& shown, double weight) {
-  const DriftResponse weighted =
-      weight * counted(shown.covariance, shown.levelled).ldlt().solve(shown.response);
-  information_ += weighted.transpose() * shown.response;
-  vector_ += weighted.transpose() * shown.difference;
+  const DriftDifference one = counted(shown);
+  const DriftResponse weighted = weight * one.covariance.ldlt().solve(one.response);
+  information_ += weighted.transpose() * one.response;
+  vector_ += weighted.transpose() * one.difference;
 }
 
 DriftRates OdometryDrift::rates() const {
@@ -75,14 +81,31 @@ DriftRateMatrix OdometryDrift::covariance() const {
   return covariance;
 }
 
+DriftDifference OdometryDrift::beyond_prediction(const DriftDifference& claimed) const {
+  DriftDifference beyond = claimed;
+  beyond.difference -= claimed.response * rates();
+  beyond.covariance += claimed.response * covariance() * claimed.response.transpose();
+  beyond.covariance.diagonal().head<3>().array() += kStep * kStep;
+  beyond.covariance.diagonal().tail<3>().array() += kStepTurn * kStepTurn;
+  return counted(beyond);
+}
+
 double OdometryDrift::excess(const DriftDifference& claimed) const {
-  Matrix6d predicted =
-      claimed.covariance + claimed.response * covariance() * claimed.response.transpose();
-  predicted.diagonal().head<3>().array() += kStep * kStep;
-  predicted.diagonal().tail<3>().array() += kStepTurn * kStepTurn;
-  const Vector6d off = claimed.difference - claimed.response * rates();
-  return off.dot(counted(predicted, claimed.levelled).ldlt().solve(off)) /
+  const DriftDifference beyond = beyond_prediction(claimed);
+  return beyond.difference.dot(beyond.covariance.ldlt().solve(beyond.difference)) /
          (claimed.levelled ? kLevelledQuantile : kQuantile);
+}
+
+double OdometryDrift::log_odds(const DriftDifference& claimed, double volume) const {
+  using std::numbers::pi;
+  const DriftDifference beyond = beyond_prediction(claimed);
+  const Eigen::LDLT<Matrix6d> solver(beyond.covariance);
+  const double chi2 = beyond.difference.dot(solver.solve(beyond.difference));
+  const double log_determinant = solver.vectorD().array().log().sum();
+  const double directions = claimed.levelled ? 4.0 : 6.0;
+  const double turns = claimed.levelled ? 2.0 * pi : 8.0 * pi * pi;
+  return std::log(volume * turns) -
+         0.5 * (chi2 + log_determinant + directions * std::log(2.0 * pi));
 }
 
 }  // namespace adit

@@ -48,7 +48,13 @@ class OdometryDrift {
   /// vertical, of 6 elsewhere): at most 1 where drift explains it.
   double excess(const DriftDifference& claimed) const;
 
+  /// Logarithm of how much likelier the difference is where the place is seen again than where it
+  /// is an alias, which may lie anywhere in the explored `volume` (m^3) and be turned any way.
+  double log_odds(const DriftDifference& claimed, double volume) const;
+
  private:
+  DriftDifference beyond_prediction(const DriftDifference& claimed) const;
+
   DriftRateMatrix information_ = DriftRateMatrix::Zero();  ///< of the loops
   DriftRates vector_ = DriftRates::Zero();
 };

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "adit/slam/graph/uncertain_ways.hpp"
 
@@ -219,6 +220,16 @@ bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSetti
   return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
 }
 
+/// m^3 of the box around all keyframes, at least a storey high.
+double explored_volume(const PoseGraph& graph) {
+  constexpr double kStorey = 3.0;  // m
+  Eigen::AlignedBox3d box;
+  for (const PoseNode& node : graph.nodes()) {
+    box.extend(node.T_map_node.translation());
+  }
+  return box.sizes().cwiseMax(kStorey).prod();
+}
+
 /// Whether the odometry and the loops before object.
 LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& graph,
                       const Parts& parts, const LoopHypothesis& loop, const EarlierLoops& before,
@@ -227,9 +238,15 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
   LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
                                        : odometry_disagreement(far_ways, loop)};
   vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
+  const auto is_likely = [&] {
+    const auto difference = drift_difference(measured_ways, claim_of(loop));
+    return !difference ||
+           before.drift.log_odds(*difference, explored_volume(graph)) >= settings.least_log_odds;
+  };
   const auto is_explained = [&] {
-    return joins ? vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to)
-                 : drift_explains(graph, measured_ways, claim_of(loop), before.drift);
+    return joins
+               ? vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to)
+               : drift_explains(graph, measured_ways, claim_of(loop), before.drift) && is_likely();
   };
   // Drift that has been shown may have brought another place to where this one was.
   const auto is_plausible = [&] {

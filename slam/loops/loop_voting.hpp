@@ -47,6 +47,11 @@ struct LoopVotingSettings {
   double least_turned = 1.0;   ///< rad
   double heading_sigma = 1.0;  ///< rad, from where on the graph does not know a heading
   double least_aside = 3.0;  ///< m, from the line of a bundle's later keyframes, where it does not
+  /// Logarithm of the least odds that what contradicts the odometry's covariances is a place seen
+  /// again and no alias: 20 to 1. Before, both are as likely: of 200 wrong pairs of the simulated
+  /// office 186 pass verification (docs/theory/loops.md). Neighbouring keyframes of an alias agree
+  /// as well as those of a revisit do, so that a bundle is as likely as each of its loops.
+  double least_log_odds = 3.0;
   /// A loop that claims more climb than this, m and m a metre, and fits the odometry in all else,
   /// is another floor: what drifts is off elsewhere, too.
   double another_floor = 0.5;

@@ -114,6 +114,23 @@ TEST(OdometryDrift, APlaceAsideThatIsNotTurnedIsNoDrift) {
   EXPECT_LT(drift.excess(difference(drifted, 3, 399)), 0.5);
 }
 
+// The less an odometry knows, the less its agreement says.
+TEST(OdometryDrift, OddsAreThoseOfTheDensities) {
+  constexpr double kVolume = 1000.0;
+  DriftDifference claimed{.covariance = test::diagonal_covariance(1.0, 0.1)};
+  const auto odds = [&] { return OdometryDrift().log_odds(claimed, kVolume); };
+  // A normal density of x, y, z and yaw at its mean, over one of all places and headings.
+  const double place = 1.0 + 0.2 * 0.2;
+  const double yaw = 0.1 * 0.1 + 0.02 * 0.02;
+  const double density = 1.0 / (std::pow(2.0 * M_PI, 2) * std::sqrt(std::pow(place, 3) * yaw));
+  EXPECT_NEAR(odds(), std::log(density * kVolume * 2.0 * M_PI), 1e-9);
+  claimed.difference(1) = 2.0;
+  claimed.difference(3) = 0.5;  // a tilt of levelled places
+  EXPECT_NEAR(odds(), std::log(density * kVolume * 2.0 * M_PI) - 2.0 / place, 1e-9);
+  claimed.covariance *= 100.0;
+  EXPECT_LT(odds(), 0.0) << "an alias is likelier";
+}
+
 TEST(OdometryDrift, TiltsCountWhereNobodyKnowsTheVertical) {
   const Drive round = drive(DriftRates::Zero(), 60, 0.1);
   DriftDifference claimed = difference(round, 3, 59);
