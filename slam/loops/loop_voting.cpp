@@ -238,21 +238,15 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
   LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
                                        : odometry_disagreement(far_ways, loop)};
   vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
-  const auto is_likely = [&] {
-    const auto difference = drift_difference(measured_ways, claim_of(loop));
-    return !difference ||
-           before.drift.log_odds(*difference, explored_volume(graph)) >= settings.least_log_odds;
-  };
+  const std::optional<DriftDifference> difference = drift_difference(measured_ways, claim_of(loop));
   const auto is_explained = [&] {
-    return joins
-               ? vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to)
-               : drift_explains(graph, measured_ways, claim_of(loop), before.drift) && is_likely();
+    return joins ? vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to)
+                 : drift_explains(graph, measured_ways, claim_of(loop), before.drift) &&
+                       (!difference || before.drift.log_odds(*difference, explored_volume(graph)) >=
+                                           settings.least_log_odds);
   };
   // Drift that has been shown may have brought another place to where this one was.
-  const auto is_plausible = [&] {
-    const auto difference = drift_difference(measured_ways, claim_of(loop));
-    return !difference || before.drift.excess(*difference) <= 1.0;
-  };
+  const auto is_plausible = [&] { return !difference || before.drift.excess(*difference) <= 1.0; };
   const auto claims_the_same = [&](const LoopHypothesis& other) {
     return disagreement(far_ways, loop, other) <= settings.agreement;
   };
