@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
-#include <optional>
-#include <queue>
-#include <utility>
-#include <vector>
+
+#include "adit/slam/graph/uncertain_ways.hpp"
 
 namespace adit {
 namespace {
@@ -18,67 +14,8 @@ namespace {
 // earlier so near, m, at most so many before the last that had.
 constexpr double kSamePlace = 2.5;
 constexpr std::size_t kNeighbours = 3;
-
-// Loops over shorter ways show little, m; and together they have to show as much as one over so
-// many.
-constexpr double kLeastWay = 10.0;
-constexpr double kShown = 50.0;
-// What a climb may differ by from the one that has been shown: m, m a metre, and so many times what
-// that scatters by, as a share of it, within limits.
-constexpr double kClimbAside = 0.5;
-constexpr double kClimbChange = 0.01;
-constexpr double kClimbScatters = 3.0;
-constexpr double kLeastClimbShare = 0.1;
-constexpr double kMostClimbShare = 0.5;
-// It is steady where it scatters by no more than this share.
-constexpr double kSteadyClimb = 0.25;
-
-// Claims that grow are off a line from nothing by less than this share of what claims of their size
-// that stay the same would be.
-constexpr double kGrowingClaims = 0.25;
-
-struct Way {
-  Eigen::Isometry3d T_start_end = Eigen::Isometry3d::Identity();  ///< as its edges measured it
-  double length = std::numeric_limits<double>::infinity();        ///< m; infinite: there is none
-  double uncorrected = 0.0;  ///< m that no loop has corrected, from the far end to the start
-};
-
-/// The shortest way between two nodes along active edges. `corrected` as within_loops().
-Way shortest_way(const PoseGraph& graph, const std::vector<bool>& corrected, std::size_t start,
-                 std::size_t end) {
-  std::vector<Way> ways(graph.nodes().size());
-  using Entry = std::pair<double, std::size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  ways[start].length = 0.0;
-  open.emplace(0.0, start);
-  while (!open.empty()) {
-    const auto [way, at] = open.top();
-    open.pop();
-    if (at == end) {
-      break;
-    }
-    if (way > ways[at].length) {
-      continue;
-    }
-    const NodeId id = graph.nodes()[at].id;
-    for (const std::size_t index : graph.edges_of(id)) {
-      const PoseEdge& edge = graph.edges()[index];
-      const std::size_t next = graph.index_of(edge.from == id ? edge.to : edge.from);
-      const double length = edge.T_from_to.translation().norm();
-      if (edge.status == EdgeStatus::active && way + length < ways[next].length) {
-        const bool counts = edge.kind == EdgeKind::odometry && !corrected[std::min(at, next)];
-        ways[next] = {.T_start_end = ways[at].T_start_end *
-                                     (edge.from == id ? edge.T_from_to : edge.T_from_to.inverse()),
-                      .length = way + length,
-                      .uncorrected = ways[at].uncorrected + (!counts     ? 0.0
-                                                             : next < at ? length
-                                                                         : -length)};
-        open.emplace(way + length, next);
-      }
-    }
-  }
-  return ways[end];
-}
+// Two levelled places differ in tilt by less than this, rad.
+constexpr double kTilt = 0.035;
 
 /// The active odometry edge to a node from the one before it; null: there is none.
 const PoseEdge* edge_before(const PoseGraph& graph, std::size_t at) {
@@ -92,89 +29,83 @@ const PoseEdge* edge_before(const PoseGraph& graph, std::size_t at) {
   return nullptr;
 }
 
-double angle_about_z(const Eigen::Matrix3d& rotation) {
-  return std::abs(std::atan2(rotation(1, 0), rotation(0, 0)));
+/// A keyframe of the earlier stretch, with the later place in its frame.
+struct SamePlace {
+  std::size_t node = 0;
+  Eigen::Isometry3d T_node_later = Eigen::Isometry3d::Identity();
+};
+
+/// The keyframe at or before `earlier` that is nearest to where the later one is claimed to be.
+std::optional<SamePlace> same_place(const PoseGraph& graph, std::size_t earlier, std::size_t later,
+                                    const Eigen::Isometry3d& T_earlier_later) {
+  std::optional<SamePlace> same;
+  double nearest = kSamePlace;
+  Eigen::Isometry3d T_i_later = T_earlier_later;
+  for (std::size_t i = earlier, steps = 0;; --i, ++steps) {
+    const double apart = T_i_later.translation().norm();
+    if (i < later && apart < nearest) {
+      nearest = apart;
+      same = {.node = i, .T_node_later = T_i_later};
+    }
+    const PoseEdge* const edge = i > 0 && steps < kNeighbours ? edge_before(graph, i) : nullptr;
+    if (edge == nullptr) {
+      return same;
+    }
+    T_i_later = edge->T_from_to * T_i_later;
+  }
 }
 
 }  // namespace
 
-bool is_possible_drift(const Eigen::Isometry3d& error, double path, const DriftLimits& limits,
-                       bool levelled) {
-  const double turn = levelled ? angle_about_z(error.linear()) : rotation_angle(error.linear());
-  const Eigen::Vector3d& off = error.translation();
-  if (!levelled) {
-    return turn <= limits.least_turn + limits.turn * path &&
-           off.norm() <=
-               limits.least_distance + (std::max(limits.aside, limits.height) + turn) * path;
+std::optional<DriftDifference> drift_difference(Ways& ways, const DriftClaim& claim) {
+  const std::optional<Uncertain> known = ways.between(claim.to, claim.from);
+  if (!known) {
+    return std::nullopt;
   }
-  // A turn on the way moves what comes after it aside.
-  return turn <= limits.least_turn + limits.turn * path &&
-         off.head<2>().norm() <= limits.least_distance + (limits.aside + turn) * path &&
-         std::abs(off.z()) <= limits.least_distance + limits.height * path;
+  const Uncertain error =
+      *known * Uncertain{.pose = claim.T_from_to, .covariance = claim.covariance};
+  return DriftDifference{.difference = se3_log(error.pose),
+                         .covariance = error.covariance,
+                         .response = error.response,
+                         .levelled = claim.levelled};
 }
 
-bool is_tilted(const Eigen::Isometry3d& T_from_to, const DriftLimits& limits) {
-  return std::acos(std::clamp(T_from_to.linear()(2, 2), -1.0, 1.0)) > limits.tilt;
+bool is_tilted(const Eigen::Isometry3d& T_from_to) {
+  return std::acos(std::clamp(T_from_to.linear()(2, 2), -1.0, 1.0)) > kTilt;
 }
 
-bool drift_explains(const PoseGraph& graph, NodeId from, NodeId to,
-                    const Eigen::Isometry3d& T_from_to, const DriftLimits& limits, bool levelled) {
-  std::size_t earlier = graph.index_of(from);
-  std::size_t later = graph.index_of(to);
-  if (levelled && is_tilted(T_from_to, limits)) {
+bool drift_explains(const PoseGraph& graph, Ways& measured, const DriftClaim& claim,
+                    const OdometryDrift& drift) {
+  if (claim.levelled && is_tilted(claim.T_from_to)) {
     return false;
   }
-  const std::vector<bool> corrected(graph.nodes().size());
-  Way way = shortest_way(graph, corrected, earlier, later);
-  if (std::isinf(way.length)) {
-    return true;
-  }
-  Eigen::Isometry3d T_claimed = T_from_to;  // from the earlier place of the pair to the later one
-  const auto is_possible = [&] {
-    return is_possible_drift(way.T_start_end * T_claimed.inverse(), way.length, limits, levelled);
-  };
-  if (!is_possible()) {
-    return false;
-  }
-  while (later > 0) {
-    const PoseEdge* const back = edge_before(graph, later);
+  DriftClaim pair = claim;
+  while (true) {
+    const std::optional<DriftDifference> difference = drift_difference(measured, pair);
+    if (!difference) {
+      return true;
+    }
+    if (drift.excess(*difference) > 1.0) {
+      return false;
+    }
+    const std::size_t later = graph.index_of(pair.to);
+    const PoseEdge* const back = later > 0 ? edge_before(graph, later) : nullptr;
     if (back == nullptr) {
       return true;
     }
-    --later;
-    T_claimed = T_claimed * back->T_from_to.inverse();
-    // The earlier stretch's keyframe where this one of the later stretch is claimed to be.
-    std::optional<std::size_t> same;
-    Eigen::Isometry3d T_same_claimed = T_claimed;
-    double nearest = kSamePlace;
-    Eigen::Isometry3d T_i_claimed = T_claimed;
-    for (std::size_t i = earlier, steps = 0;; --i, ++steps) {
-      const double apart = T_i_claimed.translation().norm();
-      if (i < later && apart < nearest) {
-        nearest = apart;
-        same = i;
-        T_same_claimed = T_i_claimed;
-      }
-      const PoseEdge* const edge = i > 0 && steps < kNeighbours ? edge_before(graph, i) : nullptr;
-      if (edge == nullptr) {
-        break;
-      }
-      T_i_claimed = edge->T_from_to * T_i_claimed;
-    }
+    const auto same = same_place(graph, graph.index_of(pair.from), later - 1,
+                                 pair.T_from_to * back->T_from_to.inverse());
     if (!same) {
       return true;  // the stretches part here
     }
-    earlier = *same;
-    T_claimed = T_same_claimed;
-    way = shortest_way(graph, corrected, earlier, later);
-    if (way.length <= kSamePlace) {
+    pair.from = graph.nodes()[same->node].id;
+    pair.to = graph.nodes()[later - 1].id;
+    pair.T_from_to = same->T_node_later;
+    const std::optional<Uncertain> way = measured.between(pair.to, pair.from);
+    if (way && way->path <= kSamePlace) {
       return true;  // loops that were accepted tie them from here on backwards
     }
-    if (!is_possible()) {
-      return false;
-    }
   }
-  return true;
 }
 
 std::vector<bool> within_loops(const PoseGraph& graph) {
@@ -193,107 +124,6 @@ std::vector<bool> within_loops(const PoseGraph& graph) {
     result[i] = open > 0;
   }
   return result;
-}
-
-ClaimedClimb claimed_climb(const PoseGraph& graph, NodeId from, NodeId to,
-                           const Eigen::Isometry3d& T_from_to) {
-  const std::size_t earlier = graph.index_of(from);
-  const std::size_t later = graph.index_of(to);
-  const Way way = shortest_way(graph, within_loops(graph), later, earlier);
-  const Eigen::Isometry3d believed =
-      graph.nodes()[earlier].T_map_node.inverse() * graph.nodes()[later].T_map_node;
-  return {.climb = (believed * T_from_to.inverse()).translation().z(),
-          .length = way.length,
-          .way = way.uncorrected};
-}
-
-std::optional<ClaimedClimb> climb_of_odometry(const PoseGraph& graph, NodeId from, NodeId to,
-                                              const Eigen::Isometry3d& T_from_to) {
-  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
-  double length = 0.0;
-  for (std::size_t at = graph.index_of(from) + 1; at <= graph.index_of(to); ++at) {
-    const PoseEdge* edge = edge_before(graph, at);
-    if (edge == nullptr) {
-      return std::nullopt;
-    }
-    moved = moved * edge->T_from_to;
-    length += edge->T_from_to.translation().norm();
-  }
-  return ClaimedClimb{
-      .climb = (moved * T_from_to.inverse()).translation().z(), .length = length, .way = length};
-}
-
-ClaimedDrift claimed_drift(const PoseGraph& graph, NodeId from, NodeId to,
-                           const Eigen::Isometry3d& T_from_to) {
-  const std::size_t earlier = graph.index_of(from);
-  const std::size_t later = graph.index_of(to);
-  const std::vector<bool> corrected(graph.nodes().size());
-  return {.off = graph.nodes()[later].T_map_node.translation() -
-                 graph.nodes()[earlier].T_map_node * T_from_to.translation(),
-          .way = shortest_way(graph, corrected, later, earlier).length};
-}
-
-bool grows_with_way(std::span<const ClaimedDrift> claims) {
-  double ways = 0.0;
-  double squared_ways = 0.0;
-  double squared_claims = 0.0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Vector3d products = Eigen::Vector3d::Zero();
-  for (const ClaimedDrift& claim : claims) {
-    if (!std::isfinite(claim.way)) {
-      return false;
-    }
-    ways += claim.way;
-    squared_ways += claim.way * claim.way;
-    squared_claims += claim.off.squaredNorm();
-    sum += claim.off;
-    products += claim.way * claim.off;
-  }
-  if (!(squared_ways > 0.0)) {
-    return false;
-  }
-  // Sums of squares off the best line from nothing, of these and of what stays the same.
-  const auto count = static_cast<double>(claims.size());
-  const double off = squared_claims - products.squaredNorm() / squared_ways;
-  const double staying = sum.squaredNorm() / count * (1.0 - ways * ways / (count * squared_ways));
-  return off <= kGrowingClaims * kGrowingClaims * staying;
-}
-
-void ShownClimb::add(const ClaimedClimb& accepted) {
-  if (std::isfinite(accepted.length) && std::abs(accepted.way) >= kLeastWay) {
-    squared_way_ += accepted.way * accepted.way;
-    way_climb_ += accepted.way * accepted.climb;
-    squared_climb_ += accepted.climb * accepted.climb;
-  }
-}
-
-double ShownClimb::rate() const {
-  return squared_way_ > 0.0 ? way_climb_ / squared_way_ : 0.0;
-}
-
-double ShownClimb::scatter() const {
-  const double shown = rate() * way_climb_;  // m², of squared_climb_
-  return shown > 0.0 ? std::sqrt(std::max(0.0, squared_climb_ / shown - 1.0))
-                     : std::numeric_limits<double>::infinity();
-}
-
-bool ShownClimb::allows(const ClaimedClimb& claim) const {
-  if (squared_way_ < kShown * kShown || !std::isfinite(claim.length)) {
-    return true;
-  }
-  const double share = std::clamp(kClimbScatters * scatter(), kLeastClimbShare, kMostClimbShare);
-  const auto aside = [&](double way) {
-    return kClimbAside + std::max(kClimbChange, share * std::abs(rate())) * std::abs(way);
-  };
-  const double corrected = rate() * claim.way;
-  const double whole = rate() * claim.length;
-  return claim.climb >= std::min(corrected - aside(claim.way), whole - aside(claim.length)) &&
-         claim.climb <= std::max(corrected + aside(claim.way), whole + aside(claim.length));
-}
-
-bool ShownClimb::is_steady() const {
-  return squared_way_ >= kShown * kShown && std::abs(rate()) > kClimbChange &&
-         scatter() <= kSteadyClimb;
 }
 
 }  // namespace adit

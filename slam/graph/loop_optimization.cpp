@@ -30,6 +30,9 @@ constexpr double kSettled = 1.1;
 constexpr int kMostRounds = 8;
 // Against the odometry: as many as a bundle has.
 constexpr std::size_t kFewestBelieved = 3;
+// No single step of an odometry that keeps its track is wrong by as much.
+constexpr double kJump = 0.5;       // m
+constexpr double kJumpTurn = 0.05;  // rad
 
 /// Chi squared of the median odometry edge between the ends of loops; 0 where there is none.
 double median_chi2(const PoseGraph& graph, const OptimizationReport& report) {
@@ -111,7 +114,7 @@ double odometry_scale(const PoseGraph& graph, const OnStep& on_step) {
   return scale;
 }
 
-/// An edge of the odometry is off by more than an odometry drifts by on its way, and than it says.
+/// An edge of the odometry is off by more than a step can be, and than it says.
 bool has_jump(const PoseGraph& graph, const OptimizedGraph& optimum) {
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
     const PoseEdge& edge = graph.edges()[i];
@@ -121,7 +124,8 @@ bool has_jump(const PoseGraph& graph, const OptimizedGraph& optimum) {
     }
     const Eigen::Isometry3d way =
         optimum.poses[graph.index_of(edge.from)].inverse() * optimum.poses[graph.index_of(edge.to)];
-    if (!is_possible_drift(way * edge.T_from_to.inverse(), edge.T_from_to.translation().norm())) {
+    const Eigen::Isometry3d error = way * edge.T_from_to.inverse();
+    if (error.translation().norm() > kJump || rotation_angle(error.linear()) > kJumpTurn) {
       return true;
     }
   }

@@ -44,8 +44,8 @@ struct LoopOptimum : OptimizedGraph {
 /// the odometry by many of its standard deviations.
 ///
 /// Where all edges drift, no few of them stand out, and the kernel that forgives a few would have
-/// these carry all of it. So where an edge had to jump by more than an odometry drifts by
-/// (is_possible_drift()) and it says (kLoopReview), they count squared, if none jumps then and the
+/// these carry all of it. So where an edge had to jump by more than 0.5 m or 0.05 rad and more than
+/// it says (kLoopReview), they count squared, if none jumps then and the
 /// loops fit as well.
 ///
 /// Where there are fixes, these and the loops tell how far the odometry drifts in the level

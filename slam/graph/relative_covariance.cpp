@@ -47,6 +47,11 @@ Matrix6d compounded(const Matrix6d& first, const Eigen::Isometry3d& T_second,
   return symmetric(moved * first * moved.transpose() + second);
 }
 
+DriftResponse compounded(const DriftResponse& first, const Eigen::Isometry3d& T_second,
+                         const DriftResponse& second) {
+  return adjoint(T_second.inverse()) * first + second;
+}
+
 Matrix6d inverted(const Eigen::Isometry3d& pose, const Matrix6d& covariance) {
   const Matrix6d moved = adjoint(pose);
   return symmetric(moved * covariance * moved.transpose());
@@ -54,9 +59,15 @@ Matrix6d inverted(const Eigen::Isometry3d& pose, const Matrix6d& covariance) {
 
 RelativeCovariances::RelativeCovariances(const PoseGraph& graph) : graph_(&graph) {
   covariances_.reserve(graph.edges().size());
+  responses_.reserve(graph.edges().size());
   for (const PoseEdge& edge : graph.edges()) {
     covariances_.push_back(edge.status == EdgeStatus::active ? covariance_of(edge)
                                                              : Matrix6d::Zero());
+    const Eigen::Matrix3d R_world_to =
+        (graph.T_world_map() * graph.nodes()[graph.index_of(edge.to)].T_map_node).linear();
+    responses_.push_back(edge.kind == EdgeKind::odometry
+                             ? drift_response(edge.T_from_to, R_world_to.row(2).transpose())
+                             : DriftResponse::Zero());
   }
 }
 
@@ -122,6 +133,9 @@ RelativePlace RelativeCovariances::extended(const RelativePlace& place, std::siz
       .covariance = forward ? compounded(place.covariance, step.T_from_to, own)
                             : compounded(place.covariance, step.T_from_to.inverse(),
                                          inverted(step.T_from_to, own)),
+      .response = forward ? compounded(place.response, step.T_from_to, responses_[edge])
+                          : compounded(place.response, step.T_from_to.inverse(),
+                                       -adjoint(step.T_from_to) * responses_[edge]),
       .path = place.path + step.T_from_to.translation().norm()};
 }
 

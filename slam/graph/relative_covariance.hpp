@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "adit/slam/graph/odometry_drift.hpp"
 #include "adit/slam/graph/pose_graph.hpp"
 
 namespace adit {
@@ -21,12 +22,17 @@ struct RelativePlace {
   Eigen::Isometry3d T_start_node = Eigen::Isometry3d::Identity();
   /// Covariance of its pose in that one's frame: right perturbation [rho, phi], its own axes.
   Matrix6d covariance = Matrix6d::Zero();
-  double path = 0.0;  ///< m, along the edges of the path
+  DriftResponse response = DriftResponse::Zero();  ///< of that perturbation, along its odometry
+  double path = 0.0;                               ///< m, along the edges of the path
 };
 
 /// What an edge's information leaves unknown, as a covariance: directions without information have
 /// standard deviations of 10 m and 1 rad.
 Matrix6d covariance_of(const PoseEdge& edge);
+
+/// Response of the product of two poses to an odometry's drift.
+DriftResponse compounded(const DriftResponse& first, const Eigen::Isometry3d& T_second,
+                         const DriftResponse& second);
 
 /// Covariance of the product of two poses whose errors are independent.
 Matrix6d compounded(const Matrix6d& first, const Eigen::Isometry3d& T_second,
@@ -70,7 +76,8 @@ class RelativeCovariances {
                          double lumps) const;
 
   const PoseGraph* graph_;
-  std::vector<Matrix6d> covariances_;  ///< by edge
+  std::vector<Matrix6d> covariances_;     ///< by edge
+  std::vector<DriftResponse> responses_;  ///< the same
 };
 
 /// RelativeCovariances::places() of the paths from one node.

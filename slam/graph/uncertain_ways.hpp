@@ -11,19 +11,21 @@
 
 namespace adit {
 
-/// A pose with the covariance of its right perturbation.
+/// A pose with the covariance of its right perturbation, and its response to drift.
 struct Uncertain {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();
+  DriftResponse response = DriftResponse::Zero();
   double path = 0.0;  ///< m, along edges
 };
 
 inline Uncertain operator*(const Uncertain& a, const Uncertain& b) {
-  return {a.pose * b.pose, compounded(a.covariance, b.pose, b.covariance), a.path + b.path};
+  return {a.pose * b.pose, compounded(a.covariance, b.pose, b.covariance),
+          compounded(a.response, b.pose, b.response), a.path + b.path};
 }
 
 inline Uncertain inverse(const Uncertain& a) {
-  return {a.pose.inverse(), inverted(a.pose, a.covariance), a.path};
+  return {a.pose.inverse(), inverted(a.pose, a.covariance), -adjoint(a.pose) * a.response, a.path};
 }
 
 /// Whose word counts for a relative pose: the edges' of the way there, or the graph's, which may
@@ -50,7 +52,7 @@ class Ways {
         poses_ == Poses::measured ? place->T_start_node
                                   : graph_.nodes()[graph_.index_of(from)].T_map_node.inverse() *
                                         graph_.nodes()[graph_.index_of(to)].T_map_node;
-    return Uncertain{pose, place->covariance, place->path};
+    return Uncertain{pose, place->covariance, place->response, place->path};
   }
 
  private:

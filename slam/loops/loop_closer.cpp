@@ -229,7 +229,7 @@ void LoopCloser::leave(const PoseGraph& graph, std::deque<PendingLoop>& queue,
     // What position has found is nearly where the graph has it, and a tilt says nothing of drift:
     // it may be right, and merely tilted.
     if (vote.unexpected && vote.objection == LoopObjection::odometry &&
-        loop.source == LoopSource::appearance && !is_tilted(loop.T_from_to, voting_.drift)) {
+        loop.source == LoopSource::appearance && !is_tilted(loop.T_from_to)) {
       refuted_.push_back(loop);
       refuted_.erase(refuted_.begin(), refuted_.end() - static_cast<std::ptrdiff_t>(std::min(
                                                             refuted_.size(), kMostRefuted)));
@@ -300,9 +300,8 @@ std::vector<LoopVote> LoopCloser::voted(const PoseGraph& graph,
                        .gaps = gaps_,
                        .earlier_nodes = search_.earlier_nodes};
   for (const PendingLoop& one : accepted_) {
-    earlier.far_off = earlier.far_off || one.odometry_chi2 > voting_.most_by_position;
-    if (one.climb) {
-      earlier.climb.add(*one.climb);
+    if (one.shown) {
+      earlier.drift.learn(*one.shown, 1.0 / static_cast<double>(one.together));
     }
   }
   return vote(graph, waiting, earlier, last_chance, voting_);
@@ -313,6 +312,16 @@ bool LoopCloser::let_in(PoseGraph& graph, std::deque<PendingLoop>& queue,
                         std::span<const LoopVote> votes, Change& change) {
   std::deque<PendingLoop> rest;
   std::vector<int64_t> accepted;
+  // Of the path before they come in. What has come in earlier ties it, so that each shows what has
+  // come to pass since.
+  std::vector<std::optional<DriftDifference>> shown(votes.size());
+  std::size_t together = 0;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    if (votes[i].accepted) {
+      shown[i] = shown_drift(graph, queue[i].loop, voting_);
+      ++together;
+    }
+  }
   for (std::size_t i = 0; i < votes.size(); ++i) {
     PendingLoop& pending = queue[i];
     if (!votes[i].accepted) {
@@ -320,10 +329,8 @@ bool LoopCloser::let_in(PoseGraph& graph, std::deque<PendingLoop>& queue,
       continue;
     }
     const LoopHypothesis& loop = pending.loop;
-    pending.odometry_chi2 = votes[i].odometry_chi2;
-    if (loop.levelled) {
-      pending.climb = climb_of_odometry(graph, loop.from, loop.to, loop.T_from_to);
-    }
+    pending.shown = shown[i];
+    pending.together = together;
     change.edges.push_back(edge_of(loop));
     join_parts(graph, loop);
     graph.add_edge(change.edges.back());

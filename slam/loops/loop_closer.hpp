@@ -50,9 +50,9 @@ struct PendingLoop {
   bool expected = true;  ///< it is where the graph had it
   // Once it has been accepted:
   std::size_t votes = 0;
-  double odometry_chi2 = 0.0;           ///< LoopVote::odometry_chi2
-  std::optional<ClaimedClimb> climb{};  ///< of the odometry, that it shows
-  bool tried_again = false;             ///< it was taken back once
+  std::optional<DriftDifference> shown{};  ///< of the odometry's drift
+  std::size_t together = 1;                ///< loops that were accepted with it
+  bool tried_again = false;                ///< it was taken back once
 };
 
 /// A keyframe of an earlier session, which may be seen again.

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "adit/slam/graph/uncertain_ways.hpp"
 
@@ -27,13 +28,18 @@ double chi2(const Uncertain& error) {
   return off.dot(error.covariance.ldlt().solve(off));
 }
 
-/// With a third of what an odometry may drift by on that path as a standard deviation besides.
-Uncertain drifting(Uncertain error, const DriftLimits& drift) {
-  const double moved = error.path * drift.height / 3.0;
-  const double turned = error.path * drift.turn / 3.0;
-  error.covariance.diagonal().head<3>().array() += moved * moved;
-  error.covariance.diagonal().tail<3>().array() += turned * turned;
+/// With what an odometry drifts by on that path besides.
+Uncertain drifting(Uncertain error, const OdometryDrift& drift) {
+  error.covariance += error.response * drift.covariance() * error.response.transpose();
   return error;
+}
+
+DriftClaim claim_of(const LoopHypothesis& loop) {
+  return {.from = loop.from,
+          .to = loop.to,
+          .T_from_to = loop.T_from_to,
+          .covariance = loop.covariance,
+          .levelled = loop.levelled};
 }
 
 double odometry_disagreement(Ways& ways, const LoopHypothesis& loop) {
@@ -49,26 +55,28 @@ std::optional<Uncertain> cycle(Ways& ways, const LoopHypothesis& a, const LoopHy
                           : std::nullopt;
 }
 
-/// A loop claims a height that the odometry is not believed to drift by, and bears it out in all
-/// else: a floor that is built like the one above or below. What drifts is off elsewhere, too.
-bool is_another_floor(Ways& ways, const PoseGraph& graph, const LoopHypothesis& loop,
-                      const LoopVotingSettings& settings) {
-  const std::optional<Uncertain> known = ways.between(loop.to, loop.from);
+/// A loop claims a height that the odometry is not believed to drift by, and fits it in all else: a
+/// floor that is built like the one above or below. What drifts is off elsewhere, too.
+bool is_another_floor(Ways& measured_ways, const PoseGraph& graph, const LoopHypothesis& loop,
+                      const OdometryDrift& drift, const LoopVotingSettings& settings) {
+  const std::optional<Uncertain> known = measured_ways.between(loop.to, loop.from);
   if (!known || !loop.levelled) {
     return false;
   }
-  const ClaimedClimb claim = claimed_climb(graph, loop.from, loop.to, loop.T_from_to);
-  if (std::abs(claim.climb) <= settings.near.least_distance + settings.near.height * claim.length) {
+  const DriftDifference claimed = *drift_difference(measured_ways, claim_of(loop));
+  const Vector6d off = claimed.difference - claimed.response * drift.rates();
+  const Eigen::Matrix3d R_map_to = graph.nodes()[graph.index_of(loop.to)].T_map_node.linear();
+  const double climb = R_map_to.row(2).dot(off.head<3>());
+  if (std::abs(climb) <= settings.another_floor + settings.another_floor_share * known->path) {
     return false;
   }
-  const Uncertain error = *known * measured(loop);
-  const Eigen::Matrix3d R_map_to = graph.nodes()[graph.index_of(loop.to)].T_map_node.linear();
   Eigen::Matrix<double, 5, 6> but_height = Eigen::Matrix<double, 5, 6>::Zero();
   but_height.topLeftCorner<2, 3>() = R_map_to.topRows<2>();
   but_height.bottomRightCorner<3, 3>().setIdentity();
-  const Eigen::Matrix<double, 5, 1> off = but_height * se3_log(error.pose);
-  const Eigen::Matrix<double, 5, 5> spread = but_height * error.covariance * but_height.transpose();
-  return off.dot(spread.ldlt().solve(off)) <= settings.contradiction;
+  const Eigen::Matrix<double, 5, 1> rest = but_height * off;
+  const Eigen::Matrix<double, 5, 5> spread =
+      but_height * claimed.covariance * but_height.transpose();
+  return rest.dot(spread.ldlt().solve(rest)) <= settings.contradiction;
 }
 
 double disagreement(Ways& ways, const LoopHypothesis& a, const LoopHypothesis& b) {
@@ -112,7 +120,7 @@ double gap_disagreement(Ways& ways, const PoseGraph& graph, const Parts& parts,
     beyond.head<2>() = gone.head<2>() * (std::max(0.0, aside - gap.reach) / std::max(aside, 1e-9));
     beyond.z() = std::copysign(std::max(0.0, std::abs(climbed) - gap.climb), climbed);
     if (std::abs(beyond.z()) >
-        settings.near.least_distance + settings.near.height * (crossed.path + gap.between)) {
+        settings.another_floor + settings.another_floor_share * (crossed.path + gap.between)) {
       return kNever;
     }
     const Eigen::Matrix3d R = crossed.pose.linear();
@@ -170,8 +178,9 @@ Bundle bundle_of(std::size_t seed, std::span<const LoopHypothesis> all, const Ta
 /// measured and by what the graph has made of it; else nothing. What is unexpected is held against
 /// what drift may have done on the cycle's ways.
 std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const LoopHypothesis& loop,
-                                   bool unexpected, std::span<const LoopHypothesis> accepted,
+                                   bool unexpected, const EarlierLoops& before,
                                    const LoopVotingSettings& settings) {
+  const std::span<const LoopHypothesis> accepted = before.accepted;
   const auto asked = accepted.last(std::min(accepted.size(), settings.most_asked));
   std::size_t speaking = 0;
   std::size_t contradicting = 0;
@@ -183,8 +192,10 @@ std::optional<double> contradicted(Ways& far_ways, Ways& measured_ways, const Lo
     }
     ++speaking;
     const auto contradicts = [&](const Uncertain& one) {
-      return unexpected ? !is_possible_drift(one.pose, one.path, settings.drift,
-                                             loop.levelled && other.levelled)
+      return unexpected ? before.drift.excess({.difference = se3_log(one.pose),
+                                               .covariance = one.covariance,
+                                               .response = one.response,
+                                               .levelled = loop.levelled && other.levelled}) > 1.0
                         : chi2(one) > settings.contradiction;
     };
     if (contradicts(*error) && contradicts(*cycle(measured_ways, loop, other))) {
@@ -209,6 +220,16 @@ bool knows_heading(Ways& ways, const LoopHypothesis& loop, const LoopVotingSetti
   return known && std::sqrt(known->covariance(5, 5)) <= settings.heading_sigma;
 }
 
+/// m^3 of the box around all keyframes, at least a storey high.
+double explored_volume(const PoseGraph& graph) {
+  constexpr double kStorey = 3.0;  // m
+  Eigen::AlignedBox3d box;
+  for (const PoseNode& node : graph.nodes()) {
+    box.extend(node.T_map_node.translation());
+  }
+  return box.sizes().cwiseMax(kStorey).prod();
+}
+
 /// Whether the odometry and the loops before object.
 LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& graph,
                       const Parts& parts, const LoopHypothesis& loop, const EarlierLoops& before,
@@ -217,41 +238,29 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
   LoopVote vote{.odometry_chi2 = joins ? gap_disagreement(far_ways, graph, parts, loop, settings)
                                        : odometry_disagreement(far_ways, loop)};
   vote.blind = !joins && loop.without_heading && !knows_heading(far_ways, loop, settings);
-  const auto climbs_as_shown = [&] {
-    return !loop.levelled ||
-           before.climb.allows(claimed_climb(graph, loop.from, loop.to, loop.T_from_to));
-  };
-  // Once the odometry is known to climb, that tells.
-  const auto is_twin_floor = [&] {
-    return !joins && !before.climb.is_steady() && is_another_floor(far_ways, graph, loop, settings);
-  };
+  const std::optional<DriftDifference> difference = drift_difference(measured_ways, claim_of(loop));
   const auto is_explained = [&] {
-    if (joins) {
-      return vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to, settings.drift);
-    }
-    return drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.drift,
-                          loop.levelled) &&
-           climbs_as_shown();
+    return joins ? vote.odometry_chi2 <= settings.gap && !is_tilted(loop.T_from_to)
+                 : drift_explains(graph, measured_ways, claim_of(loop), before.drift) &&
+                       (!difference || before.drift.log_odds(*difference, explored_volume(graph)) >=
+                                           settings.least_log_odds);
   };
+  // Drift that has been shown may have brought another place to where this one was.
+  const auto is_plausible = [&] { return !difference || before.drift.excess(*difference) <= 1.0; };
   const auto claims_the_same = [&](const LoopHypothesis& other) {
     return disagreement(far_ways, loop, other) <= settings.agreement;
   };
   vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
-  vote.far =
-      vote.unexpected && !joins && loop.source == LoopSource::position &&
-      (before.far_off || vote.odometry_chi2 > settings.most_by_position ||
-       !drift_explains(graph, loop.from, loop.to, loop.T_from_to, settings.near, loop.levelled));
   const bool is_possible =
-      !is_twin_floor() &&
+      (joins || !is_another_floor(measured_ways, graph, loop, before.drift, settings)) &&
       (vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
-                       // Drift may have brought a floor to where the one below was.
-                       : !before.climb.is_steady() || climbs_as_shown());
+                       : is_plausible());
   if (!is_possible) {
     vote.objection = LoopObjection::odometry;
     return vote;
   }
   if (const auto worst =
-          contradicted(far_ways, measured_ways, loop, vote.unexpected, before.accepted, settings)) {
+          contradicted(far_ways, measured_ways, loop, vote.unexpected, before, settings)) {
     vote.objection = LoopObjection::loops;
     vote.worst_chi2 = *worst;
   }
@@ -345,39 +354,21 @@ bool is_broad(const PoseGraph& graph, const Poll& poll, const Bundle& bundle,
   return highest - lowest >= settings.least_aside;
 }
 
-/// Loops that are far off have a voice only where the largest bundle has some of them and grows.
-void leave_what_does_not_grow(const PoseGraph& graph, Poll& poll, std::vector<LoopVote>& votes,
-                              const LoopVotingSettings& settings) {
-  const auto is_far = [&](std::size_t k) { return poll.open[k] && votes[k].far; };
-  const std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
-  if (best && std::ranges::any_of(best->members, is_far)) {
-    std::vector<ClaimedDrift> claims;
-    for (const std::size_t k : best->members) {
-      const LoopHypothesis& loop = poll.all[k];
-      claims.push_back(claimed_drift(graph, loop.from, loop.to, loop.T_from_to));
-    }
-    if (best->members.size() >= settings.least_unexpected && grows_with_way(claims)) {
-      return;
-    }
-  }
-  for (std::size_t k = 0; k < poll.all.size(); ++k) {
-    if (is_far(k)) {
-      votes[k].objection = LoopObjection::odometry;
-      poll.open[k] = false;
-    }
-  }
-}
-
 /// The bundle that the odometry does not bear out, where it is large enough and nothing speaks
 /// against it; those that another bundle disputes are told so.
 std::optional<Bundle> unexpected_bundle(const PoseGraph& graph, const Parts& parts,
                                         const Poll& poll, std::vector<LoopVote>& votes,
+                                        std::size_t earlier_nodes,
                                         const LoopVotingSettings& settings) {
   std::optional<Bundle> best = best_bundle(poll, votes, true, settings.agreement);
   if (!best || best->members.size() < settings.least_unexpected ||
       (joins_parts(graph, parts, poll.all[best->members.front()]) &&
        !is_wide(graph, poll, *best, settings))) {
     return std::nullopt;
+  }
+  const LoopHypothesis& one = poll.all[best->members.front()];
+  if (joins_parts(graph, parts, one) && graph.index_of(one.from) < earlier_nodes) {
+    return best;
   }
   for (std::size_t m = 0; m < poll.all.size(); ++m) {
     const bool counts = !votes[m].unexpected || 2 * votes[m].voters > best->members.size();
@@ -409,6 +400,13 @@ double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop)
   return odometry_disagreement(ways, loop);
 }
 
+std::optional<DriftDifference> shown_drift(const PoseGraph& graph, const LoopHypothesis& loop,
+                                           const LoopVotingSettings& settings) {
+  const RelativeCovariances covariances(graph);
+  Ways ways(graph, covariances, Poses::measured, settings.lumps);
+  return drift_difference(ways, claim_of(loop));
+}
+
 std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesis> hypotheses,
                            const EarlierLoops& before, bool last_chance,
                            const LoopVotingSettings& settings) {
@@ -430,7 +428,7 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
         const auto error = cycle(ways, hypotheses[b], hypotheses[a]);
         const bool drifted = votes[a].unexpected || votes[b].unexpected;
         poll.table[a][b] = poll.table[b][a] =
-            !error ? kNever : chi2(drifted ? drifting(*error, settings.drift) : *error);
+            !error ? kNever : chi2(drifted ? drifting(*error, before.drift) : *error);
       }
     }
   }
@@ -447,8 +445,7 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
     best.reset();
   }
   if (!best) {
-    leave_what_does_not_grow(graph, poll, votes, settings);
-    best = unexpected_bundle(graph, parts, poll, votes, settings);
+    best = unexpected_bundle(graph, parts, poll, votes, before.earlier_nodes, settings);
     if (best && may_be_turned(*best)) {
       best.reset();
     }

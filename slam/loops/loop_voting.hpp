@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,21 +41,21 @@ struct LoopVotingSettings {
   double lumps = 4.0;
   std::size_t least_voters = 3;      ///< distinct later keyframes
   std::size_t least_unexpected = 4;  ///< the same, of what the odometry does not bear out
-  /// Chi squared against the graph of what position has found: where the odometry is as far off as
-  /// that, it may be a place like the one that is believed, unless what a bundle claims grows as
-  /// its ways do.
-  double most_by_position = 100.0;
   double gap = 11.34;          ///< chi squared of what is claimed of a gap, 3 directions: 99 %
   double gap_sigma = 0.2;      ///< m, besides what is known of the ways to its ends
   double least_apart = 10.0;   ///< m, between two later keyframes that tie parts of a map, or
   double least_turned = 1.0;   ///< rad
   double heading_sigma = 1.0;  ///< rad, from where on the graph does not know a heading
   double least_aside = 3.0;  ///< m, from the line of a bundle's later keyframes, where it does not
-  DriftLimits drift{};
-  /// And what position has found may have drifted by, unless what a bundle claims grows: 4 m
-  /// between floors that are built alike pass for drift on a way of 30 m, and by lidar alone for
-  /// likely.
-  DriftLimits near{.aside = 0.02, .height = 0.01};
+  /// Logarithm of the least odds that what contradicts the odometry's covariances is a place seen
+  /// again and no alias: 20 to 1. Before, both are as likely: of 200 wrong pairs of the simulated
+  /// office 186 pass verification (docs/theory/loops.md). Neighbouring keyframes of an alias agree
+  /// as well as those of a revisit do, so that a bundle is as likely as each of its loops.
+  double least_log_odds = 3.0;
+  /// A loop that claims more climb than this, m and m a metre, and fits the odometry in all else,
+  /// is another floor: what drifts is off elsewhere, too.
+  double another_floor = 0.5;
+  double another_floor_share = 0.01;
   double most_contradicting = 0.25;  ///< share of the accepted loops that may
   std::size_t most_asked = 50;       ///< accepted loops that are asked, the latest
 };
@@ -74,7 +75,6 @@ struct LoopVote {
   double worst_chi2 = 0.0;     ///< against the loops it was accepted with, or that contradict it
   std::size_t voters = 1;      ///< later keyframes that agree, its own among them
   bool unexpected = false;     ///< not where the graph's covariances have it
-  bool far = false;            ///< as far as position is believed only where a bundle's claims grow
   bool blind = false;          ///< the graph does not know its heading
   bool accepted = false;
 };
@@ -84,13 +84,10 @@ struct EarlierLoops {
   std::span<const LoopHypothesis> accepted{};  ///< the graph's
   std::span<const LoopHypothesis> refuted{};   ///< that no drift can explain
   std::span<const TrackingGap> gaps{};         ///< between parts of the graph
+  OdometryDrift drift{};                       ///< as the accepted ones have shown it
   /// So many of the graph's first nodes belong to earlier sessions. What ties others to them is
   /// held against other places by the closer: competing bundles are not asked here.
   std::size_t earlier_nodes = 0;
-  ShownClimb climb{};  ///< of the accepted ones
-  /// One of them was farther off than LoopVotingSettings::most_by_position: where the graph has
-  /// places says little, and what position finds has to be within its covariances, or to grow.
-  bool far_off = false;
 };
 
 /// A vote per hypothesis, in order. Those of one bundle are accepted together: at least
@@ -115,6 +112,10 @@ std::vector<LoopVote> vote(const PoseGraph& graph, std::span<const LoopHypothesi
 /// keyframe, b's measurement back, and the way between the earlier ones. Infinite where the graph
 /// does not tie them.
 double disagreement(const PoseGraph& graph, const LoopHypothesis& a, const LoopHypothesis& b);
+
+/// What a loop shows of the odometry's drift; nothing where the graph does not tie its keyframes.
+std::optional<DriftDifference> shown_drift(const PoseGraph& graph, const LoopHypothesis& loop,
+                                           const LoopVotingSettings& settings);
 
 /// Chi squared of a loop against the graph's own relative pose.
 double odometry_disagreement(const PoseGraph& graph, const LoopHypothesis& loop);

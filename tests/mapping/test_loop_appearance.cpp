@@ -4,6 +4,8 @@
 // Loops that the odometry does not bear out, such as appearance finds: how far they may contradict
 // it, and that twins are not taken for a place seen again.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -68,12 +70,12 @@ std::size_t accepted(const Walk& walk, const std::vector<LoopHypothesis>& loops,
 
 constexpr NodeId kRoundOfWalk = 60;
 
-/// Round a circle of 60 m and on, 1 m a keyframe, with 0.1 degrees of yaw and 10 % of climb a metre
-/// that nobody knows of, or a share of that.
+/// Round a circle of 60 m and on, 1 m a keyframe, with 0.02 degrees of yaw and 2 % of climb a metre
+/// that nobody knows of, times `share`.
 Walk drifting_round(bool reverse, double share = 1.0) {
   Walk walk;
   walk.start();
-  const Eigen::Isometry3d drift = up(0.1 * share, 0.1 * share * std::numbers::pi / 180.0);
+  const Eigen::Isometry3d drift = up(0.02 * share, 0.02 * share * std::numbers::pi / 180.0);
   const auto on = [&](double turn) { walk.go(step(1.0, turn), drift); };
   for (NodeId i = 0; i < kRoundOfWalk + 10; ++i) {
     on(2.0 * std::numbers::pi / kRoundOfWalk);
@@ -97,16 +99,16 @@ TEST(LoopsByAppearance, ComeInWhereTheOdometryDriftedUnawares) {
   for (LoopHypothesis& one : loops) {
     one.source = LoopSource::position;
   }
-  EXPECT_EQ(accepted(walk, loops), 0U) << "a round is as long for all: it may be another place";
-  const PoseGraph loose = walk.graph.with_information(
-      [](const PoseEdge& edge) -> Matrix6d { return 2e-4 * edge.information; });
-  EXPECT_LT(odometry_disagreement(loose, loops.front()), 100.0);
-  const std::vector<LoopVote> votes = vote(loose, loops, {}, true, {});
-  EXPECT_EQ(std::ranges::count_if(votes, &LoopVote::accepted), 0) << "6 m of climb";
+  EXPECT_EQ(accepted(walk, loops), 4U) << "however they were found";
+  const Walk wild = drifting_round(false, 5.0);
+  for (NodeId i = 1; i <= 4; ++i) {
+    loops[static_cast<std::size_t>(i - 1)] = loop(wild, i, kRoundOfWalk + i);
+  }
+  EXPECT_EQ(accepted(wild, loops), 0U) << "no odometry climbs by 10 %";
 }
 
-TEST(LoopsByPosition, ThatAreBeyondTheGateAndNotFarComeIn) {
-  const Walk walk = drifting_round(false, 0.04);
+TEST(LoopsByPosition, ThatAreBeyondTheGateComeIn) {
+  const Walk walk = drifting_round(false, 0.2);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
     loops.push_back(loop(walk, i, kRoundOfWalk + i));
@@ -115,7 +117,6 @@ TEST(LoopsByPosition, ThatAreBeyondTheGateAndNotFarComeIn) {
   EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 16.81);
   EXPECT_LT(odometry_disagreement(walk.graph, loops.front()), 100.0);
   EXPECT_EQ(accepted(walk, loops), 4U);
-  EXPECT_EQ(accepted(walk, loops, {.far_off = true}), 0U) << "others were far off";
 }
 
 TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
@@ -127,16 +128,15 @@ TEST(LoopsByAppearance, ComeInOnTheWayBackToo) {
   EXPECT_EQ(accepted(walk, loops), 4U) << "drift adds up along both stretches";
 }
 
-TEST(LoopsByPosition, ThatAreFarOffComeInWhereTheirDriftGrows) {
+TEST(LoopsByPosition, ThatAreFarOffComeInWhereDriftExplainsThem) {
   const Walk walk = drifting_round(true);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 0; i < 4; ++i) {
     loops.push_back(loop(walk, kRoundOfWalk + 3 - i, kRoundOfWalk + 10 + 7 + i));
     loops.back().source = LoopSource::position;
   }
-  EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 1e3);
+  EXPECT_GT(odometry_disagreement(walk.graph, loops.front()), 50.0);
   EXPECT_EQ(accepted(walk, loops), 4U);
-  EXPECT_EQ(accepted(walk, loops, {.far_off = true}), 4U);
   loops.pop_back();
   EXPECT_EQ(accepted(walk, loops), 0U) << "three are too few";
 }
@@ -178,7 +178,7 @@ TEST(LoopsByAppearance, TwoPlacesThatAreBothBorneOutGiveNothing) {
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
     loops.push_back(loop(walk, i, kRoundOfWalk + i));
-    loops.push_back(loop(walk, i + 2, kRoundOfWalk + i));
+    loops.push_back(loop(walk, i + 1, kRoundOfWalk + i));
     loops.back().T_from_to = loops.front().T_from_to;
   }
   const std::vector<LoopVote> votes = vote(walk.graph, loops, {}, true, {});
@@ -195,7 +195,7 @@ TEST(LoopsByAppearance, WhatAcceptedLoopsContradictStaysOut) {
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 4; ++i) {
     before.push_back(loop(walk, i, kRoundOfWalk + i));
-    loops.push_back(loop(walk, i + 4, kRoundOfWalk + i + 4, up(4.0)));
+    loops.push_back(loop(walk, i + 4, kRoundOfWalk + i + 4, up(1.2)));
   }
   EXPECT_EQ(accepted(walk, loops), 4U);
   EXPECT_EQ(accepted(walk, loops, {.accepted = before}), 0U);
@@ -271,6 +271,44 @@ TEST(LoopsByAppearance, AFloorLikeTheOneBelowIsNoPlaceSeenAgain) {
   }
 }
 
+// A wing of 30 m, 346 m of corridors round a block, and a wing like the first 16 m aside: 4.3 % of
+// the path. The odometry knows the place to half a metre, and is right.
+TEST(LoopsByAppearance, NorIsARepeatedWingWithinAFewPerCentOfThePath) {
+  Walk walk;
+  walk.start();
+  constexpr std::array kSides{40, 110, 70, 126};
+  std::vector<double> turns(30, 0.0);
+  for (const int side : kSides) {
+    turns.insert(turns.end(), static_cast<std::size_t>(side), 0.0);
+    turns.back() = -0.5 * std::numbers::pi;
+  }
+  turns.insert(turns.end(), 60, 0.0);
+  for (const double turn : turns) {
+    walk.go(step(1.0, turn), Eigen::Isometry3d::Identity());
+  }
+  walk.graph = walk.graph.with_information(
+      [](const PoseEdge& edge) -> Matrix6d { return 0.1 * edge.information; });
+  std::size_t alike = 0;
+  for (NodeId first = 376; first + 5 < static_cast<NodeId>(walk.truth.size()); ++first) {
+    std::vector<LoopHypothesis> queue;
+    for (NodeId to = first; to < first + 5; ++to) {
+      const Eigen::Vector3d here = walk.truth[static_cast<std::size_t>(to)].translation();
+      for (NodeId from = 0; from < 30; ++from) {
+        const Eigen::Vector3d off = here - walk.truth[static_cast<std::size_t>(from)].translation();
+        if (std::abs(off.x()) < 0.5) {
+          Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
+          shift.translation().y() = -off.y();
+          EXPECT_LT(std::abs(off.y()), 0.05 * static_cast<double>(to - from));
+          queue.push_back(loop(walk, from, to, shift));
+          ++alike;
+        }
+      }
+    }
+    EXPECT_EQ(accepted(walk, queue), 0U) << first;
+  }
+  EXPECT_GT(alike, 50U);
+}
+
 TEST(LoopsByAppearance, NeitherAParallelCorridorNorAnEqualBlockIs) {
   // Up one corridor of 30 m, 6 m aside, and down the next; blocks of 50 m, four in a row.
   Walk corridors;
@@ -306,25 +344,13 @@ TEST(LoopsByAppearance, NeitherAParallelCorridorNorAnEqualBlockIs) {
   }
 }
 
-TEST(DriftClaim, NothingExplainsATilt) {
-  const Walk walk = drifting_round(false);
-  LoopHypothesis one = loop(walk, 1, kRoundOfWalk + 1);
-  EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
-  one.T_from_to.linear() *= Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to));
-  EXPECT_TRUE(drift_explains(walk.graph, one.from, one.to, one.T_from_to, {}, false))
-      << "held otherwise, by somebody who does not know which way is up";
-  one.T_from_to.linear() *= Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  EXPECT_FALSE(drift_explains(walk.graph, one.from, one.to, one.T_from_to, {}, false));
-}
-
-// On a way out and back known to a centimetre, six degrees of tilt.
+// Round a circle that is known to a few centimetres, three degrees of tilt.
 TEST(LoopsByPosition, TellNothingByTiltsWhereNobodyKnowsTheVertical) {
-  Walk walk = drifting_round(false, 0.01);
+  Walk walk = drifting_round(false, 0.05);
   std::vector<LoopHypothesis> loops;
   for (NodeId i = 1; i <= 5; ++i) {
     LoopHypothesis one = loop(walk, i, kRoundOfWalk + i);
-    one.T_from_to.linear() *= Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    one.T_from_to.linear() *= Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitX()).toRotationMatrix();
     loops.push_back(one);
   }
   const auto objection = [&] { return vote(walk.graph, loops, {}, true, {})[0].objection; };
@@ -335,33 +361,31 @@ TEST(LoopsByPosition, TellNothingByTiltsWhereNobodyKnowsTheVertical) {
   EXPECT_NE(objection(), LoopObjection::odometry);
 }
 
-// The odometry climbs 10 cm a metre, as loops have shown; a floor lower, 34 m on, the graph has the
+// The odometry climbs 2 cm a metre, as loops have shown; a floor lower, 170 m on, the graph has the
 // place where the floor above is.
-TEST(ShownClimb, TellsAFloorThatDriftHasBroughtToAnother) {
+TEST(ShownDrift, TellsAFloorThatDriftHasBroughtToAnother) {
+  constexpr NodeId kRound = 170;
   Walk walk;
   walk.start();
-  const auto go = [&](double climb, double turn) {
-    Eigen::Isometry3d way = step(1.0, turn);
-    way.translation().z() = climb;
-    walk.go(way, up(0.1));
-  };
-  for (int i = 0; i < 34; ++i) {
-    go(i < 8 ? -0.425 : 0.0, 2.0 * std::numbers::pi / 34.0);
-  }
-  for (int i = 0; i < 4; ++i) {
-    go(0.0, 2.0 * std::numbers::pi / 34.0);
+  for (NodeId i = 0; i < kRound + 4; ++i) {
+    Eigen::Isometry3d way = step(1.0, 2.0 * std::numbers::pi / kRound);
+    way.translation().z() = i < 8 ? -0.425 : 0.0;
+    walk.go(way, up(0.02));
   }
   std::vector<LoopHypothesis> loops;
-  for (NodeId i = 34; i < 38; ++i) {
-    loops.push_back(loop(walk, i - 34, i));
+  for (NodeId i = kRound; i < kRound + 4; ++i) {
+    loops.push_back(loop(walk, i - kRound, i));
     loops.back().T_from_to =
-        walk.graph.nodes()[static_cast<std::size_t>(i - 34)].T_map_node.inverse() *
+        walk.graph.nodes()[static_cast<std::size_t>(i - kRound)].T_map_node.inverse() *
         walk.graph.nodes()[static_cast<std::size_t>(i)].T_map_node;
   }
   EXPECT_EQ(accepted(walk, loops), 4U) << "nothing has been shown";
   EarlierLoops before;
   for (const double way : {30.0, 40.0, 50.0}) {
-    before.climb.add({.climb = 0.1 * way, .length = way, .way = way});
+    DriftDifference shown{.covariance = 1e-4 * Matrix6d::Identity()};
+    shown.difference(2) = 0.02 * way;
+    shown.response(2, 1) = way;
+    before.drift.learn(shown);
   }
   EXPECT_EQ(accepted(walk, loops, before), 0U);
 }

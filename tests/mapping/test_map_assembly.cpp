@@ -153,13 +153,13 @@ class MapAssemblyTest : public test::DeviceTest {
   }
 };
 
-// Of 2.8 m half a metre is left: the graph knows nothing of gravity and tilts the street to explain
-// part of the climb.
+// Twice the drift that is usual. Part of it is left: the graph knows nothing of gravity and tilts
+// the street to explain part of the climb.
 TEST_F(MapAssemblyTest, LoopsTakeOutADriftThatTheCovariancesKnowNothingOf) {
-  const Result drifted = assembled(0.1 * std::numbers::pi / 180.0, 0.1);
-  EXPECT_GT(error_of(drifted.odometry), 1.5);
-  EXPECT_LT(error_of(drifted.map), 0.2 * error_of(drifted.odometry));
-  EXPECT_GE(drifted.loops.accepted_by_appearance, 1U);
+  const Result drifted = assembled(0.03 * std::numbers::pi / 180.0, 0.03);
+  EXPECT_GT(error_of(drifted.odometry), 0.5);
+  EXPECT_LT(error_of(drifted.map), 0.4 * error_of(drifted.odometry));
+  EXPECT_GE(drifted.loops.accepted, 4U);
   EXPECT_GE(drifted.loops.by_appearance, drifted.loops.accepted_by_appearance);
   expect_right_loops(drifted.graph);
 }

@@ -129,20 +129,50 @@ TEST(Scenes, AreTheSameForTheSameSeedAndOthersForOthers) {
   }
 }
 
-TEST(Scenes, TheSecondWingLooksLikeTheFirst) {
-  const Scene wings = make_scene("wings", 3);
-  const RayScene scene(wings.mesh);
-  const Vector3d apart(0.0, wings.route[5].y(), 0.0);  // the corner where the second wing begins
-  ASSERT_GT(apart.y(), 20.0);
+/// What is seen in a wing along x from 0, of so many m, is seen `apart` from there as well.
+void expect_alias(const Scene& made, const Vector3d& apart, double length) {
+  const RayScene scene(made.mesh);
   for (int i = 0; i < 40; ++i) {
     const double angle = 0.37 * i;
-    const Vector3d eye(1.0 + i, 0.2, 1.2);
+    const Vector3d eye(1.0 + (length - 4.0) * i / 39.0, 0.2, 1.2);
     const Vector3d ahead(std::cos(angle), std::sin(angle), 0.2 * std::sin(3.1 * angle));
-    const auto first = scene.cast(eye, ahead.normalized(), 7.0);  // within the wing
-    const auto second = scene.cast(eye + apart, ahead.normalized(), 7.0);
+    const double range = std::min(7.0, std::min(eye.x(), length - eye.x()));  // within the wing
+    const auto first = scene.cast(eye, ahead.normalized(), range);
+    const auto second = scene.cast(eye + apart, ahead.normalized(), range);
     ASSERT_EQ(first.has_value(), second.has_value()) << i;
     if (first) {
       EXPECT_NEAR(first->distance, second->distance, 1e-4) << i;
+    }
+  }
+}
+
+TEST(Scenes, TheSecondWingLooksLikeTheFirst) {
+  const Scene wings = make_scene("wings", 3);
+  const Vector3d apart(0.0, wings.route[5].y(), 0.0);  // the corner where the second wing begins
+  ASSERT_GT(apart.y(), 20.0);
+  expect_alias(wings, apart, 44.0);
+}
+
+// The alias lies where an odometry that drifts by 5 % of its path may have it, and nothing is in
+// the way of the route.
+TEST(Scenes, TheRepeatedWingLiesWithinAFewPerCentOfThePath) {
+  for (uint64_t seed = 1; seed <= 8; ++seed) {
+    const Scene made = make_scene("repeated_wing", seed);
+    const Vector3d apart(0.0, made.route[6].y(), 0.0);
+    const double length = made.route[2].x();
+    expect_alias(made, apart, length);
+    double path = 0.0;  // from the first wing's beginning to the second's
+    for (std::size_t i = 1; i < 6; ++i) {
+      path += (made.route[i + 1] - made.route[i]).norm();
+    }
+    EXPECT_GE(apart.y(), 10.0);
+    EXPECT_LT(apart.y(), 0.05 * path);
+    EXPECT_GT(apart.y(), 0.02 * path);
+    const RayScene scene(made.mesh);
+    for (std::size_t i = 0; i < made.route.size(); ++i) {
+      const Vector3d eye = made.route[i] + Vector3d(0.0, 0.0, 1.0);
+      const Vector3d way = made.route[(i + 1) % made.route.size()] - made.route[i];
+      EXPECT_FALSE(scene.cast(eye, way.normalized(), way.norm())) << seed << " " << i;
     }
   }
 }

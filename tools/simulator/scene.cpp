@@ -17,10 +17,11 @@ struct Entry {
   std::string_view name;
   Scene (*make)(uint64_t seed);
 };
-constexpr std::array kEntries{Entry{"city", make_city},     Entry{"field", make_field},
-                              Entry{"forest", make_forest}, Entry{"mine", make_mine},
-                              Entry{"office", make_office}, Entry{"room", make_room},
-                              Entry{"wings", make_wings}};
+constexpr std::array kEntries{
+    Entry{"city", make_city},     Entry{"field", make_field},
+    Entry{"forest", make_forest}, Entry{"mine", make_mine},
+    Entry{"office", make_office}, Entry{"repeated_wing", make_repeated_wing},
+    Entry{"room", make_room},     Entry{"wings", make_wings}};
 
 constexpr double kStep = 0.05;  // s
 

@@ -59,6 +59,7 @@ Scene make_field(uint64_t seed);
 Scene make_forest(uint64_t seed);
 Scene make_mine(uint64_t seed);
 Scene make_office(uint64_t seed);
+Scene make_repeated_wing(uint64_t seed);
 Scene make_room(uint64_t seed);
 Scene make_wings(uint64_t seed);
 
