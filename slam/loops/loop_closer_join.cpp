@@ -35,9 +35,10 @@ Matrix6d hypothesis_covariance() {
 constexpr double kEqual = 0.3;
 // What a single keyframe may say against a place: something may have been moved.
 constexpr double kLeastOfOne = -2.0;
-// Nine in ten right places look alike in the verification, of twins perhaps seven.
-const double kAlike = std::log(0.9 / 0.7);
-const double kDifferent = std::log(0.1 / 0.3);
+// Nine in ten right places look alike in the verification, of twins perhaps seven: log(0.9 / 0.7)
+// and log(0.1 / 0.3).
+constexpr double kAlike = 0.25;
+constexpr double kDifferent = -1.1;
 constexpr double kClearLogOdds = 4.6;  // 100 to 1
 // Nine in ten sessions begin in what is mapped.
 constexpr double kMapped = 2.2;

@@ -223,6 +223,9 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                     {"unknown_datagrams", outcome.live->unknown_datagrams}};
   }
   json["output"] = describe_outputs(run, outcome);
+  if (outcome.result.map && outcome.result.map->localization.any()) {
+    json["output"]["files"].push_back(RunFiles(run.output).localization.filename().string());
+  }
   json["validation"] = {{"enabled", run.validation}, {"messages", outcome.validation_messages}};
   return json;
 }
