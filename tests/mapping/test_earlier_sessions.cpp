@@ -15,7 +15,7 @@
 namespace adit {
 namespace {
 
-std::string dump_of(const MapDatabase& map) {
+std::string lines_of(const MapDatabase& map) {
   std::string text;
   map.dump([&](std::string_view line) { text += std::string(line) + "\n"; });
   return text;
@@ -95,7 +95,7 @@ TEST(SessionOverMap, TheMapStaysAndTheSessionHasWhatIsItsOwn) {
   test::TemporaryFolder folder;
   test::write_full_map(folder / "map.adit");
   const MapDatabase map(folder / "map.adit", MapAccess::read);
-  const std::string before = dump_of(map);
+  const std::string before = lines_of(map);
   MapDatabase own(folder / "own.adit", MapAccess::write);
   SessionOverMap over(map, own);
   const SessionId session = over.add_session({.name = "second"});
@@ -109,8 +109,10 @@ TEST(SessionOverMap, TheMapStaysAndTheSessionHasWhatIsItsOwn) {
   }
   const PoseEdge to_map = test::edge(0, first + 1, test::step(1.0), 100.0);
   const PoseEdge within = test::edge(first, first + 2, test::step(20.0), 100.0);
-  over.revise({.edges = {to_map, within},
-               .candidates = {LoopCandidate{.id = 70, .from = 0, .to = first + 1}}});
+  LoopCandidate loop_to_map;
+  loop_to_map.id = 70;
+  loop_to_map.to = first + 1;
+  over.revise({.edges = {to_map, within}, .candidates = {loop_to_map}});
   // Counted as the graph of both has its edges: the session's own two, the loop to the map, and the
   // one within.
   const std::size_t edges = map.graph().edges().size();
@@ -118,7 +120,7 @@ TEST(SessionOverMap, TheMapStaysAndTheSessionHasWhatIsItsOwn) {
                .poses = {{.id = 0, .T_map_node = test::step(77.0)},
                          {.id = first, .T_map_node = test::step(5.0)}},
                .drops_georeference = true});
-  EXPECT_EQ(dump_of(map), before);
+  EXPECT_EQ(lines_of(map), before);
   ASSERT_EQ(own.keyframes().size(), 3U);
   EXPECT_TRUE(own.keyframes().front().T_map_keyframe.isApprox(test::step(5.0)));
   ASSERT_EQ(own.graph().edges().size(), 3U) << "the loop to the map is in neither";
@@ -138,7 +140,7 @@ TEST(MapDatabase, ACopyHoldsTheSame) {
   const MapDatabase map(folder / "map.adit", MapAccess::read);
   map.copy_to(folder / "copy.adit");
   const MapDatabase copy(folder / "copy.adit", MapAccess::write);
-  EXPECT_EQ(dump_of(copy), dump_of(map));
+  EXPECT_EQ(lines_of(copy), lines_of(map));
   EXPECT_TRUE(copy.check().empty());
 }
 
@@ -175,7 +177,7 @@ class SecondSession : public test::DeviceTest {
   }
 };
 
-TEST_F(SecondSession, IdsGoOnAndWhatIsKeptStays) {
+TEST_F(SecondSession, LiesInTheMapWhoseKeyframesStay) {
   test::TemporaryMap map;
   mapped(map.store(), map.session(), 0.0, EarlierSessions::none);
   const std::vector<MapKeyframe> before = map.store().keyframes();
@@ -193,13 +195,6 @@ TEST_F(SecondSession, IdsGoOnAndWhatIsKeptStays) {
     }
   }
   EXPECT_TRUE(map.store().check().empty());
-}
-
-TEST_F(SecondSession, WhereTheMapIsRecognisedTheSessionLiesInIt) {
-  test::TemporaryMap map;
-  mapped(map.store(), map.session(), 0.0, EarlierSessions::none);
-  const SessionId second = map.store().add_session({.name = "second"});
-  const MapReport report = mapped(map.store(), second, 0.4, EarlierSessions::keep);
   ASSERT_GT(report.localization.recognised, 0U);
   EXPECT_EQ(report.components, 1U);
   EXPECT_GT(report.localization.searched, 0.0);
