@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The adit authors
 # SPDX-License-Identifier: Apache-2.0
-"""Compares docs/formats.md and docs/schemas with what the program writes: every --json, sweeps.csv, the map's tables.
+"""Compares docs/formats.md and docs/schemas with what the program writes: every --json, both tables of a run, the map's tables.
 
 Usage: formats.py ADIT. Everything that is written must be on the page, under the heading of its command, and everything
 on the page must be written, but for what it calls "only" or of another command of the same heading. Each JSON must be as
@@ -42,6 +42,7 @@ MORE = [
     ["evaluate", "json/trajectory.tum", "json/odometry.tum", "drive.truth.tum", "--json"],
     ["devices", "--json", "--no-self-test"],
     ["align", "drive.mcap@0", "drive.mcap@9", "--min-overlap", "1", "--json"],
+    ["run", "drive.mcap", "--map", "json", "-o", "there", "--json"],
 ]
 # Written into a file. Of two systems that `bench slam` compares with, one has no trajectory.
 FILES = [(words + ["bench.json"], "bench.json") for words in (
@@ -156,6 +157,9 @@ def check(adit, folder, page):
     header = (pathlib.Path(folder) / "json" / "sweeps.csv").read_text().split("\n", 1)[0].split(",")
     heading = "adit run: sweeps.csv"
     yield from compare(heading, spread(page.get(heading, [])), set(header))
+    header = (pathlib.Path(folder) / "there" / "localization.csv").read_text().split("\n", 1)[0].split(",")
+    heading = "adit run: localization.csv"
+    yield from compare(heading, page.get(heading, []), set(header))
     with sqlite3.connect(pathlib.Path(folder) / "json" / "map.adit") as database:
         tables = {name: {row[1] for row in database.execute(f"PRAGMA table_info({name})")} for (name,) in
                   database.execute("SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'places_%'")}
