@@ -161,7 +161,7 @@ void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
       continue;
     }
     std::vector<LoopVote> joins = voted(graph, joining_, false);
-    if (doubt_joins(graph, joins, change)) {
+    if (refuse_ambiguous_joins(graph, joins, change)) {
       continue;
     }
     if (let_in(graph, joining_, joins, change)) {

@@ -124,7 +124,7 @@ class LoopCloser {
   std::vector<LoopVote> voted(const PoseGraph& graph, const std::deque<PendingLoop>& queue,
                               bool last_chance) const;
   bool is_apart_from_map(std::span<const std::optional<RelativePlace>> known) const;
-  std::vector<LoopPlace> supposed_places(const PoseGraph& graph) const;
+  std::vector<LoopPlace> predicted_places(const PoseGraph& graph) const;
   std::vector<std::size_t> nodes_beside(const PoseGraph& graph,
                                         const Eigen::Isometry3d& T_map_place) const;
   std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node) const;
@@ -133,10 +133,10 @@ class LoopCloser {
   PlaceLikeness compared(const PoseGraph& graph, std::size_t node,
                          const Eigen::Isometry3d& T_map_node);
   static Eigen::Isometry3d map_from_part(const PoseGraph& graph, const LoopHypothesis& loop);
-  std::vector<Eigen::Isometry3d> other_suppositions(const PoseGraph& graph,
-                                                    const LoopHypothesis& loop) const;
+  std::vector<Eigen::Isometry3d> competing_hypotheses(const PoseGraph& graph,
+                                                      const LoopHypothesis& loop) const;
   double least_log_odds(const PoseGraph& graph, const LoopHypothesis& loop);
-  bool doubt_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change);
+  bool refuse_ambiguous_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change);
   bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
               Change& change);
   void optimize_and_review(PoseGraph& graph, std::vector<int64_t> let_in, Change& change);

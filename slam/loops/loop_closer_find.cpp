@@ -202,7 +202,7 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
     std::vector<LoopPlace> similar =
         find_similar_places(graph, index_, known, is_apart ? searching_ : appearance_);
     if (is_apart) {
-      std::ranges::move(supposed_places(graph), std::back_inserter(similar));
+      std::ranges::move(predicted_places(graph), std::back_inserter(similar));
     }
     std::erase_if(similar, [&](const LoopPlace& place) {
       return std::ranges::any_of(found, [&](const PendingLoop& one) {

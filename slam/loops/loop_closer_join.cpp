@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The closer's doubts before a session is tied to the map of earlier ones: whether it may as well
-// be at another place, which looks the same.
+// A session is tied to the map of earlier ones only if it cannot as well be at another place, which
+// looks the same.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,25 +15,25 @@
 namespace adit {
 namespace {
 
-constexpr double kBeside = 3.0;           // m, horizontally, between keyframes that see the same
-constexpr double kSameFloor = 1.5;        // m, vertically
-constexpr std::size_t kMostSupposed = 4;  // places that loops that wait have the newest node at
-constexpr double kOtherPlace = 2.0;       // m
-constexpr double kOtherTurn = 0.5;        // rad
-constexpr std::size_t kMostBeside = 3;    // keyframes of the map that are compared with one
-constexpr double kLeastApart = 2.0;       // m, between keyframes that say something of their own
-constexpr std::size_t kMostAsked = 60;    // keyframes of the session, the latest
+constexpr double kBeside = 3.0;             // m, horizontally, between keyframes that see the same
+constexpr double kSameFloor = 1.5;          // m, vertically
+constexpr std::size_t kMostHypotheses = 4;  // of waiting loops, for the place of the session
+constexpr double kOtherPlace = 2.0;         // m
+constexpr double kOtherTurn = 0.5;          // rad
+constexpr std::size_t kMostBeside = 3;      // keyframes of the map that are compared with one
+constexpr double kLeastApart = 2.0;         // m, between keyframes that say something of their own
+constexpr std::size_t kMostAsked = 60;      // keyframes of the session, the latest
 
-// What is not known of a place under a hypothesis: m, rad.
+// Standard deviations of a pose that a hypothesis predicts: m, rad.
 Matrix6d hypothesis_covariance() {
   Vector6d sigma;
   sigma << 0.5, 0.5, 0.5, 0.02, 0.02, 0.05;
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-// Of places that look the same, those that are the same to the last chair.
+// Share of the places that look the same where even the details are the same.
 constexpr double kEqual = 0.3;
-// What a single keyframe may say against a place: something may have been moved.
+// Least log likelihood ratio of a single keyframe: something may have been moved.
 constexpr double kLeastOfOne = -2.0;
 // Nine in ten right places look alike in the verification, of twins perhaps seven: log(0.9 / 0.7)
 // and log(0.1 / 0.3).
@@ -73,16 +73,16 @@ bool LoopCloser::is_apart_from_map(std::span<const std::optional<RelativePlace>>
          std::ranges::none_of(earlier, [](const auto& one) { return one.has_value(); });
 }
 
-// Where the loops that wait would have the newest node: the nearest node of the map to each such
+// Waiting loops predict where the newest node is: the nearest node of the map to each predicted
 // place, the latest loops first.
-std::vector<LoopPlace> LoopCloser::supposed_places(const PoseGraph& graph) const {
+std::vector<LoopPlace> LoopCloser::predicted_places(const PoseGraph& graph) const {
   const std::vector<std::size_t> part_of = connected_components(graph).component_of;
   const PoseNode& newest = graph.nodes().back();
   std::vector<LoopPlace> places;
   for (auto pending = joining_.rbegin(); pending != joining_.rend(); ++pending) {
     const LoopHypothesis& loop = pending->loop;
     const std::size_t to = graph.index_of(loop.to);
-    if (places.size() == kMostSupposed || graph.index_of(loop.from) >= search_.earlier_nodes ||
+    if (places.size() == kMostHypotheses || graph.index_of(loop.from) >= search_.earlier_nodes ||
         part_of[to] != part_of.back()) {
       continue;
     }
@@ -123,8 +123,8 @@ std::vector<std::size_t> LoopCloser::nodes_beside(const PoseGraph& graph,
   return nodes;
 }
 
-// The session's nodes that are tied to `node`, latest first, so far apart that each says something
-// of its own.
+// The session's nodes that are tied to `node`, latest first, so far apart that their submaps are
+// independent evidence.
 std::vector<std::size_t> LoopCloser::asked_nodes(const PoseGraph& graph, NodeId node) const {
   const std::size_t tied = graph.index_of(node);
   const std::vector<std::size_t> part_of = connected_components(graph).component_of;
@@ -189,16 +189,16 @@ Eigen::Isometry3d LoopCloser::map_from_part(const PoseGraph& graph, const LoopHy
          graph.nodes()[graph.index_of(loop.to)].T_map_node.inverse();
 }
 
-// Other places at which loops that wait have the part, the latest first.
-std::vector<Eigen::Isometry3d> LoopCloser::other_suppositions(const PoseGraph& graph,
-                                                              const LoopHypothesis& loop) const {
+// Other poses of the part, by waiting loops, the latest first.
+std::vector<Eigen::Isometry3d> LoopCloser::competing_hypotheses(const PoseGraph& graph,
+                                                                const LoopHypothesis& loop) const {
   const std::vector<std::size_t> part_of = connected_components(graph).component_of;
   const std::size_t to = graph.index_of(loop.to);
   const Eigen::Isometry3d& T_part_node = graph.nodes()[to].T_map_node;
   std::vector<Eigen::Isometry3d> known = {map_from_part(graph, loop)};
   for (auto pending = joining_.rbegin(); pending != joining_.rend(); ++pending) {
     const LoopHypothesis& other = pending->loop;
-    if (known.size() > kMostSupposed || graph.index_of(other.from) >= search_.earlier_nodes ||
+    if (known.size() > kMostHypotheses || graph.index_of(other.from) >= search_.earlier_nodes ||
         part_of[graph.index_of(other.to)] != part_of[to]) {
       continue;
     }
@@ -244,7 +244,7 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const LoopHypothesis& 
                                      return alias.moved(T_map_part * T_part_node);
                                    }));
   }
-  for (const Eigen::Isometry3d& T_other_part : other_suppositions(graph, loop)) {
+  for (const Eigen::Isometry3d& T_other_part : competing_hypotheses(graph, loop)) {
     least = std::min(least, sum_of(usual, [&](const Eigen::Isometry3d& T_part_node) {
                        return Eigen::Isometry3d(T_other_part * T_part_node);
                      }));
@@ -252,9 +252,10 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const LoopHypothesis& 
   return least;
 }
 
-// Votes that tie the session to the map count only where it can be nowhere else. True: a place has
-// turned out to be the wrong one of two, and its loops have left the queue.
-bool LoopCloser::doubt_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change) {
+// Votes that tie the session to the map count only if their place is clearly the likeliest. True:
+// another place is clearly likelier, and the loops have left the queue.
+bool LoopCloser::refuse_ambiguous_joins(const PoseGraph& graph, std::vector<LoopVote>& votes,
+                                        Change& change) {
   const auto joins_map = [&](std::size_t i) {
     return votes[i].accepted && graph.index_of(joining_[i].loop.from) < search_.earlier_nodes &&
            graph.index_of(joining_[i].loop.to) >= search_.earlier_nodes;
