@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Whether an odometry may have drifted by as much as a loop implies: by that, places that look
-// alike are told from places seen again (docs/theory/loops.md).
+// alike are distinguished from places seen again (docs/theory/loops.md).
 #pragma once
 
 #include <optional>

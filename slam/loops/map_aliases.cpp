@@ -23,7 +23,7 @@ constexpr double kLeastMove = 2.0;  // m
 constexpr double kLeastTurn = 0.5;  // rad
 constexpr std::size_t kLeastPlaces = 3;
 constexpr std::size_t kMost = 8;
-constexpr std::size_t kLeastAccepted = 10;  // loops that tell a share
+constexpr std::size_t kLeastAccepted = 10;  // loops, for their mean to count
 
 bool is_alike_elsewhere(const LoopCandidate& candidate) {
   constexpr std::array kContradicted = {LoopReason::against_odometry, LoopReason::against_loops,

@@ -14,7 +14,7 @@ namespace adit {
 enum class LocalizationState {
   none,         ///< there is no map of earlier sessions
   searching,    ///< no place of the map has been recognised yet
-  ambiguous,    ///< places of the map that look alike cannot be told apart yet
+  ambiguous,    ///< places of the map look alike, and none is clearly the likeliest yet
   localized,    ///< the map has been recognised a short way ago
   outside,      ///< no keyframe of the map is near: the odometry goes on alone
   unconfirmed,  ///< keyframes of the map are near, but none has been recognised for a while

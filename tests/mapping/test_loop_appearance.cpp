@@ -363,7 +363,7 @@ TEST(LoopsByPosition, TellNothingByTiltsWhereNobodyKnowsTheVertical) {
 
 // The odometry climbs 2 cm a metre, as loops have shown; a floor lower, 170 m on, the graph has the
 // place where the floor above is.
-TEST(ShownDrift, TellsAFloorThatDriftHasBroughtToAnother) {
+TEST(ShownDrift, RejectsAFloorThatDriftHasBroughtToAnother) {
   constexpr NodeId kRound = 170;
   Walk walk;
   walk.start();

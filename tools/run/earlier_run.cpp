@@ -26,7 +26,7 @@ constexpr std::string_view kFingerprint = "recording fingerprint";
 constexpr std::string_view kCommit = "commit";
 constexpr std::string_view kMetadataSetting = "recording.metadata = ";
 
-const std::string* told(const MapSession& session, std::string_view key) {
+const std::string* provenance_value(const MapSession& session, std::string_view key) {
   const auto found =
       std::ranges::find(session.provenance, key, &std::pair<std::string, std::string>::first);
   return found == session.provenance.end() ? nullptr : &found->second;
@@ -34,7 +34,7 @@ const std::string* told(const MapSession& session, std::string_view key) {
 
 const std::string& require(const std::filesystem::path& map, const MapSession& session,
                            std::string_view key) {
-  const std::string* value = told(session, key);
+  const std::string* value = provenance_value(session, key);
   if (value == nullptr) {
     throw InputError(map, {}, "it does not say its \"" + std::string(key) + "\"",
                      "Name the recording, and map it anew");
@@ -147,11 +147,11 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
                      "Name the recording, and map it anew");
   }
   const MapSession& session = sessions.front();
-  if (const std::string* other = told(session, kLocalizedIn)) {
+  if (const std::string* other = provenance_value(session, kLocalizedIn)) {
     throw InputError(map, {}, "its run was localised in another map, " + *other,
                      "Run the recording again with --map");
   }
-  const std::string* topic = told(session, kTopic);
+  const std::string* topic = provenance_value(session, kTopic);
   const std::vector<std::filesystem::path> recordings = recordings_of(session);
   require(map, session, kRecording);
   return {
@@ -164,20 +164,20 @@ EarlierRun earlier_run(const std::filesystem::path& map) {
       .first_sweep = require_number(map, session, "first sweep"),
       .sweeps = require_number(map, session, "sweeps"),
       .graph_bytes =
-          told(session, kGraphBytes) == nullptr
+          provenance_value(session, kGraphBytes) == nullptr
               ? std::nullopt
               : std::optional(static_cast<uint64_t>(require_number(map, session, kGraphBytes)))};
 }
 
 bool is_recording_of(const MapSession& session,
                      const std::vector<std::filesystem::path>& recordings) {
-  const std::string* before = told(session, kFingerprint);
+  const std::string* before = provenance_value(session, kFingerprint);
   return before == nullptr || *before == fingerprint(recordings).hash;
 }
 
 bool has_same_recording(const MapSession& one, const MapSession& other) {
-  const std::string* first = told(one, kFingerprint);
-  const std::string* second = told(other, kFingerprint);
+  const std::string* first = provenance_value(one, kFingerprint);
+  const std::string* second = provenance_value(other, kFingerprint);
   return first != nullptr && second != nullptr && *first == *second;
 }
 
@@ -194,7 +194,7 @@ std::vector<std::filesystem::path> recordings_of(const MapSession& session) {
 void require_same(const EarlierRun& earlier, const MapSession& now) {
   std::vector<std::string> differences;
   for (const auto& [key, value] : now.provenance) {
-    const std::string* before = told(earlier.session, key);
+    const std::string* before = provenance_value(earlier.session, key);
     if (key != kRecording && !key.starts_with(kFurtherRecording) && key != kCommit &&
         (before == nullptr || *before != value)) {
       differences.push_back(key + ": " + (before == nullptr ? "not known" : *before) + " then, " +

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A building with a repeated wing, as far aside as an odometry that drifts by a few per cent of its
-// path could believe: what tells the wings apart is how far the odometry really drifts.
+// path could believe: only how far the odometry really drifts distinguishes the wings.
 #include <algorithm>
 #include <vector>
 
