@@ -138,7 +138,8 @@ std::vector<SlamEntry> slam_catalogue() {
           {"mine-vlp16-spikes", "mine", "VLP-16", "drive", 30.0, 0.0, 1, false, {"spikes"}},
           {"room-mid360-handheld", "room", "Mid-360", "handheld", 30.0, 0.0, 1, true},
           {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2},
-          {"wings-vlp16-walk", "wings", "VLP-16", "walk", 40.0}};
+          {"wings-vlp16-walk", "wings", "VLP-16", "walk", 40.0},
+          {"repeated_wing-vlp16-walk", "repeated_wing", "VLP-16", "walk", 40.0}};
 }
 
 std::vector<SlamEntry> loop_catalogue() {
