@@ -7,6 +7,7 @@ same bytes.
 Usage: live.py ADIT [TOPIC_PEER]. TOPIC_PEER, built where there is a DDS, is the other side of the topics.
 """
 
+import concurrent.futures
 import json
 import math
 import os
@@ -20,6 +21,8 @@ import sys
 import tempfile
 import threading
 import time
+import urllib.error
+import urllib.request
 
 SWEEPS = 28
 SAME = ["trajectory.tum", "online.tum", "odometry.tum", "sweeps.csv", "map.ply"]
@@ -34,10 +37,10 @@ def distance(azimuth, elevation, x):
     return min(((far if d > 0 else near) - p) / d for d, p, (near, far) in walls if abs(d) > 1e-9)
 
 
-def vlp16_packets():
+def vlp16_packets(sweeps=SWEEPS):
     """Packets of a VLP-16 that turns ten times a second and moves at 0.4 m/s."""
     packets = []
-    for number in range(SWEEPS * 75):
+    for number in range(sweeps * 75):
         body = b""
         for block in range(12):
             turn = (number * 12 + block) % 900
@@ -84,7 +87,17 @@ def run(adit, *words):
 
 def wait_until_it_listens(process):
     line = process.stderr.readline()
-    expect(line.startswith("listening"), f"it says {line!r} first")
+    expect("listening; adit waits" in line, f"it says {line!r} first")
+
+
+def send_until(sender, port, packets, end):
+    """At the sensor's pace, again and again; returns how many were sent."""
+    sent = 0
+    while not end.is_set():
+        sender.sendto(packets[sent % len(packets)], ("127.0.0.1", port))
+        sent += 1
+        time.sleep(1 / 754)
+    return sent
 
 
 def send(sender, port, packets):
@@ -109,10 +122,7 @@ def check_sensor(adit, folder):
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         wait_until_it_listens(process)
         bad = send(sender, port, packets)
-        while not (out / "map.adit").exists():  # the job has begun
-            if process.poll() is not None:
-                sys.exit(f"live: it ended by itself: {process.communicate()}")
-            time.sleep(0.05)
+        wait_for_file(process, out / "map.adit")  # the job has begun
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate()
         expect(process.returncode == 0, f"exit code {process.returncode}\n{err}")
@@ -127,6 +137,74 @@ def check_sensor(adit, folder):
     run(adit, "check", out / "map.adit")
     run(adit, "run", out / "recording.pcap", "-o", folder / "again", "--quiet")
     same_files(out, folder / "again")
+
+
+def asked(port, path):
+    """Code and body of a GET."""
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/{path}", timeout=5) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+
+
+def wait_for_file(process, file):
+    for _ in range(6000):
+        if file.exists():
+            return
+        if process.poll() is not None:
+            break
+        time.sleep(0.01)
+    process.kill()
+    sys.exit(f"live: {file.name} does not appear: {process.communicate()}")
+
+
+def begin_next_session(process, out, next_out):
+    """SIGHUP once the first session is mapped; returns when the next one has begun."""
+    wait_for_file(process, out / "map.adit")
+    process.send_signal(signal.SIGHUP)
+    wait_for_file(process, next_out / "recording.pcap")
+
+
+def check_sessions(adit, folder):
+    """A SIGHUP begins the next session, and no packet is lost."""
+    out, next_out, port, packets = folder / "one", folder / "one-2", free_port(), vlp16_packets()
+    command = [adit, "live", f"udp://127.0.0.1:{port}", "-o", out, "--wait", "60", "--status-port", "0", "--log-json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender, \
+            concurrent.futures.ThreadPoolExecutor() as pool:
+        status = int(json.loads(process.stderr.readline())["message"].split(":")[3].split("/")[0])
+        wait_until_it_listens(process)
+        end = threading.Event()
+        sending = pool.submit(send_until, sender, port, packets, end)
+        try:
+            begin_next_session(process, out, next_out)
+            code, health = asked(status, "health")
+            time.sleep(3)
+            metrics = asked(status, "metrics")[1]
+            elsewhere = asked(status, "elsewhere")[0]
+        finally:
+            end.set()
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate()
+        expect(process.returncode == 0, f"sessions: exit code {process.returncode}\n{err}")
+    expect(code == 200 and "sweeps" in json.loads(health), f"health: {code} {health}")
+    expect(f'adit_received_messages_total{{source="udp://127.0.0.1:{port}"}}' in metrics, metrics)
+    expect(elsewhere == 404, f"code {elsewhere} of a page that there is not")
+    for line in err.splitlines():
+        expect(set(json.loads(line)) == {"time", "level", "message"}, f"no line of JSON: {line}")
+    first, second = (out / "recording.pcap").read_bytes()[24:], (next_out / "recording.pcap").read_bytes()[24:]
+    shared = len(first) - first.index(second[:1000])  # with the times of arrival no packet is like another
+    expect(first[-shared:] == second[:shared], "the recordings do not overlap")
+    size = 16 + 28 + 1206
+    expect(shared >= 0.25 * 754 / 2 * size, f"they overlap by {shared // size} packets")
+    lost = json.loads((next_out / "summary.json").read_text(encoding="utf-8"))["live"]["lost_datagrams"]
+    recorded = (len(first) - shared + len(second)) // size
+    expect(recorded + lost == sending.result(), f"{recorded} of {sending.result()} packets, {lost} lost")
+    for one in out, next_out:
+        run(adit, "check", one / "map.adit")
+        run(adit, "run", one / "recording.pcap", "-o", folder / f"{one.name}_again", "--quiet")
+        same_files(one, folder / f"{one.name}_again")
 
 
 def check_recording(adit, folder):
@@ -154,7 +232,9 @@ def check_topics(adit, peer, folder):
     expect(live["sweeps"] == counts["sent", "/points"], f"{counts}, {live}")
     # The last sweeps wait for IMU samples that come no more, until the run ends.
     expect(counts.get(("received", "/adit/odometry"), 0) >= live["sweeps"] - 2, f"{counts}, {live}")
-    for topic in "/tf", "/adit/path", "/adit/keyframe_cloud", "/diagnostics":
+    expect(counts.get(("received", "/adit/odometry_high_rate"), 0) > 5 * live["sweeps"], f"{counts}, {live}")
+    expect(live["high_rate_poses"] > 5 * live["sweeps"], f"{live}")
+    for topic in ("/tf", "/adit/path", "/adit/map", "/adit/occupancy_grid", "/adit/keyframe_cloud", "/diagnostics"):
         expect(counts.get(("received", topic), 0) > 0, f"{topic} is missing: {counts}")
     run(adit, "run", out / "recording.mcap", "-o", folder / "topics_again", "--quiet")
     same_files(out, folder / "topics_again")
@@ -211,6 +291,18 @@ def check_no_topics(adit, folder):
     expect(done.returncode == 1 and "/nowhere was not published" in done.stderr, f"no topics: {done}")
 
 
+def check_list(adit):
+    """Without a source, what arrives at the ports of sensors is listed, and how to map it."""
+    with subprocess.Popen([adit, "live", "--wait", "2"], stdout=subprocess.PIPE, text=True) as process, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for packet in vlp16_packets(1) * 20:
+            sender.sendto(packet, ("127.0.0.1", 2368))
+            time.sleep(1 / 754)
+        out, _ = process.communicate()
+    listens_elsewhere = "another program listens there" in out
+    expect(listens_elsewhere or "map it: adit live udp://0.0.0.0:2368 -o out" in out, f"list: {out}")
+
+
 def check_silence(adit, folder):
     command = [adit, "live", f"udp://127.0.0.1:{free_port()}", "-o", folder / "none", "--wait", "0.2"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -231,6 +323,8 @@ def main():
         check_silence(adit, folder)
         check_recording(adit, folder)
         check_sensor(adit, folder)
+        check_sessions(adit, folder)
+        check_list(adit)
         if len(sys.argv) == 3:
             check_no_topics(adit, folder)
             check_topics(adit, sys.argv[2], folder)

@@ -12,9 +12,11 @@
 
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/command_line.hpp"
+#include "adit/tools/cli/json_log.hpp"
 #include "adit/tools/cli/shared_options.hpp"
 #include "adit/tools/live/paced_source.hpp"
 #include "adit/tools/live/packet_source.hpp"
+#include "adit/tools/live/source_list.hpp"
 #include "adit/tools/live/topic_choice.hpp"
 #include "adit/tools/live/topic_source.hpp"
 #include "adit/tools/live/udp_receiver.hpp"
@@ -26,6 +28,7 @@ namespace adit {
 namespace {
 
 constexpr const char* kFolder = "live";
+constexpr double kLongestLook = 5.0;  // s, at what arrives
 // A network delivers in order but for some milliseconds. The first of the settings, so that others
 // win.
 constexpr const char* kShortWait = "imu.wait=0.02";
@@ -62,12 +65,13 @@ int live(LiveOptions options, std::ostream& out, std::ostream& err) {
   if (!(options.wait_s > 0.0 && options.speed >= 0.0 && options.duration_s >= 0.0)) {
     throw UsageError("--wait must be above 0, --speed and --duration not below.");
   }
-  const StopSignal stop;
-  if (options.lists) {
-    return list_topics(options.wait_s, out);
-  }
-  if (options.sources.empty()) {
-    throw UsageError("SOURCE is missing: name udp://ADDRESS:PORT, ros2 or a recording.");
+  // A recording has an end of its own: it is one session.
+  const bool is_recording = std::ranges::none_of(options.sources, [](const std::string& source) {
+    return is_topic_source(source) || udp_endpoint(source).has_value();
+  });
+  const StopSignal stop(is_recording);
+  if (options.lists || options.sources.empty()) {
+    return list_sources(std::min(options.wait_s, kLongestLook), out);
   }
   if (options.run.output.empty()) {
     options.run.output = kFolder;
@@ -89,6 +93,11 @@ int live(LiveOptions options, std::ostream& out, std::ostream& err) {
 }  // namespace
 
 int live_command(const LiveOptions& options, std::ostream& out, std::ostream& err) {
+  if (options.log_json) {
+    JsonLog log(err);
+    std::ostream lines(&log);
+    return guarded("adit live", out, lines, [&] { return live(options, out, lines); });
+  }
   return guarded("adit live", out, err, [&] { return live(options, out, err); });
 }
 
@@ -119,7 +128,7 @@ void add_live_command(Command app, std::function<void(int)> done) {
   command.flag("--overwrite", options->run.overwrite,
                "Replace the results of an earlier run in OUT, its recording included");
   command.flag("--publish", options->publishes,
-               "Publish odometry, transforms, path, keyframes and diagnostics to ROS 2");
+               "Publish odometry, transforms, the map and diagnostics to ROS 2");
   command.option("--map-frame", options->frames.map, "With --publish: the frame of the map")
       .value_name("NAME")
       .show_default();
@@ -130,7 +139,15 @@ void add_live_command(Command app, std::function<void(int)> done) {
       .option("--base-frame", options->frames.base,
               "With --publish: the frame that moves; without it the lidar's")
       .value_name("NAME");
-  command.flag("--list", options->lists, "List the ROS 2 topics that are published, and end");
+  command.flag("--list", options->lists,
+               "List the topics and packets that can be mapped, and end; so without a SOURCE");
+  command
+      .option("--status-port", options->status_port,
+              "Answer /health and /metrics (Prometheus) on 127.0.0.1; 0: any port that is free")
+      .value_name("PORT");
+  command.flag("--log-json", options->log_json, "Print notes and errors as lines of JSON");
+  command.flag("--restart", options->restarts,
+               "After a failure of the device, go on in a next session");
   add_config_options(command, options->run.config);
   add_metadata_option(command, options->run.config);
   add_device_options(command, options->run.device);

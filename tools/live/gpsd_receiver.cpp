@@ -88,8 +88,8 @@ Channel gpsd_channel() {
   return channel_of({.name = "/gpsd/fix", .type = std::string(ros::NavSatFix::kType)});
 }
 
-GpsdReceiver::GpsdReceiver(GpsdEndpoint endpoint, MessageRecorder& recorder, std::size_t channel)
-    : endpoint_(std::move(endpoint)), recorder_(recorder), channel_(channel) {
+GpsdReceiver::GpsdReceiver(GpsdEndpoint endpoint, MessageSink& sink, std::size_t channel)
+    : endpoint_(std::move(endpoint)), sink_(sink), channel_(channel) {
   thread_ = std::jthread([this](const std::stop_token& stop) { receive(stop); });
 }
 
@@ -144,7 +144,7 @@ void GpsdReceiver::read_from(int descriptor, const std::stop_token& stop) {
       }
       const Nanoseconds received = now();
       if (const auto fix = reports.take(line, received)) {
-        recorder_.write(channel_, received, ros::encode(Encoding::cdr, *fix));
+        sink_.write(channel_, received, ros::encode(Encoding::cdr, *fix));
         ++fixes_;
       }
       line.clear();

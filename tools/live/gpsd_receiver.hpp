@@ -33,8 +33,8 @@ Channel gpsd_channel();
 /// where the connection ends. It ends at a signal (StopSignal) or with its life.
 class GpsdReceiver {
  public:
-  /// Writes to that channel of the recorder, which outlives it.
-  GpsdReceiver(GpsdEndpoint endpoint, MessageRecorder& recorder, std::size_t channel);
+  /// Writes to that channel of the sink, which outlives it.
+  GpsdReceiver(GpsdEndpoint endpoint, MessageSink& sink, std::size_t channel);
   ~GpsdReceiver();
   GpsdReceiver(const GpsdReceiver&) = delete;
   GpsdReceiver& operator=(const GpsdReceiver&) = delete;
@@ -47,7 +47,7 @@ class GpsdReceiver {
   void read_from(int descriptor, const std::stop_token& stop);
 
   GpsdEndpoint endpoint_;
-  MessageRecorder& recorder_;
+  MessageSink& sink_;
   std::size_t channel_;
   std::atomic<uint64_t> fixes_ = 0;
   std::atomic<bool> connected_ = false;

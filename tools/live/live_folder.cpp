@@ -30,12 +30,29 @@ fs::path prepare_recording(const RunCommandOptions& run, const std::string& name
   return file;
 }
 
+fs::path session_folder(const RunCommandOptions& run, std::size_t number) {
+  if (number == 1) {
+    return run.output;
+  }
+  std::error_code unknown;
+  fs::path folder;
+  do {
+    folder = run.output;
+    folder += "-" + std::to_string(number++);
+  } while (!run.overwrite && fs::exists(folder, unknown));
+  return folder;
+}
+
 PendingRecording::~PendingRecording() {
   if (!kept_) {
     std::error_code ignored;
     fs::remove(file_, ignored);
     fs::remove(folder_, ignored);  // fails where other files are in it
   }
+}
+
+void say_no_session(const std::string& reason, std::ostream& err) {
+  err << ("note: no session begins, and this one goes on: " + reason + "\n") << std::flush;
 }
 
 int end_live(const LiveOptions& options, const fs::path& recording, const LiveReport& report,

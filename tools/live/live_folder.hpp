@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -15,6 +16,10 @@ namespace adit {
 /// The file in OUT that what arrives goes to, of that name. One that is there is removed where
 /// --overwrite is given. Throws UsageError where results or a recording are there otherwise.
 std::filesystem::path prepare_recording(const RunCommandOptions& run, const std::string& name);
+
+/// The folder of a session, counted from 1: OUT, OUT-2, OUT-3 and so on; with --overwrite of that
+/// number, else of the next one that is not there.
+std::filesystem::path session_folder(const RunCommandOptions& run, std::size_t number);
 
 /// A recording that is removed unless it is kept, and `folder`, if one is named, where that is
 /// empty then: where nothing arrives the same command may be given again.
@@ -33,6 +38,9 @@ class PendingRecording {
   std::filesystem::path folder_;
   bool kept_ = false;
 };
+
+/// Prints why no next session begins.
+void say_no_session(const std::string& reason, std::ostream& err);
 
 /// Ends a live run whose job gave `code`: prints the latency, removes the recording unless it is to
 /// stay, and prints why receiving ended early, if it did (`failure`). Returns the exit code.

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <iosfwd>
-#include <vector>
 
 #include "adit/tools/live/live_recording.hpp"
+#include "adit/tools/publishing/duration_sample.hpp"
 #include "adit/tools/report/run_summary.hpp"
 
 namespace adit {
@@ -16,13 +16,13 @@ class LiveLatency {
   /// `arrivals` outlives it.
   explicit LiveLatency(ArrivalTimes& arrivals) : arrivals_(&arrivals) {}
 
-  /// The sweep has its pose now.
-  void add(Nanoseconds stamp);
+  /// The sweep has its pose now. Returns its latency, ms; nothing where its arrival is not known.
+  std::optional<double> add(Nanoseconds stamp);
   LiveReport report() const;
 
  private:
   ArrivalTimes* arrivals_;
-  std::vector<float> ms_;
+  DurationSample sample_;
 };
 
 /// A line.

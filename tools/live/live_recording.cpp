@@ -16,23 +16,27 @@ using Clock = std::chrono::system_clock;
 
 constexpr auto kLongestNap = std::chrono::milliseconds(50);
 
+Time arrival(const std::shared_ptr<LivePace>& pace, Nanoseconds received) {
+  return pace ? pace->due_of(received)
+              : Time(std::chrono::duration_cast<Clock::duration>(received));
+}
+
 class LiveStream final : public EventStream {
  public:
-  LiveStream(std::unique_ptr<EventStream> events, std::optional<double> speed,
+  LiveStream(std::unique_ptr<EventStream> events, std::shared_ptr<LivePace> pace,
              ArrivalTimes& arrivals)
-      : events_(std::move(events)), speed_(speed), arrivals_(&arrivals) {}
+      : events_(std::move(events)), pace_(std::move(pace)), arrivals_(&arrivals) {}
 
   std::optional<Event> next() override {
-    if (speed_ && StopSignal::received() != 0) {
+    if (pace_ && StopSignal::received() != 0) {
       return std::nullopt;
     }
     std::optional<Event> event = events_->next();
     if (!event) {
       return event;
     }
-    const Time due = speed_ ? due_of(event->received)
-                            : Time(std::chrono::duration_cast<Clock::duration>(event->received));
-    while (speed_ && Clock::now() < due) {
+    const Time due = arrival(pace_, event->received);
+    while (pace_ && Clock::now() < due) {
       if (StopSignal::received() != 0) {
         return std::nullopt;
       }
@@ -45,26 +49,25 @@ class LiveStream final : public EventStream {
   }
 
  private:
-  Time due_of(Nanoseconds received) {
-    if (*speed_ <= 0.0) {
-      return Clock::now();
-    }
-    if (!first_) {
-      first_ = received;
-      start_ = Clock::now();
-    }
-    const auto since = std::chrono::duration<double, std::nano>(received - *first_) / *speed_;
-    return start_ + std::chrono::duration_cast<Clock::duration>(since);
-  }
-
   std::unique_ptr<EventStream> events_;
-  std::optional<double> speed_;
+  std::shared_ptr<LivePace> pace_;
   ArrivalTimes* arrivals_;
-  std::optional<Nanoseconds> first_;
-  Time start_;
 };
 
 }  // namespace
+
+Time LivePace::due_of(Nanoseconds received) {
+  if (speed_ <= 0.0) {
+    return Clock::now();
+  }
+  const std::scoped_lock lock(mutex_);
+  if (!first_) {
+    first_ = received;
+    start_ = Clock::now();
+  }
+  const auto since = std::chrono::duration<double, std::nano>(received - *first_) / speed_;
+  return start_ + std::chrono::duration_cast<Clock::duration>(since);
+}
 
 void ArrivalTimes::add(Nanoseconds stamp, Time arrival) {
   const std::scoped_lock lock(mutex_);
@@ -83,7 +86,11 @@ std::optional<Time> ArrivalTimes::take(Nanoseconds stamp) {
 }
 
 std::unique_ptr<EventStream> LiveRecording::events(const EventSelection& selection) const {
-  return std::make_unique<LiveStream>(recording_->events(selection), speed_, *arrivals_);
+  return std::make_unique<LiveStream>(recording_->events(selection), pace_, *arrivals_);
+}
+
+Time LiveRecording::arrival_of(Nanoseconds received) const {
+  return arrival(pace_, received);
 }
 
 }  // namespace adit

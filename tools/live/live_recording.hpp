@@ -28,6 +28,20 @@ class ArrivalTimes {
   std::map<Nanoseconds, Time> times_;
 };
 
+/// When events of a recording are due that is played at some times its own pace, counted from the
+/// first that was asked for; 0: at once. Threads may share it.
+class LivePace {
+ public:
+  explicit LivePace(double speed) : speed_(speed) {}
+  ArrivalTimes::Time due_of(Nanoseconds received);
+
+ private:
+  double speed_;
+  std::mutex mutex_;
+  std::optional<Nanoseconds> first_;
+  ArrivalTimes::Time start_;
+};
+
 /// A recording whose events come no earlier than they are due, and whose sweeps' arrival is noted.
 ///
 /// With a speed, an event is due when it was received, counted from the first, at that many times
@@ -37,16 +51,23 @@ class LiveRecording final : public Recording {
  public:
   /// `recording` and `arrivals` outlive it.
   LiveRecording(const Recording& recording, std::optional<double> speed, ArrivalTimes& arrivals)
-      : recording_(&recording), speed_(speed), arrivals_(&arrivals) {}
+      : recording_(&recording), arrivals_(&arrivals) {
+    if (speed) {
+      pace_ = std::make_shared<LivePace>(*speed);
+    }
+  }
 
   const std::vector<Topic>& topics() const override { return recording_->topics(); }
   std::string description() const override { return recording_->description(); }
   bool times_are_assumed() const override { return recording_->times_are_assumed(); }
   std::unique_ptr<EventStream> events(const EventSelection& selection) const override;
 
+  /// Of an event that was given.
+  ArrivalTimes::Time arrival_of(Nanoseconds received) const;
+
  private:
   const Recording* recording_;
-  std::optional<double> speed_;
+  std::shared_ptr<LivePace> pace_;  ///< null: events come as they are
   ArrivalTimes* arrivals_;
 };
 

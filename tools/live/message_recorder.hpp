@@ -16,20 +16,36 @@
 
 namespace adit {
 
+/// Where receivers' messages go. All of it may throw OutputError. Threads may share it.
+class MessageSink {
+ public:
+  MessageSink() = default;
+  virtual ~MessageSink() = default;
+  MessageSink(const MessageSink&) = delete;
+  MessageSink& operator=(const MessageSink&) = delete;
+
+  virtual void write(std::size_t channel, Nanoseconds received,
+                     std::span<const std::byte> bytes) = 0;
+  /// Called now and then, also while nothing arrives.
+  virtual void commit() {}
+  /// Nothing follows.
+  virtual void finish() = 0;
+  /// Nothing follows, and what is written is left as it is.
+  virtual void abandon() = 0;
+};
+
 /// Appends messages to an MCAP file without chunks, so that a program that is killed loses none
 /// that was written. Another thread may read what committed() covers while the file grows.
-class MessageRecorder {
+class MessageRecorder final : public MessageSink {
  public:
   /// Creates the file, with CDR channels. Throws OutputError.
   MessageRecorder(std::filesystem::path path, std::vector<Channel> channels,
                   const RecordingSplit& split = {});
 
-  /// Writes the message; nothing after finish(). Throws OutputError.
-  void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes);
-  /// Completes the file. Nothing follows. Throws OutputError.
-  void finish();
-  /// Nothing follows, and the file is left as it is.
-  void abandon() { finished_ = true; }
+  /// Nothing is written after finish().
+  void write(std::size_t channel, Nanoseconds received, std::span<const std::byte> bytes) override;
+  void finish() override;
+  void abandon() override { finished_ = true; }
 
   /// Of the file that is written, where it is one.
   const std::filesystem::path& path() const { return path_; }

@@ -5,8 +5,7 @@
 #include <memory>
 #include <ostream>
 
-#include "adit/tools/live/live_latency.hpp"
-#include "adit/tools/live/live_recording.hpp"
+#include "adit/tools/live/live_outputs.hpp"
 #include "adit/tools/run/run_job.hpp"
 #include "adit/tools/run/wanted_run.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
@@ -17,19 +16,17 @@ int map_paced(const LiveOptions& options, RunView* view, std::ostream& out, std:
   RunCommandOptions given = options.run;
   given.recording = options.sources.front();
   const WantedRun chosen = wanted_run(given);
-  ArrivalTimes arrivals;
-  LiveLatency latency(arrivals);
+  LiveOutputs outputs(
+      options, nullptr, [] { return std::vector<SourceCounts>(); }, err);
   const OpenSource open = [&](const Config& config) {
-    RunSource source{.known = open_recording(chosen.options.recording, config.recording)};
-    source.arriving = std::make_unique<LiveRecording>(*source.known, options.speed, arrivals);
-    source.ends_by_itself = true;
-    source.placed = [&](const Sweep& sweep, const SweepResult&) { latency.add(sweep.stamp); };
-    source.report = [&] { return latency.report(); };
+    RunSource source{.known = open_recording(chosen.options.recording, config.recording),
+                     .ends_by_itself = true};
+    outputs.attach(source, options.speed);
     return source;
   };
   const int code = run_job(chosen, open, view, out, err);
   if (!given.quiet) {
-    say_latency(latency.report(), err);
+    say_latency(outputs.report(), err);
   }
   return code;
 }

@@ -24,22 +24,33 @@ struct ReceivedDatagram {
   std::span<const std::byte> payload;
 };
 
+/// Where a receiver's datagrams go. All of it may throw OutputError.
+class PacketSink {
+ public:
+  PacketSink() = default;
+  virtual ~PacketSink() = default;
+  PacketSink(const PacketSink&) = delete;
+  PacketSink& operator=(const PacketSink&) = delete;
+
+  /// Keeps the datagram until commit().
+  virtual void add(const ReceivedDatagram& datagram) = 0;
+  /// Writes what was added. Called now and then, also while nothing arrives.
+  virtual void commit() = 0;
+  /// Nothing follows.
+  virtual void finish() = 0;
+};
+
 /// Appends datagrams to a pcap file (nanoseconds, LINKTYPE_RAW). Another thread may read what
 /// committed() covers while the file grows.
-class PacketRecorder {
+class PacketRecorder final : public PacketSink {
  public:
   /// Creates the file. Throws OutputError, also where it exists.
   explicit PacketRecorder(std::filesystem::path path, const RecordingSplit& split = {});
-  ~PacketRecorder();
-  PacketRecorder(const PacketRecorder&) = delete;
-  PacketRecorder& operator=(const PacketRecorder&) = delete;
+  ~PacketRecorder() override;
 
-  /// Keeps the datagram until commit(). Throws OutputError where a next file cannot be begun.
-  void add(const ReceivedDatagram& datagram);
-  /// Writes what was added. Throws OutputError.
-  void commit();
-  /// Nothing follows.
-  void finish() { finished_ = true; }
+  void add(const ReceivedDatagram& datagram) override;
+  void commit() override;
+  void finish() override { finished_ = true; }
 
   const std::filesystem::path& path() const { return path_; }
   /// Bytes of whole packets in the file.

@@ -16,10 +16,11 @@
 
 #include "adit/tools/live/growing_capture.hpp"
 #include "adit/tools/live/live_folder.hpp"
-#include "adit/tools/live/live_latency.hpp"
-#include "adit/tools/live/live_recording.hpp"
+#include "adit/tools/live/live_outputs.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/packet_recorder.hpp"
+#include "adit/tools/live/session_recordings.hpp"
+#include "adit/tools/live/source_watch.hpp"
 #include "adit/tools/recordings/capture_recording.hpp"
 #include "adit/tools/run/run_job.hpp"
 #include "adit/tools/run/wanted_run.hpp"
@@ -83,12 +84,16 @@ void say_start(const LiveOptions& options, const UdpReceiver& receiver, double s
   }
 }
 
-LiveReport with_counts(LiveReport report, const UdpReceiver& receiver) {
-  for (const UdpCounts& counts : receiver.counts()) {
-    report.lost_datagrams += counts.lost;
-    report.unknown_datagrams += counts.unknown + counts.other_senders;
+std::vector<SourceCounts> counts_of(const LiveOptions& options, const UdpReceiver& receiver) {
+  std::vector<SourceCounts> counts;
+  for (const UdpCounts& one : receiver.counts()) {
+    counts.push_back({.name = options.sources[counts.size()],
+                      .messages = one.datagrams,
+                      .bytes = one.bytes,
+                      .lost = one.lost,
+                      .left_out = one.unknown + one.other_senders});
   }
-  return report;
+  return counts;
 }
 
 /// An Ouster's metadata go beside the recording, where `adit run` looks for them.
@@ -103,55 +108,72 @@ void copy_metadata(const RunCommandOptions& run) {
   }
 }
 
+/// The session of that number, in a folder of its own.
+LiveSession<PacketRecorder> begin_session(const RunCommandOptions& run, std::size_t number) {
+  LiveSession<PacketRecorder> session{.run = run};
+  session.run.output = session_folder(run, number);
+  session.run.recording = prepare_recording(session.run, "recording.pcap");
+  copy_metadata(session.run);
+  session.recorder = std::make_unique<PacketRecorder>(session.run.recording);
+  return session;
+}
+
+/// What has arrived so far, and what arrives.
+RunSource source_of(const PacketRecorder& recorder, const RunCommandOptions& run,
+                    const Config& config) {
+  RunSource source{.known = open_recording(run.recording, config.recording)};
+  source.underlying = configured(
+      std::make_unique<GrowingCapture>(
+          recorder, sensor_of_capture(run.recording, config.recording.metadata.value_or("")),
+          source.known->topics()),
+      config.recording);
+  source.endless = true;
+  source.ends_by_itself = true;
+  return source;
+}
+
 }  // namespace
 
 int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endpoints,
                 RunView* view, std::ostream& out, std::ostream& err) {
-  RunCommandOptions given = options.run;
   std::optional<OusterSensor> ouster;
-  if (given.config.metadata && fs::path(*given.config.metadata).extension() == ".json") {
-    ouster = read_ouster_sensor(*given.config.metadata);
+  const std::optional<fs::path> metadata = options.run.config.metadata;
+  if (metadata && metadata->extension() == ".json") {
+    ouster = read_ouster_sensor(*metadata);
   }
-  given.recording = prepare_recording(given, "recording.pcap");
-  copy_metadata(given);
-  PendingRecording pending(given.recording, given.output);
-  PacketRecorder recorder(given.recording);
-  UdpReceiver receiver(endpoints, recorder, ouster);
-  if (!given.quiet) {
+  PacketSessions sessions([&](std::size_t number) { return begin_session(options.run, number); },
+                          [&](const std::string& what) { say_no_session(what, err); });
+  PendingRecording pending(sessions.at(0).run.recording, options.run.output);
+  UdpReceiver receiver(endpoints, sessions, ouster);
+  LiveOutputs outputs(
+      options, nullptr, [&] { return counts_of(options, receiver); }, err);
+  if (!options.run.quiet) {
     err << fmt::format("listening; adit waits {} s for the first packet", options.wait_s)
         << std::endl;
   }
   const double looked_s = first_look(options, receiver);
   pending.keep();
-  if (!given.quiet) {
+  if (!options.run.quiet) {
     say_start(options, receiver, looked_s, err);
   }
   const LiveTimer timer(rest_of(options.duration_s, looked_s), [&] { receiver.stop(); });
-  ArrivalTimes arrivals;
-  LiveLatency latency(arrivals);
-  const WantedRun chosen = wanted_run(given);
-  const OpenSource open = [&](const Config& config) {
-    RunSource source{.known = open_recording(chosen.options.recording, config.recording)};
-    source.underlying = configured(
-        std::make_unique<GrowingCapture>(
-            recorder,
-            sensor_of_capture(chosen.options.recording, config.recording.metadata.value_or("")),
-            source.known->topics()),
-        config.recording);
-    source.arriving = std::make_unique<LiveRecording>(*source.underlying, std::nullopt, arrivals);
-    source.endless = true;
-    source.ends_by_itself = true;
-    source.placed = [&](const Sweep& sweep, const SweepResult&) { latency.add(sweep.stamp); };
-    source.report = [&] { return with_counts(latency.report(), receiver); };
-    return source;
+  const SourceWatch watch([&] { return counts_of(options, receiver); }, options.run.quiet, err);
+  const auto map_one = [&](LiveSession<PacketRecorder>& session, RunView* shown) {
+    const OpenSource open = [&](const Config& config) {
+      RunSource source = source_of(*session.recorder, session.run, config);
+      outputs.attach(source, std::nullopt);
+      restart_where_wanted(options, source, sessions);
+      return source;
+    };
+    const int code = run_job(wanted_run(session.run), open, shown, out, err);
+    const LiveReport report = outputs.report();
+    if (!options.run.quiet) {
+      err << fmt::format("datagrams: {} lost in the kernel's buffer, {} left out as of no sensor\n",
+                         report.lost_datagrams, report.unknown_datagrams);
+    }
+    return end_live(options, session.run.recording, report, receiver.failure(), code, err);
   };
-  const int code = run_job(chosen, open, view, out, err);
-  const LiveReport report = with_counts(latency.report(), receiver);
-  if (!given.quiet) {
-    err << fmt::format("datagrams: {} lost in the kernel's buffer, {} left out as of no sensor\n",
-                       report.lost_datagrams, report.unknown_datagrams);
-  }
-  return end_live(options, given.recording, report, receiver.failure(), code, err);
+  return map_sessions(sessions, view, map_one, err);
 }
 
 }  // namespace adit

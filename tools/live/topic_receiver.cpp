@@ -15,9 +15,8 @@ constexpr auto kWait = std::chrono::milliseconds(20);
 
 }  // namespace
 
-TopicReceiver::TopicReceiver(DdsNode& node, const std::vector<DdsTopic>& topics,
-                             MessageRecorder& recorder)
-    : node_(node), recorder_(recorder), counts_(topics.size()) {
+TopicReceiver::TopicReceiver(DdsNode& node, const std::vector<DdsTopic>& topics, MessageSink& sink)
+    : node_(node), sink_(sink), counts_(topics.size()) {
   for (const DdsTopic& topic : topics) {
     node_.subscribe(topic);
   }
@@ -35,15 +34,16 @@ void TopicReceiver::receive(const std::stop_token& stop) {
   try {
     while (!stop.stop_requested() && StopSignal::received() == 0) {
       take_what_is_there(kWait);
+      sink_.commit();
     }
     take_what_is_there(std::chrono::milliseconds(0));
-    recorder_.finish();
+    sink_.finish();
   } catch (const std::exception& error) {
     {
       const std::scoped_lock lock(mutex_);
       failure_ = error.what();
     }
-    recorder_.abandon();
+    sink_.abandon();
   }
 }
 
@@ -53,7 +53,7 @@ void TopicReceiver::take_what_is_there(std::chrono::milliseconds longest_wait) {
     if (!message) {
       return;
     }
-    recorder_.write(message->topic, message->received, message->bytes);
+    sink_.write(message->topic, message->received, message->bytes);
     const std::scoped_lock lock(mutex_);
     TopicCounts& counts = counts_[message->topic];
     ++counts.messages;

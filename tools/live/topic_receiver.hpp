@@ -25,8 +25,8 @@ struct TopicCounts {
 /// (StopSignal), by stop() or with its life.
 class TopicReceiver {
  public:
-  /// Subscribes to the topics, which are the recorder's channels in their order. Both outlive it.
-  TopicReceiver(DdsNode& node, const std::vector<DdsTopic>& topics, MessageRecorder& recorder);
+  /// Subscribes to the topics, which are the sink's channels in their order. Both outlive it.
+  TopicReceiver(DdsNode& node, const std::vector<DdsTopic>& topics, MessageSink& sink);
   ~TopicReceiver();
   TopicReceiver(const TopicReceiver&) = delete;
   TopicReceiver& operator=(const TopicReceiver&) = delete;
@@ -45,7 +45,7 @@ class TopicReceiver {
   void take_what_is_there(std::chrono::milliseconds longest_wait);
 
   DdsNode& node_;
-  MessageRecorder& recorder_;
+  MessageSink& sink_;
   mutable std::mutex mutex_;  ///< of the counts and the failure
   std::vector<TopicCounts> counts_;
   std::string failure_;

@@ -20,18 +20,17 @@
 #include "adit/tools/live/gpsd_receiver.hpp"
 #include "adit/tools/live/growing_messages.hpp"
 #include "adit/tools/live/live_folder.hpp"
-#include "adit/tools/live/live_latency.hpp"
-#include "adit/tools/live/live_recording.hpp"
+#include "adit/tools/live/live_outputs.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/message_recorder.hpp"
+#include "adit/tools/live/session_recordings.hpp"
+#include "adit/tools/live/source_watch.hpp"
 #include "adit/tools/live/topic_choice.hpp"
-#include "adit/tools/live/topic_publisher.hpp"
 #include "adit/tools/live/topic_receiver.hpp"
 #include "adit/tools/recordings/message_recording.hpp"
 #include "adit/tools/run/run_job.hpp"
 #include "adit/tools/run/wanted_run.hpp"
 #include "adit/tools/setup/configured_recording.hpp"
-#include "adit/tools/setup/static_transforms.hpp"
 #include "adit/tools/support/input_error.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/stop_signal.hpp"
@@ -110,123 +109,116 @@ RunSource source_of(const MessageRecorder& recorder, const Config& config) {
   return source;
 }
 
-/// The frame of the first sweep.
-std::string lidar_frame_of(const Recording& recording) {
-  EventSelection selection;
-  for (std::size_t i = 0; i < recording.topics().size(); ++i) {
-    if (recording.topics()[i].kind == TopicKind::sweeps) {
-      selection.topics.push_back(i);
-    }
+std::vector<SourceCounts> counts_of(const std::vector<PublishedTopic>& topics,
+                                    const TopicReceiver& receiver) {
+  std::vector<SourceCounts> counts;
+  for (const TopicCounts& one : receiver.counts()) {
+    const DdsTopic& topic = topics[counts.size()].topic;
+    counts.push_back({.name = topic.name,
+                      .messages = one.messages,
+                      .bytes = one.bytes,
+                      .lost = one.faults.lost,
+                      .steady = kind_of(topic) != TopicKind::transforms});
   }
-  const auto events = recording.events(selection);
-  try {
-    const std::optional<Event> first = events->next();
-    return first ? first->frame : "";
-  } catch (const InputError&) {
-    return "";  // reported where it is mapped
-  }
+  return counts;
 }
 
-LiveReport with_counts(LiveReport report, const TopicReceiver& receiver) {
-  for (const TopicCounts& counts : receiver.counts()) {
-    report.lost_datagrams += counts.faults.lost;
+/// What is recorded: the topics, then a gpsd.
+struct RecordedChannels {
+  std::vector<Channel> channels{};
+  std::vector<bool> latched{};
+};
+
+RecordedChannels channels_of(const std::vector<PublishedTopic>& topics, bool gpsd, double wait_s) {
+  std::string wait;
+  append_number(wait, wait_s);
+  RecordedChannels recorded;
+  for (const PublishedTopic& one : topics) {
+    recorded.channels.push_back(channel_of(one.topic));
+    recorded.latched.push_back(one.topic.latched);
   }
-  return report;
+  if (gpsd) {
+    recorded.channels.push_back(gpsd_channel());
+    recorded.latched.push_back(false);
+  }
+  for (Channel& channel : recorded.channels) {
+    channel.metadata[kWaitKey] = wait;
+  }
+  return recorded;
+}
+
+/// The session of that number, in a folder of its own.
+LiveSession<MessageRecorder> begin_session(const RunCommandOptions& run, std::size_t number,
+                                           const std::vector<Channel>& channels) {
+  LiveSession<MessageRecorder> session{.run = run};
+  session.run.output = session_folder(run, number);
+  session.run.recording = prepare_recording(session.run, "recording.mcap");
+  session.recorder = std::make_unique<MessageRecorder>(session.run.recording, channels);
+  return session;
+}
+
+std::vector<DdsTopic> topics_of(const std::vector<PublishedTopic>& published) {
+  std::vector<DdsTopic> topics;
+  for (const PublishedTopic& one : published) {
+    topics.push_back(one.topic);
+  }
+  return topics;
 }
 
 }  // namespace
 
-int list_topics(double wait_s, std::ostream& out) {
-  const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
-  const auto start = LiveClock::now();
-  while (seconds_since(start) < wait_s && StopSignal::received() == 0) {
-    std::this_thread::sleep_for(kLookEvery);
-  }
-  std::string sweeps;
-  for (const PublishedTopic& one : understood_topics(*node)) {
-    const TopicKind kind = kind_of(one.topic);
-    out << fmt::format("{:10} {}\n", to_string(kind), text_of(one.topic));
-    sweeps = sweeps.empty() && kind == TopicKind::sweeps ? one.topic.name : sweeps;
-  }
-  out << (sweeps.empty() ? "no topic of point clouds is published\n"
-                         : "map it: adit live ros2 -o out\n")
-      << std::flush;
-  return sweeps.empty() ? 1 : 0;
-}
-
 int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std::ostream& err) {
-  RunCommandOptions given = options.run;
-  given.recording = prepare_recording(given, "recording.mcap");
-  PendingRecording pending(given.recording, given.output);
+  const bool quiet = options.run.quiet;
+  PendingRecording pending(prepare_recording(options.run, "recording.mcap"), options.run.output);
   const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
-  if (!given.quiet) {
+  if (!quiet) {
     err << fmt::format("listening; adit waits {} s for topics", options.wait_s) << std::endl;
   }
   const std::vector<PublishedTopic> topics =
       wait_for_topics(*node, options.sources, options.wait_s);
-  std::string wait;
-  append_number(wait, load_config(given.config).imu.wait);
-  std::vector<DdsTopic> wanted;
-  std::vector<Channel> channels;
-  for (const PublishedTopic& one : topics) {
-    wanted.push_back(one.topic);
-    channels.push_back(channel_of(one.topic));
-    channels.back().metadata[kWaitKey] = wait;
-  }
   const std::optional<GpsdEndpoint> gpsd = gpsd_among(options.sources);
-  if (gpsd) {
-    channels.push_back(gpsd_channel());
-    channels.back().metadata[kWaitKey] = wait;
-  }
-  MessageRecorder recorder(given.recording, std::move(channels));
-  TopicReceiver receiver(*node, wanted, recorder);
+  const RecordedChannels recorded =
+      channels_of(topics, gpsd.has_value(), load_config(options.run.config).imu.wait);
+  MessageSessions sessions(
+      [&](std::size_t number) { return begin_session(options.run, number, recorded.channels); },
+      [&](const std::string& what) { say_no_session(what, err); }, recorded.latched);
+  TopicReceiver receiver(*node, topics_of(topics), sessions);
+  LiveOutputs outputs(
+      options, node.get(), [&] { return counts_of(topics, receiver); }, err);
   std::optional<GpsdReceiver> fixes;
   if (gpsd) {
-    fixes.emplace(*gpsd, recorder, wanted.size());
+    fixes.emplace(*gpsd, sessions, topics.size());
   }
   const double looked_s = first_look(options, receiver, topics);
   pending.keep();
-  if (!given.quiet) {
+  if (!quiet) {
     say_start(topics, receiver.counts(), looked_s, err);
     if (fixes) {
       err << fmt::format("gpsd://{}:{}: {}, {} fixes\n", gpsd->host, gpsd->port,
                          fixes->connected() ? "connected" : "not connected", fixes->fixes());
     }
-    for (const std::string& fault : clock_faults(lateness_of(GrowingMessages(recorder)))) {
+    for (const std::string& fault :
+         clock_faults(lateness_of(GrowingMessages(*sessions.at(0).recorder)))) {
       err << "note: " << fault << "\n";
     }
   }
   const LiveTimer timer(rest_of(options.duration_s, looked_s), [&] { receiver.stop(); });
-  std::optional<TopicPublisher> publisher;
-  if (options.publishes) {
-    publisher.emplace(*node, options.frames);
-  }
-  ArrivalTimes arrivals;
-  LiveLatency latency(arrivals);
-  const WantedRun chosen = wanted_run(given);
-  const OpenSource open = [&](const Config& config) {
-    RunSource source = source_of(recorder, config);
-    source.arriving = std::make_unique<LiveRecording>(*source.underlying, std::nullopt, arrivals);
-    if (publisher) {
-      publisher->mount(frame_tree_of(recorded_transforms(*source.known, {})),
-                       lidar_frame_of(*source.known));
-      source.mapped = [&](const SweepPlaced& placed) { publisher->publish(placed); };
-    }
-    source.placed = [&](const Sweep& sweep, const SweepResult& result) {
-      latency.add(sweep.stamp);
-      if (publisher) {
-        publisher->publish(sweep, result);
-      }
+  const SourceWatch watch([&] { return counts_of(topics, receiver); }, quiet, err);
+  const auto map_one = [&](LiveSession<MessageRecorder>& session, RunView* shown) {
+    const OpenSource open = [&](const Config& config) {
+      RunSource source = source_of(*session.recorder, config);
+      outputs.attach(source, std::nullopt);
+      restart_where_wanted(options, source, sessions);
+      return source;
     };
-    source.report = [&] { return with_counts(latency.report(), receiver); };
-    return source;
+    const int code = run_job(wanted_run(session.run), open, shown, out, err);
+    const LiveReport report = outputs.report();
+    if (!quiet) {
+      err << fmt::format("messages: {} lost on the way\n", report.lost_datagrams);
+    }
+    return end_live(options, session.run.recording, report, receiver.failure(), code, err);
   };
-  const int code = run_job(chosen, open, view, out, err);
-  const LiveReport report = with_counts(latency.report(), receiver);
-  if (!given.quiet) {
-    err << fmt::format("messages: {} lost on the way\n", report.lost_datagrams);
-  }
-  return end_live(options, given.recording, report, receiver.failure(), code, err);
+  return map_sessions(sessions, view, map_one, err);
 }
 
 }  // namespace adit

@@ -13,8 +13,4 @@ namespace adit {
 /// or 1 where receiving ended early. Throws InputError where no sweep arrives.
 int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std::ostream& err);
 
-/// Lists the topics that are published, and which of them a map can be made of. Returns 0, or 1
-/// where there are no sweeps.
-int list_topics(double wait_s, std::ostream& out);
-
 }  // namespace adit

@@ -83,9 +83,9 @@ std::optional<UdpEndpoint> udp_endpoint(const std::string& source) {
   return endpoint;
 }
 
-UdpReceiver::UdpReceiver(const std::vector<UdpEndpoint>& endpoints, PacketRecorder& recorder,
+UdpReceiver::UdpReceiver(const std::vector<UdpEndpoint>& endpoints, PacketSink& sink,
                          std::optional<OusterSensor> ouster)
-    : recorder_(recorder), ouster_(std::move(ouster)), buffer_(1U << 16U) {
+    : sink_(sink), ouster_(std::move(ouster)), buffer_(1U << 16U) {
   try {
     for (const UdpEndpoint& endpoint : endpoints) {
       open(endpoint);
@@ -152,13 +152,13 @@ void UdpReceiver::receive(const std::stop_token& stop) {
       for (Socket& socket : sockets_) {
         drain(socket);
       }
-      recorder_.commit();
+      sink_.commit();
     }
   } catch (const std::exception& error) {
     const std::scoped_lock lock(mutex_);
     failure_ = error.what();
   }
-  recorder_.finish();
+  sink_.finish();
 }
 
 void UdpReceiver::drain(Socket& socket) {
@@ -208,7 +208,7 @@ void UdpReceiver::take(Socket& socket, const ReceivedDatagram& datagram) {
   }
   ++socket.counts.datagrams;
   socket.counts.bytes += datagram.payload.size();
-  recorder_.add(datagram);
+  sink_.add(datagram);
 }
 
 bool UdpReceiver::is_known(const ReceivedDatagram& received) const {

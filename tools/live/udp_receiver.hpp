@@ -43,8 +43,8 @@ struct UdpCounts {
 class UdpReceiver {
  public:
   /// Listens from now on. `ouster` describes the packets of an Ouster, if there is one. Throws
-  /// InputError where an endpoint cannot be listened at. `recorder` outlives it.
-  UdpReceiver(const std::vector<UdpEndpoint>& endpoints, PacketRecorder& recorder,
+  /// InputError where an endpoint cannot be listened at. `sink` outlives it.
+  UdpReceiver(const std::vector<UdpEndpoint>& endpoints, PacketSink& sink,
               std::optional<OusterSensor> ouster);
   ~UdpReceiver();
   UdpReceiver(const UdpReceiver&) = delete;
@@ -74,7 +74,7 @@ class UdpReceiver {
   void take(Socket& socket, const ReceivedDatagram& datagram);
   bool is_known(const ReceivedDatagram& datagram) const;
 
-  PacketRecorder& recorder_;
+  PacketSink& sink_;
   std::optional<OusterSensor> ouster_;
   std::vector<std::byte> buffer_;
   mutable std::mutex mutex_;  ///< of the counts and the failure

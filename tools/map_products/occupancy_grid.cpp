@@ -17,6 +17,9 @@ namespace adit {
 namespace {
 
 constexpr double kLongestSight = 30.0;  // m: what is farther off is seen by a beam in many cells
+constexpr int8_t kOccupied = 100;       // as nav_msgs/OccupancyGrid has it
+constexpr int8_t kFree = 0;
+constexpr int8_t kUnknown = -1;
 constexpr char kOccupiedGray = '\0';
 constexpr char kFreeGray = static_cast<char>(254);
 constexpr char kUnknownGray = static_cast<char>(205);
@@ -71,6 +74,29 @@ void OccupancyGrid::add(const MapKeyframe& keyframe, const KeyframeSubmap& subma
       }
     }
   }
+}
+
+OccupancyCells OccupancyGrid::cells_around(const Eigen::Vector2d& place, double reach) const {
+  OccupancyCells cells;
+  const Eigen::Vector2d half = Eigen::Vector2d::Constant(reach);
+  const Grid::Index low = grid_.index_of(place - half).cwiseMax(grid_.low());
+  const Grid::Index high = grid_.index_of(place + half).cwiseMin(grid_.high());
+  if (empty() || (low.array() > high.array()).any()) {
+    return cells;
+  }
+  cells.origin = config_.cell * low.cast<double>();
+  cells.columns = static_cast<std::size_t>(high.x() - low.x() + 1);
+  cells.rows = static_cast<std::size_t>(high.y() - low.y() + 1);
+  cells.values.reserve(cells.columns * cells.rows);
+  for (int64_t y = low.y(); y <= high.y(); ++y) {
+    for (int64_t x = low.x(); x <= high.x(); ++x) {
+      const State state = grid_.at({x, y});
+      cells.values.push_back(state == State::occupied ? kOccupied
+                             : state == State::free   ? kFree
+                                                      : kUnknown);
+    }
+  }
+  return cells;
 }
 
 void OccupancyGrid::write_pgm(const std::filesystem::path& file) const {

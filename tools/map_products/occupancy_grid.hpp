@@ -4,9 +4,11 @@
 // A map as robots that drive on a floor know it: what is free, occupied and unknown.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -25,6 +27,14 @@ struct OccupancyGridConfig {
   double high = 0.3;
 };
 
+/// Cells row by row, from the lowest x and y on.
+struct OccupancyCells {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< m, the corner of the first cell
+  std::size_t columns = 0;                           ///< along x
+  std::size_t rows = 0;                              ///< along y
+  std::vector<int8_t> values{};                      ///< 0 free, 100 occupied, -1 unknown
+};
+
 /// Cells with static points of these heights are occupied. Free are others that such a point was
 /// seen across, from no more than 30 m, or that have ground in them. z must be up.
 class OccupancyGrid {
@@ -39,6 +49,9 @@ class OccupancyGrid {
   int64_t columns() const { return grid_.columns(); }
   int64_t rows() const { return grid_.rows(); }
 
+  double cell() const { return config_.cell; }
+  /// Those whose x and y lie within so many metres of a place.
+  OccupancyCells cells_around(const Eigen::Vector2d& place, double reach) const;
   /// As ROS map_server reads it: PGM with 0 for occupied, 254 for free and 205 for unknown.
   void write_pgm(const std::filesystem::path& file) const;
   std::string yaml(const std::string& picture) const;

@@ -106,6 +106,18 @@ struct Path {
   std::vector<PoseStamped> poses;
 };
 
+/// Cells row by row, from the corner at `origin` on.
+struct OccupancyGrid {
+  static constexpr std::string_view kType = "nav_msgs/OccupancyGrid";
+  Header header;
+  Nanoseconds map_load_time{0};
+  float resolution = 0.0F;  ///< m, edge of a cell
+  uint32_t width = 0;       ///< cells
+  uint32_t height = 0;      ///< cells
+  Pose origin;
+  std::span<const std::byte> data;  ///< int8: 0 free, 100 occupied, -1 unknown; a view
+};
+
 struct KeyValue {
   std::string key;
   std::string value;

@@ -102,6 +102,15 @@ void visit(Archive& archive, IsA<Path> auto& path) {
 }
 
 template <class Archive>
+void visit(Archive& archive, IsA<OccupancyGrid> auto& grid) {
+  visit(archive, grid.header);
+  archive.time(grid.map_load_time);
+  archive(grid.resolution, grid.width, grid.height);
+  visit(archive, grid.origin);
+  archive.blob(grid.data);
+}
+
+template <class Archive>
 void visit(Archive& archive, IsA<DiagnosticStatus> auto& status) {
   archive(status.level, status.name, status.message, status.hardware_id);
   archive.sequence(status.values, 8, [](auto& a, auto& pair) { a(pair.key, pair.value); });

@@ -220,7 +220,10 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                     {"latency_p99_ms", outcome.live->latency_p99_ms},
                     {"sweeps", outcome.live->sweeps},
                     {"lost_datagrams", outcome.live->lost_datagrams},
-                    {"unknown_datagrams", outcome.live->unknown_datagrams}};
+                    {"unknown_datagrams", outcome.live->unknown_datagrams},
+                    {"high_rate_age_p50_ms", outcome.live->high_rate_age_p50_ms},
+                    {"high_rate_age_p99_ms", outcome.live->high_rate_age_p99_ms},
+                    {"high_rate_poses", outcome.live->high_rate_poses}};
   }
   json["output"] = describe_outputs(run, outcome);
   if (outcome.result.map && outcome.result.map->localization.any()) {

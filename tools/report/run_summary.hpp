@@ -54,6 +54,10 @@ struct LiveReport {
   std::size_t sweeps = 0;          ///< whose latency is known
   uint64_t lost_datagrams = 0;     ///< dropped by the kernel: its buffer was full
   uint64_t unknown_datagrams = 0;  ///< of no known sensor: neither used nor recorded
+  /// From the arrival of an inertial reading to the pose that was published of it.
+  double high_rate_age_p50_ms = 0.0;
+  double high_rate_age_p99_ms = 0.0;
+  std::size_t high_rate_poses = 0;  ///< published
 };
 
 /// What is known after the last.

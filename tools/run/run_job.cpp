@@ -464,7 +464,17 @@ int run_job(const WantedRun& chosen, const OpenSource& open, RunView* view, std:
   if (view != nullptr) {
     view->set_doing("mapping");
   }
+  if (run.source.begun) {
+    run.source.begun(
+        {.mapped = *run.mapped,
+         .imu = run.sensors.imu,
+         .config = run.config,
+         .map = outputs.map ? std::optional(RunFiles(options.output).database) : std::nullopt});
+  }
   MappedRun mapped = map(options, run, outputs, std::move(slam), statistics, progress, view);
+  if (run.source.ended) {
+    run.source.ended(mapped.outcome.result);
+  }
   release_free_memory();  // the Slam's is needed for the files that come last
   mapped.outcome =
       with_complete_files(std::move(mapped.outcome), *outputs.files, outputs.high_rate.get(),

@@ -5,6 +5,8 @@
 // folder.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <iosfwd>
 #include <memory>
@@ -19,15 +21,26 @@
 
 namespace adit {
 
-/// Where the sweeps of a run come from.
+/// A run whose first sweep is next.
+struct BegunRun {
+  const Recording& mapped;           ///< what is mapped; outlives the run
+  std::optional<std::size_t> imu{};  ///< the topic of the inertial readings that are used
+  const Config& config;
+  std::optional<std::filesystem::path> map{};  ///< the database that it writes
+};
+
+/// Where the sweeps of a run come from, and who follows it.
 struct RunSource {
   std::unique_ptr<Recording> known;         ///< what can be examined before the first sweep
   std::unique_ptr<Recording> arriving{};    ///< is mapped; null: `known` is
   std::unique_ptr<Recording> underlying{};  ///< what `arriving` reads, where that is another
   bool endless = false;         ///< the number of sweeps is unknown until the source ends
   bool ends_by_itself = false;  ///< a signal ends the source, and the run is complete then
+  std::function<void(const BegunRun&)> begun{};  ///< called before the first sweep
   std::function<void(const Sweep&, const SweepResult&)> placed{};  ///< SlamOptions::placed
   std::function<void(const SweepPlaced&)> mapped{};  ///< gets each sweep when it is written
+  /// Called after the last sweep: the map must not be read any more.
+  std::function<void(const MappingResult&)> ended{};
   std::function<LiveReport()> report{};  ///< called once after the last sweep; empty: not live
 };
 

@@ -14,6 +14,7 @@ constexpr std::array kStops = {SIGINT, SIGTERM, SIGHUP};
 
 // A signal handler reaches nothing but lock-free atomics; other threads read it, too.
 std::atomic<int> received_signal = 0;
+std::atomic<int> hang_up_count = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void note_signal(int signal) {
@@ -23,12 +24,17 @@ extern "C" void note_signal(int signal) {
   }
 }
 
+extern "C" void count_hang_up(int) {
+  ++hang_up_count;
+}
+
 }  // namespace
 
-StopSignal::StopSignal() {
+StopSignal::StopSignal(bool hang_up_stops) {
   received_signal = 0;
   for (std::size_t i = 0; i < kStops.size(); ++i) {
-    earlier_[i] = std::signal(kStops[i], note_signal);
+    const bool counts = kStops[i] == SIGHUP && !hang_up_stops;
+    earlier_[i] = std::signal(kStops[i], counts ? count_hang_up : note_signal);
     if (kStops[i] == SIGHUP && earlier_[i] == SIG_IGN) {
       std::signal(SIGHUP, SIG_IGN);
     }
@@ -45,6 +51,10 @@ StopSignal::~StopSignal() {
 
 int StopSignal::received() {
   return received_signal;
+}
+
+int StopSignal::hang_ups() {
+  return hang_up_count;
 }
 
 }  // namespace adit

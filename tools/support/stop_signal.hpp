@@ -12,13 +12,16 @@ namespace adit {
 /// nothing. One at a time.
 class StopSignal {
  public:
-  StopSignal();
+  /// `hang_up_stops` false: a SIGHUP is counted, and ends nothing.
+  explicit StopSignal(bool hang_up_stops = true);
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
   /// The signal's number, 0 while none has come.
   static int received();
+  /// How many SIGHUPs were counted; nothing resets it.
+  static int hang_ups();
 
  private:
   using Handler = void (*)(int);

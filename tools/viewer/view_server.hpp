@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// HTTP and WebSocket on one port, for the page and for Foxglove's protocol. view_server.cpp is the
-// one file that sees Boost.
+// HTTP and WebSocket on one port, for the page and for Foxglove's protocol. Boost is seen by
+// view_server.cpp, and by the server of a live run's status.
 #pragma once
 
 #include <array>

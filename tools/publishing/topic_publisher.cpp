@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/live/topic_publisher.hpp"
+#include "adit/tools/publishing/topic_publisher.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "adit/slam/core/lie.hpp"
+#include "adit/tools/publishing/ros_values.hpp"
 #include "adit/tools/recordings/ros_visit.hpp"
 #include "adit/tools/support/input_error.hpp"
 
@@ -18,66 +19,16 @@ namespace adit {
 namespace {
 
 constexpr auto kDiagnosticsEvery = std::chrono::seconds(1);
-constexpr uint8_t kFloat32 = 7;  // of PointField
-
-ros::Vector3 vector_of(const Eigen::Vector3d& v) {
-  return {.x = v.x(), .y = v.y(), .z = v.z()};
-}
-
-ros::Quaternion quaternion_of(const Eigen::Isometry3d& T) {
-  const Eigen::Quaterniond q(T.rotation());
-  return {.x = q.x(), .y = q.y(), .z = q.z(), .w = q.w()};
-}
-
-ros::Pose pose_of_message(const Eigen::Isometry3d& T) {
-  return {.position = vector_of(T.translation()), .orientation = quaternion_of(T)};
-}
-
-ros::Header header_of(Nanoseconds stamp, const std::string& frame) {
-  ros::Header header;
-  header.stamp = stamp;
-  header.frame = frame;
-  return header;
-}
-
-ros::TransformStamped transform_of(Nanoseconds stamp, const std::string& parent,
-                                   const std::string& child, const Eigen::Isometry3d& T) {
-  ros::TransformStamped transform;
-  transform.header = header_of(stamp, parent);
-  transform.child_frame = child;
-  transform.translation = vector_of(T.translation());
-  transform.rotation = quaternion_of(T);
-  return transform;
-}
-
-std::array<double, 36> numbers_of_matrix(const Matrix6d& matrix) {
-  std::array<double, 36> numbers{};
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(numbers.data()) = matrix;
-  return numbers;
-}
-
-/// Covariance of position and small fixed-axis rotation in the parent's axes (ROS REP 103), from
-/// that of the right perturbation [rho, phi].
-Matrix6d in_parent_axes(const Matrix6d& covariance, const Eigen::Matrix3d& R) {
-  Matrix6d rotation = Matrix6d::Zero();
-  rotation.topLeftCorner<3, 3>() = R;
-  rotation.bottomRightCorner<3, 3>() = R;
-  return rotation * covariance * rotation.transpose();
-}
 
 }  // namespace
 
 TopicPublisher::TopicPublisher(DdsNode& node, RosFrames frames)
     : node_(node),
-      frames_(std::move(frames)),
+      wanted_(std::move(frames)),
       odometry_topic_(node.advertise(
           {.name = "/adit/odometry", .type = std::string(ros::Odometry::kType), .reliable = true})),
       transforms_topic_(node.advertise(
           {.name = "/tf", .type = std::string(ros::TFMessage::kType), .reliable = true})),
-      path_topic_(node.advertise({.name = "/adit/path",
-                                  .type = std::string(ros::Path::kType),
-                                  .reliable = true,
-                                  .latched = true})),
       cloud_topic_(node.advertise({.name = "/adit/keyframe_cloud",
                                    .type = std::string(ros::PointCloud2::kType),
                                    .reliable = true})),
@@ -85,7 +36,11 @@ TopicPublisher::TopicPublisher(DdsNode& node, RosFrames frames)
                                          .type = std::string(ros::DiagnosticArray::kType),
                                          .reliable = true})) {}
 
-void TopicPublisher::mount(const FrameTree& transforms, const std::string& lidar_frame) {
+void TopicPublisher::begin(const FrameTree& transforms, const std::string& lidar_frame) {
+  frames_ = wanted_;
+  T_lidar_base_.setIdentity();
+  T_map_odom_.setIdentity();
+  last_.reset();
   if (frames_.base.empty() || frames_.base == lidar_frame) {
     frames_.base = lidar_frame.empty() ? "lidar" : lidar_frame;
     return;
@@ -117,18 +72,18 @@ void TopicPublisher::publish_odometry(const SweepResult& result,
     return Matrix6d(to_base * covariance * to_base.transpose());
   };
   ros::Odometry message;
-  message.header = header_of(result.stamp, frames_.odom);
+  message.header = ros_header(result.stamp, frames_.odom);
   message.child_frame = frames_.base;
-  message.pose = pose_of_message(T_odom_base);
-  message.pose_covariance = numbers_of_matrix(
-      in_parent_axes(at_base(result.uncertainty.in_map()), T_odom_base.rotation()));
+  message.pose = ros_pose(T_odom_base);
+  message.pose_covariance =
+      ros_covariance(in_parent_axes(at_base(result.uncertainty.in_map()), T_odom_base.rotation()));
   if (last_ && result.stamp > last_->stamp) {
     const double step = std::chrono::duration<double>(result.stamp - last_->stamp).count();
     const Vector6d moved = se3_log(last_->T_map_lidar.inverse() * T_odom_base) / step;
-    message.linear = vector_of(moved.head<3>());
-    message.angular = vector_of(moved.tail<3>());
+    message.linear = ros_vector(moved.head<3>());
+    message.angular = ros_vector(moved.tail<3>());
     // Both ends are as well known as their submap makes them.
-    message.twist_covariance = numbers_of_matrix(
+    message.twist_covariance = ros_covariance(
         at_base(result.uncertainty.local + last_->uncertainty.local) / (step * step));
   }
   last_ = {.stamp = result.stamp, .T_map_lidar = T_odom_base, .uncertainty = result.uncertainty};
@@ -139,8 +94,8 @@ void TopicPublisher::publish_transforms(Nanoseconds stamp, const Eigen::Isometry
   node_.publish(
       transforms_topic_,
       ros::encode(Encoding::cdr,
-                  ros::TFMessage{{transform_of(stamp, frames_.map, frames_.odom, T_map_odom_),
-                                  transform_of(stamp, frames_.odom, frames_.base, T_odom_base)}}));
+                  ros::TFMessage{{ros_transform(stamp, frames_.map, frames_.odom, T_map_odom_),
+                                  ros_transform(stamp, frames_.odom, frames_.base, T_odom_base)}}));
 }
 
 void TopicPublisher::publish_diagnostics(const SweepResult& result) {
@@ -159,7 +114,7 @@ void TopicPublisher::publish_diagnostics(const SweepResult& result) {
                    {"sweeps not aligned", std::to_string(unaligned_)},
                    {"points after down-sampling", std::to_string(result.cloud_points)}};
   ros::DiagnosticArray message;
-  message.header = header_of(result.stamp, "");
+  message.header = ros_header(result.stamp, "");
   message.status = {status};
   node_.publish(diagnostics_topic_, ros::encode(Encoding::cdr, message));
 }
@@ -171,14 +126,7 @@ void TopicPublisher::publish(const SweepPlaced& placed) {
   if (!placed.result.keyframe) {
     return;
   }
-  const Eigen::Isometry3d T_map_lidar = T_map_odom_ * placed.result.T_map_lidar;
-  publish_cloud(placed.result, T_map_lidar);
-  path_.header = header_of(placed.result.stamp, frames_.map);
-  ros::PoseStamped pose;
-  pose.header = path_.header;
-  pose.pose = pose_of_message(T_map_lidar * T_lidar_base_);
-  path_.poses.push_back(pose);
-  node_.publish(path_topic_, ros::encode(Encoding::cdr, path_));
+  publish_cloud(placed.result, T_map_odom_ * placed.result.T_map_lidar);
 }
 
 void TopicPublisher::publish_cloud(const SweepResult& result,
@@ -189,22 +137,8 @@ void TopicPublisher::publish_cloud(const SweepResult& result,
         (T_map_lidar * Eigen::Vector3f(point.x, point.y, point.z).cast<double>()).cast<float>();
     point = {.x = moved.x(), .y = moved.y(), .z = moved.z(), .intensity = point.intensity};
   }
-  const auto field = [](const char* name, uint32_t offset) {
-    ros::PointField made;
-    made.name = name;
-    made.offset = offset;
-    made.datatype = kFloat32;
-    return made;
-  };
-  ros::PointCloud2 message;
-  message.header = header_of(result.stamp, frames_.map);
-  message.width = static_cast<uint32_t>(points.size());
-  message.fields = {field("x", 0), field("y", 4), field("z", 8), field("intensity", 12)};
-  message.point_step = sizeof(Point);
-  message.row_step = message.point_step * message.width;
-  message.data = std::as_bytes(std::span(points));
-  message.is_dense = true;
-  node_.publish(cloud_topic_, ros::encode(Encoding::cdr, message));
+  node_.publish(cloud_topic_,
+                ros::encode(Encoding::cdr, ros_cloud(result.stamp, frames_.map, points)));
 }
 
 }  // namespace adit

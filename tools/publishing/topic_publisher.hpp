@@ -10,7 +10,6 @@
 #include "adit/slam/core/frame_tree.hpp"
 #include "adit/slam/executor/slam.hpp"
 #include "adit/tools/dds/dds_node.hpp"
-#include "adit/tools/recordings/ros_messages.hpp"
 
 namespace adit {
 
@@ -26,7 +25,6 @@ struct RosFrames {
 /// - /adit/odometry (nav_msgs/Odometry, reliable): the base in `odom`, which is smooth, with the
 ///   covariance of the pose and the velocity since the sweep before;
 /// - /tf: `map` to `odom`, which jumps where a loop closes, and `odom` to the base;
-/// - /adit/path (nav_msgs/Path, latched): keyframes in `map`, as they were placed;
 /// - /adit/keyframe_cloud (sensor_msgs/PointCloud2): each keyframe's points in `map`;
 /// - /diagnostics (diagnostic_msgs/DiagnosticArray): once a second of the sensor's time, whether
 ///   sweeps are aligned.
@@ -35,9 +33,11 @@ class TopicPublisher {
   /// `node` outlives it. Throws std::runtime_error.
   TopicPublisher(DdsNode& node, RosFrames frames);
 
-  /// How the base is mounted on the lidar, by static transforms. Throws InputError where a base is
-  /// named and they do not connect it with the lidar.
-  void mount(const FrameTree& transforms, const std::string& lidar_frame);
+  /// A session begins. How the base is mounted on the lidar, by static transforms. Throws
+  /// InputError where a base is named and they do not connect it with the lidar.
+  void begin(const FrameTree& transforms, const std::string& lidar_frame);
+  const RosFrames& frames() const { return frames_; }
+  const Eigen::Isometry3d& T_lidar_base() const { return T_lidar_base_; }
 
   /// The odometry has placed the sweep.
   void publish(const Sweep& sweep, const SweepResult& result);
@@ -51,10 +51,10 @@ class TopicPublisher {
   void publish_cloud(const SweepResult& result, const Eigen::Isometry3d& T_map_lidar);
 
   DdsNode& node_;
-  RosFrames frames_;
+  RosFrames wanted_;
+  RosFrames frames_;  ///< with the base that is used
   std::size_t odometry_topic_;
   std::size_t transforms_topic_;
-  std::size_t path_topic_;
   std::size_t cloud_topic_;
   std::size_t diagnostics_topic_;
   Eigen::Isometry3d T_lidar_base_ = Eigen::Isometry3d::Identity();
@@ -63,7 +63,6 @@ class TopicPublisher {
   std::optional<Nanoseconds> diagnosed_{};
   std::size_t sweeps_ = 0;
   std::size_t unaligned_ = 0;
-  ros::Path path_;
 };
 
 }  // namespace adit
