@@ -17,6 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 FILES = ("usr/bin/adit", "usr/share/man/man1/adit.1.gz", "usr/share/man/man1/adit-run.1.gz",
          "usr/share/bash-completion/completions/adit", "usr/share/zsh/vendor-completions/_adit",
          "usr/share/fish/vendor_completions.d/adit.fish", "usr/share/doc/adit/copyright",
+         "usr/lib/systemd/system/adit-live.service", "etc/default/adit-live",
          "usr/share/doc/adit/changelog.gz", "usr/share/doc/adit/changelog.Debian.gz",
          *(f"usr/share/adit/schemas/{file.name}" for file in sorted((ROOT / "docs" / "schemas").iterdir())))
 

@@ -34,6 +34,11 @@ mkdir -p "$stage/usr/share/zsh/vendor-completions"
 mv "$stage"/usr/share/zsh/site-functions/* "$stage/usr/share/zsh/vendor-completions/"
 rmdir "$stage/usr/share/zsh/site-functions"
 
+# A service, which nothing starts by itself.
+install -D -m 644 "$root/tools/adit-live.service" "$stage/usr/lib/systemd/system/adit-live.service"
+install -D -m 644 "$root/tools/adit-live.default" "$stage/etc/default/adit-live"
+echo /etc/default/adit-live >"$stage/DEBIAN/conffiles"
+
 licenses=$work/licenses
 mkdir "$licenses"
 source "$root/tools/licenses.sh"
@@ -96,7 +101,7 @@ Description: LiDAR recordings to trajectories and maps, on any GPU or none
  folders of clouds. It computes on any device with a Vulkan driver, Mesa's
  software driver included.
 EOT
-(cd "$stage" && find usr -type f -print0 | LC_ALL=C sort -z | xargs -0 md5sum) >"$stage/DEBIAN/md5sums"
+(cd "$stage" && find etc usr -type f -print0 | LC_ALL=C sort -z | xargs -0 md5sum) >"$stage/DEBIAN/md5sums"
 
 # The same tree gives the same bytes.
 find "$stage" -type d -exec chmod 755 {} + -o -type f -exec chmod u=rwX,go=rX {} +

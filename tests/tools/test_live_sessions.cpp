@@ -116,6 +116,35 @@ TEST_F(LiveSessionsTest, WhereNoSessionCanBeginTheOneBeforeGoesOn) {
   EXPECT_EQ(complaints_, std::vector<std::string>{"the disk is full"});
 }
 
+TEST_F(LiveSessionsTest, AFailureOfTheDeviceBeginsTheNextSessionOnlyBehindASweep) {
+  PacketSessions sessions(
+      [&](std::size_t number) {
+        LiveSession<PacketRecorder> session{.run = run()};
+        session.recorder =
+            std::make_unique<PacketRecorder>(folder_.path() / (std::to_string(number) + ".pcap"));
+        return session;
+      },
+      [&](const std::string& what) { complaints_.push_back(what); });
+  LiveOptions options;
+  options.restarts = true;
+  RunSource source;
+  std::size_t placed = 0;
+  std::size_t ended = 0;
+  source.placed = [&](const Sweep&, const SweepResult&) { ++placed; };
+  source.ended = [&](const MappingResult&) { ++ended; };
+  restart_where_wanted(options, source, sessions);
+  source.ended({RunEnd::device_error, "lost"});
+  EXPECT_FALSE(sessions.is_about_to_begin()) << "it would fail again and again";
+  source.placed({}, {});
+  source.ended({RunEnd::completed, ""});
+  EXPECT_FALSE(sessions.is_about_to_begin());
+  source.ended({RunEnd::device_error, "lost"});
+  EXPECT_TRUE(sessions.is_about_to_begin());
+  EXPECT_EQ(placed, 1U);
+  EXPECT_EQ(ended, 3U);
+  sessions.finish();
+}
+
 TEST_F(LiveSessionsTest, LatchedMessagesAreInEachRecording) {
   const std::vector<Channel> channels = {{.topic = "/tf_static",
                                           .type = "tf2_msgs/TFMessage",
