@@ -4,13 +4,21 @@
 // The other side of `adit live ros2`: publishes the messages of a recording at their pace, and
 // prints how many of each topic it sent, then how many it received of what adit publishes.
 //
-//   topic_peer RECORDING SPEED
+//   topic_peer RECORDING SPEED [SEED]
+//
+// With a seed every other message is damaged: cut off, with other bytes, or with counts that are
+// far too large.
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
+#include <random>
 #include <set>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,6 +31,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kNoDamage = -1;  // instead of a seed
 // Time in which the other side finds the topics, and in which the last messages arrive.
 constexpr auto kDiscovery = std::chrono::seconds(4);
 
@@ -58,7 +67,32 @@ class Listener {
   std::map<std::string, int> counts_;
 };
 
-int replay(const std::string& recording, double speed) {
+/// Something that no publisher sends.
+std::vector<std::byte> damaged(std::span<const std::byte> message, std::mt19937& random) {
+  std::vector<std::byte> bytes(message.begin(), message.end());
+  const auto place = [&] { return random() % std::max<std::size_t>(bytes.size(), 1); };
+  switch (random() % 4) {
+    case 0:
+      bytes.resize(place());
+      break;
+    case 1:
+      for (int i = 0; i < 20 && !bytes.empty(); ++i) {
+        bytes[place()] = static_cast<std::byte>(random());
+      }
+      break;
+    case 2:  // among the header's strings and the counts of fields and points
+      for (std::size_t i = 4 + random() % 200 / 4 * 4, k = 0; k < 4 && i + k < bytes.size(); ++k) {
+        bytes[i + k] = std::byte{0xff};
+      }
+      break;
+    default:
+      bytes.resize(4 + random() % 1000, static_cast<std::byte>(random()));
+  }
+  bytes.resize(std::max<std::size_t>(bytes.size(), 4));  // the encapsulation's header
+  return bytes;
+}
+
+int replay(const std::string& recording, double speed, int seed) {
   const auto files = open_message_files(recording);
   const MessageFile& file = *files.front();
   const std::unique_ptr<DdsNode> node = open_dds_node(dds_options_of_environment());
@@ -72,6 +106,7 @@ int replay(const std::string& recording, double speed) {
   Listener listener(*node);
   std::cout << "ready" << std::endl;
   listener.listen_until(Clock::now() + kDiscovery);
+  std::mt19937 random(static_cast<unsigned>(seed));
   const auto start = Clock::now();
   const auto messages = file.messages({});
   std::map<std::string, int> sent;
@@ -80,7 +115,11 @@ int replay(const std::string& recording, double speed) {
     first = first.value_or(message->received);
     listener.listen_until(
         start + std::chrono::duration_cast<Clock::duration>((message->received - *first) / speed));
-    node->publish(topics[message->channel], message->bytes);
+    if (seed != kNoDamage && random() % 2 == 0) {
+      node->publish(topics[message->channel], damaged(message->bytes, random));
+    } else {
+      node->publish(topics[message->channel], message->bytes);
+    }
     ++sent[file.channels()[message->channel].topic];
   }
   listener.listen_until(Clock::now() + kDiscovery);
@@ -97,12 +136,13 @@ int replay(const std::string& recording, double speed) {
 }  // namespace adit
 
 int main(int count, char** arguments) {
-  if (count != 3) {
-    std::cerr << "usage: topic_peer RECORDING SPEED\n";
+  if (count != 3 && count != 4) {
+    std::cerr << "usage: topic_peer RECORDING SPEED [SEED]\n";
     return 2;
   }
   try {
-    return adit::replay(arguments[1], std::atof(arguments[2]));
+    return adit::replay(arguments[1], std::atof(arguments[2]),
+                        count == 4 ? std::atoi(arguments[3]) : adit::kNoDamage);
   } catch (const std::exception& error) {
     std::cerr << "topic_peer: " << error.what() << "\n";
     return 1;
