@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/live/topic_receiver.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <optional>
@@ -58,6 +59,7 @@ void TopicReceiver::take_what_is_there(std::chrono::milliseconds longest_wait) {
     TopicCounts& counts = counts_[message->topic];
     ++counts.messages;
     counts.bytes += message->bytes.size();
+    counts.largest = std::max<uint64_t>(counts.largest, message->bytes.size());
   }
 }
 

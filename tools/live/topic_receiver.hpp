@@ -18,6 +18,7 @@ namespace adit {
 struct TopicCounts {
   uint64_t messages = 0;
   uint64_t bytes = 0;
+  uint64_t largest = 0;  ///< bytes of a message
   DdsFaults faults{};
 };
 

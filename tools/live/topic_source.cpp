@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -69,6 +70,28 @@ double first_look(const LiveOptions& options, const TopicReceiver& receiver,
   return std::max(seconds_since(*first), 1e-3);
 }
 
+/// Bytes that the kernel grants a socket at most; nothing where it does not say.
+std::optional<double> most_socket_bytes() {
+  std::ifstream file("/proc/sys/net/core/rmem_max");
+  double bytes = 0.0;
+  return file >> bytes ? std::optional(bytes) : std::nullopt;
+}
+
+/// A message comes in parts, which wait in the socket's buffer: it must hold two of the largest.
+void say_small_buffer(const std::vector<TopicCounts>& counts, std::ostream& err) {
+  double largest = 0.0;
+  for (const TopicCounts& one : counts) {
+    largest = std::max(largest, static_cast<double>(one.largest));
+  }
+  const std::optional<double> granted = most_socket_bytes();
+  if (granted && *granted < 2.0 * largest) {
+    err << fmt::format(
+        "note: the socket buffer holds {:.0f} bytes, less than two messages of {:.0f}: some may be "
+        "lost. Enlarge it: sysctl -w net.core.rmem_max={:.0f}\n",
+        *granted, largest, 4.0 * largest);
+  }
+}
+
 /// Prints one line per topic: rate, size, and what is wrong with it.
 void say_start(const std::vector<PublishedTopic>& topics, const std::vector<TopicCounts>& counts,
                double span_s, std::ostream& err) {
@@ -87,6 +110,7 @@ void say_start(const std::vector<PublishedTopic>& topics, const std::vector<Topi
                          one.faults.incompatible, topics[i].topic.name);
     }
   }
+  say_small_buffer(counts, err);
 }
 
 std::unique_ptr<Recording> recording_of(std::unique_ptr<MessageFile> file) {
