@@ -20,6 +20,9 @@
 namespace adit {
 namespace {
 
+// The points of more sweeps that wait for the map are let go; it needs their down-sampled clouds.
+constexpr std::size_t kMostWithPoints = 64;
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -182,10 +185,12 @@ class OfflineSlam final : public Slam {
   };
   using Result = std::variant<SlamResult, std::unique_ptr<InMap>, std::exception_ptr>;
 
+  static bool is_ready(const std::shared_future<MapPlacement>& placement) {
+    return placement.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
   static bool is_known(const Result& result) {
     const auto* in_map = std::get_if<std::unique_ptr<InMap>>(&result);
-    return in_map == nullptr ||
-           (*in_map)->mapped.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    return in_map == nullptr || is_ready((*in_map)->mapped);
   }
 
   SlamResult take_front() {
@@ -333,6 +338,14 @@ class OfflineSlam final : public Slam {
     begin_map();
     wait_for_map(most_behind_ - 1);
     placed.map_ms = 1e3 * seconds_since(start);
+    while (!behind_.empty() && is_ready(behind_.front())) {
+      behind_.pop_front();
+    }
+    if (behind_.size() >= kMostWithPoints) {
+      placed.sweep.points = {};
+      placed.sweep.times = {};
+      placed.sweep.rings = {};
+    }
     auto in_map = std::make_unique<InMap>(
         InMap{.placed = std::move(placed), .cloud = odometry_.cloud(), .mapped = {}});
     in_map->mapped = worker_.run([this, given = in_map.get()] { return map_sweep(*given); });

@@ -14,8 +14,9 @@
 namespace adit {
 namespace {
 
-constexpr NodeId kQueue = 5;     // keyframes
-constexpr NodeId kJoining = 30;  // keyframes, of loops that tie parts of the graph
+constexpr NodeId kQueue = 5;              // keyframes
+constexpr std::size_t kMostWaiting = 10;  // of so many loops, one
+constexpr NodeId kJoining = 30;           // keyframes, of loops that tie parts of the graph
 constexpr std::size_t kMostRefuted = 50;
 
 PoseEdge edge_of(const LoopHypothesis& loop) {
@@ -120,6 +121,9 @@ LoopCloser::Change LoopCloser::finish(PoseGraph& graph) {
   while (!queue_.empty() || !joining_.empty()) {
     settle(graph, queue_.empty() ? joining_.front().loop.to + kJoining : queue_.front().loop.to,
            change);
+  }
+  if (waiting_ > 0) {
+    optimize_and_review(graph, {}, change);
   }
   for (const PendingLoop& one : accepted_) {
     change.records.push_back(one.record);  // with the last residual
@@ -341,8 +345,29 @@ bool LoopCloser::let_in(PoseGraph& graph, std::deque<PendingLoop>& queue,
   if (accepted.empty()) {
     return false;
   }
-  optimize_and_review(graph, std::move(accepted), change);
+  if (&queue == &joining_ || !may_wait(graph, accepted)) {
+    optimize_and_review(graph, std::move(accepted), change);
+    return true;
+  }
+  for (PendingLoop& one : accepted_) {
+    if (std::ranges::find(accepted, one.loop.id) != accepted.end()) {
+      one.record.chi2 = chi2_in(graph, one.loop);
+      change.records.push_back(one.record);
+    }
+  }
   return true;
+}
+
+// Where the graph has the places of the newest loops, to within their covariances, an optimum moves
+// little: one for each tenth more loops is enough, so that their number grows as the logarithm of
+// the loops'.
+bool LoopCloser::may_wait(const PoseGraph& graph, std::span<const int64_t> let_in) {
+  waiting_ += let_in.size();
+  return kMostWaiting * waiting_ < accepted_.size() &&
+         std::ranges::all_of(accepted_, [&](const PendingLoop& one) {
+           return std::ranges::find(let_in, one.loop.id) == let_in.end() ||
+                  chi2_in(graph, one.loop) <= voting_.agreement;
+         });
 }
 
 // Each round takes back what does not fit, until all that is left does; then what was taken back
@@ -365,6 +390,7 @@ void LoopCloser::optimize_and_review(PoseGraph& graph, std::vector<int64_t> let_
 bool LoopCloser::review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change) {
   const OptimizedGraph optimized = optimize_with_loops(graph);
   ++report_.optimizations;
+  waiting_ = 0;
   const bool failed = optimized.report.termination == Termination::failed;
   if (!failed) {
     note_correction(graph, optimized.poses);

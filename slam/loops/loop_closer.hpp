@@ -104,7 +104,8 @@ class LoopCloser {
     bool moved = false;                                        ///< the graph has other poses
   };
   /// What was found for `keyframe` takes effect: it joins the queue, whose loops vote; the graph
-  /// gets those that are accepted, and is optimised.
+  /// gets those that are accepted, and is optimised where they do not fit it, or enough have come
+  /// in.
   Change take_effect(PoseGraph& graph, NodeId keyframe, std::vector<PendingLoop> found);
   /// Verdicts about what is still waiting.
   Change finish(PoseGraph& graph);
@@ -139,6 +140,7 @@ class LoopCloser {
   bool refuse_ambiguous_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change);
   bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
               Change& change);
+  bool may_wait(const PoseGraph& graph, std::span<const int64_t> let_in);
   void optimize_and_review(PoseGraph& graph, std::vector<int64_t> let_in, Change& change);
   bool review(PoseGraph& graph, std::span<const int64_t> let_in, Change& change);
   bool let_in_again(PoseGraph& graph, std::vector<int64_t>& let_in, Change& change);
@@ -167,6 +169,7 @@ class LoopCloser {
   std::deque<PendingLoop> queue_;    ///< in the order of their later keyframes
   std::deque<PendingLoop> joining_;  ///< the same, of those that tie parts of the graph
   std::vector<PendingLoop> accepted_;
+  std::size_t waiting_ = 0;              ///< loops that came in since the graph was optimised
   std::vector<PendingLoop> doubted_;     ///< that a review has taken back
   std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible

@@ -27,8 +27,8 @@ struct DdsTopic {
 
 /// Where a node takes part.
 struct DdsOptions {
-  uint32_t domain = 0;                     ///< ROS_DOMAIN_ID
-  bool this_machine = true;                ///< no other machine is seen, and none sees this one
+  uint32_t domain = 0;                      ///< ROS_DOMAIN_ID
+  bool this_machine = true;                 ///< no other machine is seen, and none sees this one
   std::size_t receive_buffer = 32U << 20U;  ///< bytes of the socket, as far as the kernel grants it
 };
 

@@ -17,6 +17,7 @@
 namespace adit {
 namespace {
 
+constexpr std::size_t kReportedLag = 100;  // sweeps that the map is behind; then twice as many
 constexpr const char* kPaths = "/health and /metrics are answered here.\n";
 
 /// The frame of the first sweep.
@@ -55,11 +56,12 @@ struct LiveOutputs::Session {
   ArrivalTimes arrivals{};
   LiveLatency latency{arrivals};
   const LiveRecording* arriving = nullptr;
+  std::size_t lag_to_report = kReportedLag;  ///< sweeps
 };
 
 LiveOutputs::LiveOutputs(const LiveOptions& options, DdsNode* node,
                          std::function<std::vector<SourceCounts>()> received, std::ostream& err)
-    : received_(received), status_(std::move(received)) {
+    : received_(received), err_(err), quiet_(options.run.quiet), status_(std::move(received)) {
   if (options.publishes) {
     if (node == nullptr) {
       own_node_ = open_dds_node(dds_options_of_environment());
@@ -124,6 +126,12 @@ void LiveOutputs::begin(const BegunRun& run) {
 
 void LiveOutputs::place(const Sweep& sweep, const SweepResult& result) {
   status_.add(result, session_->latency.add(sweep.stamp));
+  if (const std::size_t lag = status_.map_behind(); lag >= session_->lag_to_report && !quiet_) {
+    err_ << fmt::format("note: the map is {} sweeps behind the odometry, which does not wait\n",
+                        lag)
+         << std::flush;
+    session_->lag_to_report = 2 * lag;
+  }
   if (topics_) {
     topics_->publish(sweep, result);
     motion_->update(result.inertial);

@@ -48,6 +48,8 @@ class LiveOutputs {
   void end();
 
   std::function<std::vector<SourceCounts>()> received_;
+  std::ostream& err_;
+  bool quiet_;
   std::unique_ptr<DdsNode> own_node_;
   std::optional<TopicPublisher> topics_;
   std::optional<MapPublisher> map_;

@@ -26,6 +26,7 @@ std::vector<std::string> SourceChanges::look(const std::vector<SourceCounts>& so
     for (const SourceCounts& one : sources) {
       seen_.push_back({.messages = one.messages,
                        .lost = 0,
+                       .incompatible = one.incompatible,
                        .arrival = now,
                        .loss = now - kBetweenLosses,
                        .silent = false});
@@ -46,6 +47,13 @@ std::vector<std::string> SourceChanges::look(const std::vector<SourceCounts>& so
       seen.silent = true;
       changes.push_back(
           fmt::format("nothing has arrived from {} for {:.0f} s", now_there.name, silence));
+    }
+    if (now_there.incompatible > seen.incompatible) {
+      changes.push_back(fmt::format(
+          "a publisher of {} offers less than adit asks for; nothing is received from it. Begin "
+          "adit while it publishes: it then asks for less",
+          now_there.name));
+      seen.incompatible = now_there.incompatible;
     }
     if (now_there.lost > seen.lost && now - seen.loss >= kBetweenLosses) {
       changes.push_back(fmt::format("{} messages of {} were lost on the way",

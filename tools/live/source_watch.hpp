@@ -16,7 +16,7 @@
 namespace adit {
 
 /// Finds what has changed of sources since they were looked at last: one is silent, one is back, of
-/// one messages were lost.
+/// one messages were lost, or a publisher offers less than adit asks for.
 class SourceChanges {
  public:
   using Clock = std::chrono::steady_clock;
@@ -29,6 +29,7 @@ class SourceChanges {
   struct Seen {
     uint64_t messages = 0;
     uint64_t lost = 0;            ///< reported
+    uint64_t incompatible = 0;    ///< reported
     Clock::time_point arrival{};  ///< the last time that something had arrived
     Clock::time_point loss{};     ///< the last time that a loss was reported
     bool silent = false;          ///< reported

@@ -142,6 +142,7 @@ std::vector<SourceCounts> counts_of(const std::vector<PublishedTopic>& topics,
                       .messages = one.messages,
                       .bytes = one.bytes,
                       .lost = one.faults.lost,
+                      .incompatible = one.faults.incompatible,
                       .steady = kind_of(topic) != TopicKind::transforms});
   }
   return counts;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/publishing/live_status.hpp"
 
-#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -75,6 +74,11 @@ void LiveStatus::add(const SweepPlaced& placed) {
   keyframes_ += placed.result.keyframe ? 1U : 0U;
 }
 
+std::size_t LiveStatus::map_behind() const {
+  const std::scoped_lock lock(mutex_);
+  return waiting();
+}
+
 std::string LiveStatus::health_of(Clock::time_point now) const {
   if (!last_) {
     return "starting";
@@ -97,7 +101,7 @@ std::string LiveStatus::health_json(Clock::time_point now) const {
                                  {"sweeps", sweeps_},
                                  {"sweeps_not_aligned", unaligned_},
                                  {"keyframes", keyframes_},
-                                 {"map_behind_sweeps", sweeps_ - std::min(mapped_, sweeps_)},
+                                 {"map_behind_sweeps", waiting()},
                                  {"latency_p50_ms", latency_.quantile_ms(0.5)},
                                  {"latency_p99_ms", latency_.quantile_ms(0.99)}};
   json["last_sweep_age_s"] = nullptr;
@@ -123,7 +127,7 @@ std::string LiveStatus::metrics(Clock::time_point now) const {
   text.add_alone("adit_keyframes_total", "counter", "Keyframes that were mapped.",
                  static_cast<double>(keyframes_));
   text.add_alone("adit_map_behind_sweeps", "gauge", "Sweeps that wait for the map.",
-                 static_cast<double>(sweeps_ - std::min(mapped_, sweeps_)));
+                 static_cast<double>(waiting()));
   if (last_) {
     text.add_alone("adit_last_sweep_age_seconds", "gauge", "Since a sweep was placed.",
                    seconds_between(*last_, now));

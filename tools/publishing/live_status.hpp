@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +25,8 @@ struct SourceCounts {
   uint64_t bytes = 0;
   uint64_t lost = 0;      ///< sent, and not received
   uint64_t left_out = 0;  ///< of no known sensor or of a second sender: neither used nor recorded
-  bool steady = true;     ///< it is expected to go on; static transforms are not
+  uint64_t incompatible = 0;  ///< publishers whose quality of service does not fit
+  bool steady = true;         ///< it is expected to go on; static transforms are not
 };
 
 /// The state of a live run, for machines that watch it. Threads may share it.
@@ -43,6 +45,8 @@ class LiveStatus {
   /// The map has a sweep.
   void add(const SweepPlaced& placed);
 
+  /// Sweeps that wait for the map.
+  std::size_t map_behind() const;
   /// "starting" before the first sweep of a session, "no data" where none was placed for three
   /// seconds, "not aligned" where the last one was not, else "ok".
   std::string health(Clock::time_point now = Clock::now()) const;
@@ -53,6 +57,7 @@ class LiveStatus {
 
  private:
   std::string health_of(Clock::time_point now) const;
+  std::size_t waiting() const { return sweeps_ - std::min(mapped_, sweeps_); }
 
   std::function<std::vector<SourceCounts>()> received_;
   mutable std::mutex mutex_;

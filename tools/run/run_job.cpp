@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -47,8 +48,8 @@ namespace {
 // A file name need not be UTF-8, JSON must be.
 constexpr auto kReplaceBadText = nlohmann::ordered_json::error_handler_t::replace;
 
-// Some seconds of a sensor: a map that closes a loop must not hold up the poses.
-constexpr std::size_t kMostBehindLive = 64;
+// A map that closes loops must never hold up the poses of a sensor that goes on.
+constexpr std::size_t kMostBehindLive = std::numeric_limits<std::size_t>::max();
 
 /// The sweeps to map, and where they come from.
 struct SweepChoice {
