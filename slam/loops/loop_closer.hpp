@@ -154,8 +154,7 @@ class LoopCloser {
   std::vector<LoopPlace> predicted_places(const PoseGraph& graph, NodeId of) const;
   std::vector<std::size_t> nodes_beside(const PoseGraph& graph,
                                         const Eigen::Isometry3d& T_map_place) const;
-  std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node,
-                                       std::size_t most) const;
+  std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node, std::size_t most) const;
   PlaceLikeness likeness_at(const PoseGraph& graph, std::size_t node,
                             const Eigen::Isometry3d& T_map_node);
   PlaceLikeness compared(const PoseGraph& graph, std::size_t node,

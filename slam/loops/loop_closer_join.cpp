@@ -125,8 +125,8 @@ std::vector<std::size_t> LoopCloser::nodes_beside(const PoseGraph& graph,
   return nodes;
 }
 
-// The session's nodes that were searched for and are tied to `node`, latest first, so far apart that their submaps are
-// independent evidence: at most `most`.
+// The session's nodes that were searched for and are tied to `node`, latest first, so far apart
+// that their submaps are independent evidence: at most `most`.
 std::vector<std::size_t> LoopCloser::asked_nodes(const PoseGraph& graph, NodeId node,
                                                  std::size_t most) const {
   const std::size_t tied = graph.index_of(node);
@@ -269,8 +269,9 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const Eigen::Isometry3
 
 LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
   Change change;
-  const auto one = std::ranges::find_if(
-      accepted_, [&](const PendingLoop& loop) { return crosses(graph, gaps_.front(), loop.loop.from, loop.loop.to); });
+  const auto one = std::ranges::find_if(accepted_, [&](const PendingLoop& loop) {
+    return crosses(graph, gaps_.front(), loop.loop.from, loop.loop.to);
+  });
   if (one == accepted_.end()) {
     return change;
   }
@@ -313,9 +314,9 @@ bool LoopCloser::refuse_ambiguous_joins(const PoseGraph& graph, std::vector<Loop
     return false;
   }
   const LoopHypothesis& loop = joining_[first].loop;
-  const double odds = least_log_odds(graph, map_from_part(graph, loop),
-                                     asked_nodes(graph, loop.to, kMostAsked),
-                                     competing_hypotheses(graph, loop));
+  const double odds =
+      least_log_odds(graph, map_from_part(graph, loop), asked_nodes(graph, loop.to, kMostAsked),
+                     competing_hypotheses(graph, loop));
   best_log_odds_ = std::max(best_log_odds_.value_or(odds), odds);
   ambiguous_ = odds < kClearLogOdds;
   if (!ambiguous_) {

@@ -15,9 +15,9 @@ namespace adit {
 namespace {
 
 // Between keyframes that are searched for: nearer ones see nearly the same.
-constexpr double kApart = 1.0;           // m, or
-constexpr double kTurned = 0.5;          // rad
-constexpr std::size_t kTogether = 5;     // keyframes, whose loops vote together
+constexpr double kApart = 1.0;        // m, or
+constexpr double kTurned = 0.5;       // rad
+constexpr std::size_t kTogether = 5;  // keyframes, whose loops vote together
 
 /// What the maps hold, read once.
 struct ReadMap {

@@ -19,8 +19,8 @@ namespace adit {
 
 /// A map within a merged one, which has its keyframes one after another.
 struct MergedPart {
-  std::size_t map = 0;          ///< its number among the maps that were given
-  NodeId first = 0;             ///< id of its first keyframe in the merged map
+  std::size_t map = 0;           ///< its number among the maps that were given
+  NodeId first = 0;              ///< id of its first keyframe in the merged map
   std::vector<NodeId> stored{};  ///< ids of its keyframes in its own store, in order
 
   /// The id in the merged map of a keyframe of its store.

@@ -19,9 +19,9 @@ namespace adit {
 
 /// What ties one of the maps to the world, by keyframes of the merged map.
 struct WorldPart {
-  NodeId first = 0;                                            ///< its first keyframe
+  NodeId first = 0;                                                ///< its first keyframe
   Eigen::Isometry3d T_part_first = Eigen::Isometry3d::Identity();  ///< that one's in its own map
-  std::vector<MapFix> fixes{};                                 ///< in the order of their ids
+  std::vector<MapFix> fixes{};                                     ///< in the order of their ids
   std::vector<ControlPoint> control{};
   std::optional<Georeference> georeference{};  ///< of its own map
 };

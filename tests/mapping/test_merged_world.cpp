@@ -8,7 +8,7 @@
 
 #include "adit/tests/mapping/graph_support.hpp"
 
-namespace adit {
+namespace adit::merged_world_test {
 namespace {
 
 constexpr NodeId kNodes = 12;  // of each map
@@ -46,8 +46,8 @@ PoseGraph merged_graph() {
 }
 
 Geodetic place_of(const PoseGraph& graph, NodeId node) {
-  return WorldFrame(kOrigin).place_of(
-      T_world_map() * graph.nodes()[graph.index_of(node)].T_map_node.translation());
+  return WorldFrame(kOrigin).place_of(T_world_map() *
+                                      graph.nodes()[graph.index_of(node)].T_map_node.translation());
 }
 
 std::vector<MapFix> fixes_of(const PoseGraph& graph, NodeId first) {
@@ -69,9 +69,8 @@ void expect_placed(const MergedWorld& merged) {
   const WorldFrame frame(merged.georeference->origin);
   const PoseGraph truth = merged_graph();
   for (const PoseNode& node : merged.graph.nodes()) {
-    const Eigen::Vector3d off =
-        merged.georeference->T_world_map * node.T_map_node.translation() -
-        frame.position_of(place_of(truth, node.id));
+    const Eigen::Vector3d off = merged.georeference->T_world_map * node.T_map_node.translation() -
+                                frame.position_of(place_of(truth, node.id));
     EXPECT_LT(off.norm(), 0.02) << "node " << node.id;
   }
 }
@@ -87,11 +86,10 @@ TEST(MergedWorld, FixesOfTheSecondMapPlaceBoth) {
 
 TEST(MergedWorld, FixesOfBothCountTogetherWithNewNumbers) {
   const PoseGraph graph = merged_graph();
-  const MergedWorld merged =
-      place_in_world(graph,
-                     {{.first = 0, .fixes = fixes_of(graph, 0)},
-                      {.first = kNodes, .fixes = fixes_of(graph, kNodes)}},
-                     {});
+  const MergedWorld merged = place_in_world(graph,
+                                            {{.first = 0, .fixes = fixes_of(graph, 0)},
+                                             {.first = kNodes, .fixes = fixes_of(graph, kNodes)}},
+                                            {});
   expect_placed(merged);
   ASSERT_EQ(merged.fixes.size(), static_cast<std::size_t>(2 * kNodes));
   for (std::size_t i = 0; i < merged.fixes.size(); ++i) {
@@ -142,4 +140,4 @@ TEST(MergedWorld, WhatIsTiedToNothingPlacesNothing) {
 }
 
 }  // namespace
-}  // namespace adit
+}  // namespace adit::merged_world_test

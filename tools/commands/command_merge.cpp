@@ -71,9 +71,8 @@ void add_merge_command(Command app, std::function<void(int)> done) {
   add_device_options(command, options->device);
   command.flag("--quiet", options->quiet, "Print errors and the report alone");
   command.flag("--json", options->json, "Report as JSON");
-  command.action([options, done = std::move(done)] {
-    done(merge_command(*options, std::cout, std::cerr));
-  });
+  command.action(
+      [options, done = std::move(done)] { done(merge_command(*options, std::cout, std::cerr)); });
 }
 
 }  // namespace adit

@@ -15,11 +15,11 @@ namespace adit {
 /// A map that is to be merged.
 struct MergeInput {
   std::filesystem::path file{};
-  std::unique_ptr<MapDatabase> map{};     ///< open for reading
-  std::vector<MapSession> sessions{};     ///< in order of their ids
-  std::vector<MapKeyframe> keyframes{};   ///< in order of their ids, at least one
-  std::vector<SessionId> incomplete{};    ///< sessions whose runs have not come to their ends
-  double r_submap = 0.0;                  ///< m, edge of a submap's cells
+  std::unique_ptr<MapDatabase> map{};    ///< open for reading
+  std::vector<MapSession> sessions{};    ///< in order of their ids
+  std::vector<MapKeyframe> keyframes{};  ///< in order of their ids, at least one
+  std::vector<SessionId> incomplete{};   ///< sessions whose runs have not come to their ends
+  double r_submap = 0.0;                 ///< m, edge of a submap's cells
 };
 
 /// Opens and checks all of them. They come out in an order that depends on their contents alone:

@@ -111,8 +111,7 @@ void write_merged(const std::filesystem::path& file, const std::vector<MergeInpu
   }
 }
 
-std::vector<SessionTie> ties_of(const PoseGraph& graph,
-                                const std::vector<SessionId>& session_of) {
+std::vector<SessionTie> ties_of(const PoseGraph& graph, const std::vector<SessionId>& session_of) {
   struct Left {
     std::vector<double> metres;
     std::vector<double> radians;
@@ -183,8 +182,8 @@ void add_sigmas(std::vector<MergedSession>& sessions, const PoseGraph& graph,
 std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const MergedMap& merged) {
   std::vector<MapApart> apart;
   for (std::size_t map = 0; map < inputs.size(); ++map) {
-    const bool is_merged = merged.parts.size() > 1 &&
-                           std::ranges::count(merged.parts, map, &MergedPart::map) > 0;
+    const bool is_merged =
+        merged.parts.size() > 1 && std::ranges::count(merged.parts, map, &MergedPart::map) > 0;
     if (is_merged) {
       continue;
     }
@@ -219,8 +218,8 @@ MergeOutcome outcome_of(const std::vector<MergeInput>& inputs, const MergedMap& 
   }
   outcome.components = connected_components(world.graph).components.size();
   outcome.georeferenced = world.georeference.has_value();
-  outcome.fixes_used = static_cast<std::size_t>(
-      std::ranges::count(world.fixes, FixVerdict::used, &MapFix::verdict));
+  outcome.fixes_used =
+      static_cast<std::size_t>(std::ranges::count(world.fixes, FixVerdict::used, &MapFix::verdict));
   outcome.control = static_cast<std::size_t>(
       std::ranges::count(world.control, ControlRole::control, &ControlPoint::role));
   return outcome;
@@ -244,8 +243,7 @@ MergeOutcome merge_job(const MergeCommandOptions& options,
   if (merged.parts.size() < 2) {
     return {.apart = maps_apart(inputs, merged)};
   }
-  const MergedWorld world =
-      place_in_world(merged.graph, world_parts(inputs, merged), config.gnss);
+  const MergedWorld world = place_in_world(merged.graph, world_parts(inputs, merged), config.gnss);
   const Numbered numbered = numbered_sessions(inputs, merged);
   MergeOutcome outcome = outcome_of(inputs, merged, world, numbered);
   write_merged(unfinished.part(), inputs, merged, world, numbered);

@@ -23,9 +23,9 @@ std::string table_of(const MergeOutcome& outcome) {
   }
   text += "sessions  edges  median residual\n";
   for (const SessionTie& tie : outcome.ties) {
-    text += fmt::format("{:>8}  {:5}  {:.3f} m, {:.2f} deg\n",
-                        fmt::format("{}-{}", tie.one, tie.other), tie.edges, tie.metres,
-                        tie.radians * kDegreesPerRadian);
+    text +=
+        fmt::format("{:>8}  {:5}  {:.3f} m, {:.2f} deg\n", fmt::format("{}-{}", tie.one, tie.other),
+                    tie.edges, tie.metres, tie.radians * kDegreesPerRadian);
   }
   return text;
 }
@@ -39,9 +39,8 @@ std::string reason_apart(const MapApart& apart, std::size_t accepted) {
   if (apart.candidates == 0) {
     return "no place of it looks like one of another map";
   }
-  const std::string compared =
-      fmt::format("of {} pairs of keyframes that look alike, {} fit", apart.candidates,
-                  apart.verified);
+  const std::string compared = fmt::format("of {} pairs of keyframes that look alike, {} fit",
+                                           apart.candidates, apart.verified);
   if (!apart.log_odds) {
     return compared + "; they do not agree on one place for the map";
   }
