@@ -129,8 +129,15 @@ class LoopCloser {
 
   /// Whether the later map, which loops have tied, is where they have it: by all of its keyframes
   /// that the earlier map has the place of, and against all places that look the same. If another
-  /// place is nearly as likely, the loops are taken back. After search_between() and finish().
+  /// place is nearly as likely, or the maps are of places that are built alike, the loops are taken
+  /// back. After search_between() and finish().
   Change confirm_join(PoseGraph& graph);
+  /// Natural logarithm of the odds, as of the last confirm_join(), that the places which the maps
+  /// have in common are the same, against that they are built alike: equal walls with other things
+  /// between them.
+  std::optional<double> built_alike_log_odds() const { return built_alike_log_odds_; }
+  /// They are rather built alike.
+  bool is_built_alike() const { return built_alike_log_odds_ && *built_alike_log_odds_ < 0.0; }
 
   const LoopReport& report() const { return report_; }
 
@@ -155,6 +162,7 @@ class LoopCloser {
   std::vector<std::size_t> nodes_beside(const PoseGraph& graph,
                                         const Eigen::Isometry3d& T_map_place) const;
   std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node, std::size_t most) const;
+  std::vector<std::size_t> confirming_nodes(const PoseGraph& graph, NodeId tied) const;
   PlaceLikeness likeness_at(const PoseGraph& graph, std::size_t node,
                             const Eigen::Isometry3d& T_map_node);
   PlaceLikeness compared(const PoseGraph& graph, std::size_t node,
@@ -205,6 +213,7 @@ class LoopCloser {
   MapAliases own_aliases_;               ///< of the later map, in its own frame
   bool ambiguous_ = false;
   std::optional<double> best_log_odds_;
+  std::optional<double> built_alike_log_odds_;
   /// By keyframe and the place (m, map) that it was held to; asked again with each later one.
   std::map<std::tuple<NodeId, int64_t, int64_t, int64_t>, PlaceLikeness> likeness_;
   SearchPauses pauses_;  ///< of the search by appearance

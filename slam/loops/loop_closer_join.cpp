@@ -4,6 +4,7 @@
 // A session is tied to the map of earlier ones only if it cannot as well be at another place, which
 // looks the same.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -63,6 +64,34 @@ double log_likelihood_ratio(const PlaceLikeness& place, const ThroughShares& thr
   const double right = density(through.right);
   const double alike = kEqual * right + (1.0 - kEqual) * density(through.alike);
   return std::max(std::log(right / alike), kLeastOfOne);
+}
+
+double log_density(double through, double mean) {
+  return -through / mean - std::log(mean);
+}
+
+/// Log likelihood ratio of all places being the same against all being built alike, of which an
+/// unknown share is equal in every detail: any share is as likely, so it is integrated out.
+double log_ratio_to_built_alike(std::span<const double> through, const ThroughShares& shares) {
+  constexpr int kSteps = 200;
+  double right = 0.0;
+  for (const double one : through) {
+    right += log_density(one, shares.right);
+  }
+  std::array<double, kSteps> sums{};  // of the log likelihood of being built alike
+  for (std::size_t step = 0; step < sums.size(); ++step) {
+    const double equal = (static_cast<double>(step) + 0.5) / kSteps;
+    for (const double one : through) {
+      sums[step] += std::log(equal * std::exp(log_density(one, shares.right)) +
+                             (1.0 - equal) * std::exp(log_density(one, shares.alike)));
+    }
+  }
+  const double highest = std::ranges::max(sums);
+  double mean = 0.0;
+  for (const double sum : sums) {
+    mean += std::exp(sum - highest) / kSteps;
+  }
+  return right - highest - std::log(mean);
 }
 
 }  // namespace
@@ -267,6 +296,23 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const Eigen::Isometry3
   return least;
 }
 
+// Nodes of the later map where the earlier one has their places, at most kMostAsked of them, spread
+// over all of it.
+std::vector<std::size_t> LoopCloser::confirming_nodes(const PoseGraph& graph, NodeId tied) const {
+  std::vector<std::size_t> mapped;
+  for (const std::size_t i : asked_nodes(graph, tied, reaches_.size())) {
+    if (!nodes_beside(graph, graph.nodes()[i].T_map_node).empty()) {
+      mapped.push_back(i);
+    }
+  }
+  std::vector<std::size_t> spread;
+  const std::size_t count = std::min(mapped.size(), kMostAsked);
+  for (std::size_t k = 0; k < count; ++k) {
+    spread.push_back(mapped[k * mapped.size() / count]);
+  }
+  return spread;
+}
+
 LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
   Change change;
   const auto one = std::ranges::find_if(accepted_, [&](const PendingLoop& loop) {
@@ -275,24 +321,23 @@ LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
   if (one == accepted_.end()) {
     return change;
   }
-  std::vector<std::size_t> asked;
-  for (const std::size_t i : asked_nodes(graph, one->loop.to, reaches_.size())) {
-    if (!nodes_beside(graph, graph.nodes()[i].T_map_node).empty()) {
-      asked.push_back(i);
-    }
-  }
-  std::vector<std::size_t> spread;
-  for (std::size_t k = 0; k < std::min(asked.size(), kMostAsked); ++k) {
-    spread.push_back(asked[k * asked.size() / std::min(asked.size(), kMostAsked)]);
-  }
+  const std::vector<std::size_t> asked = confirming_nodes(graph, one->loop.to);
   std::vector<Eigen::Isometry3d> hypotheses = {Eigen::Isometry3d::Identity()};
   for (auto other = opposing_.rbegin(); other != opposing_.rend(); ++other) {
     add_hypothesis(graph, *other, graph.index_of(one->loop.to), hypotheses);
   }
-  const double odds = least_log_odds(graph, Eigen::Isometry3d::Identity(), spread,
+  const double odds = least_log_odds(graph, Eigen::Isometry3d::Identity(), asked,
                                      std::span(hypotheses).subspan(1));
+  std::vector<double> through;
+  for (const std::size_t i : asked) {
+    const PlaceLikeness place = likeness_at(graph, i, graph.nodes()[i].T_map_node);
+    if (place.through) {
+      through.push_back(*place.through);
+    }
+  }
   best_log_odds_ = odds;
-  if (odds < kClearLogOdds) {
+  built_alike_log_odds_ = log_ratio_to_built_alike(through, aliases_.through) + kMapped;
+  if (odds < kClearLogOdds || is_built_alike()) {
     undo_join(graph, gaps_.front(), odds, change);
   }
   return change;

@@ -206,7 +206,7 @@ class Search {
       closer_->set_own_aliases(map_aliases(*graph_, own));
       next = search_by_appearance(next);
       search_by_position();
-    } while (next < graph_->nodes().size() && !are_all_tied());
+    } while (next < graph_->nodes().size() && !are_all_tied() && !closer_->is_built_alike());
   }
 
   /// All candidates between the maps, by id.
@@ -359,6 +359,7 @@ MergeSearch Merge::tie(Group& group, std::size_t map) {
     found.verified += is_verified(record) ? 1U : 0U;
   }
   found.log_odds = closer.best_log_odds();
+  found.built_alike_log_odds = closer.built_alike_log_odds();
   count_edges(graph, part.first, found);
   found.is_tied = found.keyframes >= LoopVotingSettings{}.least_unexpected;
   if (found.is_tied) {

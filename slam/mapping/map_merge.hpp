@@ -38,6 +38,9 @@ struct MergeSearch {
   /// Natural logarithm of the best odds of a place for the map against the likeliest alternative;
   /// none: no bundle of loops agreed on a place.
   std::optional<double> log_odds{};
+  /// The same of the odds that common places are the same, against that they are only built alike;
+  /// none: it was not tied.
+  std::optional<double> built_alike_log_odds{};
   bool is_tied = false;
 };
 

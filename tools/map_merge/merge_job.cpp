@@ -197,6 +197,10 @@ std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const Me
         if (!search.is_tied && search.log_odds) {
           one.log_odds = std::max(one.log_odds.value_or(*search.log_odds), *search.log_odds);
         }
+        if (!search.is_tied && search.built_alike_log_odds) {
+          const double odds = *search.built_alike_log_odds;
+          one.built_alike_log_odds = std::min(one.built_alike_log_odds.value_or(odds), odds);
+        }
       }
     }
     one.reason = reason_apart(one, accepted);

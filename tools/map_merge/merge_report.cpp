@@ -41,6 +41,13 @@ std::string reason_apart(const MapApart& apart, std::size_t accepted) {
   }
   const std::string compared = fmt::format("of {} pairs of keyframes that look alike, {} fit",
                                            apart.candidates, apart.verified);
+  if (apart.built_alike_log_odds && *apart.built_alike_log_odds < 0.0) {
+    return compared +
+           fmt::format(
+               "; the places are rather built alike than the same, {:.3g} to 1: too many details "
+               "differ",
+               std::exp(-*apart.built_alike_log_odds));
+  }
   if (!apart.log_odds) {
     return compared + "; they do not agree on one place for the map";
   }
@@ -103,6 +110,7 @@ std::string to_json(const MergeCommandOptions& options, const MergeOutcome& outc
                              {"candidates", map.candidates},
                              {"verified", map.verified},
                              {"log_odds", or_null(map.log_odds)},
+                             {"built_alike_log_odds", or_null(map.built_alike_log_odds)},
                              {"reason", map.reason}});
   }
   json["incomplete"] = Json::array();
