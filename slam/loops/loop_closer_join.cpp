@@ -4,7 +4,6 @@
 // A session is tied to the map of earlier ones only if it cannot as well be at another place, which
 // looks the same.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -64,34 +63,6 @@ double log_likelihood_ratio(const PlaceLikeness& place, const ThroughShares& thr
   const double right = density(through.right);
   const double alike = kEqual * right + (1.0 - kEqual) * density(through.alike);
   return std::max(std::log(right / alike), kLeastOfOne);
-}
-
-double log_density(double through, double mean) {
-  return -through / mean - std::log(mean);
-}
-
-/// Log likelihood ratio of all places being the same against all being built alike, of which an
-/// unknown share is equal in every detail: any share is as likely, so it is integrated out.
-double log_ratio_to_built_alike(std::span<const double> through, const ThroughShares& shares) {
-  constexpr int kSteps = 200;
-  double right = 0.0;
-  for (const double one : through) {
-    right += log_density(one, shares.right);
-  }
-  std::array<double, kSteps> sums{};  // of the log likelihood of being built alike
-  for (std::size_t step = 0; step < sums.size(); ++step) {
-    const double equal = (static_cast<double>(step) + 0.5) / kSteps;
-    for (const double one : through) {
-      sums[step] += std::log(equal * std::exp(log_density(one, shares.right)) +
-                             (1.0 - equal) * std::exp(log_density(one, shares.alike)));
-    }
-  }
-  const double highest = std::ranges::max(sums);
-  double mean = 0.0;
-  for (const double sum : sums) {
-    mean += std::exp(sum - highest) / kSteps;
-  }
-  return right - highest - std::log(mean);
 }
 
 }  // namespace
@@ -326,8 +297,8 @@ LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
   for (auto other = opposing_.rbegin(); other != opposing_.rend(); ++other) {
     add_hypothesis(graph, *other, graph.index_of(one->loop.to), hypotheses);
   }
-  const double odds = least_log_odds(graph, Eigen::Isometry3d::Identity(), asked,
-                                     std::span(hypotheses).subspan(1));
+  const double odds =
+      least_log_odds(graph, Eigen::Isometry3d::Identity(), asked, std::span(hypotheses).subspan(1));
   std::vector<double> through;
   for (const std::size_t i : asked) {
     const PlaceLikeness place = likeness_at(graph, i, graph.nodes()[i].T_map_node);

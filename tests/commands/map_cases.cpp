@@ -140,6 +140,13 @@ int optimized(OptimizeCommandOptions options, Dice& dice, std::ostream& told) {
   return optimize_command(options, told, told);
 }
 
+int merged(const fs::path& map, const fs::path& healthy, const fs::path& out,
+           engine::Context& context, std::ostream& told) {
+  MergeCommandOptions options{.maps = {map, healthy}, .output = out / "merged.adit", .quiet = true};
+  options.device.opened = &context;
+  return merge_command(options, told, told);
+}
+
 }  // namespace
 
 void write_healthy_map(const fs::path& folder) {
@@ -204,11 +211,7 @@ int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& fo
     case 3:
       return optimized({.input = map}, dice, told);
     case 4:
-      return merge_command({.maps = {map, healthy},
-                            .output = out / "merged.adit",
-                            .device = {.opened = &context},
-                            .quiet = true},
-                           told, told);
+      return merged(map, healthy, out, context, told);
     default:
       return recover_command({.map = map, .output = out / "recovered.adit"}, told, told);
   }

@@ -47,9 +47,9 @@ struct SessionTie {
 struct MapApart {
   std::filesystem::path file{};
   std::size_t keyframes = 0;
-  std::size_t candidates = 0;        ///< pairs of keyframes that were compared
-  std::size_t verified = 0;          ///< of them: their submaps fit
-  std::optional<double> log_odds{};  ///< MergeSearch::log_odds, the best
+  std::size_t candidates = 0;                    ///< pairs of keyframes that were compared
+  std::size_t verified = 0;                      ///< of them: their submaps fit
+  std::optional<double> log_odds{};              ///< MergeSearch::log_odds, the best
   std::optional<double> built_alike_log_odds{};  ///< the same, the worst
   std::string reason{};
 };
