@@ -65,6 +65,31 @@ double log_likelihood_ratio(const PlaceLikeness& place, const ThroughShares& thr
   return std::max(std::log(right / alike), kLeastOfOne);
 }
 
+/// Shares that loops across a gap see through: of each later keyframe the loop with most overlap,
+/// of keyframes so far apart that they say something of their own.
+std::vector<double> through_across(const PoseGraph& graph, const TrackingGap& gap,
+                                   std::span<const PendingLoop> accepted) {
+  std::map<NodeId, const LoopCandidate*> best;
+  for (const PendingLoop& one : accepted) {
+    if (crosses(graph, gap, one.loop.from, one.loop.to)) {
+      const auto [known, is_new] = best.emplace(one.loop.to, &one.record);
+      if (!is_new && one.record.overlap > known->second->overlap) {
+        known->second = &one.record;
+      }
+    }
+  }
+  std::vector<double> through;
+  std::optional<Eigen::Vector3d> last;
+  for (const auto& [node, loop] : best) {
+    const Eigen::Vector3d at = graph.nodes()[graph.index_of(node)].T_map_node.translation();
+    if (!last || (at - *last).norm() >= kLeastApart) {
+      through.push_back(loop->through);
+      last = at;
+    }
+  }
+  return through;
+}
+
 }  // namespace
 
 // Nothing ties the newest node to the map of earlier sessions.
@@ -299,15 +324,10 @@ LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
   }
   const double odds =
       least_log_odds(graph, Eigen::Isometry3d::Identity(), asked, std::span(hypotheses).subspan(1));
-  std::vector<double> through;
-  for (const std::size_t i : asked) {
-    const PlaceLikeness place = likeness_at(graph, i, graph.nodes()[i].T_map_node);
-    if (place.through) {
-      through.push_back(*place.through);
-    }
-  }
   best_log_odds_ = odds;
-  built_alike_log_odds_ = log_ratio_to_built_alike(through, aliases_.through) + kMapped;
+  built_alike_log_odds_ =
+      kMapped +
+      log_ratio_to_built_alike(through_across(graph, gaps_.front(), accepted_), aliases_.through);
   if (odds < kClearLogOdds || is_built_alike()) {
     undo_join(graph, gaps_.front(), odds, change);
   }
