@@ -206,6 +206,8 @@ class Search {
       closer_->set_own_aliases(map_aliases(*graph_, own));
       next = search_by_appearance(next);
       search_by_position();
+      closer_->set_own_aliases(map_aliases(*graph_, own));  // with the poses of the tie
+      collect(closer_->confirm_join(*graph_));
     } while (next < graph_->nodes().size() && !are_all_tied() && !closer_->is_built_alike());
   }
 
