@@ -31,8 +31,8 @@ GROUPS = [
     "slam/submaps", "slam/gnss", "slam/loops", "slam/mapping", "slam/executor",
     "tools/support", "tools/drawing", "tools/clouds", "tools/containers", "tools/packets", "tools/recordings",
     "tools/topics", "tools/results", "tools/simulator", "tools/map_database", "tools/map_products", "tools/map_edits",
-    "tools/foxglove", "tools/viewer", "tools/setup", "tools/report", "tools/run", "tools/dds", "tools/dds_plugin",
-    "tools/publishing", "tools/live", "tools/evaluation",
+    "tools/foxglove", "tools/viewer", "tools/setup", "tools/report", "tools/run", "tools/map_merge", "tools/dds",
+    "tools/dds_plugin", "tools/publishing", "tools/live", "tools/evaluation",
     "tools/inspection", "tools/export", "tools/cli", "tools/commands",
     "benchmarks/reference", "benchmarks/verify", "benchmarks", "tools/python", "tests",
 ]

@@ -31,6 +31,7 @@ COMMANDS = {
         *[[verb, "json/map.adit", "--json"] for verb in ("info", "check", "loops", "optimize")],
         ["optimize", "json/map.adit", "--control", "points.csv", "--utm", "32N", "--json"],
         ["info", "json/map.adit", "--json"]],
+    "adit merge --json": [["merge", "one", "two", "json", "-o", "merged.adit", "--json"]],
     "adit devices --json": [["devices", "--json"]],
 }
 SCHEMAS = PAGE.parent / "schemas"
@@ -51,6 +52,10 @@ FILES = [(words + ["bench.json"], "bench.json") for words in (
     ["bench", "slam", "--recordings", "rows", "--trajectories", "others", "-o", "slam", "--json"],
     ["bench", "slam", "--recordings", "rows", "--loops", "-o", "slam", "--json"],
     ["bench", "consistency", "--only", "room", "--runs", "1", "--duration", "2", "--json"])]
+# Two sessions of the room, for `merge`.
+SESSIONS = [words for name, more in (("one", []), ("two", ["--noise-seed", "6", "--reverse"])) for words in (
+    ["simulate", "room", "--trajectory", "handheld", "--duration", "30", "--seed", "5", *more, "-o", f"{name}.mcap"],
+    ["run", f"{name}.mcap", "-o", name])]
 SIMULATE = ["simulate", "room", "--sensor", "VLP-16", "--duration", "4", "--seed", "5", "-o", "drive.mcap"]
 
 
@@ -116,10 +121,11 @@ def check(adit, folder, page):
     def run(words):
         return subprocess.run([adit, *words], cwd=folder, capture_output=True, text=True, timeout=300)
 
-    simulated = run(SIMULATE)
-    if simulated.returncode != 0:
-        yield f"adit simulate: {simulated.stderr}"
-        return
+    for words in (SIMULATE, *SESSIONS):
+        prepared = run(words)
+        if prepared.returncode != 0:
+            yield f"adit {' '.join(words)}: {prepared.stderr}"
+            return
     shutil.copy(pathlib.Path(__file__).resolve().parent / "support" / "points.csv", folder)
     used = set()
     for heading, commands in COMMANDS.items():

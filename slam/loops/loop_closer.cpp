@@ -181,7 +181,9 @@ void LoopCloser::settle(PoseGraph& graph, NodeId oldest, Change& change) {
       break;
     }
   }
-  review_joins(graph, change);
+  if (!search_.earlier_alone) {  // which confirm_join() decides
+    review_joins(graph, change);
+  }
 }
 
 // What was refused may be right, and the join of two parts wrong that it contradicts: where it
@@ -193,31 +195,37 @@ void LoopCloser::review_joins(PoseGraph& graph, Change& change) {
   reviewed_ = opposing_.back().id;
   const std::vector<LoopHypothesis> opposing(opposing_.begin(), opposing_.end());
   for (const TrackingGap& gap : gaps_) {
-    const auto crossing = [&](const LoopHypothesis& one) {
-      return crosses(graph, gap, one.from, one.to);
-    };
     const std::size_t agreeing =
         agreeing_on_another_join(graph, gap, opposing, loops_of(accepted_), gaps_, voting_);
     if (agreeing == 0) {
       continue;
     }
-    for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-      const PoseEdge& edge = graph.edges()[i];
-      if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active &&
-          crosses(graph, gap, edge.from, edge.to)) {
-        set_status(graph, i, EdgeStatus::revoked, change);
-      }
-    }
-    for (PendingLoop& one : accepted_) {
-      if (crossing(one.loop)) {
-        take_back(one, LoopReason::another_place, static_cast<double>(agreeing), change);
-      }
-    }
-    forget_revoked();
-    std::erase_if(doubted_, [&](const PendingLoop& one) { return crossing(one.loop); });
-    std::erase_if(refuted_, crossing);
-    std::erase_if(opposing_, crossing);
+    undo_join(graph, gap, static_cast<double>(agreeing), change);
   }
+}
+
+// All loops across the gap are taken back, and what was found against them is forgotten.
+void LoopCloser::undo_join(PoseGraph& graph, const TrackingGap& gap, double figure,
+                           Change& change) {
+  const auto crossing = [&](const LoopHypothesis& one) {
+    return crosses(graph, gap, one.from, one.to);
+  };
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const PoseEdge& edge = graph.edges()[i];
+    if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active &&
+        crosses(graph, gap, edge.from, edge.to)) {
+      set_status(graph, i, EdgeStatus::revoked, change);
+    }
+  }
+  for (PendingLoop& one : accepted_) {
+    if (crossing(one.loop)) {
+      take_back(one, LoopReason::another_place, figure, change);
+    }
+  }
+  forget_revoked();
+  std::erase_if(doubted_, [&](const PendingLoop& one) { return crossing(one.loop); });
+  std::erase_if(refuted_, crossing);
+  std::erase_if(opposing_, crossing);
 }
 
 // All loops of the oldest keyframe leave the queue, as they have been voted on: one that disputes

@@ -82,6 +82,9 @@ class LoopCloser {
   void begin_behind(std::span<const EarlierPlace> places, MapAliases aliases, int64_t last_id);
   /// The session would be tied to the earlier ones, if it could not be at another place as well.
   bool is_ambiguous() const { return ambiguous_; }
+  /// Natural logarithm of the best odds of a place of the session so far against the likeliest
+  /// alternative; nothing: no bundle of loops agreed on a place.
+  std::optional<double> best_log_odds() const { return best_log_odds_; }
 
   /// Rms distance (m) in an alignment of consecutive submaps, against which those of loops are
   /// held.
@@ -95,6 +98,21 @@ class LoopCloser {
   /// the device, `cloud`. To be called once for each node, in their order.
   std::vector<PendingLoop> find(const PoseGraph& graph, const KeyframeSubmap& submap,
                                 const SurfaceCloud& cloud);
+
+  /// From now on loops are looked for between two maps alone. The graph has all nodes of the later
+  /// map from the start: `first` and those after it, with their edges to each other. To be called
+  /// after begin_behind().
+  void search_between(NodeId first);
+  /// Where the later map looks like itself, with the poses that the graph has now: another place
+  /// for it is one where it would be shifted by that.
+  void set_own_aliases(MapAliases aliases) { own_aliases_ = std::move(aliases); }
+  /// What find_between() needs to know of a node: to be called once for each node of the later map,
+  /// in their order.
+  void note(const KeyframeSubmap& submap);
+  /// As find(), of a node of the later map that was noted. The one that was described last is found
+  /// by appearance, too, all others by position alone.
+  std::vector<PendingLoop> find_between(const PoseGraph& graph, NodeId node,
+                                        const KeyframeSubmap& submap, const SurfaceCloud& cloud);
 
   /// What a step has changed.
   struct Change {
@@ -110,6 +128,18 @@ class LoopCloser {
   /// Verdicts about what is still waiting.
   Change finish(PoseGraph& graph);
 
+  /// Whether the later map, which loops have tied, is where they have it: by all of its keyframes
+  /// that the earlier map has the place of, and against all places that look the same. If another
+  /// place is nearly as likely, or the maps are of places that are built alike, the loops are taken
+  /// back. After search_between() and finish().
+  Change confirm_join(PoseGraph& graph);
+  /// Natural logarithm of the odds, as of the last confirm_join(), that the places which the maps
+  /// have in common are the same, against that they are built alike: equal walls with other things
+  /// between them.
+  std::optional<double> built_alike_log_odds() const { return built_alike_log_odds_; }
+  /// They are rather built alike.
+  bool is_built_alike() const { return built_alike_log_odds_ && *built_alike_log_odds_ < 0.0; }
+
   const LoopReport& report() const { return report_; }
 
  private:
@@ -121,14 +151,19 @@ class LoopCloser {
   void leave(const PoseGraph& graph, std::deque<PendingLoop>& queue,
              std::span<const LoopVote> votes, Change& change);
   void review_joins(PoseGraph& graph, Change& change);
+  void undo_join(PoseGraph& graph, const TrackingGap& gap, double figure, Change& change);
   void settle(PoseGraph& graph, NodeId oldest, Change& change);
   std::vector<LoopVote> voted(const PoseGraph& graph, const std::deque<PendingLoop>& queue,
                               bool last_chance) const;
   bool is_apart_from_map(std::span<const std::optional<RelativePlace>> known) const;
-  std::vector<LoopPlace> predicted_places(const PoseGraph& graph) const;
+  std::vector<PendingLoop> found_of(const PoseGraph& graph, NodeId node,
+                                    const KeyframeSubmap& submap, const SurfaceCloud& cloud,
+                                    bool is_described);
+  std::vector<LoopPlace> predicted_places(const PoseGraph& graph, NodeId of) const;
   std::vector<std::size_t> nodes_beside(const PoseGraph& graph,
                                         const Eigen::Isometry3d& T_map_place) const;
-  std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node) const;
+  std::vector<std::size_t> asked_nodes(const PoseGraph& graph, NodeId node, std::size_t most) const;
+  std::vector<std::size_t> confirming_nodes(const PoseGraph& graph, NodeId tied) const;
   PlaceLikeness likeness_at(const PoseGraph& graph, std::size_t node,
                             const Eigen::Isometry3d& T_map_node);
   PlaceLikeness compared(const PoseGraph& graph, std::size_t node,
@@ -136,7 +171,11 @@ class LoopCloser {
   static Eigen::Isometry3d map_from_part(const PoseGraph& graph, const LoopHypothesis& loop);
   std::vector<Eigen::Isometry3d> competing_hypotheses(const PoseGraph& graph,
                                                       const LoopHypothesis& loop) const;
-  double least_log_odds(const PoseGraph& graph, const LoopHypothesis& loop);
+  void add_hypothesis(const PoseGraph& graph, const LoopHypothesis& loop, std::size_t to,
+                      std::vector<Eigen::Isometry3d>& known) const;
+  double least_log_odds(const PoseGraph& graph, const Eigen::Isometry3d& T_map_part,
+                        std::span<const std::size_t> asked,
+                        std::span<const Eigen::Isometry3d> hypotheses);
   bool refuse_ambiguous_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change);
   bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
               Change& change);
@@ -174,7 +213,10 @@ class LoopCloser {
   std::deque<LoopHypothesis> opposing_;  ///< the latest that were refused behind gaps
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
   MapAliases aliases_;                   ///< of the map of earlier sessions
+  MapAliases own_aliases_;               ///< of the later map, in its own frame
   bool ambiguous_ = false;
+  std::optional<double> best_log_odds_;
+  std::optional<double> built_alike_log_odds_;
   /// By keyframe and the place (m, map) that it was held to; asked again with each later one.
   std::map<std::tuple<NodeId, int64_t, int64_t, int64_t>, PlaceLikeness> likeness_;
   SearchPauses pauses_;  ///< of the search by appearance

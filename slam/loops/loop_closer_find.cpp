@@ -79,6 +79,13 @@ void LoopCloser::begin_behind(std::span<const EarlierPlace> places, MapAliases a
   next_id_ = last_id + 1;
 }
 
+// How far one map lies from the other nobody knows.
+void LoopCloser::search_between(NodeId first) {
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+  search_.earlier_alone = appearance_.earlier_alone = searching_.earlier_alone = true;
+  gaps_.push_back({.after = first, .reach = kAnywhere, .climb = kAnywhere});
+}
+
 std::optional<PlaceDescriptor> LoopCloser::describe(const KeyframeSubmap& submap,
                                                     const SurfaceCloud& cloud) {
   if (submap.vertical == Vertical::unknown) {
@@ -180,36 +187,58 @@ std::vector<PendingLoop> LoopCloser::verified(std::span<const LoopPlace> places,
   return found;
 }
 
-// By appearance only where no place that was found by position is borne out, and those again: the
-// gate may have refused them for drift that it does not know of.
 std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const KeyframeSubmap& submap,
                                           const SurfaceCloud& cloud) {
-  const auto start = std::chrono::steady_clock::now();
-  const NodeId newest = graph.nodes().back().id;
   note_gap(graph, submap);
+  note(submap);
+  return found_of(graph, graph.nodes().back().id, submap, cloud, true);
+}
+
+std::vector<PendingLoop> LoopCloser::find_between(const PoseGraph& graph, NodeId node,
+                                                  const KeyframeSubmap& submap,
+                                                  const SurfaceCloud& cloud) {
+  const bool is_described = graph.index_of(node) + 1 == index_.size();
+  std::vector<PendingLoop> found = found_of(graph, node, submap, cloud, is_described);
+  std::erase_if(found, [&](const PendingLoop& one) {
+    return std::ranges::any_of(accepted_, [&](const PendingLoop& known) {
+      return known.loop.from == one.loop.from && known.loop.to == one.loop.to;
+    });
+  });
+  return found;
+}
+
+void LoopCloser::note(const KeyframeSubmap& submap) {
   reaches_.push_back(reach_of(submap));
   levelled_.push_back(submap.vertical != Vertical::unknown);
+}
+
+// By appearance only where no place that was found by position is borne out, and those again: the
+// gate may have refused them for drift that it does not know of.
+std::vector<PendingLoop> LoopCloser::found_of(const PoseGraph& graph, NodeId node,
+                                              const KeyframeSubmap& submap,
+                                              const SurfaceCloud& cloud, bool is_described) {
+  const auto start = std::chrono::steady_clock::now();
   if (!memory_.can_optimize(graph.nodes().size())) {
     return {};
   }
-  const auto known = relative_places(graph, newest, voting_.lumps);
-  const std::vector<LoopPlace> places = find_loop_places(graph, newest, known, reaches_, search_);
-  std::vector<PendingLoop> found = verified(places, newest, submap, cloud);
+  const auto known = relative_places(graph, node, voting_.lumps);
+  const std::vector<LoopPlace> places = find_loop_places(graph, node, known, reaches_, search_);
+  std::vector<PendingLoop> found = verified(places, node, submap, cloud);
   const bool is_apart = is_apart_from_map(known);
   if (is_any_borne_out(found) && !is_apart) {
     pauses_.reset();
-  } else if (is_apart || pauses_.is_due()) {
+  } else if (is_described && (is_apart || pauses_.is_due())) {
     std::vector<LoopPlace> similar =
         find_similar_places(graph, index_, known, is_apart ? searching_ : appearance_);
     if (is_apart) {
-      std::ranges::move(predicted_places(graph), std::back_inserter(similar));
+      std::ranges::move(predicted_places(graph, node), std::back_inserter(similar));
     }
     std::erase_if(similar, [&](const LoopPlace& place) {
       return std::ranges::any_of(found, [&](const PendingLoop& one) {
         return one.loop.from == place.node && one.record.verdict == CandidateVerdict::waiting;
       });
     });
-    std::vector<PendingLoop> alike = verified(similar, newest, submap, cloud);
+    std::vector<PendingLoop> alike = verified(similar, node, submap, cloud);
     if (alike.empty() || is_any_borne_out(alike)) {
       pauses_.reset();
     } else {
@@ -220,7 +249,7 @@ std::vector<PendingLoop> LoopCloser::find(const PoseGraph& graph, const Keyframe
   for (PendingLoop& one : found) {
     const std::size_t from = graph.index_of(one.loop.from);
     const auto& way = known[from];
-    one.loop.levelled = levelled_[from] && levelled_.back();
+    one.loop.levelled = levelled_[from] && levelled_[graph.index_of(node)];
     one.loop.without_heading = way && std::sqrt(way->covariance(5, 5)) > voting_.heading_sigma;
   }
   report_.search_ms.push_back(

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "adit/slam/loops/join_review.hpp"
 #include "adit/slam/loops/loop_closer.hpp"
 #include "adit/slam/submaps/submap_codec.hpp"
 
@@ -64,6 +65,31 @@ double log_likelihood_ratio(const PlaceLikeness& place, const ThroughShares& thr
   return std::max(std::log(right / alike), kLeastOfOne);
 }
 
+/// Shares that loops across a gap see through: of each later keyframe the loop with most overlap,
+/// of keyframes so far apart that they say something of their own.
+std::vector<double> through_across(const PoseGraph& graph, const TrackingGap& gap,
+                                   std::span<const PendingLoop> accepted) {
+  std::map<NodeId, const LoopCandidate*> best;
+  for (const PendingLoop& one : accepted) {
+    if (crosses(graph, gap, one.loop.from, one.loop.to)) {
+      const auto [known, is_new] = best.emplace(one.loop.to, &one.record);
+      if (!is_new && one.record.overlap > known->second->overlap) {
+        known->second = &one.record;
+      }
+    }
+  }
+  std::vector<double> through;
+  std::optional<Eigen::Vector3d> last;
+  for (const auto& [node, loop] : best) {
+    const Eigen::Vector3d at = graph.nodes()[graph.index_of(node)].T_map_node.translation();
+    if (!last || (at - *last).norm() >= kLeastApart) {
+      through.push_back(loop->through);
+      last = at;
+    }
+  }
+  return through;
+}
+
 }  // namespace
 
 // Nothing ties the newest node to the map of earlier sessions.
@@ -75,15 +101,16 @@ bool LoopCloser::is_apart_from_map(std::span<const std::optional<RelativePlace>>
 
 // Waiting loops predict where the newest node is: the nearest node of the map to each predicted
 // place, the latest loops first.
-std::vector<LoopPlace> LoopCloser::predicted_places(const PoseGraph& graph) const {
+std::vector<LoopPlace> LoopCloser::predicted_places(const PoseGraph& graph, NodeId of) const {
   const std::vector<std::size_t> part_of = connected_components(graph).component_of;
-  const PoseNode& newest = graph.nodes().back();
+  const std::size_t self = graph.index_of(of);
+  const PoseNode& newest = graph.nodes()[self];
   std::vector<LoopPlace> places;
   for (auto pending = joining_.rbegin(); pending != joining_.rend(); ++pending) {
     const LoopHypothesis& loop = pending->loop;
     const std::size_t to = graph.index_of(loop.to);
     if (places.size() == kMostHypotheses || graph.index_of(loop.from) >= search_.earlier_nodes ||
-        part_of[to] != part_of.back()) {
+        part_of[to] != part_of[self]) {
       continue;
     }
     const Eigen::Isometry3d T_map_newest = map_from_part(graph, loop) * newest.T_map_node;
@@ -123,16 +150,17 @@ std::vector<std::size_t> LoopCloser::nodes_beside(const PoseGraph& graph,
   return nodes;
 }
 
-// The session's nodes that are tied to `node`, latest first, so far apart that their submaps are
-// independent evidence.
-std::vector<std::size_t> LoopCloser::asked_nodes(const PoseGraph& graph, NodeId node) const {
+// The session's nodes that were searched for and are tied to `node`, latest first, so far apart
+// that their submaps are independent evidence: at most `most`.
+std::vector<std::size_t> LoopCloser::asked_nodes(const PoseGraph& graph, NodeId node,
+                                                 std::size_t most) const {
   const std::size_t tied = graph.index_of(node);
   const std::vector<std::size_t> part_of = connected_components(graph).component_of;
   std::vector<std::size_t> asked;
-  for (std::size_t i = graph.nodes().size(); i-- > search_.earlier_nodes;) {
+  for (std::size_t i = reaches_.size(); i-- > search_.earlier_nodes;) {
     const Eigen::Vector3d at = graph.nodes()[i].T_map_node.translation();
     const double apart = std::max(kLeastApart, 0.5 * reaches_[i]);
-    if (part_of[i] == part_of[tied] && asked.size() < kMostAsked &&
+    if (part_of[i] == part_of[tied] && asked.size() < most &&
         (asked.empty() ||
          (graph.nodes()[asked.back()].T_map_node.translation() - at).norm() >= apart)) {
       asked.push_back(i);
@@ -189,38 +217,43 @@ Eigen::Isometry3d LoopCloser::map_from_part(const PoseGraph& graph, const LoopHy
          graph.nodes()[graph.index_of(loop.to)].T_map_node.inverse();
 }
 
+// A pose of the part that a loop claims, where no known one is nearly the same. `to`: a node of the
+// part, at which they are compared.
+void LoopCloser::add_hypothesis(const PoseGraph& graph, const LoopHypothesis& loop, std::size_t to,
+                                std::vector<Eigen::Isometry3d>& known) const {
+  const Eigen::Isometry3d& T_part_node = graph.nodes()[to].T_map_node;
+  const Eigen::Isometry3d T_map_part = map_from_part(graph, loop);
+  const bool is_new = std::ranges::none_of(known, [&](const Eigen::Isometry3d& one) {
+    const Eigen::Isometry3d apart = (one * T_part_node).inverse() * T_map_part * T_part_node;
+    return apart.translation().norm() < kOtherPlace && rotation_angle(apart.linear()) < kOtherTurn;
+  });
+  if (is_new && known.size() <= kMostHypotheses) {
+    known.push_back(T_map_part);
+  }
+}
+
 // Other poses of the part, by waiting loops, the latest first.
 std::vector<Eigen::Isometry3d> LoopCloser::competing_hypotheses(const PoseGraph& graph,
                                                                 const LoopHypothesis& loop) const {
   const std::vector<std::size_t> part_of = connected_components(graph).component_of;
   const std::size_t to = graph.index_of(loop.to);
-  const Eigen::Isometry3d& T_part_node = graph.nodes()[to].T_map_node;
   std::vector<Eigen::Isometry3d> known = {map_from_part(graph, loop)};
   for (auto pending = joining_.rbegin(); pending != joining_.rend(); ++pending) {
     const LoopHypothesis& other = pending->loop;
-    if (known.size() > kMostHypotheses || graph.index_of(other.from) >= search_.earlier_nodes ||
-        part_of[graph.index_of(other.to)] != part_of[to]) {
-      continue;
-    }
-    const Eigen::Isometry3d T_map_part = map_from_part(graph, other);
-    const bool is_new = std::ranges::none_of(known, [&](const Eigen::Isometry3d& one) {
-      const Eigen::Isometry3d apart = (one * T_part_node).inverse() * T_map_part * T_part_node;
-      return apart.translation().norm() < kOtherPlace &&
-             rotation_angle(apart.linear()) < kOtherTurn;
-    });
-    if (is_new) {
-      known.push_back(T_map_part);
+    if (graph.index_of(other.from) < search_.earlier_nodes &&
+        part_of[graph.index_of(other.to)] == part_of[to]) {
+      add_hypothesis(graph, other, to, known);
     }
   }
   known.erase(known.begin());
   return known;
 }
 
-// The log odds of where a loop has the session against the likeliest place that looks like it: one
-// that the map has, or one that it does not have.
-double LoopCloser::least_log_odds(const PoseGraph& graph, const LoopHypothesis& loop) {
-  const Eigen::Isometry3d T_map_part = map_from_part(graph, loop);
-  const std::vector<std::size_t> asked = asked_nodes(graph, loop.to);
+// The log odds of a pose of the part against the likeliest one that looks like it: one that the map
+// has, or one that it does not have.
+double LoopCloser::least_log_odds(const PoseGraph& graph, const Eigen::Isometry3d& T_map_part,
+                                  std::span<const std::size_t> asked,
+                                  std::span<const Eigen::Isometry3d> hypotheses) {
   const ThroughShares& usual = aliases_.through;
   using Place = std::function<Eigen::Isometry3d(const Eigen::Isometry3d& T_part_node)>;
   const auto sum_of = [&](const ThroughShares& through, const Place& other) {
@@ -238,18 +271,67 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const LoopHypothesis& 
     return is_mapped ? sum : sum + kMapped;
   };
   double least = sum_of(usual, {});
+  const auto against = [&](const MapAlias& alias, const Place& other) {
+    least = std::min(least, sum_of({.right = usual.right, .alike = alias.mean_through()}, other));
+  };
   for (const MapAlias& alias : aliases_.all) {
-    least = std::min(least, sum_of({.right = usual.right, .alike = alias.mean_through()},
-                                   [&](const Eigen::Isometry3d& T_part_node) {
-                                     return alias.moved(T_map_part * T_part_node);
-                                   }));
+    against(alias, [&](const Eigen::Isometry3d& T_part_node) {
+      return alias.moved(T_map_part * T_part_node);
+    });
   }
-  for (const Eigen::Isometry3d& T_other_part : competing_hypotheses(graph, loop)) {
+  for (const MapAlias& alias : own_aliases_.all) {
+    against(alias, [&](const Eigen::Isometry3d& T_part_node) {
+      return Eigen::Isometry3d(T_map_part * alias.moved(T_part_node));
+    });
+  }
+  for (const Eigen::Isometry3d& T_other_part : hypotheses) {
     least = std::min(least, sum_of(usual, [&](const Eigen::Isometry3d& T_part_node) {
                        return Eigen::Isometry3d(T_other_part * T_part_node);
                      }));
   }
   return least;
+}
+
+// Nodes of the later map where the earlier one has their places, at most kMostAsked of them, spread
+// over all of it.
+std::vector<std::size_t> LoopCloser::confirming_nodes(const PoseGraph& graph, NodeId tied) const {
+  std::vector<std::size_t> mapped;
+  for (const std::size_t i : asked_nodes(graph, tied, reaches_.size())) {
+    if (!nodes_beside(graph, graph.nodes()[i].T_map_node).empty()) {
+      mapped.push_back(i);
+    }
+  }
+  std::vector<std::size_t> spread;
+  const std::size_t count = std::min(mapped.size(), kMostAsked);
+  for (std::size_t k = 0; k < count; ++k) {
+    spread.push_back(mapped[k * mapped.size() / count]);
+  }
+  return spread;
+}
+
+LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
+  Change change;
+  const auto one = std::ranges::find_if(accepted_, [&](const PendingLoop& loop) {
+    return crosses(graph, gaps_.front(), loop.loop.from, loop.loop.to);
+  });
+  if (one == accepted_.end()) {
+    return change;
+  }
+  const std::vector<std::size_t> asked = confirming_nodes(graph, one->loop.to);
+  std::vector<Eigen::Isometry3d> hypotheses = {Eigen::Isometry3d::Identity()};
+  for (auto other = opposing_.rbegin(); other != opposing_.rend(); ++other) {
+    add_hypothesis(graph, *other, graph.index_of(one->loop.to), hypotheses);
+  }
+  const double odds =
+      least_log_odds(graph, Eigen::Isometry3d::Identity(), asked, std::span(hypotheses).subspan(1));
+  best_log_odds_ = odds;
+  built_alike_log_odds_ =
+      kMapped +
+      log_ratio_to_built_alike(through_across(graph, gaps_.front(), accepted_), aliases_.through);
+  if (odds < kClearLogOdds || is_built_alike()) {
+    undo_join(graph, gaps_.front(), odds, change);
+  }
+  return change;
 }
 
 // Votes that tie the session to the map count only if their place is clearly the likeliest. True:
@@ -267,7 +349,11 @@ bool LoopCloser::refuse_ambiguous_joins(const PoseGraph& graph, std::vector<Loop
   if (first == votes.size()) {
     return false;
   }
-  const double odds = least_log_odds(graph, joining_[first].loop);
+  const LoopHypothesis& loop = joining_[first].loop;
+  const double odds =
+      least_log_odds(graph, map_from_part(graph, loop), asked_nodes(graph, loop.to, kMostAsked),
+                     competing_hypotheses(graph, loop));
+  best_log_odds_ = std::max(best_log_odds_.value_or(odds), odds);
   ambiguous_ = odds < kClearLogOdds;
   if (!ambiguous_) {
     return false;

@@ -50,6 +50,9 @@ std::vector<LoopPlace> find_loop_places(const PoseGraph& graph, NodeId newest,
   std::vector<LoopPlace> places;
   bool in_stretch = false;
   for (std::size_t i = 0; i < known.size(); ++i) {
+    if (settings.earlier_alone && i >= settings.earlier_nodes) {
+      break;
+    }
     const Eigen::Isometry3d T_newest_node = T_map_newest.inverse() * graph.nodes()[i].T_map_node;
     const double distance = T_newest_node.translation().norm();
     if (i == self || !known[i] || distance > settings.max_distance ||
@@ -99,6 +102,7 @@ std::vector<LoopPlace> find_similar_places(const PoseGraph& graph, const PlaceIn
   std::vector<SimilarPlace> similar = index.similar();
   std::erase_if(similar, [&](const SimilarPlace& one) {
     return one.similarity < settings.least_similarity ||
+           (settings.earlier_alone && one.place >= settings.earlier_nodes) ||
            is_on_the_way(one.place, settings.min_path);
   });
   std::ranges::sort(similar, [](const SimilarPlace& a, const SimilarPlace& b) {

@@ -27,6 +27,7 @@ struct LoopSearchSettings {
   /// So many of the graph's first nodes belong to earlier sessions: nobody went on from there to
   /// the newest one, however short the path along edges is.
   std::size_t earlier_nodes = 0;
+  bool earlier_alone = false;  ///< places of other nodes are not looked for
 };
 
 /// A place that might have been seen before.
@@ -61,6 +62,7 @@ struct AppearanceSearchSettings {
   std::size_t most = 2;
   std::size_t apart = 5;          ///< nodes: nearer ones are the same place
   std::size_t earlier_nodes = 0;  ///< as of LoopSearchSettings
+  bool earlier_alone = false;     ///< the same
 };
 
 /// At most `most` places that look like the newest one, which the index knows by the numbers of the

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <string_view>
 #include <utility>
@@ -48,6 +49,10 @@ ThroughShares through_shares(std::span<const LoopCandidate> candidates) {
     shares.right = right;
   }
   return shares;
+}
+
+double log_density(double through, double mean) {
+  return -through / mean - std::log(mean);
 }
 
 }  // namespace
@@ -108,6 +113,28 @@ MapAliases map_aliases(const PoseGraph& graph, std::span<const LoopCandidate> ca
   std::ranges::stable_sort(aliases, std::greater<>(), &MapAlias::places);
   aliases.resize(std::min(aliases.size(), kMost));
   return {.all = std::move(aliases), .through = through_shares(candidates)};
+}
+
+double log_ratio_to_built_alike(std::span<const double> through, const ThroughShares& shares) {
+  constexpr int kSteps = 200;
+  double right = 0.0;
+  for (const double one : through) {
+    right += log_density(one, shares.right);
+  }
+  std::array<double, kSteps> sums{};  // of the log likelihood of being built alike
+  for (std::size_t step = 0; step < sums.size(); ++step) {
+    const double equal = (static_cast<double>(step) + 0.5) / kSteps;
+    for (const double one : through) {
+      sums[step] += std::log(equal * std::exp(log_density(one, shares.right)) +
+                             (1.0 - equal) * std::exp(log_density(one, shares.alike)));
+    }
+  }
+  const double highest = std::ranges::max(sums);
+  double mean = 0.0;
+  for (const double sum : sums) {
+    mean += std::exp(sum - highest) / kSteps;
+  }
+  return right - highest - std::log(mean);
 }
 
 }  // namespace adit

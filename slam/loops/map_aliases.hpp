@@ -59,4 +59,9 @@ struct MapAliases {
 /// directions each.
 MapAliases map_aliases(const PoseGraph& graph, std::span<const LoopCandidate> candidates);
 
+/// Natural logarithm of the likelihood of shares that are seen through at some places, if these are
+/// the same places as in another map, over that if they are only built alike: then an unknown part
+/// of them is equal in every detail. Any part is as likely, so that it is integrated out.
+double log_ratio_to_built_alike(std::span<const double> through, const ThroughShares& shares);
+
 }  // namespace adit

@@ -37,18 +37,18 @@ Matrix6d covariance_by_hand() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-LoopVerification verified(engine::Context& context, const Config& config, const MapStore& store,
-                          NodeId earlier, NodeId later, LoopQuestion question, double rms) {
-  const KeyframeSubmap from = decode(store.submap(earlier));
-  const KeyframeSubmap to = decode(store.submap(later));
-  question.from = &from;
-  // The configuration may leave lengths to the first sweep; submaps have theirs.
-  Config known = config;
-  if (known.preprocess.r_input == 0.0) {
-    known.preprocess.r_input = from.r_submap;
+// The configuration may leave lengths to the first sweep; submaps have theirs.
+Config with_lengths_of(Config config, const KeyframeSubmap& submap) {
+  if (config.preprocess.r_input == 0.0) {
+    config.preprocess.r_input = submap.r_submap;
   }
-  known = with_lengths(known, known.preprocess.r_input);
-  LoopVerifier verifier(context, known);
+  return with_lengths(config, config.preprocess.r_input);
+}
+
+LoopVerification verified(engine::Context& context, LoopVerifier& verifier,
+                          const KeyframeSubmap& from, const KeyframeSubmap& to,
+                          LoopQuestion question, double rms) {
+  question.from = &from;
   const SurfaceCloud cloud = make_surface_cloud(context, to);
   return verifier.verify(to, cloud, std::span(&question, 1), rms).front();
 }
@@ -65,13 +65,18 @@ double usual_rms(engine::Context& context, const Config& config, const MapStore&
     }
   }
   std::vector<double> rms;
+  std::optional<LoopVerifier> verifier;
   const std::size_t asked = std::min(ways.size(), kAsked);
   for (std::size_t i = 0; i < asked; ++i) {
     const PoseEdge& way = *ways[(2 * i + 1) * ways.size() / (2 * asked)];
     const LoopQuestion question{.T_from_to = way.T_from_to,
                                 .covariance = symmetric_inverse(way.information)};
+    const KeyframeSubmap from = decode(store.submap(way.from));
+    if (!verifier) {
+      verifier.emplace(context, with_lengths_of(config, from));
+    }
     const LoopVerification found =
-        verified(context, config, store, way.from, way.to, question, 0.0);
+        verified(context, *verifier, from, decode(store.submap(way.to)), question, 0.0);
     if (found.reason == LoopReason::poor_fit) {  // it is aligned, and held against nothing
       rms.push_back(found.rms);
     }
@@ -86,7 +91,9 @@ LoopVerification verify_by_hand(engine::Context& context, const Config& config,
   // A person is no more certain than that, whatever the graph says.
   question.covariance =
       loop.guess ? covariance_by_hand() : Matrix6d(question.covariance + covariance_by_hand());
-  return verified(context, config, store, loop.from, loop.to, question, usual);
+  const KeyframeSubmap from = decode(store.submap(loop.from));
+  LoopVerifier verifier(context, with_lengths_of(config, from));
+  return verified(context, verifier, from, decode(store.submap(loop.to)), question, usual);
 }
 
 }  // namespace adit

@@ -13,6 +13,7 @@
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_loops.hpp"
+#include "adit/tools/commands/command_merge.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_recover.hpp"
 
@@ -139,6 +140,13 @@ int optimized(OptimizeCommandOptions options, Dice& dice, std::ostream& told) {
   return optimize_command(options, told, told);
 }
 
+int merged(const fs::path& map, const fs::path& healthy, const fs::path& out,
+           engine::Context& context, std::ostream& told) {
+  MergeCommandOptions options{.maps = {map, healthy}, .output = out / "merged.adit", .quiet = true};
+  options.device.opened = &context;
+  return merge_command(options, told, told);
+}
+
 }  // namespace
 
 void write_healthy_map(const fs::path& folder) {
@@ -193,7 +201,7 @@ int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& fo
                 engine::Context& context, Dice& dice, std::ostream& told) {
   const fs::path out = folder / "out";
   fs::create_directories(out);
-  switch (dice.below(5)) {
+  switch (dice.below(6)) {
     case 0:
       return info(map, healthy, dice, told);
     case 1:
@@ -202,6 +210,8 @@ int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& fo
       return exported(map, out, context, dice, told);
     case 3:
       return optimized({.input = map}, dice, told);
+    case 4:
+      return merged(map, healthy, out, context, told);
     default:
       return recover_command({.map = map, .output = out / "recovered.adit"}, told, told);
   }

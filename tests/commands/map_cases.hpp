@@ -18,9 +18,9 @@ void write_healthy_map(const std::filesystem::path& folder);
 /// Puts a byte into one number of one row, as a disk may do: the database itself stays sound.
 void damage_row(const std::filesystem::path& map, Dice& dice);
 
-/// Calls info, check, loops, export, optimize or recover on `map`, which `healthy` was before it
-/// was damaged. What they write goes into `folder`/out. Returns the command's code, or one that
-/// none has where check calls a map whole that holds something else than the healthy one.
+/// Calls info, check, loops, export, optimize, merge or recover on `map`, which `healthy` was
+/// before it was damaged. What they write goes into `folder`/out. Returns the command's code, or
+/// one that none has where check calls a map whole that holds something else than the healthy one.
 int call_on_map(const std::filesystem::path& map, const std::filesystem::path& healthy,
                 const std::filesystem::path& folder, engine::Context& context, Dice& dice,
                 std::ostream& told);

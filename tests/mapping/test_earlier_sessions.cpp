@@ -91,6 +91,20 @@ TEST(MapAliases, AMapWhoseLoopsAreSeenThroughMoreIsHeldToThat) {
   EXPECT_EQ(map_aliases(two_floors(), loops).through.right, usual.right);
 }
 
+TEST(MapAliases, EqualWallsWithOtherThingsBetweenThemAreAnotherPlace) {
+  const ThroughShares shares;
+  EXPECT_NEAR(log_ratio_to_built_alike({}, shares), 0.0, 1e-12);
+  std::vector<double> same(40, 0.001);
+  same[7] = same[23] = 0.006;
+  EXPECT_GT(log_ratio_to_built_alike(same, shares), 2.0);
+  std::vector<double> alike(40, 0.001);  // most places have nothing that differs
+  for (std::size_t i = 0; i < alike.size(); i += 5) {
+    alike[i] = 0.014;
+  }
+  EXPECT_LT(log_ratio_to_built_alike(alike, shares), -4.0);
+  EXPECT_LT(log_ratio_to_built_alike(std::vector<double>(500, 0.9), shares), -1000.0);
+}
+
 TEST(SessionOverMap, TheMapStaysAndTheSessionHasWhatIsItsOwn) {
   test::TemporaryFolder folder;
   test::write_full_map(folder / "map.adit");

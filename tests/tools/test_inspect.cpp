@@ -35,7 +35,7 @@ using test::write;
 
 namespace fs = std::filesystem;
 
-constexpr Nanoseconds kBegin = MovingRig::kBegin;
+constexpr Nanoseconds kRigBegin = MovingRig::kBegin;
 
 InspectCommandOptions of(const fs::path& recording) {
   InspectCommandOptions options;
@@ -133,7 +133,7 @@ TEST(Inspect, ClockThatLeapsOnTheWay) {
   for (const int seconds : {37, -18}) {
     const auto spoil = [&](Recorded& event) {
       auto* imu = std::get_if<ImuSample>(&event.value);
-      if (imu != nullptr && event.received - kBegin > std::chrono::seconds(4)) {
+      if (imu != nullptr && event.received - kRigBegin > std::chrono::seconds(4)) {
         imu->stamp += std::chrono::seconds(seconds);
       }
     };
@@ -144,7 +144,7 @@ TEST(Inspect, ClockThatLeapsOnTheWay) {
 TEST(Inspect, ClockThatCountsFromTheStartOfTheSensor) {
   EXPECT_EQ(kinds_after([](Recorded& event) {
               if (auto* imu = std::get_if<ImuSample>(&event.value)) {
-                imu->stamp -= kBegin - std::chrono::seconds(12);
+                imu->stamp -= kRigBegin - std::chrono::seconds(12);
               }
             }),
             Kinds{"clock_offset /imu"});
@@ -190,7 +190,7 @@ TEST(Inspect, GapInTheImu) {
   const test::TemporaryFolder folder;
   std::vector<Recorded> events = clean_recording();
   std::erase_if(events, [](const Recorded& event) {
-    const Nanoseconds at = event.received - kBegin;
+    const Nanoseconds at = event.received - kRigBegin;
     return event.topic == "/imu" && at > std::chrono::milliseconds(2000) &&
            at < std::chrono::milliseconds(2200);
   });
@@ -216,7 +216,7 @@ TEST(Inspect, RepeatedMessagesAndThoseOutOfOrder) {
   EXPECT_EQ(kinds(write(folder, events)), Kinds{"repeated_stamps /imu"});
   events = clean_recording();
   const auto first = std::ranges::find_if(events, [](const Recorded& e) {
-    return e.received > kBegin + std::chrono::seconds(1) && e.topic == "/imu";
+    return e.received > kRigBegin + std::chrono::seconds(1) && e.topic == "/imu";
   });
   const auto second =
       std::find_if(first + 1, events.end(), [](const Recorded& e) { return e.topic == "/imu"; });
@@ -234,7 +234,7 @@ TEST(Inspect, FramesOfATransformTopicAreSeriesOfTheirOwn) {
   const test::TemporaryFolder folder;
   std::vector<Recorded> events = clean_recording();
   for (int i = 0; i < 300; ++i) {
-    const Nanoseconds at = kBegin + std::chrono::milliseconds(20 * i);
+    const Nanoseconds at = kRigBegin + std::chrono::milliseconds(20 * i);
     events.push_back(transform("base_link", at));
     events.push_back(transform("left_wheel", at));  // the same stamps
     if (i % 10 == 0) {
@@ -246,8 +246,8 @@ TEST(Inspect, FramesOfATransformTopicAreSeriesOfTheirOwn) {
   std::erase_if(events, [](const Recorded& event) {
     const auto* pose = std::get_if<ReferencePose>(&event.value);
     return pose != nullptr && pose->child == "base_link" &&
-           pose->stamp - kBegin > std::chrono::seconds(2) &&
-           pose->stamp - kBegin < std::chrono::seconds(3);
+           pose->stamp - kRigBegin > std::chrono::seconds(2) &&
+           pose->stamp - kRigBegin < std::chrono::seconds(3);
   });
   std::ostringstream out;
   std::ostringstream err;
@@ -261,7 +261,7 @@ TEST(Inspect, SimulatedTimeIsNoFaultOfASensor) {
   const test::TemporaryFolder folder;
   std::vector<Recorded> events = clean_recording();
   for (Recorded& event : events) {  // counts from the simulation's start, half as fast
-    const auto shift = [&](Nanoseconds& stamp) { stamp -= kBegin - std::chrono::seconds(12); };
+    const auto shift = [&](Nanoseconds& stamp) { stamp -= kRigBegin - std::chrono::seconds(12); };
     if (auto* sweep = std::get_if<Sweep>(&event.value)) {
       shift(sweep->stamp);
     } else if (auto* imu = std::get_if<ImuSample>(&event.value)) {
@@ -269,7 +269,7 @@ TEST(Inspect, SimulatedTimeIsNoFaultOfASensor) {
     } else if (auto* fix = std::get_if<GnssFix>(&event.value)) {
       shift(fix->stamp);
     }
-    event.received = kBegin + 2 * (event.received - kBegin);
+    event.received = kRigBegin + 2 * (event.received - kRigBegin);
   }
   const std::vector<std::string> without = kinds(write(folder, events));
   EXPECT_EQ(std::ranges::count(without, "clock_offset /imu"), 1);
@@ -334,7 +334,7 @@ TEST(Inspect, WhatCouldNotBeCheckedIsNamed) {
   };
   std::vector<Recorded> few;  // fewer sweeps than a comparison needs
   std::ranges::copy_if(clean_recording(), std::back_inserter(few), [](const Recorded& event) {
-    return event.received < kBegin + std::chrono::seconds(1);
+    return event.received < kRigBegin + std::chrono::seconds(1);
   });
   EXPECT_NE(said(few, false)
                 .find("\nno fault found; not checked: clock and mounting of /imu against "
@@ -343,7 +343,7 @@ TEST(Inspect, WhatCouldNotBeCheckedIsNamed) {
       << said(few, false);
   EXPECT_EQ(nlohmann::json::parse(said(few, true))["not_checked"].size(), 1U);
   std::erase_if(few, [](const Recorded& event) {
-    return event.topic == "/points" && event.received > kBegin + std::chrono::milliseconds(250);
+    return event.topic == "/points" && event.received > kRigBegin + std::chrono::milliseconds(250);
   });
   EXPECT_NE(said(few, false).find("gaps on /points (there are too few messages)"),
             std::string::npos)
@@ -367,11 +367,11 @@ TEST(Inspect, WhatCouldNotBeCheckedIsNamed) {
 TEST(TopicStatistics, MessagesOfOneMomentHaveNoRate) {
   TopicStatistics statistics;
   for (int i = 0; i < 3; ++i) {
-    statistics.add({.value = ImuSample{.stamp = kBegin + Nanoseconds(i)}});
+    statistics.add({.value = ImuSample{.stamp = kRigBegin + Nanoseconds(i)}});
   }
   EXPECT_EQ(statistics.rate(), 0.0);
   EXPECT_FALSE(statistics.lasts());
-  statistics.add({.value = ImuSample{.stamp = kBegin + std::chrono::seconds(3)}});
+  statistics.add({.value = ImuSample{.stamp = kRigBegin + std::chrono::seconds(3)}});
   EXPECT_NEAR(statistics.rate(), 1.0, 1e-9);
 }
 

@@ -30,6 +30,7 @@
 #include "adit/tools/commands/command_inspect.hpp"
 #include "adit/tools/commands/command_live.hpp"
 #include "adit/tools/commands/command_loops.hpp"
+#include "adit/tools/commands/command_merge.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_record.hpp"
 #include "adit/tools/commands/command_recover.hpp"
@@ -128,6 +129,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_export_command(app, done);
   add_loops_command(app, done);
   add_optimize_command(app, done);
+  add_merge_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
   add_generate_command(

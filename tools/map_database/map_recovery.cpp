@@ -2,12 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/map_database/map_recovery.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -19,6 +14,7 @@
 #include "adit/tools/map_database/id_ranges.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_database/map_salvage.hpp"
+#include "adit/tools/map_database/unfinished_map.hpp"
 #include "adit/tools/map_database/writer_lock.hpp"
 
 namespace adit {
@@ -31,72 +27,6 @@ constexpr const char* kStandIn = "recovered";
 
 constexpr const char* kNothing =
     "Nothing can be recovered: take an older copy, or map the recording again";
-
-/// The new map while it is being written, and the rows that were found, beside it. What an earlier
-/// recovery has left there goes, and so does all of it where it does not come to an end.
-class UnfinishedMap {
- public:
-  explicit UnfinishedMap(const fs::path& whole)
-      : lock_(whole),
-        whole_(whole),
-        part_(whole.string() + ".part"),
-        rows_(part_.string() + ".rows") {
-    remove_all();
-  }
-  ~UnfinishedMap() { remove_all(); }
-  UnfinishedMap(const UnfinishedMap&) = delete;
-  UnfinishedMap& operator=(const UnfinishedMap&) = delete;
-
-  const fs::path& part() const { return part_; }
-  const fs::path& rows() const { return rows_; }
-
-  /// Nobody may have it open any more. Throws OutputError.
-  void take_its_place() const {
-    std::error_code error;
-    const auto log = fs::file_size(part_.string() + "-wal", error);
-    if (!error && log > 0) {
-      throw OutputError(part_, part_.string() + ": its log could not be written into it.");
-    }
-    synchronize(part_, O_RDWR);
-    if (fs::exists(whole_, error)) {
-      throw OutputError(whole_, whole_.string() + ": somebody else has made it meanwhile.");
-    }
-    fs::rename(part_, whole_, error);
-    if (error) {
-      throw OutputError(whole_, whole_.string() + ": cannot be written: " + error.message() + ".");
-    }
-    const fs::path folder = fs::absolute(whole_).parent_path();
-    synchronize(folder, O_RDONLY | O_DIRECTORY);
-  }
-
- private:
-  void remove_all() const {
-    std::error_code ignored;
-    for (const fs::path& file : {part_, rows_}) {
-      for (const char* suffix : {"", "-wal", "-shm", "-journal", ".lock"}) {
-        fs::remove(file.string() + suffix, ignored);
-      }
-    }
-  }
-
-  static void synchronize(const fs::path& file, int flags) {
-    const int descriptor = ::open(file.c_str(), flags | O_CLOEXEC);
-    const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
-    const int reason = errno;
-    if (descriptor >= 0) {
-      ::close(descriptor);
-    }
-    if (!done) {
-      throw OutputError(file,
-                        file.string() + ": cannot be written: " + std::strerror(reason) + ".");
-    }
-  }
-
-  WriterLock lock_;
-  fs::path whole_;
-  fs::path part_;
-  fs::path rows_;
-};
 
 /// Throws LockedError where the map has a writer, whose pages change while they are read.
 void require_no_writer(const fs::path& map) {
