@@ -27,7 +27,7 @@ struct SensorPort {
   const char* sensors;
 };
 
-// By their manuals: where a sensor sends to unless it is told otherwise.
+// Where sensors send to by default, after their manuals.
 constexpr std::array kPorts = {SensorPort{2368, "Velodyne, Hesai"}, SensorPort{7502, "Ouster"},
                                SensorPort{56301, "Livox"}};
 
