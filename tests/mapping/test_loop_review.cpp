@@ -124,6 +124,34 @@ TEST_F(LoopReview, WhatWasTakenBackComesInAgainOnceTheGraphIsWhereItHasIt) {
   EXPECT_EQ(closer_.report().refused[static_cast<std::size_t>(LoopReason::review)], 3U);
 }
 
+// Out and back: the odometry is right, so that the loops say what the graph has already.
+TEST_F(LoopReview, LoopsThatTheGraphFitsWaitForOneOptimisationTogether) {
+  constexpr NodeId kTurn = 100;
+  for (NodeId id = 0; id < kTurn; ++id) {
+    go(step(1.0));
+  }
+  go(step(0.0, std::numbers::pi));
+  std::size_t when_few = 0;
+  for (NodeId back = 1; back < kTurn; ++back) {
+    go(step(1.0));
+    if (back > 5) {
+      take_effect(kTurn + back, {found(kTurn - 1 - back, kTurn + back, aside(0.0), 0.03)});
+    }
+    when_few = active_loops() <= 10 ? closer_.report().optimizations : when_few;
+  }
+  EXPECT_GE(when_few, 5U) << "the first ones do not wait";
+  const std::size_t before = closer_.report().optimizations;
+  EXPECT_LT(before, active_loops() / 2);
+  EXPECT_GT(before, when_few);
+  note(closer_.finish(graph_));
+  EXPECT_EQ(active_loops(), static_cast<std::size_t>(kTurn - 6));
+  EXPECT_GT(closer_.report().optimizations, before) << "what waits at the end is not left out";
+  for (const auto& [id, record] : records_) {
+    EXPECT_EQ(record.verdict, CandidateVerdict::accepted) << id;
+    EXPECT_LT(record.chi2, 1.0) << id;
+  }
+}
+
 // A corridor, left and come back to twice, each time with the odometry begun anew.
 TEST_F(LoopReview, ThePartThatTheMapBeginsWithStaysWhereItIs) {
   constexpr NodeId kLong = 15;

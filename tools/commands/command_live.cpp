@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <unistd.h>
+
 #include "adit/tools/cli/command_guard.hpp"
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/cli/json_log.hpp"
@@ -21,6 +23,7 @@
 #include "adit/tools/live/topic_source.hpp"
 #include "adit/tools/live/udp_receiver.hpp"
 #include "adit/tools/run/run_view.hpp"
+#include "adit/tools/support/color.hpp"
 #include "adit/tools/support/stop_signal.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -69,7 +72,8 @@ int live(LiveOptions options, std::ostream& out, std::ostream& err) {
   const bool is_recording = std::ranges::none_of(options.sources, [](const std::string& source) {
     return is_topic_source(source) || udp_endpoint(source).has_value();
   });
-  const StopSignal stop(is_recording);
+  // On a terminal a hang-up is its end, and so that of the run.
+  const StopSignal stop(is_recording || surroundings_of(STDERR_FILENO).terminal);
   if (options.lists || options.sources.empty()) {
     return list_sources(std::min(options.wait_s, kLongestLook), out);
   }
