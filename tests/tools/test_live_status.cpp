@@ -114,6 +114,7 @@ TEST(SourceChanges, SilenceReturnAndLossesAreReportedOnce) {
   EXPECT_EQ(after(1.0), std::vector<std::string>{"3 messages of /imu were lost on the way"});
   sources[0].lost = 5;
   EXPECT_TRUE(after(1.0).empty());
+  sources[0].messages = 3;
   sources[0].incompatible = 1;
   ASSERT_EQ(after(1.0).size(), 1U);
   EXPECT_TRUE(after(1.0).empty());
