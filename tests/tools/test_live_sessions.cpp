@@ -19,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Until the first of two recordings no longer gets what arrives (LiveSessions: 0.3 s).
 constexpr auto kLongerThanBoth = std::chrono::milliseconds(350);
 
 std::vector<std::byte> bytes_of(uint8_t value) {
@@ -143,6 +144,7 @@ TEST_F(LiveSessionsTest, AFailureOfTheDeviceBeginsTheNextSessionOnlyBehindASweep
   EXPECT_EQ(placed, 1U);
   EXPECT_EQ(ended, 3U);
   sessions.finish();
+  EXPECT_FALSE(sessions.is_about_to_begin()) << "nothing arrives any more that could begin it";
 }
 
 TEST_F(LiveSessionsTest, LatchedMessagesAreInEachRecording) {

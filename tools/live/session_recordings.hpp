@@ -72,7 +72,7 @@ class LiveSessions {
   /// It was asked for, and the receiver begins it.
   bool is_about_to_begin() const {
     const std::scoped_lock lock(mutex_);
-    return wanted() > seen_;
+    return !ended_ && wanted() > seen_;
   }
 
  protected:
@@ -101,6 +101,8 @@ class LiveSessions {
     }
   }
 
+  /// Nothing arrives any more, and no session begins. The mutex is held.
+  void end() { ended_ = true; }
   /// The mutex is held.
   void for_each_open(const auto& act) {
     for (std::size_t i = first_open_; i < sessions_.size(); ++i) {
@@ -127,6 +129,7 @@ class LiveSessions {
   std::function<void(const std::string&)> complain_;
   std::atomic<std::size_t> requests_ = 0;
   std::size_t seen_ = static_cast<std::size_t>(StopSignal::hang_ups());
+  bool ended_ = false;
   std::size_t first_open_ = 0;  ///< of the sessions, the first whose recording is written
 };
 
@@ -145,6 +148,7 @@ class PacketSessions final : public LiveSessions<PacketRecorder>, public PacketS
   }
   void finish() override {
     const std::scoped_lock lock(mutex_);
+    end();
     for_each_open([](PacketRecorder& recorder) { recorder.finish(); });
   }
 };
@@ -175,10 +179,12 @@ class MessageSessions final : public LiveSessions<MessageRecorder>, public Messa
   }
   void finish() override {
     const std::scoped_lock lock(mutex_);
+    end();
     for_each_open([](MessageRecorder& recorder) { recorder.finish(); });
   }
   void abandon() override {
     const std::scoped_lock lock(mutex_);
+    end();
     for_each_open([](MessageRecorder& recorder) { recorder.abandon(); });
   }
 
