@@ -39,8 +39,7 @@ std::string json_log_line(const std::string& line, const std::string& time) {
   std::string message = line;
   std::string level = "info";
   take_prefix(message, "note: ");
-  if (take_prefix(message, "adit live: ") || take_prefix(message, "adit run: ") ||
-      take_prefix(message, "adit record: ")) {
+  if (take_prefix(message, "adit live: ") || take_prefix(message, "adit run: ")) {
     level = "error";
   }
   if (take_prefix(message, "warning: ")) {

@@ -15,11 +15,6 @@ constexpr double kVoxel = 0.2;                  // m, of the cloud at first
 constexpr std::size_t kMostPoints = 1'000'000;  // of the cloud: a message of 16 MB
 constexpr double kReach = 20.0;                 // m: by so far a turn moves what is seen
 
-bool is_elsewhere(const Eigen::Isometry3d& now, const Eigen::Isometry3d& before) {
-  return (now.translation() - before.translation()).norm() > 1e-4 ||
-         (now.linear() - before.linear()).norm() > 1e-6;
-}
-
 }  // namespace
 
 LiveMap::LiveMap() : voxel_(kVoxel), thinning_(kVoxel), grid_(OccupancyGridConfig{}) {}
@@ -48,7 +43,7 @@ LiveMapChange LiveMap::read(const std::filesystem::path& map, const std::functio
   }
   change.keyframes =
       !std::ranges::equal(keyframes, keyframes_, [](const auto& now, const auto& before) {
-        return now.stamp == before.stamp && !is_elsewhere(now.T_map_lidar, before.T_map_lidar);
+        return now.stamp == before.stamp && now.T_map_lidar.matrix() == before.T_map_lidar.matrix();
       });
   keyframes_ = std::move(keyframes);
   return change;

@@ -38,8 +38,8 @@ class LiveMap {
  public:
   LiveMap();
 
-  /// Reads what is new. `stop` is asked between keyframes; what is left then is read by the next
-  /// call. Throws InputError and OutputError where the database cannot be read.
+  /// Reads what is new. `stop` is called between keyframes; after true, the rest is read by the
+  /// next call. Throws InputError and OutputError where the database cannot be read.
   LiveMapChange read(const std::filesystem::path& map, const std::function<bool()>& stop);
 
   const std::vector<LiveKeyframe>& keyframes() const { return keyframes_; }
