@@ -180,7 +180,7 @@ def check_sessions(adit, folder):
         try:
             begin_next_session(process, out, next_out)
             code, health = asked(status, "health")
-            time.sleep(3)
+            time.sleep(3)  # the next session begins with two seconds of its sensors
             metrics = asked(status, "metrics")[1]
             elsewhere = asked(status, "elsewhere")[0]
         finally:
@@ -299,8 +299,10 @@ def check_list(adit):
             sender.sendto(packet, ("127.0.0.1", 2368))
             time.sleep(1 / 754)
         out, _ = process.communicate()
-    listens_elsewhere = "another program listens there" in out
-    expect(listens_elsewhere or "map it: adit live udp://0.0.0.0:2368 -o out" in out, f"list: {out}")
+    if "port 2368 (Velodyne, Hesai): another program listens there" in out:
+        print("live: port 2368 is taken; that packets are listed is not tested")
+        return
+    expect("map it: adit live udp://0.0.0.0:2368 -o out" in out, f"list: {out}")
 
 
 def check_silence(adit, folder):

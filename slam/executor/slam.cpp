@@ -20,7 +20,8 @@
 namespace adit {
 namespace {
 
-// The points of more sweeps that wait for the map are let go; it needs their down-sampled clouds.
+// Some seconds of a sensor. The points of more sweeps that wait for the map are released; it needs
+// their down-sampled clouds.
 constexpr std::size_t kMostWithPoints = 64;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
