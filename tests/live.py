@@ -53,12 +53,13 @@ def vlp16_packets(sweeps=SWEEPS):
     return packets
 
 
-def payloads(file):
-    """UDP payloads of a recording."""
+def payloads(file, port):
+    """UDP payloads of a recording that were sent to a port."""
     data, at, found = file.read_bytes(), 24, []
     while at < len(data):
         size = struct.unpack_from("<I", data, at + 8)[0]
-        found.append(data[at + 16 + 28:at + 16 + size])
+        if struct.unpack_from(">H", data, at + 16 + 22)[0] == port:
+            found.append(data[at + 16 + 28:at + 16 + size])
         at += 16 + size
     return found
 
@@ -116,10 +117,12 @@ def send(sender, port, packets):
 
 
 def check_sensor(adit, folder):
+    """Packets, and the fixes of a gpsd."""
     out, port, packets = folder / "live", free_port(), vlp16_packets()
-    command = [adit, "live", f"udp://127.0.0.1:{port}", "-o", out, "--wait", "60"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process, \
-            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender, \
+            subprocess.Popen([adit, "live", f"udp://127.0.0.1:{port}", gpsd_of(server), "-o", out, "--wait", "60"],
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        threading.Thread(target=serve_gpsd, args=[server], daemon=True).start()
         wait_until_it_listens(process)
         bad = send(sender, port, packets)
         wait_for_file(process, out / "map.adit")  # the job has begun
@@ -127,16 +130,38 @@ def check_sensor(adit, folder):
         _, err = process.communicate()
         expect(process.returncode == 0, f"exit code {process.returncode}\n{err}")
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    live, recorded = summary["live"], payloads(out / "recording.pcap")
+    live, recorded = summary["live"], payloads(out / "recording.pcap", port)
     rest = iter(packets)
     expect(all(one in rest for one in recorded), "the recording is not what was sent, in its order")
     missing = len(packets) - len(recorded) + bad - live["unknown_datagrams"]
     expect(0 <= missing <= live["lost_datagrams"], f"{missing} datagrams are unaccounted for: {live}")
     expect(live["sweeps"] > SWEEPS // 2, f"the latency of too few sweeps is known: {live}")
     expect("verdict" in summary, "there is no verdict")
+    expect(summary["map"]["gnss"]["fixes"] >= 5, f"fixes of the gpsd are not used: {summary['map']}")
     run(adit, "check", out / "map.adit")
     run(adit, "run", out / "recording.pcap", "-o", folder / "again", "--quiet")
     same_files(out, folder / "again")
+
+
+def gpsd_of(server):
+    return f"gpsd://127.0.0.1:{server.getsockname()[1]}"
+
+
+def serve_gpsd(server):
+    """One client of a gpsd: garbage, then ten fixes a second, at the times of vlp16_packets()."""
+    client, _ = server.accept()
+    with client:
+        expect(b"?WATCH=" in client.recv(100), "gpsd is not asked for reports")
+        client.sendall(b'{"class":"VERSION"}\n\x00\xff{{{\n')
+        try:
+            hour = 3600 * round(time.time() / 3600)
+            for number in range(100):
+                stamp = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(hour + number // 10))
+                client.sendall(b'{"class":"TPV","mode":3,"time":"%s.%dZ","lat":49.1,"lon":8.4,"altHAE":%d}\n' %
+                               (stamp.encode(), number % 10, number))
+                time.sleep(0.1)
+        except OSError:
+            pass  # it has ended
 
 
 def asked(port, path):
@@ -258,27 +283,12 @@ def check_record(adit, peer, folder):
     expect(sweeps == counts["sent", "/points"], f"{sweeps} sweeps of {counts}")
 
 
-def serve_gpsd(server):
-    """One client of a gpsd: garbage, then ten fixes a second."""
-    client, _ = server.accept()
-    with client:
-        expect(b"?WATCH=" in client.recv(100), "gpsd is not asked for reports")
-        client.sendall(b'{"class":"VERSION"}\n\x00\xff{{{\n')
-        try:
-            for number in range(100):
-                client.sendall(b'{"class":"TPV","mode":3,"lat":49.1,"lon":8.4,"altHAE":%d}\n' % number)
-                time.sleep(0.1)
-        except OSError:
-            pass  # it has ended
-
-
 def check_gpsd(adit, peer, folder):
     with socket.create_server(("127.0.0.1", 0)) as server, \
             subprocess.Popen([peer, folder / "topics.mcap", "2"], stdout=subprocess.PIPE, text=True) as other:
         threading.Thread(target=serve_gpsd, args=[server], daemon=True).start()
         expect(other.stdout.readline() == "ready\n", "the other side does not begin")
-        gpsd = f"gpsd://127.0.0.1:{server.getsockname()[1]}"
-        run(adit, "record", "ros2", gpsd, "-o", folder / "gpsd.mcap", "--duration", "4", "--quiet")
+        run(adit, "record", "ros2", gpsd_of(server), "-o", folder / "gpsd.mcap", "--duration", "4", "--quiet")
         other.kill()
     done = subprocess.run([adit, "inspect", folder / "gpsd.mcap", "--json"], capture_output=True, text=True, check=False)
     topics = {topic["name"]: topic for topic in json.loads(done.stdout)["topics"]}

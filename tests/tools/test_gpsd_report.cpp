@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/live/gpsd_report.hpp"
+#include "adit/tools/packets/gpsd_report.hpp"
 
 #include <chrono>
 #include <random>
@@ -21,15 +21,15 @@ TEST(GpsdReport, FixHasPositionTimeAndDeviations) {
   GpsdReports reports;
   const auto fix = reports.take(kTpv, kReceived);
   ASSERT_TRUE(fix);
-  EXPECT_EQ(fix->header.stamp, std::chrono::milliseconds(1795947630500));
+  EXPECT_EQ(fix->stamp, std::chrono::milliseconds(1795947630500));
   EXPECT_EQ(fix->latitude, 49.1);
   EXPECT_EQ(fix->longitude, 8.4);
   EXPECT_EQ(fix->altitude, 163.5);
-  EXPECT_EQ(fix->status, 2);
-  EXPECT_EQ(fix->position_covariance_type, 2);
-  EXPECT_NEAR(fix->position_covariance[0], 1.0, 1e-12);
-  EXPECT_NEAR(fix->position_covariance[4], 4.0, 1e-12);
-  EXPECT_NEAR(fix->position_covariance[8], 9.0, 1e-12);
+  EXPECT_EQ(fix->kind, GnssFixKind::ground_augmented);
+  ASSERT_TRUE(fix->covariance);
+  EXPECT_NEAR((*fix->covariance)(0, 0), 1.0, 1e-12);
+  EXPECT_NEAR((*fix->covariance)(1, 1), 4.0, 1e-12);
+  EXPECT_NEAR((*fix->covariance)(2, 2), 9.0, 1e-12);
 }
 
 TEST(GpsdReport, DeviationsOfTheSameTimeWin) {
@@ -39,9 +39,9 @@ TEST(GpsdReport, DeviationsOfTheSameTimeWin) {
   EXPECT_FALSE(reports.take(gst, kReceived));
   const auto fix = reports.take(kTpv, kReceived);
   ASSERT_TRUE(fix);
-  EXPECT_NEAR(fix->position_covariance[0], 1e-4, 1e-12);
-  EXPECT_NEAR(fix->position_covariance[4], 4e-4, 1e-12);
-  EXPECT_NEAR(fix->position_covariance[8], 9e-4, 1e-12);
+  EXPECT_NEAR((*fix->covariance)(0, 0), 1e-4, 1e-12);
+  EXPECT_NEAR((*fix->covariance)(1, 1), 4e-4, 1e-12);
+  EXPECT_NEAR((*fix->covariance)(2, 2), 9e-4, 1e-12);
 }
 
 TEST(GpsdReport, WhatIsNoFixIsPassedOver) {
@@ -56,8 +56,8 @@ TEST(GpsdReport, WhatIsNoFixIsPassedOver) {
   const auto fix = reports.take(
       R"({"class":"TPV","mode":3,"time":"soon","lat":1,"lon":2,"altHAE":3})", kReceived);
   ASSERT_TRUE(fix);
-  EXPECT_EQ(fix->header.stamp, kReceived);
-  EXPECT_EQ(fix->position_covariance_type, 0);
+  EXPECT_EQ(fix->stamp, kReceived);
+  EXPECT_FALSE(fix->covariance);
 }
 
 TEST(GpsdReport, SurvivesDamage) {

@@ -16,6 +16,7 @@
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/cli/json_log.hpp"
 #include "adit/tools/cli/shared_options.hpp"
+#include "adit/tools/live/gpsd_receiver.hpp"
 #include "adit/tools/live/paced_source.hpp"
 #include "adit/tools/live/packet_source.hpp"
 #include "adit/tools/live/source_list.hpp"
@@ -38,7 +39,7 @@ constexpr const char* kShortWait = "imu.wait=0.02";
 
 using MapSource = std::function<int(const LiveOptions&, RunView*)>;
 
-/// How the sources are mapped, which are of one kind.
+/// How the sources are mapped, which are of one kind; a gpsd may be beside them.
 MapSource source_of(const std::vector<std::string>& sources, std::ostream& out, std::ostream& err) {
   std::vector<UdpEndpoint> endpoints;
   for (const std::string& source : sources) {
@@ -46,8 +47,9 @@ MapSource source_of(const std::vector<std::string>& sources, std::ostream& out, 
       endpoints.push_back(*endpoint);
     }
   }
+  const std::size_t receivers = gpsd_among(sources) ? 1 : 0;
   const auto topics = static_cast<std::size_t>(std::ranges::count_if(sources, is_topic_source));
-  if (!endpoints.empty() && endpoints.size() == sources.size()) {
+  if (!endpoints.empty() && endpoints.size() + receivers == sources.size()) {
     return [endpoints, &out, &err](const LiveOptions& options, RunView* view) {
       return map_packets(options, endpoints, view, out, err);
     };
@@ -111,7 +113,8 @@ void add_live_command(Command app, std::function<void(int)> done) {
   command.footer(
       "SOURCE is udp://ADDRESS:PORT, where a sensor's packets arrive (Velodyne, Hesai, Livox; "
       "Ouster with\n--metadata), several of one sensor; `ros2` for all ROS 2 topics that adit "
-      "reads, or their names; or a\nrecording, which is played at its own pace.\n"
+      "reads, or their names; or a\nrecording, which is played at its own pace. `gpsd://HOST` adds "
+      "the fixes of a GNSS receiver\nto packets or topics.\n"
       "OUT gets what `adit run` writes, and recording.pcap or recording.mcap, of which `adit run` "
       "makes the same\nmap. SIGHUP ends the session and begins the next one, in OUT-2, while the "
       "sensors go on; on a\nterminal it ends the run. Without SOURCE, what arrives is listed.\n\n"
@@ -120,6 +123,7 @@ void add_live_command(Command app, std::function<void(int)> done) {
       "  adit live udp://0.0.0.0:7502 udp://0.0.0.0:7503 --metadata os1.json -o out\n"
       "  adit live ros2 -o out\n"
       "  adit live /points /imu gpsd://localhost -o out\n"
+      "  adit live udp://0.0.0.0:2368 gpsd://localhost -o out\n"
       "  adit live drive.mcap --speed 2 -o out\n"
       "  adit live ros2 --map site -o out        localise in an earlier map\n\n"
       "Exit codes: 0 done, also after Ctrl-C or SIGTERM; 1 failed, or nothing arrived; 2 usage.");
@@ -167,7 +171,7 @@ void add_live_command(Command app, std::function<void(int)> done) {
       .value_name("N");
   command.flag(
       "--no-record", [options] { options->record = false; },
-      "Remove OUT/recording.pcap or .mcap at the end");
+      "Keep no recording: what arrives is on the disk until it is mapped");
   command.flag("--view", options->run.view, "Show the run in a browser as it goes on");
   add_serve_options(command, options->run.serve, "With --view: ");
   command.flag("--json", options->run.json, "Print summary.json instead of the table");

@@ -2,18 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/live/gpsd_receiver.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <exception>
-#include <string_view>
+#include <span>
 #include <utility>
 
+#include <fmt/core.h>
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "adit/tools/live/gpsd_report.hpp"
 #include "adit/tools/live/live_timer.hpp"
 #include "adit/tools/live/topic_choice.hpp"
 #include "adit/tools/recordings/ros_visit.hpp"
@@ -23,11 +24,9 @@
 namespace adit {
 namespace {
 
-constexpr const char* kGpsdPort = "2947";
-constexpr std::string_view kWatch = "?WATCH={\"enable\":true,\"json\":true};\n";
 constexpr auto kConnectEvery = std::chrono::seconds(1);
 constexpr int kPollMs = 50;
-constexpr std::size_t kLongestLine = 65536;  // bytes; gpsd's are at most 10240
+constexpr std::size_t kLongestLine = 16384;  // bytes; gpsd's are at most 10240
 
 /// A descriptor, or -1.
 int connect_to(const GpsdEndpoint& endpoint) {
@@ -54,6 +53,31 @@ Nanoseconds now() {
       std::chrono::system_clock::now().time_since_epoch());
 }
 
+ros::NavSatFix message_of(const GnssFix& fix) {
+  ros::NavSatFix message;
+  message.header.stamp = fix.stamp;
+  message.header.frame = "gnss";
+  message.status = fix.kind == GnssFixKind::ground_augmented ? 2 : 0;
+  message.latitude = fix.latitude;
+  message.longitude = fix.longitude;
+  message.altitude = fix.altitude;
+  if (fix.covariance) {
+    std::ranges::copy(fix.covariance->reshaped(), message.position_covariance.begin());
+    message.position_covariance_type = 2;  // its diagonal is known
+  }
+  return message;
+}
+
+ReceivedDatagram datagram_of(std::string_view line, Nanoseconds received) {
+  constexpr uint32_t kThisMachine = 0x7f000001;  // 127.0.0.1
+  return {.received = received,
+          .sender = kThisMachine,
+          .receiver = kThisMachine,
+          .sender_port = kGpsdPort,
+          .receiver_port = kGpsdPort,
+          .payload = std::as_bytes(std::span(line))};
+}
+
 bool goes_on(const std::stop_token& stop) {
   return !stop.stop_requested() && StopSignal::received() == 0;
 }
@@ -67,8 +91,9 @@ std::optional<GpsdEndpoint> gpsd_endpoint(const std::string& source) {
   }
   const std::string rest = source.substr(kScheme.size());
   const std::size_t colon = rest.rfind(':');
-  GpsdEndpoint endpoint{.host = rest.substr(0, colon),
-                        .port = colon == std::string::npos ? kGpsdPort : rest.substr(colon + 1)};
+  GpsdEndpoint endpoint{
+      .host = rest.substr(0, colon),
+      .port = colon == std::string::npos ? std::to_string(kGpsdPort) : rest.substr(colon + 1)};
   if (endpoint.host.empty() || endpoint.port.empty()) {
     throw UsageError(source + ": must be gpsd://HOST or gpsd://HOST:PORT.");
   }
@@ -76,20 +101,53 @@ std::optional<GpsdEndpoint> gpsd_endpoint(const std::string& source) {
 }
 
 std::optional<GpsdEndpoint> gpsd_among(const std::vector<std::string>& sources) {
+  std::optional<GpsdEndpoint> found;
   for (const std::string& source : sources) {
     if (auto endpoint = gpsd_endpoint(source)) {
-      return endpoint;
+      if (found) {
+        throw UsageError(source + ": is a second gpsd. Name one.");
+      }
+      found = std::move(endpoint);
     }
   }
-  return std::nullopt;
+  return found;
 }
 
 Channel gpsd_channel() {
   return channel_of({.name = "/gpsd/fix", .type = std::string(ros::NavSatFix::kType)});
 }
 
-GpsdReceiver::GpsdReceiver(GpsdEndpoint endpoint, MessageSink& sink, std::size_t channel)
-    : endpoint_(std::move(endpoint)), sink_(sink), channel_(channel) {
+GpsdSink fixes_to_messages(MessageSink& sink, std::size_t channel) {
+  return [&sink, channel, reports = GpsdReports()](std::string_view line,
+                                                   Nanoseconds received) mutable {
+    const std::optional<GnssFix> fix = reports.take(line, received);
+    if (fix) {
+      sink.write(channel, received, ros::encode(Encoding::cdr, message_of(*fix)));
+    }
+    return fix.has_value();
+  };
+}
+
+void begin_gpsd(PacketSink& sink) {
+  sink.add(datagram_of(kGpsdRequest, now()));
+}
+
+GpsdSink fixes_to_packets(PacketSink& sink) {
+  return [&sink, reports = GpsdReports()](std::string_view line, Nanoseconds received) mutable {
+    if (is_gpsd_report(line)) {
+      sink.add(datagram_of(line, received));
+    }
+    return reports.take(line, received).has_value();
+  };
+}
+
+std::string GpsdReceiver::text() const {
+  return fmt::format("gpsd://{}:{}: {}, {} fixes", endpoint_.host, endpoint_.port,
+                     connected_ ? "connected" : "not connected", fixes_.load());
+}
+
+GpsdReceiver::GpsdReceiver(GpsdEndpoint endpoint, GpsdSink sink)
+    : endpoint_(std::move(endpoint)), sink_(std::move(sink)) {
   thread_ = std::jthread([this](const std::stop_token& stop) { receive(stop); });
 }
 
@@ -119,10 +177,9 @@ void GpsdReceiver::receive(const std::stop_token& stop) {
 }
 
 void GpsdReceiver::read_from(int descriptor, const std::stop_token& stop) {
-  if (::send(descriptor, kWatch.data(), kWatch.size(), MSG_NOSIGNAL) < 0) {
+  if (::send(descriptor, kGpsdRequest.data(), kGpsdRequest.size(), MSG_NOSIGNAL) < 0) {
     return;
   }
-  GpsdReports reports;
   std::string line;
   std::array<char, 4096> buffer{};
   while (goes_on(stop)) {
@@ -142,11 +199,8 @@ void GpsdReceiver::read_from(int descriptor, const std::stop_token& stop) {
         }
         continue;
       }
-      const Nanoseconds received = now();
-      if (const auto fix = reports.take(line, received)) {
-        sink_.write(channel_, received, ros::encode(Encoding::cdr, *fix));
-        ++fixes_;
-      }
+      bytes_ += line.size();
+      fixes_ += sink_(line, now()) ? 1U : 0U;
       line.clear();
     }
   }

@@ -28,7 +28,8 @@ class GrowingStream final : public EventStream {
       : recorder_(&recorder),
         file_(recorder.path(), std::ios::binary),
         packets_(sensor, true),
-        selection_(std::move(selection)) {
+        selection_(std::move(selection)),
+        reader_(recorder.reserve(), at_) {
     file_.seekg(static_cast<std::streamoff>(kFileHeader));
     if (!file_) {
       throw InputError(recorder.path(), {}, "it cannot be read", "Is it being removed?");
@@ -60,6 +61,11 @@ class GrowingStream final : public EventStream {
  private:
   /// Waits until the next packet is written; nothing at the end.
   std::optional<CapturedPacket> next_packet() {
+    file_.clear();
+    if (const uint64_t next = reader_.read(at_); next != at_) {
+      at_ = next;  // beyond what the disk has no room for
+      file_.seekg(static_cast<std::streamoff>(at_));
+    }
     if (!wait_for_growth(*recorder_, at_)) {
       return std::nullopt;
     }
@@ -94,6 +100,7 @@ class GrowingStream final : public EventStream {
   EventSelection selection_;
   std::vector<std::byte> packet_;
   uint64_t at_ = kFileHeader;
+  DiskReserve::Reader reader_;
   bool ended_ = false;
   std::deque<Event> ready_;
 };

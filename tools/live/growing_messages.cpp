@@ -33,7 +33,8 @@ class GrowingMessageStream final : public MessageStream {
         end_(end),
         selection_(std::move(selection)),
         at_(std::max(selection_.from, recorder.begin())),
-        file_(recorder.path(), std::ios::binary) {
+        file_(recorder.path(), std::ios::binary),
+        reader_(recorder.reserve(), at_) {
     file_.seekg(static_cast<std::streamoff>(at_));
     if (!file_) {
       throw InputError(recorder.path(), {}, "it cannot be read", "Is it being removed?");
@@ -55,10 +56,21 @@ class GrowingMessageStream final : public MessageStream {
 
  private:
   /// Whether there is another one, now or later.
-  bool wait_for_record() const { return end_ ? at_ < *end_ : wait_for_growth(*recorder_, at_); }
+  bool wait_for_record() {
+    go_on();
+    return end_ ? at_ < *end_ : wait_for_growth(*recorder_, at_);
+  }
+
+  /// Behind what has been read, and beyond what the disk has no room for.
+  void go_on() {
+    file_.clear();
+    if (const uint64_t next = reader_.read(at_); next != at_) {
+      at_ = next;
+      file_.seekg(static_cast<std::streamoff>(at_));
+    }
+  }
 
   RawMessage read_record(uint64_t offset) {
-    file_.clear();
     std::array<std::byte, kRecordHead + kMessageHead> head{};
     file_.read(reinterpret_cast<char*>(head.data()), head.size());
     const auto length = number_at<uint64_t>(head.data() + 1);
@@ -88,6 +100,7 @@ class GrowingMessageStream final : public MessageStream {
   MessageSelection selection_;
   uint64_t at_;
   std::ifstream file_;
+  DiskReserve::Reader reader_;
   std::vector<std::byte> bytes_;
 };
 

@@ -34,6 +34,7 @@ void MessageRecorder::write(std::size_t channel, Nanoseconds received,
   }
   writer_->write(channel, received, bytes);
   committed_ = writer_->flush();
+  reserve_->written(committed_);
 }
 
 void MessageRecorder::finish() {

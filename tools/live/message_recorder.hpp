@@ -12,6 +12,7 @@
 
 #include "adit/tools/containers/mcap_writer.hpp"
 #include "adit/tools/containers/message_file.hpp"
+#include "adit/tools/live/disk_reserve.hpp"
 #include "adit/tools/live/recording_split.hpp"
 
 namespace adit {
@@ -55,11 +56,14 @@ class MessageRecorder final : public MessageSink {
   /// committed() before the first message.
   uint64_t begin() const { return begin_; }
   bool finished() const { return finished_; }
+  /// Of the disk, while others read what it records.
+  DiskReserve& reserve() const { return *reserve_; }
 
  private:
   void open();
 
   std::mutex mutex_;  ///< of the file
+  std::unique_ptr<DiskReserve> reserve_ = std::make_unique<DiskReserve>();
   RecordingParts parts_;
   std::filesystem::path path_;
   std::vector<Channel> channels_;

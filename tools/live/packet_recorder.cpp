@@ -49,7 +49,7 @@ void PacketRecorder::open() {
   put_native(pending_, 0);
   put_native(pending_, 1U << 16U);  // the snap length
   put_native(pending_, 101);        // LINKTYPE_RAW
-  commit();
+  write_pending();
 }
 
 PacketRecorder::~PacketRecorder() {
@@ -57,8 +57,12 @@ PacketRecorder::~PacketRecorder() {
 }
 
 void PacketRecorder::add(const ReceivedDatagram& datagram) {
+  const std::scoped_lock lock(mutex_);
+  if (finished_) {
+    return;
+  }
   if (parts_.advance(datagram.received, committed_ + pending_.size())) {
-    commit();
+    write_pending();
     ::close(descriptor_);
     open();
   }
@@ -84,6 +88,11 @@ void PacketRecorder::add(const ReceivedDatagram& datagram) {
 }
 
 void PacketRecorder::commit() {
+  const std::scoped_lock lock(mutex_);
+  write_pending();
+}
+
+void PacketRecorder::write_pending() {
   std::size_t done = 0;
   while (done < pending_.size()) {
     const ssize_t count = ::write(descriptor_, pending_.data() + done, pending_.size() - done);
@@ -96,6 +105,7 @@ void PacketRecorder::commit() {
     done += static_cast<std::size_t>(count);
   }
   committed_ += pending_.size();
+  reserve_->written(committed_);
   pending_.clear();
 }
 

@@ -6,10 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "adit/slam/core/types.hpp"
+#include "adit/tools/live/disk_reserve.hpp"
 #include "adit/tools/live/recording_split.hpp"
 
 namespace adit {
@@ -24,7 +27,7 @@ struct ReceivedDatagram {
   std::span<const std::byte> payload;
 };
 
-/// Where a receiver's datagrams go. All of it may throw OutputError.
+/// Where receivers' datagrams go. All of it may throw OutputError. Threads may share it.
 class PacketSink {
  public:
   PacketSink() = default;
@@ -48,6 +51,7 @@ class PacketRecorder final : public PacketSink {
   explicit PacketRecorder(std::filesystem::path path, const RecordingSplit& split = {});
   ~PacketRecorder() override;
 
+  /// Nothing is added after finish().
   void add(const ReceivedDatagram& datagram) override;
   void commit() override;
   void finish() override { finished_ = true; }
@@ -56,10 +60,15 @@ class PacketRecorder final : public PacketSink {
   /// Bytes of whole packets in the file.
   uint64_t committed() const { return committed_; }
   bool finished() const { return finished_; }
+  /// Of the disk, while others read what it records.
+  DiskReserve& reserve() const { return *reserve_; }
 
  private:
   void open();
+  void write_pending();
 
+  std::mutex mutex_;  ///< of the file
+  std::unique_ptr<DiskReserve> reserve_ = std::make_unique<DiskReserve>();
   RecordingParts parts_;
   std::filesystem::path path_;
   int descriptor_ = -1;

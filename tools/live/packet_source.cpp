@@ -14,6 +14,7 @@
 
 #include <fmt/core.h>
 
+#include "adit/tools/live/gpsd_receiver.hpp"
 #include "adit/tools/live/growing_capture.hpp"
 #include "adit/tools/live/live_folder.hpp"
 #include "adit/tools/live/live_outputs.hpp"
@@ -66,13 +67,13 @@ double first_look(const LiveOptions& options, const UdpReceiver& receiver) {
   return std::max(seconds_since(*first), 1e-3);
 }
 
-void say_start(const LiveOptions& options, const UdpReceiver& receiver, double span_s,
-               std::ostream& err) {
+void say_start(const std::vector<UdpEndpoint>& endpoints, const UdpReceiver& receiver,
+               double span_s, std::ostream& err) {
   const std::vector<UdpCounts> all = receiver.counts();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const UdpCounts& one = all[i];
     const double rate = static_cast<double>(one.bytes) / span_s;
-    err << fmt::format("{}: {:.0f} packets/s, {:.0f} kB/s{}\n", options.sources[i],
+    err << fmt::format("{}: {:.0f} packets/s, {:.0f} kB/s{}\n", text_of(endpoints[i]),
                        static_cast<double>(one.datagrams) / span_s, rate / 1e3,
                        one.sender.empty() ? ", nothing has arrived" : " from " + one.sender);
     if (rate > static_cast<double>(one.buffer)) {
@@ -84,10 +85,11 @@ void say_start(const LiveOptions& options, const UdpReceiver& receiver, double s
   }
 }
 
-std::vector<SourceCounts> counts_of(const LiveOptions& options, const UdpReceiver& receiver) {
+std::vector<SourceCounts> counts_of(const std::vector<UdpEndpoint>& endpoints,
+                                    const UdpReceiver& receiver) {
   std::vector<SourceCounts> counts;
   for (const UdpCounts& one : receiver.counts()) {
-    counts.push_back({.name = options.sources[counts.size()],
+    counts.push_back({.name = text_of(endpoints[counts.size()]),
                       .messages = one.datagrams,
                       .bytes = one.bytes,
                       .lost = one.lost,
@@ -109,12 +111,17 @@ void copy_metadata(const RunCommandOptions& run) {
 }
 
 /// The session of that number, in a folder of its own.
-LiveSession<PacketRecorder> begin_session(const RunCommandOptions& run, std::size_t number) {
-  LiveSession<PacketRecorder> session{.run = run};
-  session.run.output = session_folder(run, number);
+LiveSession<PacketRecorder> begin_session(const LiveOptions& options, std::size_t number, bool gpsd,
+                                          std::ostream& err) {
+  LiveSession<PacketRecorder> session{.run = options.run};
+  session.run.output = session_folder(options.run, number);
   session.run.recording = prepare_recording(session.run, "recording.pcap");
   copy_metadata(session.run);
   session.recorder = std::make_unique<PacketRecorder>(session.run.recording);
+  leave_room(*session.recorder, options, err);
+  if (gpsd) {
+    begin_gpsd(*session.recorder);
+  }
   return session;
 }
 
@@ -141,12 +148,18 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
   if (metadata && metadata->extension() == ".json") {
     ouster = read_ouster_sensor(*metadata);
   }
-  PacketSessions sessions([&](std::size_t number) { return begin_session(options.run, number); },
-                          [&](const std::string& what) { say_no_session(what, err); });
+  const std::optional<GpsdEndpoint> gpsd = gpsd_among(options.sources);
+  PacketSessions sessions(
+      [&](std::size_t number) { return begin_session(options, number, gpsd.has_value(), err); },
+      [&](const std::string& what) { say_no_session(what, err); });
   PendingRecording pending(sessions.at(0).run.recording, options.run.output);
   UdpReceiver receiver(endpoints, sessions, ouster);
   LiveOutputs outputs(
-      options, nullptr, [&] { return counts_of(options, receiver); }, err);
+      options, nullptr, [&] { return counts_of(endpoints, receiver); }, err);
+  std::optional<GpsdReceiver> fixes;
+  if (gpsd) {
+    fixes.emplace(*gpsd, fixes_to_packets(sessions));
+  }
   if (!options.run.quiet) {
     err << fmt::format("listening; adit waits {} s for the first packet", options.wait_s)
         << std::endl;
@@ -154,15 +167,19 @@ int map_packets(const LiveOptions& options, const std::vector<UdpEndpoint>& endp
   const double looked_s = first_look(options, receiver);
   pending.keep();
   if (!options.run.quiet) {
-    say_start(options, receiver, looked_s, err);
+    say_start(endpoints, receiver, looked_s, err);
+    if (fixes) {
+      err << fixes->text() << "\n";
+    }
   }
   const LiveTimer timer(rest_of(options.duration_s, looked_s), [&] { receiver.stop(); });
-  const SourceWatch watch([&] { return counts_of(options, receiver); }, options.run.quiet, err);
+  const SourceWatch watch([&] { return counts_of(endpoints, receiver); }, options.run.quiet, err);
   const auto map_one = [&](LiveSession<PacketRecorder>& session, RunView* shown) {
     const OpenSource open = [&](const Config& config) {
       RunSource source = source_of(*session.recorder, session.run, config);
       outputs.attach(source, std::nullopt);
       restart_where_wanted(options, source, sessions);
+      report_recording(source, *session.recorder);
       return source;
     };
     const int code = run_job(wanted_run(session.run), open, shown, out, err);

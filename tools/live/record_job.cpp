@@ -128,7 +128,7 @@ int record_topics(const RecordOptions& options, const RecordingSplit& split, std
   TopicReceiver receiver(*node, topics, recorder);
   std::optional<GpsdReceiver> fixes;
   if (gpsd) {
-    fixes.emplace(*gpsd, recorder, topics.size());
+    fixes.emplace(*gpsd, fixes_to_messages(recorder, topics.size()));
   }
   return watch(options, receiver, pending, err);
 }
@@ -141,6 +141,11 @@ int record_packets(const RecordOptions& options, const std::vector<UdpEndpoint>&
   }
   PendingRecording pending(RecordingParts(options.output, split).path());
   PacketRecorder recorder(options.output, split);
+  std::optional<GpsdReceiver> fixes;
+  if (const std::optional<GpsdEndpoint> gpsd = gpsd_among(options.sources)) {
+    begin_gpsd(recorder);
+    fixes.emplace(*gpsd, fixes_to_packets(recorder));
+  }
   UdpReceiver receiver(endpoints, recorder, std::move(ouster));
   return watch(options, receiver, pending, err);
 }
@@ -168,12 +173,16 @@ int record(const RecordOptions& options, std::ostream& err) {
     if (const auto endpoint = udp_endpoint(source)) {
       endpoints.push_back(*endpoint);
     } else if (!is_topic_source(source)) {
-      throw UsageError(source + ": is no source: udp://ADDRESS:PORT, ros2 or the name of a topic.");
+      throw UsageError(source +
+                       ": is no source: udp://ADDRESS:PORT, ros2, the name of a topic or "
+                       "gpsd://HOST.");
     }
   }
   const bool packets = !endpoints.empty();
-  if (options.sources.empty() || (packets && endpoints.size() < options.sources.size())) {
-    throw UsageError("Name udp:// sources or ROS 2 topics.");
+  const std::size_t receivers = gpsd_among(options.sources) ? 1 : 0;
+  if (options.sources.empty() ||
+      (packets && endpoints.size() + receivers < options.sources.size())) {
+    throw UsageError("Name udp:// sources or ROS 2 topics, with one gpsd:// at most.");
   }
   const std::string extension = packets ? ".pcap" : ".mcap";
   if (options.output.extension() != extension) {

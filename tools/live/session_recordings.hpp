@@ -11,6 +11,7 @@
 #include <deque>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <ostream>
@@ -219,6 +220,27 @@ void restart_where_wanted(const LiveOptions& options, RunSource& source, Session
   };
 }
 
+/// Leaves room for the map on a disk that fills up (DiskReserve), and says so; what is not to be
+/// kept goes at once.
+void leave_room(const auto& recorder, const LiveOptions& options, std::ostream& err) {
+  if (!options.record) {
+    recorder.reserve().begin(recorder.path(), {}, std::numeric_limits<uint64_t>::max());
+    return;
+  }
+  recorder.reserve().begin(recorder.path(), [&err](const std::string& what) {
+    err << ("note: " + what + "\n") << std::flush;
+  });
+}
+
+/// Whether the recording holds all that was mapped goes into the report.
+void report_recording(RunSource& source, const auto& recorder) {
+  source.report = [&recorder, then = source.report] {
+    LiveReport report = then();
+    report.recording_is_whole = !recorder.reserve().kept();
+    return report;
+  };
+}
+
 /// Maps the sessions one after the other by `map_one(session, view)`, which returns an exit code;
 /// a page shows the first. Returns the greatest of the codes.
 template <class Sessions, class View>
@@ -240,6 +262,7 @@ int map_sessions(Sessions& sessions, View* view, const auto& map_one, std::ostre
       }
     }
     code = std::max(code, map_one(session, i == 0 ? view : nullptr));
+    session.recorder->reserve().cut();
     while (sessions.is_about_to_begin() && StopSignal::received() == 0) {
       std::this_thread::sleep_for(kLookEvery);
     }

@@ -103,7 +103,7 @@ std::vector<PublishedTopic> wait_for_topics(DdsNode& node, const std::vector<std
                                             double wait_s) {
   if (std::ranges::all_of(sources,
                           [](const auto& one) { return gpsd_endpoint(one).has_value(); })) {
-    throw UsageError("gpsd:// goes with ROS 2 topics: name them, or ros2.");
+    throw UsageError("gpsd:// goes with udp:// sources or ROS 2 topics: name them, or ros2.");
   }
   const auto start = LiveClock::now();
   std::optional<LiveClock::time_point> ready;

@@ -19,7 +19,7 @@ struct PublishedTopic {
 };
 
 /// Whether a source is a ROS 2 topic ("/points", as no file is named), all of them ("ros2"), or a
-/// gpsd, whose fixes are recorded beside them.
+/// gpsd, whose fixes are recorded beside them or beside packets.
 bool is_topic_source(const std::string& source);
 
 /// The topic as a channel of a recording.

@@ -173,12 +173,14 @@ RecordedChannels channels_of(const std::vector<PublishedTopic>& topics, bool gps
 }
 
 /// The session of that number, in a folder of its own.
-LiveSession<MessageRecorder> begin_session(const RunCommandOptions& run, std::size_t number,
-                                           const std::vector<Channel>& channels) {
-  LiveSession<MessageRecorder> session{.run = run};
-  session.run.output = session_folder(run, number);
+LiveSession<MessageRecorder> begin_session(const LiveOptions& options, std::size_t number,
+                                           const std::vector<Channel>& channels,
+                                           std::ostream& err) {
+  LiveSession<MessageRecorder> session{.run = options.run};
+  session.run.output = session_folder(options.run, number);
   session.run.recording = prepare_recording(session.run, "recording.mcap");
   session.recorder = std::make_unique<MessageRecorder>(session.run.recording, channels);
+  leave_room(*session.recorder, options, err);
   return session;
 }
 
@@ -205,22 +207,21 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
   const RecordedChannels recorded =
       channels_of(topics, gpsd.has_value(), load_config(options.run.config).imu.wait);
   MessageSessions sessions(
-      [&](std::size_t number) { return begin_session(options.run, number, recorded.channels); },
+      [&](std::size_t number) { return begin_session(options, number, recorded.channels, err); },
       [&](const std::string& what) { say_no_session(what, err); }, recorded.latched);
   TopicReceiver receiver(*node, topics_of(topics), sessions);
   LiveOutputs outputs(
       options, node.get(), [&] { return counts_of(topics, receiver); }, err);
   std::optional<GpsdReceiver> fixes;
   if (gpsd) {
-    fixes.emplace(*gpsd, sessions, topics.size());
+    fixes.emplace(*gpsd, fixes_to_messages(sessions, topics.size()));
   }
   const double looked_s = first_look(options, receiver, topics);
   pending.keep();
   if (!quiet) {
     say_start(topics, receiver.counts(), looked_s, err);
     if (fixes) {
-      err << fmt::format("gpsd://{}:{}: {}, {} fixes\n", gpsd->host, gpsd->port,
-                         fixes->connected() ? "connected" : "not connected", fixes->fixes());
+      err << fixes->text() << "\n";
     }
     for (const std::string& fault :
          clock_faults(lateness_of(GrowingMessages(*sessions.at(0).recorder)))) {
@@ -234,6 +235,7 @@ int map_topics(const LiveOptions& options, RunView* view, std::ostream& out, std
       RunSource source = source_of(*session.recorder, config);
       outputs.attach(source, std::nullopt);
       restart_where_wanted(options, source, sessions);
+      report_recording(source, *session.recorder);
       return source;
     };
     const int code = run_job(wanted_run(session.run), open, shown, out, err);

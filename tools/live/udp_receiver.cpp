@@ -83,6 +83,10 @@ std::optional<UdpEndpoint> udp_endpoint(const std::string& source) {
   return endpoint;
 }
 
+std::string text_of(const UdpEndpoint& endpoint) {
+  return "udp://" + endpoint.address + ":" + std::to_string(endpoint.port);
+}
+
 UdpReceiver::UdpReceiver(const std::vector<UdpEndpoint>& endpoints, PacketSink& sink,
                          std::optional<OusterSensor> ouster)
     : sink_(sink), ouster_(std::move(ouster)), buffer_(1U << 16U) {
@@ -128,8 +132,7 @@ void UdpReceiver::open(const UdpEndpoint& endpoint) {
     if (descriptor >= 0) {
       ::close(descriptor);
     }
-    throw InputError("udp://" + endpoint.address + ":" + std::to_string(endpoint.port), {},
-                     "adit cannot listen there: " + reason,
+    throw InputError(text_of(endpoint), {}, "adit cannot listen there: " + reason,
                      "Name an address of this machine and a port that no other program uses");
   }
   int granted = 0;

@@ -26,6 +26,7 @@ struct UdpEndpoint {
 /// "udp://127.0.0.1:2368" as an endpoint; nothing where the text does not begin with udp://. Throws
 /// UsageError where the rest is no address and port.
 std::optional<UdpEndpoint> udp_endpoint(const std::string& source);
+std::string text_of(const UdpEndpoint& endpoint);
 
 /// What arrived at an endpoint.
 struct UdpCounts {

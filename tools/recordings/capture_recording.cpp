@@ -130,8 +130,9 @@ class CaptureRecording final : public Recording {
         // reported where the events are read
       }
     }
-    // Which other packets a sensor may send says nothing about this capture.
-    for (std::size_t i = PacketDecoder::kSweeps + 1; i < topics_.size(); ++i) {
+    // Which other packets a sensor may send says nothing about this capture. A gpsd was asked for.
+    const std::size_t sent = topics_.size() - (sensor_.gpsd ? 1 : 0);
+    for (std::size_t i = PacketDecoder::kSweeps + 1; i < sent; ++i) {
       if (topics_[i].messages == 0U) {
         topics_[i].kind = TopicKind::other;
       }
@@ -204,11 +205,16 @@ struct Seen {
   bool ouster = false;
   bool livox = false;
   bool other_velodyne = false;
+  bool gpsd = false;
   std::string velodyne;
   std::optional<HesaiPacket> hesai;
   DatagramCounts datagrams;
 
   void look_at(const Datagram& datagram, const Metadata& metadata) {
+    if (!gpsd_line(datagram).empty()) {
+      gpsd = true;
+      return;
+    }
     ++sizes[datagram.sent()];
     if (metadata.ouster && is_ouster_data(datagram, *metadata.ouster)) {
       ouster = true;
@@ -259,25 +265,8 @@ struct Seen {
   throw InputError(path, {}, found, remedy);
 }
 
-/// Looks at the first packets. Damage ends the look, and is reported where the events are read.
-PacketSensor recognise(const fs::path& path, const fs::path& named) {
-  constexpr int kPackets = 20000;
-  Metadata metadata = read_metadata(path, named);
-  const SeekableFile file(path);
-  PacketCapture capture(file);
-  Seen seen;
-  try {
-    for (int i = 0; i < kPackets; ++i) {
-      const std::optional<Datagram> datagram = capture.next();
-      if (!datagram) {
-        break;
-      }
-      seen.look_at(*datagram, metadata);
-    }
-  } catch (const InputError&) {
-    // what was found so far counts
-  }
-  seen.datagrams = capture.counts();
+/// The sensor of which that was seen.
+PacketSensor sensor_seen(const fs::path& path, const Seen& seen, Metadata metadata) {
   if (seen.senders.size() > 1) {
     throw InputError(
         path, {},
@@ -309,6 +298,30 @@ PacketSensor recognise(const fs::path& path, const fs::path& named) {
             .angles_of_design = of_design};
   }
   fail_unknown(path, seen, metadata);
+}
+
+/// Looks at the first packets. Damage ends the look, and is reported where the events are read.
+PacketSensor recognise(const fs::path& path, const fs::path& named) {
+  constexpr int kPackets = 20000;
+  Metadata metadata = read_metadata(path, named);
+  const SeekableFile file(path);
+  PacketCapture capture(file);
+  Seen seen;
+  try {
+    for (int i = 0; i < kPackets; ++i) {
+      const std::optional<Datagram> datagram = capture.next();
+      if (!datagram) {
+        break;
+      }
+      seen.look_at(*datagram, metadata);
+    }
+  } catch (const InputError&) {
+    // what was found so far counts
+  }
+  seen.datagrams = capture.counts();
+  PacketSensor sensor = sensor_seen(path, seen, std::move(metadata));
+  sensor.gpsd = seen.gpsd;
+  return sensor;
 }
 
 }  // namespace

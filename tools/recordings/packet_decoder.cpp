@@ -120,6 +120,9 @@ std::vector<Topic> packet_topics(const PacketSensor& sensor) {
   if (sensor.kind == Kind::ouster) {
     topics.push_back({"/tf_static", "Ouster metadata", TopicKind::transforms, 0});
   }
+  if (sensor.gpsd) {
+    topics.push_back({"/gpsd/fix", "gpsd reports", TopicKind::gnss, 0});
+  }
   return topics;
 }
 
@@ -134,7 +137,8 @@ std::vector<Event> ouster_transforms(const OusterSensor& sensor, Nanoseconds rec
   return events;
 }
 
-PacketDecoder::PacketDecoder(const PacketSensor& sensor, bool points) : sensor_(&sensor) {
+PacketDecoder::PacketDecoder(const PacketSensor& sensor, bool points)
+    : sensor_(&sensor), gpsd_topic_(packet_topics(sensor).size() - 1) {
   switch (sensor.kind) {
     case Kind::velodyne:
       sweeps_.emplace<VelodyneSweeps>(points);
@@ -161,6 +165,15 @@ std::optional<Event> PacketDecoder::other(const Datagram& datagram) {
                  .value = ouster ? ouster_imu(datagram) : livox_imu(datagram),
                  .bytes = datagram.payload.size(),
                  .frame = ouster ? "os_imu" : "livox_frame"};
+  }
+  if (const std::string_view line = gpsd_line(datagram); sensor_->gpsd && !line.empty()) {
+    const std::optional<GnssFix> fix = gpsd_.take(line, datagram.received);
+    return fix ? std::optional(Event{.topic = gpsd_topic_,
+                                     .received = datagram.received,
+                                     .value = *fix,
+                                     .bytes = line.size(),
+                                     .frame = "gnss"})
+               : std::nullopt;
   }
   if (sensor_->kind == Kind::velodyne && is_velodyne_position(datagram)) {
     const std::optional<GnssFix> fix = velodyne_fix(datagram);

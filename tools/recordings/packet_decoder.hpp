@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "adit/tools/packets/gpsd_report.hpp"
 #include "adit/tools/packets/hesai_packets.hpp"
 #include "adit/tools/packets/livox_packets.hpp"
 #include "adit/tools/packets/ouster_packets.hpp"
@@ -27,6 +28,7 @@ struct PacketSensor {
   std::optional<OusterSensor> ouster{};
   std::optional<HesaiAngles> hesai{};
   bool angles_of_design = false;  ///< its own were not given, and differ from those of the design
+  bool gpsd = false;              ///< a gpsd was asked for its reports, which lie among the packets
 };
 PacketSensor ouster_packets_of(OusterSensor sensor);
 
@@ -37,7 +39,8 @@ std::optional<PacketPlace> place_of(const Datagram& datagram, const PacketSensor
 /// What PacketOrder mended, for people; empty where nothing was.
 std::vector<RecordingNotice> order_notices(const PacketOrderCounts& counts);
 
-/// The topics of a sensor's events, in the order of PacketDecoder's, with no messages.
+/// The topics of a sensor's events, in the order of PacketDecoder's, with no messages; then
+/// /gpsd/fix where there is one.
 std::vector<Topic> packet_topics(const PacketSensor& sensor);
 
 /// From the datagrams of a sensor to events.
@@ -66,6 +69,8 @@ class PacketDecoder {
   uint64_t count_ = 0;
   Nanoseconds last_{0};
   std::optional<Nanoseconds> last_fix_;
+  std::size_t gpsd_topic_;  ///< the last, where there is one
+  GpsdReports gpsd_;
 };
 
 /// How the parts of an Ouster are mounted to each other, as received at that time.

@@ -223,7 +223,8 @@ ordered_json final_summary(const RunDescription& run, const RunOutcome& outcome,
                     {"unknown_datagrams", outcome.live->unknown_datagrams},
                     {"high_rate_age_p50_ms", outcome.live->high_rate_age_p50_ms},
                     {"high_rate_age_p99_ms", outcome.live->high_rate_age_p99_ms},
-                    {"high_rate_poses", outcome.live->high_rate_poses}};
+                    {"high_rate_poses", outcome.live->high_rate_poses},
+                    {"recording_is_whole", outcome.live->recording_is_whole}};
   }
   json["output"] = describe_outputs(run, outcome);
   if (outcome.result.map && outcome.result.map->localization.any()) {

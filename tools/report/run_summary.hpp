@@ -58,6 +58,7 @@ struct LiveReport {
   double high_rate_age_p50_ms = 0.0;
   double high_rate_age_p99_ms = 0.0;
   std::size_t high_rate_poses = 0;  ///< published
+  bool recording_is_whole = true;   ///< false: it stops where the disk was nearly full
 };
 
 /// What is known after the last.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
-#include "adit/tools/live/gpsd_report.hpp"
+#include "adit/tools/packets/gpsd_report.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -33,6 +33,17 @@ std::string text_in(const json& report, const char* key) {
 
 }  // namespace
 
+bool is_gpsd_report(std::string_view line) {
+  return line.starts_with("{\"class\":\"TPV\"") || line.starts_with("{\"class\":\"GST\"");
+}
+
+std::string_view gpsd_line(const Datagram& datagram) {
+  const std::string_view text(reinterpret_cast<const char*>(datagram.payload.data()),
+                              datagram.payload.size());
+  const bool known = is_gpsd_report(text) || text == kGpsdRequest;
+  return datagram.port == kGpsdPort && known ? text : std::string_view();
+}
+
 std::optional<Nanoseconds> parse_utc(const std::string& text) {
   int year = 0;
   unsigned month = 0;
@@ -54,7 +65,7 @@ std::optional<Nanoseconds> parse_utc(const std::string& text) {
          std::chrono::minutes(minute) + nanoseconds(second);
 }
 
-std::optional<ros::NavSatFix> GpsdReports::take(std::string_view line, Nanoseconds received) {
+std::optional<GnssFix> GpsdReports::take(std::string_view line, Nanoseconds received) {
   const json report = json::parse(line, nullptr, false);
   if (!report.is_object()) {
     return std::nullopt;
@@ -78,14 +89,14 @@ std::optional<ros::NavSatFix> GpsdReports::take(std::string_view line, Nanosecon
     return std::nullopt;
   }
   const std::string time = text_in(report, "time");
-  ros::NavSatFix fix;
-  fix.header.stamp = parse_utc(time).value_or(received);
-  fix.header.frame = "gnss";
-  // gpsd: 2 is a differential, 3 and 4 a real-time kinematic one. ROS: 2 is ground-based.
-  fix.status = number_in(report, "status").value_or(1.0) >= 2.0 ? 2 : 0;
-  fix.latitude = *latitude;
-  fix.longitude = *longitude;
-  fix.altitude = *altitude;
+  // gpsd: 2 is a differential fix, 3 and 4 a real-time kinematic one.
+  const bool augmented = number_in(report, "status").value_or(1.0) >= 2.0;
+  GnssFix fix{.stamp = parse_utc(time).value_or(received),
+              .kind = augmented ? GnssFixKind::ground_augmented : GnssFixKind::single,
+              .latitude = *latitude,
+              .longitude = *longitude,
+              .altitude = *altitude,
+              .covariance = std::nullopt};
   std::optional<Deviations> sigma;
   if (deviations_ && deviations_->time == time) {
     sigma = deviations_;
@@ -95,10 +106,8 @@ std::optional<ros::NavSatFix> GpsdReports::take(std::string_view line, Nanosecon
     sigma = {.time = time, .east = *east / k95, .north = *north / k95, .up = *up / k95};
   }
   if (sigma) {
-    fix.position_covariance = {sigma->east * sigma->east,   0.0, 0.0, 0.0,
-                               sigma->north * sigma->north, 0.0, 0.0, 0.0,
-                               sigma->up * sigma->up};
-    fix.position_covariance_type = 2;  // its diagonal is known
+    const Eigen::Vector3d deviations(sigma->east, sigma->north, sigma->up);
+    fix.covariance = deviations.cwiseAbs2().asDiagonal().toDenseMatrix();
   }
   return fix;
 }
