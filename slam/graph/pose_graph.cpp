@@ -170,6 +170,10 @@ bool PoseGraph::contains(NodeId id) const {
 }
 
 std::size_t PoseGraph::index_of(NodeId id) const {
+  if (const auto counted = static_cast<std::size_t>(id);
+      counted < nodes_.size() && nodes_[counted].id == id) {
+    return counted;  // as in every map of one session
+  }
   const auto at = std::ranges::lower_bound(nodes_, id, {}, &PoseNode::id);
   if (at == nodes_.end() || at->id != id) {
     throw GraphError("there is no node " + std::to_string(id));

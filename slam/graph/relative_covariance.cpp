@@ -2,13 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/slam/graph/relative_covariance.hpp"
 
-#include <functional>
-#include <limits>
-#include <queue>
 #include <ranges>
 #include <span>
-#include <tuple>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace adit {
@@ -35,6 +32,10 @@ Matrix6d covariance_of(const PoseEdge& edge) {
       Eigen::Vector3d::Constant(kUnknownRotation);
   // In units in which all that is unknown is equally so; nothing is less known than that.
   const Matrix6d scaled = unit.asDiagonal() * edge.information * unit.asDiagonal();
+  // All is better known than that as a rule, and its inverse costs a tenth of the eigenvalues.
+  if ((scaled - Matrix6d::Identity()).llt().info() == Eigen::Success) {
+    return symmetric(edge.information.llt().solve(Matrix6d::Identity()));
+  }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
   const Vector6d variances = eigen.eigenvalues().array().max(1.0).inverse();
   const Matrix6d axes = unit.asDiagonal() * eigen.eigenvectors();
@@ -71,105 +72,107 @@ RelativeCovariances::RelativeCovariances(const PoseGraph& graph) : graph_(&graph
   }
 }
 
-Matrix6d RelativeCovariances::known(std::size_t edge, double lumps) const {
+Matrix6d RelativeCovariances::covariance(std::size_t edge, double lumps) const {
   const bool drifts = graph_->edges()[edge].kind == EdgeKind::odometry;
   return (drifts ? lumps : 1.0) * covariances_[edge];
 }
 
-LeastUncertainPaths RelativeCovariances::paths_from(NodeId node, double lumps) const {
-  const std::size_t size = graph_->nodes().size();
-  LeastUncertainPaths paths{
-      .start = graph_->index_of(node),
-      .lumps = lumps,
-      .last_edge = std::vector<uint32_t>(size, LeastUncertainPaths::kNone),
-      .order = {},
-  };
-  std::vector<double> reached(size, std::numeric_limits<double>::infinity());
-  std::vector<bool> settled(size, false);
-  // By spread, then by index: ties do not depend on anything else.
-  using Entry = std::tuple<double, std::size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  reached[paths.start] = 0.0;
-  open.emplace(0.0, paths.start);
-  while (!open.empty()) {
-    const std::size_t at = std::get<1>(open.top());
-    open.pop();
-    if (settled[at]) {
+LeastUncertainPaths::LeastUncertainPaths(const RelativeCovariances& known, NodeId from,
+                                         double lumps)
+    : known_(&known),
+      start_(known.graph().index_of(from)),
+      lumps_(lumps),
+      last_edge_(known.graph().nodes().size(), kNone),
+      reached_(last_edge_.size(), std::numeric_limits<double>::infinity()),
+      settled_(last_edge_.size(), false) {
+  reached_[start_] = 0.0;
+  open_.emplace(0.0, static_cast<uint32_t>(start_));
+}
+
+void LeastUncertainPaths::search_for(std::size_t node) {
+  const PoseGraph& graph = known_->graph();
+  while (!settled_[node] && !open_.empty()) {
+    const uint32_t at = std::get<1>(open_.top());
+    open_.pop();
+    if (settled_[at]) {
       continue;
     }
-    settled[at] = true;
-    paths.order.push_back(static_cast<uint32_t>(at));
-    const NodeId id = graph_->nodes()[at].id;
-    for (const std::size_t index : graph_->edges_of(id)) {
-      const PoseEdge& edge = graph_->edges()[index];
-      const std::size_t next = graph_->index_of(edge.from == id ? edge.to : edge.from);
-      if (edge.status != EdgeStatus::active || settled[next]) {
+    settled_[at] = true;
+    order_.push_back(at);
+    const NodeId id = graph.nodes()[at].id;
+    for (const std::size_t index : graph.edges_of(id)) {
+      const PoseEdge& edge = graph.edges()[index];
+      const std::size_t next = graph.index_of(edge.from == id ? edge.to : edge.from);
+      if (edge.status != EdgeStatus::active || settled_[next]) {
         continue;
       }
-      const double sum = reached[at] + spread(known(index, lumps));
-      if (sum < reached[next]) {
-        reached[next] = sum;
-        paths.last_edge[next] = static_cast<uint32_t>(index);
-        open.emplace(sum, next);
+      const double sum = reached_[at] + spread(known_->covariance(index, lumps_));
+      if (sum < reached_[next]) {
+        reached_[next] = sum;
+        last_edge_[next] = static_cast<uint32_t>(index);
+        open_.emplace(sum, static_cast<uint32_t>(next));
       }
     }
   }
-  return paths;
 }
 
-std::size_t RelativeCovariances::before(const LeastUncertainPaths& paths, std::size_t node) const {
-  const PoseEdge& edge = graph_->edges()[paths.last_edge[node]];
-  const std::size_t from = graph_->index_of(edge.from);
-  return from == node ? graph_->index_of(edge.to) : from;
+std::size_t LeastUncertainPaths::before(std::size_t node) const {
+  const PoseGraph& graph = known_->graph();
+  const PoseEdge& edge = graph.edges()[last_edge_[node]];
+  const std::size_t from = graph.index_of(edge.from);
+  return from == node ? graph.index_of(edge.to) : from;
 }
 
-RelativePlace RelativeCovariances::extended(const RelativePlace& place, std::size_t edge,
-                                            std::size_t next, double lumps) const {
-  const PoseEdge& step = graph_->edges()[edge];
-  const bool forward = graph_->index_of(step.to) == next;
-  const Matrix6d own = known(edge, lumps);
+RelativePlace LeastUncertainPaths::extended(const RelativePlace& place, std::size_t next) const {
+  const std::size_t edge = last_edge_[next];
+  const PoseEdge& step = known_->graph().edges()[edge];
+  const bool forward = known_->graph().index_of(step.to) == next;
+  const Matrix6d own = known_->covariance(edge, lumps_);
+  const DriftResponse& response = known_->response(edge);
   return {
       .T_start_node = place.T_start_node * (forward ? step.T_from_to : step.T_from_to.inverse()),
       .covariance = forward ? compounded(place.covariance, step.T_from_to, own)
                             : compounded(place.covariance, step.T_from_to.inverse(),
                                          inverted(step.T_from_to, own)),
-      .response = forward ? compounded(place.response, step.T_from_to, responses_[edge])
+      .response = forward ? compounded(place.response, step.T_from_to, response)
                           : compounded(place.response, step.T_from_to.inverse(),
-                                       -adjoint(step.T_from_to) * responses_[edge]),
+                                       -adjoint(step.T_from_to) * response),
       .path = place.path + step.T_from_to.translation().norm()};
 }
 
-std::optional<RelativePlace> RelativeCovariances::place(const LeastUncertainPaths& paths,
-                                                        NodeId node) const {
+std::optional<RelativePlace> LeastUncertainPaths::place(NodeId node) {
+  std::size_t at = known_->graph().index_of(node);
+  search_for(at);
   std::vector<std::size_t> way;  // nodes, the last one first
-  std::size_t at = graph_->index_of(node);
-  for (; at != paths.start; at = before(paths, at)) {
-    if (paths.last_edge[at] == LeastUncertainPaths::kNone) {
+  for (; at != start_; at = before(at)) {
+    if (last_edge_[at] == kNone) {
       return std::nullopt;
     }
     way.push_back(at);
   }
   RelativePlace place;
   for (const std::size_t next : std::views::reverse(way)) {
-    place = extended(place, paths.last_edge[next], next, paths.lumps);
+    place = extended(place, next);
   }
   return place;
 }
 
-std::vector<std::optional<RelativePlace>> RelativeCovariances::places(
-    const LeastUncertainPaths& paths) const {
-  std::vector<std::optional<RelativePlace>> places(graph_->nodes().size());
-  places[paths.start].emplace();
-  for (const uint32_t next : std::span(paths.order).subspan(1)) {
-    places[next] = extended(*places[before(paths, next)], paths.last_edge[next], next, paths.lumps);
+std::vector<std::optional<RelativePlace>> LeastUncertainPaths::places() {
+  std::vector<std::optional<RelativePlace>> places(last_edge_.size());
+  for (std::size_t node = 0; node < places.size(); ++node) {
+    search_for(node);
+  }
+  places[start_].emplace();
+  for (const uint32_t next : std::span(order_).subspan(1)) {
+    places[next] = extended(*places[before(next)], next);
   }
   return places;
 }
 
 std::vector<std::optional<RelativePlace>> relative_places(const PoseGraph& graph, NodeId node,
                                                           double lumps) {
-  const RelativeCovariances covariances(graph);
-  return covariances.places(covariances.paths_from(node, lumps));
+  const RelativeCovariances known(graph);
+  return LeastUncertainPaths(known, node, lumps).places();
 }
 
 }  // namespace adit

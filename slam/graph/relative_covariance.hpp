@@ -7,8 +7,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <queue>
+#include <tuple>
 #include <vector>
 
 #include "adit/slam/graph/odometry_drift.hpp"
@@ -41,46 +44,59 @@ Matrix6d compounded(const Matrix6d& first, const Eigen::Isometry3d& T_second,
 /// Covariance of the inverse of a pose.
 Matrix6d inverted(const Eigen::Isometry3d& pose, const Matrix6d& covariance);
 
-/// The least uncertain path from a node to each other that active edges tie to it: the one with the
-/// least sum of its edges' variances, a rotation's counted as what it moves a point 10 m away.
-struct LeastUncertainPaths {
-  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-
-  std::size_t start = 0;            ///< index of that node
-  double lumps = 1.0;               ///< see RelativeCovariances::paths_from()
-  std::vector<uint32_t> last_edge;  ///< by node: of its path; kNone: the start, or no path
-  std::vector<uint32_t> order;      ///< nodes that are reached, each behind the one before it
-};
-
 /// A graph's edges with their covariances, worked out once for all places that are asked for.
 class RelativeCovariances {
  public:
   /// `graph` must outlive it; what is asked for is by the edges that it has now.
   explicit RelativeCovariances(const PoseGraph& graph);
 
-  /// Covariances of the odometry's edges count `lumps` times: few of them may hold most of its
-  /// errors.
-  LeastUncertainPaths paths_from(NodeId node, double lumps = 1.0) const;
-
-  /// How `node` is known from the start of the paths; nothing where none reaches it. Other cycles
-  /// are left out, so that the covariance is rather too large.
-  std::optional<RelativePlace> place(const LeastUncertainPaths& paths, NodeId node) const;
-
-  /// The same for each node, in the order of the graph's.
-  std::vector<std::optional<RelativePlace>> places(const LeastUncertainPaths& paths) const;
+  const PoseGraph& graph() const { return *graph_; }
+  /// Of an edge, by its index. Covariances of the odometry's edges count `lumps` times: few of them
+  /// may hold most of its errors.
+  Matrix6d covariance(std::size_t edge, double lumps) const;
+  const DriftResponse& response(std::size_t edge) const { return responses_[edge]; }
 
  private:
-  Matrix6d known(std::size_t edge, double lumps) const;
-  std::size_t before(const LeastUncertainPaths& paths, std::size_t node) const;
-  RelativePlace extended(const RelativePlace& place, std::size_t edge, std::size_t next,
-                         double lumps) const;
-
   const PoseGraph* graph_;
   std::vector<Matrix6d> covariances_;     ///< by edge
   std::vector<DriftResponse> responses_;  ///< the same
 };
 
-/// RelativeCovariances::places() of the paths from one node.
+/// The least uncertain path from a node to each other that active edges tie to it: the one with the
+/// least sum of its edges' variances, a rotation's counted as what it moves a point 10 m away.
+/// Paths are looked for (Dijkstra 1959) as far as they are asked for. Other cycles are left out, so
+/// that covariances are rather too large.
+class LeastUncertainPaths {
+ public:
+  /// `known` must outlive it; for `lumps` see there. Throws GraphError where there is no such node.
+  LeastUncertainPaths(const RelativeCovariances& known, NodeId from, double lumps = 1.0);
+
+  /// How `node` is known from the start; nothing where no path reaches it.
+  std::optional<RelativePlace> place(NodeId node);
+  /// The same for each node, in the order of the graph's.
+  std::vector<std::optional<RelativePlace>> places();
+
+ private:
+  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+  // By spread, then by index: ties do not depend on anything else.
+  using Entry = std::tuple<double, uint32_t>;
+
+  /// Settles nodes, the nearest first, until that one is settled or none is left.
+  void search_for(std::size_t node);
+  std::size_t before(std::size_t node) const;
+  RelativePlace extended(const RelativePlace& place, std::size_t next) const;
+
+  const RelativeCovariances* known_;
+  std::size_t start_;
+  double lumps_;
+  std::vector<uint32_t> last_edge_;  ///< by node: of its path; kNone: the start, or no path
+  std::vector<double> reached_;      ///< by node: spread of its path
+  std::vector<bool> settled_;        ///< by node
+  std::vector<uint32_t> order_{};    ///< nodes that are settled, each behind the one before it
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_{};
+};
+
+/// LeastUncertainPaths::places() from one node.
 std::vector<std::optional<RelativePlace>> relative_places(const PoseGraph& graph, NodeId node,
                                                           double lumps = 1.0);
 

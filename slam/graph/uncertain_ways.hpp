@@ -42,9 +42,9 @@ class Ways {
   std::optional<Uncertain> between(NodeId from, NodeId to) {
     auto paths = paths_.find(from);
     if (paths == paths_.end()) {
-      paths = paths_.emplace(from, covariances_.paths_from(from, lumps_)).first;
+      paths = paths_.emplace(from, LeastUncertainPaths(covariances_, from, lumps_)).first;
     }
-    const std::optional<RelativePlace> place = covariances_.place(paths->second, to);
+    const std::optional<RelativePlace> place = paths->second.place(to);
     if (!place) {
       return std::nullopt;
     }

@@ -21,7 +21,7 @@ constexpr double kGuessedAngle = 5.0 / kDegreesPerRadian;  // rad
 LoopQuestion asked_of(const PoseGraph& graph, NodeId from, NodeId to) {
   const std::size_t at = graph.index_of(to);
   const RelativeCovariances covariances(graph);
-  const auto known = covariances.place(covariances.paths_from(from), to);
+  const auto known = LeastUncertainPaths(covariances, from).place(to);
   if (!known) {
     throw NoGuess("no edges lead from keyframe " + std::to_string(from) + " to " +
                   std::to_string(to));

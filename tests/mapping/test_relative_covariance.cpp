@@ -130,15 +130,15 @@ TEST(RelativeCovariance, OnePlaceIsToTheBitWhatAllPlacesHave) {
   graph.add_node({.id = 40, .T_map_node = step(40.0)});
   const RelativeCovariances covariances(graph);
   for (const NodeId from : {0, 17, 39}) {
-    const LeastUncertainPaths paths = covariances.paths_from(from, 4.0);
-    const auto places = covariances.places(paths);
+    LeastUncertainPaths paths(covariances, from, 4.0);
+    const auto places = LeastUncertainPaths(covariances, from, 4.0).places();
     for (NodeId to = 0; to < 40; ++to) {
-      const auto one = covariances.place(paths, to);
+      const auto one = paths.place(to);
       ASSERT_TRUE(one && places[static_cast<std::size_t>(to)]);
       EXPECT_EQ(one->covariance, places[static_cast<std::size_t>(to)]->covariance) << from << to;
       EXPECT_EQ(one->path, places[static_cast<std::size_t>(to)]->path);
     }
-    EXPECT_FALSE(covariances.place(paths, 40)) << "nothing ties it";
+    EXPECT_FALSE(paths.place(40)) << "nothing ties it";
     EXPECT_FALSE(places[40]);
   }
 }

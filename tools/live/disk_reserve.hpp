@@ -22,8 +22,8 @@ class DiskReserve {
   DiskReserve(const DiskReserve&) = delete;
   DiskReserve& operator=(const DiskReserve&) = delete;
 
-  /// `say`, if there is one, is given a note, once. `least` bytes stay free; without it a tenth of
-  /// the disk, 1 GiB at most: the map of some hours.
+  /// `say`, if there is one, is given a note, once. `least` bytes stay free besides the results of
+  /// what is recorded; without it a tenth of the disk, 1 GiB at most, for what is mapped later.
   void begin(const std::filesystem::path& recording, std::function<void(const std::string&)> say,
              std::optional<uint64_t> least = std::nullopt);
 

@@ -224,7 +224,7 @@ void restart_where_wanted(const LiveOptions& options, RunSource& source, Session
 /// kept goes at once.
 void leave_room(const auto& recorder, const LiveOptions& options, std::ostream& err) {
   if (!options.record) {
-    recorder.reserve().begin(recorder.path(), {}, std::numeric_limits<uint64_t>::max());
+    recorder.reserve().begin(recorder.path(), {}, std::numeric_limits<uint64_t>::max() / 2);
     return;
   }
   recorder.reserve().begin(recorder.path(), [&err](const std::string& what) {

@@ -144,7 +144,7 @@ std::vector<SessionTie> ties_of(const PoseGraph& graph, const std::vector<Sessio
 /// Of a keyframe's position relative to that keyframe of another session that knows it best.
 std::optional<double> sigma_of(const RelativeCovariances& covariances, const PoseGraph& graph,
                                std::size_t node, const std::vector<SessionId>& session_of) {
-  const auto places = covariances.places(covariances.paths_from(graph.nodes()[node].id));
+  const auto places = LeastUncertainPaths(covariances, graph.nodes()[node].id).places();
   std::optional<double> least;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i] && session_of[i] != session_of[node]) {
