@@ -5,8 +5,8 @@
 
 It must go on, end with 0 at a signal, leave a map that `adit check` finds whole, and not grow.
 
-Usage: socket_fuzz.py ADIT SECONDS [TOPIC_PEER]. SECONDS for each source: UDP packets; with TOPIC_PEER also ROS 2 topics
-with a gpsd beside them.
+Usage: socket_fuzz.py ADIT SECONDS [TOPIC_PEER]. SECONDS for each source: UDP packets; with TOPIC_PEER also ROS 2
+topics. A gpsd is beside either.
 """
 
 import os
@@ -95,7 +95,7 @@ def fuzz_packets(adit, folder, seconds):
     """Damaged packets once the map has begun: before, a run is refused where its points' times contradict its sweeps'."""
     port, packets, chance = live.free_port(), live.vlp16_packets(), random.Random(1)
     begun, done = threading.Event(), threading.Event()
-    sent = {"packets": 0, "damaged": 0}
+    sent = {"packets": 0, "damaged": 0, "reports": 0}
 
     def send():
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -108,18 +108,20 @@ def fuzz_packets(adit, folder, seconds):
                     sent["damaged"] += 1
                 time.sleep(1 / 754)
 
-    run = Watched(adit, folder / "packets", f"udp://127.0.0.1:{port}")
-    sending = threading.Thread(target=send)
-    sending.start()
-    try:
-        run.wait_for_map()
-        begun.set()
-        grown = run.watch(seconds)
-    finally:
-        done.set()
-        sending.join()
-    run.end(adit)
-    report("packets", grown, sent)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=serve_gpsd, args=[server, sent], daemon=True).start()
+        run = Watched(adit, folder / "packets", f"udp://127.0.0.1:{port}", live.gpsd_of(server))
+        sending = threading.Thread(target=send)
+        sending.start()
+        try:
+            run.wait_for_map()
+            begun.set()
+            grown = run.watch(seconds)
+        finally:
+            done.set()
+            sending.join()
+        run.end(adit)
+    report("packets and gpsd", grown, sent)
 
 
 def serve_gpsd(server, sent):
@@ -153,13 +155,15 @@ def fuzz_topics(adit, peer, folder, seconds):
                 sent["publishers"] += 1
                 while one.poll() is None and not done.is_set():
                     time.sleep(0.05)
+                if one.returncode:
+                    return  # it has said why, and no map appears
                 one.kill()
 
     with socket.create_server(("127.0.0.1", 0)) as server:
         threading.Thread(target=serve_gpsd, args=[server, sent], daemon=True).start()
         publishing = threading.Thread(target=publish)
         publishing.start()
-        run = Watched(adit, folder / "topics", "ros2", f"gpsd://127.0.0.1:{server.getsockname()[1]}", "--publish")
+        run = Watched(adit, folder / "topics", "ros2", live.gpsd_of(server), "--publish")
         try:
             run.wait_for_map()
             grown = run.watch(seconds)
