@@ -139,7 +139,9 @@ std::vector<SlamEntry> slam_catalogue() {
           {"room-mid360-handheld", "room", "Mid-360", "handheld", 30.0, 0.0, 1, true},
           {"room-avia-walk", "room", "Avia", "walk", 30.0, 0.0, 2},
           {"wings-vlp16-walk", "wings", "VLP-16", "walk", 40.0},
-          {"repeated_wing-vlp16-walk", "repeated_wing", "VLP-16", "walk", 40.0}};
+          {"repeated_wing-vlp16-walk", "repeated_wing", "VLP-16", "walk", 40.0},
+          {"equal_houses-vlp16-drive", "equal_houses", "VLP-16", "drive", 40.0},
+          {"ring_tunnel-vlp16-drive", "ring_tunnel", "VLP-16", "drive", 40.0}};
 }
 
 std::vector<SlamEntry> loop_catalogue() {
@@ -166,13 +168,21 @@ std::vector<SlamEntry> loop_catalogue() {
   const SlamEntry office = entry("office-vlp16-260s", "office", "VLP-16", "walk", 260.0);
   const SlamEntry forest = entry("forest-vlp16-480s", "forest", "VLP-16", "walk", 480.0);  // 440 m
   const SlamEntry city = entry("city-vlp16-140s", "city", "VLP-16", "drive", 140.0);
-  return {quick, mine, by_lidar(mine, "mine-lidar-420s"), office,
-          by_lidar(office, "office-lidar-260s"),
-          entry("office-mid360-260s", "office", "Mid-360", "handheld", 260.0), forest,
-          by_lidar(forest, "forest-lidar-480s"), city, by_lidar(city, "city-lidar-140s"),
-          // 1560 to 1770 m are driven again in reverse from 2820 m on.
-          entry("city-vlp16-reverse", "city", "VLP-16", "drive", 240.0, 1500.0),
-          entry("city-vlp16-1010s", "city", "VLP-16", "drive", 1010.0)};
+  const SlamEntry wing =
+      entry("repeated_wing-vlp16-290s", "repeated_wing", "VLP-16", "drive", 290.0);
+  const SlamEntry houses =
+      entry("equal_houses-vlp16-130s", "equal_houses", "VLP-16", "drive", 130.0);
+  const SlamEntry ring = entry("ring_tunnel-vlp16-170s", "ring_tunnel", "VLP-16", "drive", 170.0);
+  return {
+      quick, mine, by_lidar(mine, "mine-lidar-420s"), office, by_lidar(office, "office-lidar-260s"),
+      entry("office-mid360-260s", "office", "Mid-360", "handheld", 260.0), forest,
+      by_lidar(forest, "forest-lidar-480s"), city, by_lidar(city, "city-lidar-140s"),
+      // 1560 to 1770 m are driven again in reverse from 2820 m on.
+      entry("city-vlp16-reverse", "city", "VLP-16", "drive", 240.0, 1500.0),
+      entry("city-vlp16-1010s", "city", "VLP-16", "drive", 1010.0),
+      // Places that resemble others: once round, down the street and up again, twice round.
+      wing, by_lidar(wing, "repeated_wing-lidar-290s"), houses,
+      by_lidar(houses, "equal_houses-lidar-130s"), ring, by_lidar(ring, "ring_tunnel-lidar-170s")};
 }
 
 SlamEntry with_seed(SlamEntry entry, uint64_t seed, double apart) {

@@ -17,11 +17,16 @@ struct Entry {
   std::string_view name;
   Scene (*make)(uint64_t seed);
 };
-constexpr std::array kEntries{
-    Entry{"city", make_city},     Entry{"field", make_field},
-    Entry{"forest", make_forest}, Entry{"mine", make_mine},
-    Entry{"office", make_office}, Entry{"repeated_wing", make_repeated_wing},
-    Entry{"room", make_room},     Entry{"wings", make_wings}};
+constexpr std::array kEntries{Entry{"city", make_city},
+                              Entry{"equal_houses", make_equal_houses},
+                              Entry{"field", make_field},
+                              Entry{"forest", make_forest},
+                              Entry{"mine", make_mine},
+                              Entry{"office", make_office},
+                              Entry{"repeated_wing", make_repeated_wing},
+                              Entry{"ring_tunnel", make_ring_tunnel},
+                              Entry{"room", make_room},
+                              Entry{"wings", make_wings}};
 
 constexpr double kStep = 0.05;  // s
 

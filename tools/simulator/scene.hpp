@@ -55,11 +55,13 @@ Scene out_of_the_way(Scene scene, const std::function<Eigen::Isometry3d(double)>
                      double duration, double clearance = kClearance);
 
 Scene make_city(uint64_t seed);
+Scene make_equal_houses(uint64_t seed);
 Scene make_field(uint64_t seed);
 Scene make_forest(uint64_t seed);
 Scene make_mine(uint64_t seed);
 Scene make_office(uint64_t seed);
 Scene make_repeated_wing(uint64_t seed);
+Scene make_ring_tunnel(uint64_t seed);
 Scene make_room(uint64_t seed);
 Scene make_wings(uint64_t seed);
 
