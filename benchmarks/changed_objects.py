@@ -33,6 +33,7 @@ except ImportError as error:
 SCENES = {"office": ("walk", 40, []), "room": ("handheld", 30, []), "city": ("walk", 20, ["--sensor", "OS0-128", "--speed", "2", "--begin", "270"]),
           "mine": ("walk", 30, [])}
 LEAST = 100  # returns from an object, and rays through it
+MOST_RETURNS = 600000  # of a recording; of more, some that are evenly spread stand for all
 MARGIN = 0.15  # m: half a voxel and the error of the map
 GPS_TO_UNIX = 1e9 + 315964800 - 18  # of adjusted standard GPS time, s
 
@@ -112,6 +113,8 @@ class Session:
         adit(program, "export", folder / name / "map.adit", "--dense", "las", "-o", las)
         places, times = read_las(las)
         las.unlink()
+        self.stride = max(1, len(places) // MOST_RETURNS)
+        places, times = places[:: self.stride], times[:: self.stride]
         path = read_tum(folder / name / "trajectory.tum")
         self.truth = read_tum(folder / f"{name}.truth.tum")
         turn, shift = rigid(path[:, 1:4], positions_at(path[:, 0], self.truth))
@@ -129,9 +132,8 @@ class Session:
 
     def looks_through(self, box):
         """The rays of at least two submaps go through the box, enough of each."""
-        stride = max(1, len(self.points) // 1000000)
-        rays = np.bincount(self.submaps[::stride][box.passed(self.sensors[::stride], self.points[::stride])])
-        return (stride * rays >= LEAST // 2).sum() >= 2
+        rays = np.bincount(self.submaps[box.passed(self.sensors, self.points)])
+        return (self.stride * rays >= LEAST // 2).sum() >= 2
 
 
 def prepare(program, folder, scene, seed, share):
@@ -158,7 +160,7 @@ def objects_that_count(folder, before, after):
         if np.linalg.norm(has.sensors - box.centre, axis=1).min() > 60:
             continue
         returns = has.returns(box)
-        if len(returns) >= LEAST and other.looks_through(box):
+        if has.stride * len(returns) >= LEAST and other.looks_through(box):
             counted[kind].append((box, returns, change["label"]))
     return counted
 

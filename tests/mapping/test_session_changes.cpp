@@ -57,6 +57,12 @@ class SessionChanges : public test::DeviceTest {
     return submaps;
   }
 
+  /// The first session with the box alone, made once.
+  static const Submaps& before() {
+    static const Submaps submaps = session(0, {kBox});
+    return submaps;
+  }
+
   static Submaps both(Submaps before, const Submaps& after) {
     before.insert(before.end(), after.begin(), after.end());
     return before;
@@ -96,7 +102,7 @@ class SessionChanges : public test::DeviceTest {
 };
 
 TEST_F(SessionChanges, ABoxThatIsTakenAwayIsGoneAndOneThatIsPutThereIsNew) {
-  const Submaps submaps = both(session(0, {kBox}), session(1, {kOther}));
+  const Submaps submaps = both(before(), session(1, {kOther}));
   const std::vector<ChangedVoxel> voxels = changes(submaps);
   const std::vector<Object> gone = objects(voxels, kBox);
   const std::vector<Object> added = objects(voxels, kOther);
@@ -121,7 +127,7 @@ TEST_F(SessionChanges, WhatMovesDuringASessionIsNoChange) {
 
 TEST_F(SessionChanges, WhatIsHiddenIsUnknown) {
   const test::Block wall{{-2.0, 0.9, 0.0}, {14.0, 1.1, 3.0}};  // between the road and the box
-  const Submaps submaps = both(session(0, {kBox}), session(1, {wall}));
+  const Submaps submaps = both(before(), session(1, {wall}));
   for (const Object& object : objects(changes(submaps), kBox)) {
     EXPECT_EQ(object.change, ChangeOfSpace::appeared) << "the wall alone is known";
     EXPECT_EQ(object.inside, 0U);
@@ -129,14 +135,14 @@ TEST_F(SessionChanges, WhatIsHiddenIsUnknown) {
 }
 
 TEST_F(SessionChanges, AMisplacedSessionSaysNothing) {
-  const Submaps submaps = both(session(0, {kBox}), session(1, {kBox}, false, 0.7));
+  const Submaps submaps = both(before(), session(1, {kBox}, false, 0.7));
   EXPECT_TRUE(objects(changes(submaps), kBox).empty());
 }
 
 TEST_F(SessionChanges, OneSessionOrNoneHasNoChangesAndDamagedPosesAreSurvived) {
   EXPECT_TRUE(changes({}).empty());
-  EXPECT_TRUE(changes(session(0, {kBox})).empty());
-  Submaps submaps = both(session(0, {kBox}), session(1, {}));
+  EXPECT_TRUE(changes(before()).empty());
+  Submaps submaps = both(before(), session(1, {}));
   const double nan = std::nan("");
   submaps[1].placed.T_map_keyframe.translation() = Vector3d(nan, 0.0, 1e300);
   submaps[8].placed.T_map_keyframe.translation() = Vector3d(1e17, 0.0, -1e17);
@@ -144,7 +150,7 @@ TEST_F(SessionChanges, OneSessionOrNoneHasNoChangesAndDamagedPosesAreSurvived) {
 }
 
 TEST_F(SessionChanges, OfTilesEachHasItsOwnVoxels) {
-  const Submaps submaps = both(session(0, {kBox}), session(1, {}));
+  const Submaps submaps = both(before(), session(1, {}));
   std::size_t found = 0;
   for (const int64_t x : {-40, 120}) {
     for (const int64_t y : {-80, 80}) {
