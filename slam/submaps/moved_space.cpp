@@ -27,20 +27,6 @@ constexpr double kPlaneAgreement = 0.6;
 constexpr uint32_t kLeastSubmapsThrough = 2;  // submaps
 constexpr std::size_t kMostRays = 1U << 17U;  // rays; then they go to the device
 
-VoxelIndex voxel_of(const Eigen::Vector3d& p, double edge) {
-  return (p / edge).array().floor().cast<int64_t>();
-}
-
-constexpr uint64_t kKeyBits = 21;
-
-uint64_t key_of(const VoxelIndex& voxel) {
-  uint64_t key = 0;
-  for (int k = 0; k < 3; ++k) {
-    key = (key << kKeyBits) | (static_cast<uint64_t>(voxel[k]) & ((uint64_t{1} << kKeyBits) - 1));
-  }
-  return key;
-}
-
 uint32_t packed(const Eigen::Vector3d& direction) {
   uint32_t bits = 0;
   for (int k = 0; k < 3; ++k) {
@@ -93,6 +79,20 @@ Samples within(const SpaceTile& tile, const Eigen::Vector3d& from, const Eigen::
 }
 
 }  // namespace
+
+VoxelIndex voxel_of(const Eigen::Vector3d& p, double edge) {
+  return (p / edge).array().floor().cast<int64_t>();
+}
+
+constexpr uint64_t kKeyBits = 21;
+
+uint64_t key_of(const VoxelIndex& voxel) {
+  uint64_t key = 0;
+  for (int k = 0; k < 3; ++k) {
+    key = (key << kKeyBits) | (static_cast<uint64_t>(voxel[k]) & ((uint64_t{1} << kKeyBits) - 1));
+  }
+  return key;
+}
 
 void MovedSpace::add(const VoxelIndex& voxel) {
   voxels_.insert(key_of(voxel));

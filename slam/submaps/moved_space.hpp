@@ -21,6 +21,10 @@ namespace adit {
 
 /// A voxel of the map's frame, counted from its origin.
 using VoxelIndex = Eigen::Matrix<int64_t, 3, 1>;
+/// The voxel that a point lies in; both m.
+VoxelIndex voxel_of(const Eigen::Vector3d& p, double edge);
+/// A number for it, which no voxel within a million has as well.
+uint64_t key_of(const VoxelIndex& voxel);
 
 /// Voxels in which points are of what has moved.
 class MovedSpace {

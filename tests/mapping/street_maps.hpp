@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "adit/slam/executor/slam.hpp"
 #include "adit/tests/mapping/submap_support.hpp"
@@ -21,14 +22,19 @@ struct StreetDrive {
   double from = 0.0;    ///< m, along the street
   double aside = 0.0;   ///< m
   std::size_t sweeps = 60;
+  std::vector<Block> more{};  ///< what stands there besides
+  Nanoseconds later{0};       ///< than the others it begins
 };
 
 inline SubmapDrive street_drive(const StreetDrive& asked) {
   SubmapDrive drive{.truth = steady_drive(asked.sweeps, twist(0.5)), .sweeps = {}};
   for (StampedPose& pose : drive.truth) {
+    pose.stamp += asked.later;
     pose.pose = Eigen::Translation3d(asked.from, asked.aside, 0.0) * pose.pose;
   }
-  drive.sweeps = scan_all(make_street(80.0, asked.street), drive.truth, small_lidar());
+  World street = make_street(80.0, asked.street);
+  street.blocks.insert(street.blocks.end(), asked.more.begin(), asked.more.end());
+  drive.sweeps = scan_all(street, drive.truth, small_lidar());
   return drive;
 }
 

@@ -140,9 +140,12 @@ int run_simulation(const SimulateCommandOptions& command, std::ostream& out, std
         << files.recording.string() << "\n          " << files.trajectory.string()
         << " (T_world_lidar)\n          " << files.states.string()
         << " (IMU: pose, velocity, biases)\n          " << files.loops.string()
-        << " (places that see the same)\n          " << files.scene.string() << ", "
-        << files.picture.filename().string() << ", " << files.sweep.filename().string()
-        << "\nnext      adit run " << files.recording.string()
+        << " (places that see the same)\n          "
+        << (options.change.share > 0.0 ? fmt::format("{} ({} objects gone or new)\n          ",
+                                                     files.changes.string(), summary.changes)
+                                       : "")
+        << files.scene.string() << ", " << files.picture.filename().string() << ", "
+        << files.sweep.filename().string() << "\nnext      adit run " << files.recording.string()
         << " -o OUT\n          adit evaluate OUT/trajectory.tum " << files.trajectory.string()
         << std::endl;
   }
@@ -213,6 +216,16 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
               "Seconds that the recording begins later: what moves has gone on")
       .value_name("S")
       .show_default();
+  command
+      .option("--change", simulation.change.share,
+              "Share of the scene's movable objects that are gone, moved or more than without it")
+      .value_name("SHARE")
+      .show_default();
+  const CommandOption change_seed =
+      command.option("--change-seed", simulation.change.seed, "Another seed, other objects change")
+          .from(0.0)
+          .value_name("N")
+          .show_default();
   command.flag("--reverse", simulation.reverse, "Take the route from its end to its beginning");
   command.option("--imu", simulation.imu, "Inertial sensor")
       .value_name("NAME")
@@ -247,13 +260,16 @@ void add_simulate_command(Command app, std::function<void(int)> done) {
         end_parsing();
       },
       "Print a scene file with every key and stop");
-  command.action([command, options, imu_rate, gnss_rate, done = std::move(done)] {
+  command.action([command, options, imu_rate, gnss_rate, change_seed, done = std::move(done)] {
     options->besides_scene_file = command.given_besides({"scene", "--output", "--quiet"});
     if (imu_rate.given() && options->simulation.imu == "none") {
       refuse_option("--imu-rate", "there is no IMU that it is of; leave out --imu none");
     }
     if (gnss_rate.given() && options->simulation.gnss == "none") {
       refuse_option("--gnss-rate", "there is no receiver that it is of; name one with --gnss");
+    }
+    if (change_seed.given() && options->simulation.change.share == 0.0) {
+      refuse_option("--change-seed", "nothing changes; give the share that does with --change");
     }
     done(simulate_command(*options, std::cout, std::cerr));
   });

@@ -19,6 +19,7 @@
 #include "adit/tools/cli/command_line.hpp"
 #include "adit/tools/cli/console.hpp"
 #include "adit/tools/commands/command_align.hpp"
+#include "adit/tools/commands/command_changes.hpp"
 #include "adit/tools/commands/command_config.hpp"
 #include "adit/tools/commands/command_convert.hpp"
 #include "adit/tools/commands/command_demo.hpp"
@@ -130,6 +131,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_loops_command(app, done);
   add_optimize_command(app, done);
   add_merge_command(app, done);
+  add_changes_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
   add_generate_command(

@@ -11,45 +11,12 @@
 
 #include "adit/slam/core/median.hpp"
 #include "adit/slam/graph/relative_covariance.hpp"
-#include "adit/slam/mapping/merged_world.hpp"
 #include "adit/tools/map_database/unfinished_map.hpp"
-#include "adit/tools/map_merge/merge_inputs.hpp"
 #include "adit/tools/map_merge/merge_report.hpp"
-#include "adit/tools/setup/config_file.hpp"
+#include "adit/tools/map_merge/tied_maps.hpp"
 
 namespace adit {
 namespace {
-
-/// Of the map with the coarsest submaps: the others' are dense enough for it.
-Config config_of(const std::vector<MergeInput>& inputs) {
-  const MergeInput& coarsest = *std::ranges::max_element(inputs, {}, &MergeInput::r_submap);
-  Config config = parse_config(coarsest.sessions.front().configuration, coarsest.file);
-  if (config.preprocess.r_input == 0.0) {
-    config.preprocess.r_input = coarsest.r_submap;
-  }
-  return with_lengths(config, config.preprocess.r_input);
-}
-
-std::vector<WorldPart> world_parts(const std::vector<MergeInput>& inputs, const MergedMap& merged) {
-  std::vector<WorldPart> parts;
-  for (const MergedPart& part : merged.parts) {
-    const MergeInput& input = inputs[part.map];
-    WorldPart world{.first = part.first,
-                    .T_part_first = input.keyframes.front().T_map_keyframe,
-                    .fixes = input.map->fixes(),
-                    .control = input.map->control_points(),
-                    .georeference = input.map->georeference()};
-    std::ranges::sort(world.fixes, {}, &MapFix::id);
-    for (MapFix& fix : world.fixes) {
-      fix.keyframe = part.merged(fix.keyframe);
-    }
-    for (ControlPoint& point : world.control) {
-      point.keyframe = part.merged(point.keyframe);
-    }
-    parts.push_back(std::move(world));
-  }
-  return parts;
-}
 
 /// The sessions that each keyframe of the merged map belongs to, and the sessions themselves, as
 /// the new map numbers them.
@@ -179,6 +146,28 @@ void add_sigmas(std::vector<MergedSession>& sessions, const PoseGraph& graph,
   }
 }
 
+MergeOutcome outcome_of(const std::vector<MergeInput>& inputs, const MergedMap& merged,
+                        const MergedWorld& world, const Numbered& numbered) {
+  MergeOutcome outcome{.sessions = numbered.sessions,
+                       .ties = ties_of(world.graph, numbered.of_keyframes),
+                       .apart = maps_apart(inputs, merged)};
+  add_sigmas(outcome.sessions, world.graph, numbered.of_keyframes);
+  for (const MergedPart& part : merged.parts) {
+    if (!inputs[part.map].incomplete.empty()) {
+      outcome.incomplete.push_back(inputs[part.map].file);
+    }
+  }
+  outcome.components = connected_components(world.graph).components.size();
+  outcome.georeferenced = world.georeference.has_value();
+  outcome.fixes_used =
+      static_cast<std::size_t>(std::ranges::count(world.fixes, FixVerdict::used, &MapFix::verdict));
+  outcome.control = static_cast<std::size_t>(
+      std::ranges::count(world.control, ControlRole::control, &ControlPoint::role));
+  return outcome;
+}
+
+}  // namespace
+
 std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const MergedMap& merged) {
   std::vector<MapApart> apart;
   for (std::size_t map = 0; map < inputs.size(); ++map) {
@@ -209,45 +198,18 @@ std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const Me
   return apart;
 }
 
-MergeOutcome outcome_of(const std::vector<MergeInput>& inputs, const MergedMap& merged,
-                        const MergedWorld& world, const Numbered& numbered) {
-  MergeOutcome outcome{.sessions = numbered.sessions,
-                       .ties = ties_of(world.graph, numbered.of_keyframes),
-                       .apart = maps_apart(inputs, merged)};
-  add_sigmas(outcome.sessions, world.graph, numbered.of_keyframes);
-  for (const MergedPart& part : merged.parts) {
-    if (!inputs[part.map].incomplete.empty()) {
-      outcome.incomplete.push_back(inputs[part.map].file);
-    }
-  }
-  outcome.components = connected_components(world.graph).components.size();
-  outcome.georeferenced = world.georeference.has_value();
-  outcome.fixes_used =
-      static_cast<std::size_t>(std::ranges::count(world.fixes, FixVerdict::used, &MapFix::verdict));
-  outcome.control = static_cast<std::size_t>(
-      std::ranges::count(world.control, ControlRole::control, &ControlPoint::role));
-  return outcome;
-}
-
-}  // namespace
-
 MergeOutcome merge_job(const MergeCommandOptions& options,
                        const std::function<bool(const MergeStep&)>& on_step) {
   require_free_output(options.maps, options.output);
-  const std::vector<MergeInput> inputs = open_merge_inputs(options.maps);
+  std::vector<MergeInput> opened = open_merge_inputs(options.maps);
   const UnfinishedMap unfinished(options.output);
-  const Config config = config_of(inputs);
-  std::vector<const MapStore*> stores;
-  for (const MergeInput& input : inputs) {
-    stores.push_back(input.map.get());
-  }
-  DeviceSession device(options.device);
-  const MergedMap merged = merge_maps(device.context(), config, stores, {}, on_step);
-  device.require_no_complaints();
-  if (merged.parts.size() < 2) {
+  const TiedMaps tied = tie_maps(std::move(opened), options.device, on_step);
+  const std::vector<MergeInput>& inputs = tied.inputs;
+  const MergedMap& merged = tied.merged;
+  if (!tied.world) {
     return {.apart = maps_apart(inputs, merged)};
   }
-  const MergedWorld world = place_in_world(merged.graph, world_parts(inputs, merged), config.gnss);
+  const MergedWorld& world = *tied.world;
   const Numbered numbered = numbered_sessions(inputs, merged);
   MergeOutcome outcome = outcome_of(inputs, merged, world, numbered);
   write_merged(unfinished.part(), inputs, merged, world, numbered);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adit/slam/mapping/map_merge.hpp"
+#include "adit/tools/map_merge/merge_inputs.hpp"
 #include "adit/tools/setup/device_session.hpp"
 
 namespace adit {
@@ -64,6 +65,9 @@ struct MergeOutcome {
   std::size_t control = 0;                          ///< control points that count
   bool georeferenced = false;
 };
+
+/// The maps that are tied to none of the others, with their reasons.
+std::vector<MapApart> maps_apart(const std::vector<MergeInput>& inputs, const MergedMap& merged);
 
 /// Writes the merged map, unless nothing was tied to anything. The inputs are only read.
 /// `on_step` as of merge_maps(). Throws UsageError, InputError, LockedError, OutputError,

@@ -54,10 +54,8 @@ TileNumber TileGrid::tile_of(const Eigen::Vector2d& p) const {
   return {.y = number(p.y()), .x = number(p.x())};
 }
 
-std::map<TileNumber, std::vector<MapKeyframe>> keyframes_by_tile(
-    const MapDatabase& map, const ProductCoordinates& coordinates, const CloudSelection& selection,
-    const TileGrid& grid) {
-  std::map<TileNumber, std::vector<MapKeyframe>> tiles;
+std::map<NodeId, Eigen::AlignedBox3d> boxes_of_sight(const MapDatabase& map) {
+  std::map<NodeId, Eigen::AlignedBox3d> sights;
   const std::map<NodeId, Eigen::AlignedBox3d> boxes = map.boxes();
   for (const MapKeyframe& keyframe : map.keyframes()) {
     const auto box = boxes.find(keyframe.id);
@@ -71,16 +69,31 @@ std::map<TileNumber, std::vector<MapKeyframe>> keyframes_by_tile(
           "submap " + std::to_string(keyframe.id) + " has no place, or none that is possible",
           "`adit check` says what else is wrong");
     }
-    if (!selection.sessions.empty() && !selection.sessions.contains(keyframe.session)) {
-      continue;
+    sights.emplace(keyframe.id, seen);
+  }
+  return sights;
+}
+
+void visit_tiles(const TileGrid& grid, const Eigen::AlignedBox2d& box,
+                 const std::function<void(const TileNumber&)>& visit) {
+  const TileNumber first = grid.tile_of(box.min());
+  const TileNumber last = grid.tile_of(box.max());
+  for (TileNumber tile = first; tile.y <= last.y; ++tile.y) {
+    for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
+      visit(tile);
     }
-    const Eigen::AlignedBox2d plane = box_in(coordinates, seen);
-    const TileNumber first = grid.tile_of(plane.min());
-    const TileNumber last = grid.tile_of(plane.max());
-    for (TileNumber tile = first; tile.y <= last.y; ++tile.y) {
-      for (tile.x = first.x; tile.x <= last.x; ++tile.x) {
-        tiles[tile].push_back(keyframe);
-      }
+  }
+}
+
+std::map<TileNumber, std::vector<MapKeyframe>> keyframes_by_tile(
+    const MapDatabase& map, const ProductCoordinates& coordinates, const CloudSelection& selection,
+    const TileGrid& grid) {
+  std::map<TileNumber, std::vector<MapKeyframe>> tiles;
+  const std::map<NodeId, Eigen::AlignedBox3d> sights = boxes_of_sight(map);
+  for (const MapKeyframe& keyframe : map.keyframes()) {
+    if (selection.sessions.empty() || selection.sessions.contains(keyframe.session)) {
+      visit_tiles(grid, box_in(coordinates, sights.at(keyframe.id)),
+                  [&](const TileNumber& tile) { tiles[tile].push_back(keyframe); });
     }
   }
   return tiles;

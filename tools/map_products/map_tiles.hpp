@@ -6,10 +6,11 @@
 
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
@@ -31,6 +32,14 @@ struct TileGrid {
 
   TileNumber tile_of(const Eigen::Vector2d& p) const;
 };
+
+/// The box around what each keyframe has seen and the place that it was seen from, map frame, m.
+/// Throws InputError where the map is damaged.
+std::map<NodeId, Eigen::AlignedBox3d> boxes_of_sight(const MapDatabase& map);
+
+/// Visits the tiles that a box of the plane reaches into, row by row.
+void visit_tiles(const TileGrid& grid, const Eigen::AlignedBox2d& box,
+                 const std::function<void(const TileNumber&)>& visit);
 
 /// Keyframes whose submaps, or the rays from them, may reach into each tile, in the order of ids.
 /// Throws InputError where the map is damaged.

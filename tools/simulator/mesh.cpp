@@ -3,6 +3,7 @@
 #include "adit/tools/simulator/mesh.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/counter_random.hpp"
@@ -54,6 +55,17 @@ Optics optics_of(Material material) {
       return {.reflectivity = 0.08F, .transmission = 0.9F, .color = {150, 200, 220}};
   }
   return {};
+}
+
+void add_movable(Mesh& mesh, std::string label, const std::function<void()>& add) {
+  const std::size_t vertices = mesh.vertices.size();
+  const std::size_t triangles = mesh.triangles.size();
+  add();
+  mesh.movable.push_back({.label = std::move(label),
+                          .first_vertex = vertices,
+                          .vertices = mesh.vertices.size() - vertices,
+                          .first_triangle = triangles,
+                          .triangles = mesh.triangles.size() - triangles});
 }
 
 void add_patch(Mesh& mesh, int columns, int rows, Material material,

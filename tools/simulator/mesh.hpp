@@ -5,8 +5,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -44,10 +46,23 @@ struct Triangle {
   Material material = Material::concrete;
 };
 
+/// One object in a mesh: consecutive vertices, and the consecutive triangles between them.
+struct MeshPart {
+  std::string label{};  ///< "desk", "parked car"
+  std::size_t first_vertex = 0;
+  std::size_t vertices = 0;
+  std::size_t first_triangle = 0;
+  std::size_t triangles = 0;
+};
+
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Triangle> triangles;
+  std::vector<MeshPart> movable{};  ///< what people move between two days, in order
 };
+
+/// What `add` adds to the mesh is one object that people move.
+void add_movable(Mesh& mesh, std::string label, const std::function<void()>& add);
 
 /// A surface over a grid: `at(u, v)` for u = 0 .. columns and v = 0 .. rows gives its vertices.
 void add_patch(Mesh& mesh, int columns, int rows, Material material,

@@ -131,7 +131,8 @@ void add_block_of_houses(Mesh& mesh, const Vector2d& corner, Random& random) {
     if (random.uniform(0.0, 1.0) < 0.55) {
       const SinCos way = repeatable_sin_cos(yaw);
       const Vector3d kerbside(x + 1.9 * way.sin, y - 1.9 * way.cos, 0.0);
-      add_car(mesh, standing_at(kerbside, yaw), random.uniform(3.8, 5.0));
+      add_movable(mesh, "parked car",
+                  [&] { add_car(mesh, standing_at(kerbside, yaw), random.uniform(3.8, 5.0)); });
     }
   };
   for (double x = low.x() + 5.0; x < high.x() - 5.0; x += random.uniform(6.0, 9.0)) {

@@ -268,6 +268,9 @@ SimulationOptions read_scene_file(const std::filesystem::path& file) {
        {"seed", [&](const auto& node) { options.seed = reader.seed(node); }},
        {"noise_seed", [&](const auto& node) { options.noise_seed = reader.seed(node); }},
        {"later", [&](const auto& node) { require_later(options.later = reader.number(node)); }},
+       {"change",
+        [&](const auto& node) { require_change(options.change.share = reader.number(node)); }},
+       {"change_seed", [&](const auto& node) { options.change.seed = reader.seed(node); }},
        {"duration",
         [&](const auto& node) { require_duration(options.duration = reader.number(node)); }},
        {"faults",
@@ -297,6 +300,8 @@ scene = "mine"
 seed = 1
 # noise_seed = 1  # of the sensors' errors alone: the same place, recorded again; that of seed
 later = 0.0  # s after the simulation's epoch that the recording begins: what moves has gone on
+change = 0.0  # share of the scene's movable objects that are gone, elsewhere, or more than without it
+change_seed = 1
 duration = 60.0  # s
 faults = []
 

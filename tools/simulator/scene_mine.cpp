@@ -190,14 +190,18 @@ void furnish(Mesh& mesh, const Drift& drift, Random& random) {
       pose.translation() = place(s, -1.6, 0.5);
       pose.linear() =
           rotation_from_yaw_pitch_roll(repeatable_atan2(ahead.y(), ahead.x()), 0.0, 0.0);
-      add_box(mesh, pose, {random.uniform(0.3, 0.8), 0.3, 0.5}, Material::paint);
+      add_movable(mesh, "box", [&] {
+        add_box(mesh, pose, {random.uniform(0.3, 0.8), 0.3, 0.5}, Material::paint);
+      });
     } else {
-      add_blob(mesh,
-               {.center = place(s, side * random.uniform(1.5, 2.0), 0.3 * size),
-                .radii = {size, size, 0.8 * size},
-                .roughness = 0.6,
-                .seed = static_cast<uint64_t>(1e6 * random.uniform(0.0, 1.0))},
-               Material::rock);
+      add_movable(mesh, "rock", [&] {
+        add_blob(mesh,
+                 {.center = place(s, side * random.uniform(1.5, 2.0), 0.3 * size),
+                  .radii = {size, size, 0.8 * size},
+                  .roughness = 0.6,
+                  .seed = static_cast<uint64_t>(1e6 * random.uniform(0.0, 1.0))},
+                 Material::rock);
+      });
     }
   }
 }

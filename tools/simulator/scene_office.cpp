@@ -50,16 +50,24 @@ void furnish(Mesh& mesh, const Vector3d& corner, double towards_window, Random& 
   for (int i = 0; i < desks; ++i) {
     const double x = 1.3 + 2.6 * i + random.uniform(-0.2, 0.2);
     const double y = random.uniform(3.0, 5.0);
-    box(x, y, 0.73, {1.6, 0.8, 0.04}, Material::wood);
-    box(x - 0.75, y, 0.36, {0.05, 0.7, 0.7}, Material::metal);
-    box(x + 0.75, y, 0.36, {0.05, 0.7, 0.7}, Material::metal);
-    box(x + random.uniform(-0.3, 0.3), y + 0.2, 1.0, {0.55, 0.06, 0.35}, Material::dark);
-    box(x + random.uniform(-0.3, 0.3), y - 0.8, 0.45, {0.5, 0.5, 0.1}, Material::paint);
-    box(x, y - 1.0, 0.75, {0.45, 0.08, 0.6}, Material::paint);
+    add_movable(mesh, "desk", [&] {
+      box(x, y, 0.73, {1.6, 0.8, 0.04}, Material::wood);
+      box(x - 0.75, y, 0.36, {0.05, 0.7, 0.7}, Material::metal);
+      box(x + 0.75, y, 0.36, {0.05, 0.7, 0.7}, Material::metal);
+      box(x + random.uniform(-0.3, 0.3), y + 0.2, 1.0, {0.55, 0.06, 0.35}, Material::dark);
+    });
+    add_movable(mesh, "chair", [&] {
+      box(x + random.uniform(-0.3, 0.3), y - 0.8, 0.45, {0.5, 0.5, 0.1}, Material::paint);
+      box(x, y - 1.0, 0.75, {0.45, 0.08, 0.6}, Material::paint);
+    });
   }
-  box(random.uniform(0.8, 4.6), 6.1, 0.9, {random.uniform(0.8, 1.6), 0.4, 1.8}, Material::wood);
+  add_movable(mesh, "cabinet", [&] {
+    box(random.uniform(0.8, 4.6), 6.1, 0.9, {random.uniform(0.8, 1.6), 0.4, 1.8}, Material::wood);
+  });
   if (random.uniform(0.0, 1.0) < 0.5) {
-    box(5.0, random.uniform(1.0, 5.0), 0.6, {0.4, 0.9, 1.2}, Material::metal);
+    add_movable(mesh, "cabinet", [&] {
+      box(5.0, random.uniform(1.0, 5.0), 0.6, {0.4, 0.9, 1.2}, Material::metal);
+    });
   }
 }
 

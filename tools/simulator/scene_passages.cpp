@@ -102,6 +102,7 @@ void add_way(Mesh& mesh, const std::vector<Vector2d>& corners, Random& random) {
 
 void add_copy(Mesh& mesh, const Mesh& other, const Vector3d& offset) {
   const auto first = static_cast<uint32_t>(mesh.vertices.size());
+  const std::size_t first_triangle = mesh.triangles.size();
   for (const Eigen::Vector3f& vertex : other.vertices) {
     mesh.vertices.emplace_back(vertex + offset.cast<float>());
   }
@@ -110,6 +111,11 @@ void add_copy(Mesh& mesh, const Mesh& other, const Vector3d& offset) {
       corner += first;
     }
     mesh.triangles.push_back(triangle);
+  }
+  for (MeshPart part : other.movable) {
+    part.first_vertex += first;
+    part.first_triangle += first_triangle;
+    mesh.movable.push_back(part);
   }
 }
 

@@ -17,7 +17,7 @@ constexpr double kLength = 12.0;
 constexpr double kWidth = 9.0;
 constexpr double kHeight = 3.2;
 
-void add_table(Mesh& mesh, const Vector3d& at, double length, double width) {
+void add_table_parts(Mesh& mesh, const Vector3d& at, double length, double width) {
   const double top = 0.74;
   add_block(mesh, at + Vector3d(-0.5 * length, -0.5 * width, top),
             at + Vector3d(0.5 * length, 0.5 * width, top + 0.04), Material::wood);
@@ -33,6 +33,10 @@ void add_table(Mesh& mesh, const Vector3d& at, double length, double width) {
               Material::metal);
     }
   }
+}
+
+void add_table(Mesh& mesh, const Vector3d& at, double length, double width) {
+  add_movable(mesh, "table", [&] { add_table_parts(mesh, at, length, width); });
 }
 
 void add_shelf(Mesh& mesh, const Vector3d& low, const Vector3d& size, Random& random) {
@@ -79,7 +83,9 @@ Scene make_room(uint64_t seed) {
   }
   add_shelf(mesh, {-4.5, y - 0.45, 0.0}, {3.6, 0.4, 2.1}, random);
   add_shelf(mesh, {1.0, -y + 0.05, 0.0}, {2.4, 0.4, 1.7}, random);
-  add_block(mesh, {x - 0.7, -3.2, 0.0}, {x - 0.05, -2.0, 1.95}, Material::metal);
+  add_movable(mesh, "cabinet", [&] {
+    add_block(mesh, {x - 0.7, -3.2, 0.0}, {x - 0.05, -2.0, 1.95}, Material::metal);
+  });
   add_block(mesh, {-x + 0.02, -1.2, 0.0}, {-x + 0.08, -0.2, 2.05}, Material::paint);
   add_block(mesh, {2.0, y - 0.06, 0.9}, {4.4, y - 0.02, 2.2}, Material::dark);
   add_table(mesh, {-4.6, -3.2, 0.0}, 1.8, 0.8);
@@ -93,15 +99,18 @@ Scene make_room(uint64_t seed) {
                         random.uniform(0.2, 0.5));
     pose.linear() = rotation_from_yaw_pitch_roll(random.uniform(0.0, 1.5), 0.0, 0.0);
     pose.translation() = Vector3d(5.2 * direction.cos, 3.9 * direction.sin, half.z());
-    add_box(mesh, pose, half, i % 3 == 0 ? Material::paint : Material::wood);
+    add_movable(mesh, "box",
+                [&] { add_box(mesh, pose, half, i % 3 == 0 ? Material::paint : Material::wood); });
   }
-  add_blob(mesh,
-           {.center = {5.2, -0.4, 0.9},
-            .radii = {0.35, 0.35, 0.6},
-            .roughness = 0.5,
-            .seed = seed,
-            .sides = 14},
-           Material::leaves);
+  add_movable(mesh, "plant", [&] {
+    add_blob(mesh,
+             {.center = {5.2, -0.4, 0.9},
+              .radii = {0.35, 0.35, 0.6},
+              .roughness = 0.5,
+              .seed = seed,
+              .sides = 14},
+             Material::leaves);
+  });
   scene.route = {{-3.8, -2.2, 0}, {0.2, -2.4, 0}, {4.0, -1.6, 0}, {4.1, 1.2, 0},
                  {2.0, 2.4, 0},   {-1.5, 2.5, 0}, {-4.1, 1.8, 0}};
   scene.corner_radius = 1.2;

@@ -33,6 +33,7 @@ void check_option(const char* name, const Require& require) {
 
 void check(const SimulationOptions& options) {
   check_option("--duration", [&] { require_duration(options.duration); });
+  check_option("--change", [&] { require_change(options.change.share); });
   check_option("--later", [&] { require_later(options.later); });
   check_option("--imu-rate", [&] { require_imu_rate(options.imu_rate); });
   check_option("--gnss-rate", [&] { require_gnss_rate(options.gnss_rate); });
@@ -82,6 +83,19 @@ Scene scene_of(const SimulationOptions& options) {
                              later = options.later](double time) { return at(time + later); };
   }
   return scene;
+}
+
+/// The scene with what has changed in it, or as it is where nothing is to change. Throws UsageError
+/// where it has no movable object.
+ChangedScene with_changes(Scene scene, const SimulationOptions& options) {
+  if (options.change.share == 0.0) {
+    return {.scene = std::move(scene)};
+  }
+  if (scene.mesh.movable.empty()) {
+    throw UsageError("--change: the scene " + options.scene +
+                     " has no movable objects. City, mine, office, room and wings have some.");
+  }
+  return changed_scene(std::move(scene), options.change);
 }
 
 /// Where the sensor comes by again; it looks in some hundred of its directions.
@@ -134,6 +148,7 @@ SimulationFiles::SimulationFiles(const std::filesystem::path& file)
       antenna(beside(file, ".truth.antenna.csv")),
       loops(beside(file, ".truth.loops.csv")),
       labels(beside(file, ".truth.labels")),
+      changes(beside(file, ".truth.changes.json")),
       scene(beside(file, ".scene.ply")),
       picture(beside(file, ".scene.png")),
       sweep(beside(file, ".sweep.png")) {}
@@ -149,6 +164,9 @@ SimulationSummary simulate(
     const std::function<void(std::size_t done, std::size_t total)>& progress) {
   check(options);
   Scene scene = scene_of(options);
+  const std::size_t movable = scene.mesh.movable.size();
+  ChangedScene changed = with_changes(std::move(scene), options);
+  scene = std::move(changed.scene);
   const SplineTrajectory trajectory =
       make_trajectory(scene, motion_named(options.trajectory), options.duration + 0.5,
                       options.speed, options.begin);
@@ -167,6 +185,7 @@ SimulationSummary simulate(
   }
   const RangeSimulator& first = lidars.front().simulator();
   SimulationSummary summary;
+  summary.changes = changed.changes.size();
   summary.triangles = scene.mesh.triangles.size();
   summary.crossings = find_crossings([&](double time) { return first.pose(time); },
                                      options.duration, first.still());
@@ -209,6 +228,9 @@ SimulationSummary simulate(
   }
   if (labels) {
     labels->close();
+  }
+  if (options.change.share > 0.0) {
+    write_changes(files.changes, options.change, movable, changed.changes);
   }
   write_scene_ply(files.scene, scene);
   write_loops(files.loops, find_loops(first, options.duration), seconds(options.epoch()));

@@ -17,6 +17,7 @@
 #include "adit/tools/simulator/crossings.hpp"
 #include "adit/tools/simulator/gnss_model.hpp"
 #include "adit/tools/simulator/range_simulator.hpp"
+#include "adit/tools/simulator/scene_change.hpp"
 
 namespace adit {
 
@@ -56,7 +57,9 @@ struct SimulationOptions {
   std::optional<double> corner_radius;  ///< m, of its rounding, instead of the scene's
   uint64_t seed = 1;
   std::optional<uint64_t> noise_seed{};  ///< of the sensors' errors; none: `seed`
-  double later = 0.0;    ///< s after kSimulationEpoch that it begins: what moves has gone on
+  double later = 0.0;  ///< s after kSimulationEpoch that it begins: what moves has gone on
+  /// Of the scene's movable objects: some are gone, elsewhere, or more than without it.
+  ChangeOptions change{};
   bool reverse = false;  ///< the way is taken from its end to its beginning
   bool picture = true;   ///< draw the scene and a sweep in it
   Compression compression = Compression::none;
@@ -76,6 +79,7 @@ struct SimulationFiles {
   std::filesystem::path antenna;     ///< NAME.truth.antenna.csv, where there is GNSS
   std::filesystem::path loops;       ///< NAME.truth.loops.csv: places that see the same
   std::filesystem::path labels;      ///< NAME.truth.labels, where something moves
+  std::filesystem::path changes;     ///< NAME.truth.changes.json, where objects have changed
   std::filesystem::path scene;       ///< NAME.scene.ply
   std::filesystem::path picture;     ///< NAME.scene.png
   std::filesystem::path sweep;       ///< NAME.sweep.png: a sweep in the scene
@@ -88,6 +92,7 @@ struct SimulationSummary {
   std::size_t pulses = 0;
   std::size_t imu_samples = 0;
   std::size_t gnss_fixes = 0;
+  std::size_t changes = 0;            ///< objects removed or added, a moved one twice
   double path = 0.0;                  ///< m
   double fastest_turn = 0.0;          ///< rad/s
   std::vector<Crossing> crossings{};  ///< where the first range sensor crosses what stands still

@@ -30,6 +30,12 @@ void require_duration(double seconds) {
   }
 }
 
+void require_change(double share) {
+  if (!(share >= 0.0 && share <= 1.0)) {
+    throw UsageError(fmt::format("is {}; must be a share from 0 to 1.", shortest(share)));
+  }
+}
+
 void require_later(double seconds) {
   constexpr double kTenYears = 3.2e8;
   if (!(seconds >= 0.0 && seconds <= kTenYears)) {

@@ -12,6 +12,7 @@
 namespace adit {
 
 void require_duration(double seconds);
+void require_change(double share);          ///< of movable objects
 void require_later(double seconds);         ///< after the simulation's epoch
 void require_speed(double speed);           ///< m/s
 void require_begin(double distance);        ///< m along the way
