@@ -31,7 +31,7 @@ ChangedVoxel changed(const SurfaceElement& element, ChangeOfSpace change) {
 
 double change_log_odds(uint32_t own_hits, uint32_t own_through, uint32_t hits, uint32_t through) {
   // A surface that is there lets a share q of the submaps see through: its own session's votes say
-  // which. Before them q is small: of ten surfaces about one has holes.
+  // which. Before them its mean is a sixth: few surfaces have holes.
   constexpr double kThrough = 0.2;
   constexpr double kHit = 1.0;
   // Where there is nothing, something else is taken for the surface now and then.

@@ -28,7 +28,7 @@ int compare(const ChangesCommandOptions& options, std::ostream& out, std::ostrea
       return StopSignal::received() == 0;
     });
     progress.finish();
-    out << (options.json ? to_json(options, outcome) : describe(options, outcome));
+    out << (options.json ? to_json(options, outcome) : describe_changes(options, outcome));
     return 0;
   } catch (const MergeStopped&) {
     progress.finish();

@@ -98,7 +98,7 @@ Json properties(const ChangesOutcome& outcome, const ChangedObject& object) {
 
 }  // namespace
 
-std::string describe(const ChangesCommandOptions& options, const ChangesOutcome& outcome) {
+std::string describe_changes(const ChangesCommandOptions& options, const ChangesOutcome& outcome) {
   std::string text = sessions_table(outcome);
   std::size_t changed = 0;
   for (const ChangedObject& object : outcome.objects) {

@@ -12,7 +12,7 @@
 namespace adit {
 
 /// The table for people.
-std::string describe(const ChangesCommandOptions& options, const ChangesOutcome& outcome);
+std::string describe_changes(const ChangesCommandOptions& options, const ChangesOutcome& outcome);
 /// docs/schemas/changes.schema.json.
 std::string to_json(const ChangesCommandOptions& options, const ChangesOutcome& outcome);
 /// GeoJSON: a Polygon each, the footprint of the object's box at its bottom. In degrees on WGS 84

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -43,6 +44,13 @@ std::vector<ComparedSession> sessions_of(const MapDatabase& map,
   return sessions;
 }
 
+/// Damaged poses turn boxes to anything, also to what is no number.
+bool is_possible_sight(const Eigen::AlignedBox3d& box) {
+  constexpr double kMostFar = 1e8;   // m
+  constexpr double kMostWide = 2e4;  // m
+  return (box.min().array().abs() < kMostFar).all() && (box.sizes().array() < kMostWide).all();
+}
+
 /// Where a keyframe is in the common frame, and which part it belongs to.
 struct CommonPlace {
   Eigen::Isometry3d T_common_keyframe = Eigen::Isometry3d::Identity();
@@ -65,12 +73,20 @@ void add_keyframes(ComparedMaps& compared, std::size_t map,
     const Eigen::AlignedBox3d& box = seen.at(keyframe.id);
     const Eigen::Isometry3d T_common_map =
         places[i].T_common_keyframe * keyframe.T_map_keyframe.inverse();
+    const Eigen::AlignedBox3d there = box.transformed(T_common_map);
+    const auto period = periods.find(keyframe.session);
+    if (period == periods.end() || !is_possible_sight(there)) {
+      throw InputError(compared.maps[map]->file(), {},
+                       "keyframe " + std::to_string(keyframe.id) +
+                           " has no session, or a pose that is not possible",
+                       "`adit check` says what else is wrong");
+    }
     compared.keyframes.push_back({.map = map,
                                   .id = keyframe.id,
-                                  .period = periods.at(keyframe.session),
+                                  .period = period->second,
                                   .part = places[i].part,
                                   .T_common_keyframe = places[i].T_common_keyframe,
-                                  .seen = box.transformed(T_common_map)});
+                                  .seen = there});
   }
 }
 
