@@ -10,6 +10,7 @@
 
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/scene_street.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {
@@ -46,24 +47,6 @@ void add_house(Mesh& mesh, const Vector3d& low, const Vector3d& high, bool along
       }
     }
   }
-}
-
-void add_tree(Mesh& mesh, const Vector3d& foot, Random& random) {
-  const double height = random.uniform(3.0, 4.5);
-  add_rod(mesh,
-          {.from = foot,
-           .to = foot + Vector3d(0, 0, height),
-           .radius_from = 0.18,
-           .radius_to = 0.12,
-           .sides = 7},
-          Material::bark);
-  const double size = random.uniform(1.2, 2.0);
-  add_blob(mesh,
-           {.center = foot + Vector3d(0, 0, height + 0.7 * size),
-            .radii = {size, size, 1.1 * size},
-            .roughness = 0.5,
-            .seed = static_cast<uint64_t>(random.uniform(0.0, 1e9))},
-           Material::leaves);
 }
 
 /// Body and cabin, its wheels left out; x ahead.
@@ -116,7 +99,7 @@ void add_block_of_houses(Mesh& mesh, const Vector2d& corner, Random& random) {
   const auto beside_street = [&](double x, double y, double yaw) {
     const double kind = random.uniform(0.0, 1.0);
     if (kind < 0.35) {
-      add_tree(mesh, {x, y, 0.14}, random);
+      add_street_tree(mesh, {x, y, 0.14}, random);
     } else if (kind < 0.55) {
       add_rod(mesh,
               {.from = {x, y, 0.1},

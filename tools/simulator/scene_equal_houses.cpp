@@ -9,6 +9,7 @@
 #include "adit/slam/core/units.hpp"
 #include "adit/tools/simulator/repeatable_math.hpp"
 #include "adit/tools/simulator/scene.hpp"
+#include "adit/tools/simulator/scene_street.hpp"
 #include "adit/tools/support/random.hpp"
 
 namespace adit {
@@ -34,24 +35,6 @@ void add_house(Mesh& mesh, double x, double width, double side) {
   block(width - 3.4, width - 1.0, kFront - 0.8, kFront, 0.6, 2.6, Material::concrete);
   block(0.6, 1.4, kFront + 3.0, kFront + 3.8, 5.5, 7.2, Material::concrete);
   block(0.0, width - 2.5, kCarriageway + 2.6, kCarriageway + 3.0, 0.0, 1.1, Material::leaves);
-}
-
-void add_tree(Mesh& mesh, const Vector3d& foot, Random& random) {
-  const double height = random.uniform(2.0, 4.0);
-  add_rod(mesh,
-          {.from = foot,
-           .to = foot + Vector3d(0, 0, height),
-           .radius_from = random.uniform(0.12, 0.25),
-           .radius_to = 0.1,
-           .sides = 7},
-          Material::bark);
-  const double size = random.uniform(0.8, 1.8);
-  add_blob(mesh,
-           {.center = foot + Vector3d(0, 0, height + 0.7 * size),
-            .radii = {size, size, 1.1 * size},
-            .roughness = 0.5,
-            .seed = static_cast<uint64_t>(random.uniform(0.0, 1e9))},
-           Material::leaves);
 }
 
 void add_parked_car(Mesh& mesh, double x, double side, Random& random) {
@@ -81,7 +64,7 @@ void add_square(Mesh& mesh, double x, double towards, Random& random) {
     along = end;
   }
   for (int i = 0; i < 6; ++i) {
-    add_tree(mesh, {x + random.uniform(-5.0, 5.0), random.uniform(-5.0, 5.0), 0.0}, random);
+    add_street_tree(mesh, {x + random.uniform(-5.0, 5.0), random.uniform(-5.0, 5.0), 0.0}, random);
   }
 }
 
@@ -100,9 +83,9 @@ Scene make_equal_houses(uint64_t seed) {
     for (const double side : {-1.0, 1.0}) {
       add_house(scene.mesh, i * every, width, side);
       if (random.uniform(0.0, 1.0) < 0.4) {
-        add_tree(scene.mesh,
-                 {i * every + random.uniform(1.0, every - 1.0), side * (kFront - 2.2), 0.0},
-                 random);
+        add_street_tree(scene.mesh,
+                        {i * every + random.uniform(1.0, every - 1.0), side * (kFront - 2.2), 0.0},
+                        random);
       }
       if (random.uniform(0.0, 1.0) < 0.4) {
         add_parked_car(scene.mesh, i * every + random.uniform(2.0, every - 2.0), side, random);
