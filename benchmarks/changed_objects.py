@@ -215,7 +215,7 @@ def main():
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=["office", "room", "city"])
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2])
     parser.add_argument("--change", type=float, default=0.2, help="share of the movable objects")
-    parser.add_argument("--verbose", action="store_true", help="list what is missed and what is wrong")
+    parser.add_argument("--verbose", action="store_true", help="list missed objects and wrong reports")
     options = parser.parse_args()
     print("| scene | seed | objects | volume, m3 | recall | of their points | reports | precision | lost |")
     print("|---|---|---|---|---|---|---|---|---|")

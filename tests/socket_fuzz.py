@@ -9,6 +9,7 @@ Usage: socket_fuzz.py ADIT SECONDS [TOPIC_PEER]. SECONDS for each source: UDP pa
 topics. A gpsd is beside either.
 """
 
+import concurrent.futures
 import os
 import pathlib
 import random
@@ -91,39 +92,6 @@ def report(source, grown, sent):
     live.expect(end - third < MOST_GROWTH, f"{source}: its memory grows")
 
 
-def fuzz_packets(adit, folder, seconds):
-    """Damaged packets once the map has begun: before, a run is refused where its points' times contradict its sweeps'."""
-    port, packets, chance = live.free_port(), live.vlp16_packets(), random.Random(1)
-    begun, done = threading.Event(), threading.Event()
-    sent = {"packets": 0, "damaged": 0, "reports": 0}
-
-    def send():
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-            while not done.is_set():
-                packet = packets[sent["packets"] % len(packets)]
-                sender.sendto(packet, ("127.0.0.1", port))
-                sent["packets"] += 1
-                if begun.is_set():
-                    sender.sendto(damaged(chance, packet), ("127.0.0.1", port))
-                    sent["damaged"] += 1
-                time.sleep(1 / 754)
-
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        threading.Thread(target=serve_gpsd, args=[server, sent], daemon=True).start()
-        run = Watched(adit, folder / "packets", f"udp://127.0.0.1:{port}", live.gpsd_of(server))
-        sending = threading.Thread(target=send)
-        sending.start()
-        try:
-            run.wait_for_map()
-            begun.set()
-            grown = run.watch(seconds)
-        finally:
-            done.set()
-            sending.join()
-        run.end(adit)
-    report("packets and gpsd", grown, sent)
-
-
 def serve_gpsd(server, sent):
     """To each client: reports, whole and damaged."""
     chance = random.Random(2)
@@ -143,35 +111,59 @@ def serve_gpsd(server, sent):
                 pass  # it has ended
 
 
+def fuzz(adit, out, seconds, sources, send, sent):
+    """Maps the sources and a gpsd, while send(begun, done) sends to them; `begun` is set once there is a map."""
+    begun, done = threading.Event(), threading.Event()
+    with socket.create_server(("127.0.0.1", 0)) as server, concurrent.futures.ThreadPoolExecutor() as pool:
+        threading.Thread(target=serve_gpsd, args=[server, sent], daemon=True).start()
+        run = Watched(adit, out, *sources, live.gpsd_of(server))
+        sending = pool.submit(send, begun, done)
+        try:
+            run.wait_for_map()
+            begun.set()
+            grown = run.watch(seconds)
+        finally:
+            done.set()
+        sending.result()
+        run.end(adit)
+    report(f"{out.name} and gpsd", grown, sent)
+
+
+def fuzz_packets(adit, folder, seconds):
+    """Damaged packets once the map has begun: before, a run is refused where its points' times contradict its sweeps'."""
+    port, packets, chance = live.free_port(), live.vlp16_packets(), random.Random(1)
+    sent = {"packets": 0, "damaged": 0, "reports": 0}
+
+    def send(begun, done):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            while not done.is_set():
+                packet = packets[sent["packets"] % len(packets)]
+                sender.sendto(packet, ("127.0.0.1", port))
+                sent["packets"] += 1
+                if begun.is_set():
+                    sender.sendto(damaged(chance, packet), ("127.0.0.1", port))
+                    sent["damaged"] += 1
+                time.sleep(1 / 754)
+
+    fuzz(adit, folder / "packets", seconds, [f"udp://127.0.0.1:{port}"], send, sent)
+
+
 def fuzz_topics(adit, peer, folder, seconds):
     """Publishers come and go, each with damaged messages and with stamps that step back."""
-    recording, sent, done = folder / "room.mcap", {"publishers": 0, "reports": 0}, threading.Event()
+    recording, sent = folder / "room.mcap", {"publishers": 0, "reports": 0}
     live.run(adit, "simulate", "room", "--duration", "8", "--seed", "53", "-o", recording)
     os.environ["ROS_DOMAIN_ID"] = str(random.randrange(1, 100))
 
-    def publish():
+    def publish(_, done):
         while not done.is_set():
             with subprocess.Popen([peer, recording, "1", str(sent["publishers"])], stdout=subprocess.DEVNULL) as one:
                 sent["publishers"] += 1
                 while one.poll() is None and not done.is_set():
                     time.sleep(0.05)
-                if one.returncode:
-                    return  # it has said why, and no map appears
+                live.expect(not one.returncode, f"a publisher ends with {one.returncode}")
                 one.kill()
 
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        threading.Thread(target=serve_gpsd, args=[server, sent], daemon=True).start()
-        publishing = threading.Thread(target=publish)
-        publishing.start()
-        run = Watched(adit, folder / "topics", "ros2", live.gpsd_of(server), "--publish")
-        try:
-            run.wait_for_map()
-            grown = run.watch(seconds)
-        finally:
-            done.set()
-            publishing.join()
-        run.end(adit)
-    report("topics and gpsd", grown, sent)
+    fuzz(adit, folder / "topics", seconds, ["ros2", "--publish"], publish, sent)
 
 
 def main():

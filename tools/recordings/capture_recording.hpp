@@ -18,8 +18,8 @@ namespace adit {
 ///
 /// Topics: /points; for Velodyne /fix, where a GNSS receiver is attached; for Ouster and Livox
 /// /imu; for Ouster /tf_static (frames os_sensor, os_lidar, os_imu); /gpsd/fix where `adit live`
-/// recorded a gpsd with them. Throws InputError: packets of
-/// no sensor that is known, of several, or without the metadata that they need.
+/// recorded a gpsd with them. Throws InputError: packets of no sensor that is known, of several, or
+/// without the metadata that they need.
 std::unique_ptr<Recording> open_packet_capture(const std::filesystem::path& path,
                                                const std::filesystem::path& metadata = {});
 

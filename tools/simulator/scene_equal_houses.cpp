@@ -73,7 +73,7 @@ void add_square(Mesh& mesh, double x, double towards, Random& random) {
 Scene make_equal_houses(uint64_t seed) {
   Random random(seed);
   Scene scene;
-  const double width = random.uniform(9.0, 15.0);  // m, of a house; the gap beside it is constant
+  const double width = random.uniform(9.0, 15.0);  // m, of a house
   const double every = width + random.uniform(2.0, 5.0);
   const int houses = static_cast<int>(random.uniform(180.0, 300.0) / every);
   const double length = houses * every;
