@@ -68,6 +68,7 @@ class OfflineSlam final : public Slam {
         session_(options.session),
         map_memory_(options.map_memory),
         earlier_sessions_(options.earlier_sessions),
+        start_(options.start),
         map_beside_(options.map_beside),
         most_behind_(options.most_behind),
         placed_(options.placed) {
@@ -375,7 +376,8 @@ class OfflineSlam final : public Slam {
     if (mapper_) {
       return;
     }
-    mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_, earlier_sessions_);
+    mapper_.emplace(*context_, odometry_.config(), *map_, session_, map_memory_, earlier_sessions_,
+                    start_);
     for (const GnssFix& fix : std::exchange(before_map_fixes_, {})) {
       map_fix(fix, antenna());  // the worker has nothing to do yet
     }
@@ -409,6 +411,7 @@ class OfflineSlam final : public Slam {
   SessionId session_;
   MapMemory map_memory_;
   EarlierSessions earlier_sessions_;
+  std::optional<StartPlace> start_;
   bool map_beside_;
   std::size_t most_behind_;
   std::function<void(const Sweep&, const SweepResult&)> placed_;

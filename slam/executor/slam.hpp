@@ -80,6 +80,9 @@ struct SlamOptions {
   MapMemory map_memory{};  ///< that the map may take
   /// What becomes of the sessions that the store had before.
   EarlierSessions earlier_sessions = EarlierSessions::none;
+  /// Where the first sweep is expected in their map; else places are recognised by their looks, or
+  /// GNSS fixes say it.
+  std::optional<StartPlace> start{};
   /// The map may be some sweeps behind the odometry; otherwise the map holds each sweep before the
   /// next is placed, so that it has no more than next() has given.
   bool map_beside = true;

@@ -230,4 +230,10 @@ std::vector<Eigen::Isometry3d> poses_of(const PoseGraph& graph) {
   return poses;
 }
 
+bool expects_start(const PoseGraph& graph) {
+  return std::ranges::any_of(graph.edges(), [](const PoseEdge& edge) {
+    return edge.kind == EdgeKind::start && edge.status == EdgeStatus::active;
+  });
+}
+
 }  // namespace adit

@@ -27,10 +27,14 @@ struct PoseNode {
 };
 
 /// Where an edge comes from; robust kernels are chosen by it.
-enum class EdgeKind { odometry, loop };
+enum class EdgeKind {
+  odometry,
+  loop,
+  start,  ///< where a session is expected to begin in an earlier map, until it recognises a place
+};
 /// The enumerator's name.
 constexpr std::string_view to_string(EdgeKind kind) {
-  return kind == EdgeKind::loop ? "loop" : "odometry";
+  return kind == EdgeKind::loop ? "loop" : kind == EdgeKind::start ? "start" : "odometry";
 }
 
 /// Only active edges are optimised; the others stay on record.
@@ -156,6 +160,9 @@ class PoseGraph {
   std::vector<LevelledNode> levels_;
   Eigen::Isometry3d T_world_map_ = Eigen::Isometry3d::Identity();
 };
+
+/// An active edge says where a session is expected to begin.
+bool expects_start(const PoseGraph& graph);
 
 /// Nodes that active edges tie to each other.
 struct GraphComponent {

@@ -22,8 +22,12 @@ std::size_t agreeing_on_another_join(const PoseGraph& graph, const TrackingGap& 
   const auto goes_across = [&](const LoopHypothesis& one) {
     return crosses(graph, gap, one.from, one.to);
   };
-  if (std::ranges::none_of(accepted, goes_across)) {
-    return 0;  // there is no join
+  const auto joins = [&](const PoseEdge& edge) {
+    return edge.kind != EdgeKind::odometry && edge.status == EdgeStatus::active &&
+           crosses(graph, gap, edge.from, edge.to);
+  };
+  if (std::ranges::none_of(graph.edges(), joins)) {
+    return 0;
   }
   std::vector<LoopHypothesis> asked;
   for (const LoopHypothesis& one : refused) {
@@ -36,8 +40,7 @@ std::size_t agreeing_on_another_join(const PoseGraph& graph, const TrackingGap& 
   }
   PoseGraph parted = graph;
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
-    const PoseEdge& edge = graph.edges()[i];
-    if (edge.kind == EdgeKind::loop && crosses(graph, gap, edge.from, edge.to)) {
+    if (joins(graph.edges()[i])) {
       parted.set_status(i, EdgeStatus::revoked);
     }
   }

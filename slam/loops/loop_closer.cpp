@@ -204,7 +204,8 @@ void LoopCloser::review_joins(PoseGraph& graph, Change& change) {
   }
 }
 
-// All loops across the gap are taken back, and what was found against them is forgotten.
+// All loops across the gap are revoked, and the start that was expected there; what was found
+// against them is forgotten.
 void LoopCloser::undo_join(PoseGraph& graph, const TrackingGap& gap, double figure,
                            Change& change) {
   const auto crossing = [&](const LoopHypothesis& one) {
@@ -212,7 +213,7 @@ void LoopCloser::undo_join(PoseGraph& graph, const TrackingGap& gap, double figu
   };
   for (std::size_t i = 0; i < graph.edges().size(); ++i) {
     const PoseEdge& edge = graph.edges()[i];
-    if (edge.kind == EdgeKind::loop && edge.status == EdgeStatus::active &&
+    if (edge.kind != EdgeKind::odometry && edge.status == EdgeStatus::active &&
         crosses(graph, gap, edge.from, edge.to)) {
       set_status(graph, i, EdgeStatus::revoked, change);
     }

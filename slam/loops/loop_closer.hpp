@@ -100,9 +100,10 @@ class LoopCloser {
                                 const SurfaceCloud& cloud);
 
   /// From now on loops are looked for between two maps alone. The graph has all nodes of the later
-  /// map from the start: `first` and those after it, with their edges to each other. To be called
+  /// map from the start: `first` and those after it, with their edges to each other. `same_site`:
+  /// the maps are known to be of one site, so that only places that they have compete. To be called
   /// after begin_behind().
-  void search_between(NodeId first);
+  void search_between(NodeId first, bool same_site = false);
   /// Where the later map looks like itself, with the poses that the graph has now: another place
   /// for it is one where it would be shifted by that.
   void set_own_aliases(MapAliases aliases) { own_aliases_ = std::move(aliases); }
@@ -135,7 +136,7 @@ class LoopCloser {
   Change confirm_join(PoseGraph& graph);
   /// Natural logarithm of the odds, as of the last confirm_join(), that the places which the maps
   /// have in common are the same, against that they are built alike: equal walls with other things
-  /// between them.
+  /// between them. Nothing where that is known otherwise: one site, or places in the world.
   std::optional<double> built_alike_log_odds() const { return built_alike_log_odds_; }
   /// They are rather built alike.
   bool is_built_alike() const { return built_alike_log_odds_ && *built_alike_log_odds_ < 0.0; }
@@ -176,6 +177,7 @@ class LoopCloser {
   double least_log_odds(const PoseGraph& graph, const Eigen::Isometry3d& T_map_part,
                         std::span<const std::size_t> asked,
                         std::span<const Eigen::Isometry3d> hypotheses);
+  double expected_log_odds(const PoseGraph& graph, std::span<const std::size_t> asked);
   bool refuse_ambiguous_joins(const PoseGraph& graph, std::vector<LoopVote>& votes, Change& change);
   bool let_in(PoseGraph& graph, std::deque<PendingLoop>& queue, std::span<const LoopVote> votes,
               Change& change);
@@ -214,6 +216,7 @@ class LoopCloser {
   std::vector<LoopHypothesis> refuted_;  ///< the latest claims of drift that is not possible
   MapAliases aliases_;                   ///< of the map of earlier sessions
   MapAliases own_aliases_;               ///< of the later map, in its own frame
+  bool same_site_ = false;               ///< as of search_between()
   bool ambiguous_ = false;
   std::optional<double> best_log_odds_;
   std::optional<double> built_alike_log_odds_;

@@ -80,7 +80,8 @@ void LoopCloser::begin_behind(std::span<const EarlierPlace> places, MapAliases a
 }
 
 // How far one map lies from the other nobody knows.
-void LoopCloser::search_between(NodeId first) {
+void LoopCloser::search_between(NodeId first, bool same_site) {
+  same_site_ = same_site;
   constexpr double kAnywhere = std::numeric_limits<double>::infinity();
   search_.earlier_alone = appearance_.earlier_alone = searching_.earlier_alone = true;
   gaps_.push_back({.after = first, .reach = kAnywhere, .climb = kAnywhere});

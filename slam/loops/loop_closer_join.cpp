@@ -43,6 +43,8 @@ constexpr double kDifferent = -1.1;
 constexpr double kClearLogOdds = 4.6;  // 100 to 1
 // Nine in ten sessions begin in what is mapped.
 constexpr double kMapped = 2.2;
+// Of places that look the same, one in a hundred lies where the fixes of both maps have this one.
+constexpr double kWithinFixes = 4.6;
 
 using Kind = PlaceLikeness::Kind;
 
@@ -270,7 +272,7 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const Eigen::Isometry3
     }
     return is_mapped ? sum : sum + kMapped;
   };
-  double least = sum_of(usual, {});
+  double least = same_site_ ? std::numeric_limits<double>::infinity() : sum_of(usual, {});
   const auto against = [&](const MapAlias& alias, const Place& other) {
     least = std::min(least, sum_of({.right = usual.right, .alike = alias.mean_through()}, other));
   };
@@ -290,6 +292,18 @@ double LoopCloser::least_log_odds(const PoseGraph& graph, const Eigen::Isometry3
                      }));
   }
   return least;
+}
+
+// The log odds of the place where the fixes of both maps have the later one. Things that one sees
+// through may have been moved: it counts whether places look the same, and most of them do not at a
+// place that is wrong.
+double LoopCloser::expected_log_odds(const PoseGraph& graph, std::span<const std::size_t> asked) {
+  double sum = kMapped + kWithinFixes;
+  for (const std::size_t i : asked) {
+    const Kind kind = likeness_at(graph, i, graph.nodes()[i].T_map_node).kind;
+    sum += kind == Kind::alike ? kAlike : kind == Kind::different ? kDifferent : 0.0;
+  }
+  return sum;
 }
 
 // Nodes of the later map where the earlier one has their places, at most kMostAsked of them, spread
@@ -322,12 +336,17 @@ LoopCloser::Change LoopCloser::confirm_join(PoseGraph& graph) {
   for (auto other = opposing_.rbegin(); other != opposing_.rend(); ++other) {
     add_hypothesis(graph, *other, graph.index_of(one->loop.to), hypotheses);
   }
-  const double odds =
-      least_log_odds(graph, Eigen::Isometry3d::Identity(), asked, std::span(hypotheses).subspan(1));
+  const bool is_expected = expects_start(graph);
+  const double odds = is_expected ? expected_log_odds(graph, asked)
+                                  : least_log_odds(graph, Eigen::Isometry3d::Identity(), asked,
+                                                   std::span(hypotheses).subspan(1));
   best_log_odds_ = odds;
   built_alike_log_odds_ =
-      kMapped +
-      log_ratio_to_built_alike(through_across(graph, gaps_.front(), accepted_), aliases_.through);
+      is_expected || same_site_
+          ? std::nullopt
+          : std::optional(kMapped +
+                          log_ratio_to_built_alike(through_across(graph, gaps_.front(), accepted_),
+                                                   aliases_.through));
   if (odds < kClearLogOdds || is_built_alike()) {
     undo_join(graph, gaps_.front(), odds, change);
   }

@@ -230,6 +230,13 @@ double explored_volume(const PoseGraph& graph) {
   return box.sizes().cwiseMax(kStorey).prod();
 }
 
+/// The graph has the later keyframe where its session is expected to begin.
+bool is_by_expectation(const PoseGraph& graph, const LoopHypothesis& loop,
+                       std::size_t earlier_nodes) {
+  return graph.index_of(loop.from) < earlier_nodes && graph.index_of(loop.to) >= earlier_nodes &&
+         expects_start(graph);
+}
+
 /// Whether the odometry and the loops before object.
 LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& graph,
                       const Parts& parts, const LoopHypothesis& loop, const EarlierLoops& before,
@@ -251,8 +258,10 @@ LoopVote first_judged(Ways& far_ways, Ways& measured_ways, const PoseGraph& grap
     return disagreement(far_ways, loop, other) <= settings.agreement;
   };
   vote.unexpected = joins || !(vote.odometry_chi2 <= settings.contradiction);
+  // What somebody expects is off in height as in all else, and its covariance says by how much.
+  const bool may_climb = joins || is_by_expectation(graph, loop, before.earlier_nodes);
   const bool is_possible =
-      (joins || !is_another_floor(measured_ways, graph, loop, before.drift, settings)) &&
+      (may_climb || !is_another_floor(measured_ways, graph, loop, before.drift, settings)) &&
       (vote.unexpected ? is_explained() && std::ranges::none_of(before.refuted, claims_the_same)
                        : is_plausible());
   if (!is_possible) {

@@ -21,6 +21,26 @@ enum class LocalizationState {
   lost,         ///< the odometry has started anew since, and nothing has been recognised again
 };
 inline constexpr std::size_t kLocalizationStates = 7;
+
+/// What the session's first place in the map came from.
+enum class StartSource {
+  appearance,  ///< it was searched for by what places look like
+  guess,       ///< somebody said where it begins
+  fixes,       ///< GNSS fixes, in a map that is georeferenced
+};
+/// The enumerator's name.
+constexpr std::string_view to_string(StartSource source) {
+  switch (source) {
+    case StartSource::appearance:
+      return "appearance";
+    case StartSource::guess:
+      return "guess";
+    case StartSource::fixes:
+      return "fixes";
+  }
+  return "unknown";
+}
+
 /// The enumerator's name.
 constexpr std::string_view to_string(LocalizationState state) {
   switch (state) {
@@ -49,6 +69,8 @@ struct Localization {
   double path = 0.0;           ///< m, gone since the last of them
   double searched = 0.0;       ///< m, gone until the first of them was accepted
   std::array<std::size_t, kLocalizationStates> keyframes{};  ///< so far, by LocalizationState
+  StartSource start = StartSource::appearance;
+  bool start_contradicted = false;  ///< what was recognised lies elsewhere than it was expected to
   /// The pose's in the map's frame, right perturbation [rho, phi], m^2, rad^2; without an earlier
   /// session's keyframe that it is tied to: zero.
   Matrix6d covariance = Matrix6d::Zero();

@@ -8,14 +8,11 @@
 #include "adit/slam/core/units.hpp"
 #include "adit/slam/graph/relative_covariance.hpp"
 #include "adit/slam/loops/loop_closer.hpp"
+#include "adit/slam/mapping/start_place.hpp"
 #include "adit/slam/submaps/submap_codec.hpp"
 
 namespace adit {
 namespace {
-
-// How well somebody knows how two places lie to each other: one sigma.
-constexpr double kGuessedPosition = 1.0;                   // m
-constexpr double kGuessedAngle = 5.0 / kDegreesPerRadian;  // rad
 
 /// As the graph has it, as a loop search would ask.
 LoopQuestion asked_of(const PoseGraph& graph, NodeId from, NodeId to) {
@@ -29,12 +26,6 @@ LoopQuestion asked_of(const PoseGraph& graph, NodeId from, NodeId to) {
   const Eigen::Isometry3d& T_map_from = graph.nodes()[graph.index_of(from)].T_map_node;
   return {.T_from_to = T_map_from.inverse() * graph.nodes()[at].T_map_node,
           .covariance = known->covariance};
-}
-
-Matrix6d covariance_by_hand() {
-  Vector6d sigma;
-  sigma << Eigen::Vector3d::Constant(kGuessedPosition), Eigen::Vector3d::Constant(kGuessedAngle);
-  return sigma.cwiseAbs2().asDiagonal();
 }
 
 // The configuration may leave lengths to the first sweep; submaps have theirs.
@@ -90,7 +81,7 @@ LoopVerification verify_by_hand(engine::Context& context, const Config& config,
                                      : asked_of(store.graph(), loop.from, loop.to);
   // A person is no more certain than that, whatever the graph says.
   question.covariance =
-      loop.guess ? covariance_by_hand() : Matrix6d(question.covariance + covariance_by_hand());
+      loop.guess ? covariance_of_guess() : Matrix6d(question.covariance + covariance_of_guess());
   const KeyframeSubmap from = decode(store.submap(loop.from));
   LoopVerifier verifier(context, with_lengths_of(config, from));
   return verified(context, verifier, from, decode(store.submap(loop.to)), question, usual);

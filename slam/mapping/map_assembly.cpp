@@ -29,12 +29,12 @@ MapAssembly::MapAssembly(engine::Context& context, const Config& config, MapStor
     loops_.emplace(context, config, submap_loader(store), memory);
   }
   if (earlier != EarlierSessions::none) {
-    begin_behind(read_stored_map(context, store, earlier));
+    begin_behind(read_stored_map(context, store, earlier), config.gnss);
   }
 }
 
 // The new session begins as a part of its own at the origin, until a loop ties it.
-void MapAssembly::begin_behind(StoredMap earlier) {
+void MapAssembly::begin_behind(StoredMap earlier, const GnssConfig& gnss) {
   if (loops_) {
     loops_->begin_behind(earlier.places, std::move(earlier.aliases), earlier.last_candidate);
   }
@@ -50,6 +50,9 @@ void MapAssembly::begin_behind(StoredMap earlier) {
     start_.path = earlier.fixes.back().path;
   }
   georeference_ = earlier.georeference;
+  if (earlier_nodes_ > 0 && georeference_) {
+    start_by_fixes_.emplace(*georeference_, gnss.correlation, gnss.height);
+  }
   const auto used = static_cast<std::size_t>(
       std::ranges::count(earlier.fixes, FixVerdict::used, &MapFix::verdict));
   if (earlier_ == EarlierSessions::keep) {
@@ -60,6 +63,84 @@ void MapAssembly::begin_behind(StoredMap earlier) {
   } else {
     world_.begin_behind(std::move(earlier.fixes), georeference_);
   }
+}
+
+void MapAssembly::begin_at(const ExpectedStart& start) {
+  if (earlier_nodes_ > 0) {
+    T_map_odom_ = start.T_map_odom;
+    start_covariance_ = start.covariance;
+    start_by_fixes_.reset();
+    localization_.start = StartSource::guess;
+  }
+}
+
+// The nearest keyframe of the map's first part gets an edge to the newest one.
+void MapAssembly::tie_start(const Matrix6d& covariance) {
+  const PoseNode& newest = graph_.nodes().back();
+  const std::vector<std::size_t> part_of = connected_components(graph_).component_of;
+  const auto apart = [&](std::size_t i) {
+    return (graph_.nodes()[i].T_map_node.translation() - newest.T_map_node.translation()).norm();
+  };
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < earlier_nodes_; ++i) {
+    nearest = part_of[i] == part_of.front() && apart(i) < apart(nearest) ? i : nearest;
+  }
+  const PoseEdge edge{.from = graph_.nodes()[nearest].id,
+                      .to = newest.id,
+                      .T_from_to = graph_.nodes()[nearest].T_map_node.inverse() * newest.T_map_node,
+                      .information = symmetric_inverse(covariance),
+                      .kind = EdgeKind::start};
+  start_edge_ = graph_.edges().size();
+  graph_.add_edge(edge);
+  store_->revise({.edges = {edge}});
+}
+
+// Where the session's fixes say that it is, all of its keyframes move there. Its odometry may have
+// started anew: the newest ones count.
+void MapAssembly::start_by_fixes(const AssembledKeyframe& added) {
+  const PoseGraph known = known_graph();
+  const std::vector<std::size_t> part_of = connected_components(known).component_of;
+  if (part_of.back() == part_of.front()) {  // places were recognised
+    start_by_fixes_.reset();
+    return;
+  }
+  if (!added.edge) {
+    start_by_fixes_->clear();
+  }
+  start_by_fixes_->add(added.fixes, added.T_odom_keyframe);
+  const Eigen::Vector3d up = added.submap->vertical == Vertical::unknown
+                                 ? Eigen::Vector3d(Eigen::Vector3d::UnitZ())
+                                 : Eigen::Vector3d(added.T_odom_keyframe.linear().col(2));
+  const auto start =
+      added.fixes.empty() ? std::nullopt : start_by_fixes_->find(up, added.T_odom_keyframe);
+  if (!start) {
+    return;
+  }
+  const Eigen::Isometry3d T_moved = start->T_map_odom * T_map_odom_.inverse();
+  for (std::size_t i = earlier_nodes_; i < graph_.nodes().size(); ++i) {
+    if (part_of[i] == part_of.back()) {
+      const PoseNode& node = graph_.nodes()[i];
+      graph_.set_pose(node.id, orthonormalized(T_moved * node.T_map_node));
+    }
+  }
+  T_map_odom_ = orthonormalized(start->T_map_odom);
+  localization_.start = StartSource::fixes;
+  tie_start(start->covariance);
+  start_by_fixes_.reset();
+}
+
+// What was expected is no measurement: it counts until places are recognised. Where these lie
+// elsewhere, the loop closer has revoked it.
+void MapAssembly::release_start() {
+  if (!start_edge_) {
+    return;
+  }
+  localization_.start_contradicted = graph_.edges()[*start_edge_].status != EdgeStatus::active;
+  if (!localization_.start_contradicted) {
+    graph_.set_status(*start_edge_, EdgeStatus::revoked);
+    store_->revise({.statuses = {{*start_edge_, EdgeStatus::revoked}}});
+  }
+  start_edge_.reset();
 }
 
 // Near: within the range in which loops are searched for by position.
@@ -80,6 +161,9 @@ void MapAssembly::localize() {
       ++localization_.recognised;
       last = std::max(last.value_or(0), graph_.index_of(edge.to));
     }
+  }
+  if (last || (start_edge_ && graph_.edges()[*start_edge_].status != EdgeStatus::active)) {
+    release_start();
   }
   if (!last) {
     localization_.state = loops_ && loops_->is_ambiguous() ? LocalizationState::ambiguous
@@ -146,11 +230,17 @@ void MapAssembly::add(const AssembledKeyframe& added) {
   if (const auto level = level_of(keyframe.id, keyframe.vertical)) {
     graph_.add_level(*level);
   }
+  if (const auto covariance = std::exchange(start_covariance_, std::nullopt)) {
+    tie_start(*covariance);
+  }
   if (uses_fixes_) {
     world_.add(added.fixes);
   }
   T_odom_keyframes_.push_back(added.T_odom_keyframe);
   due_.push_back({.at = keyframe.id + delay_, .keyframe = keyframe.id, .edge = added.edge});
+  if (start_by_fixes_) {
+    start_by_fixes(added);
+  }
   if (loops_) {
     due_.back().loops = loops_->find(known_graph(), *added.submap, *added.cloud);
   }
@@ -163,6 +253,7 @@ void MapAssembly::finish() {
   if (loops_) {
     close_loops(loops_->finish(graph_), graph_.nodes().size());
   }
+  release_start();
   settle();
   tie_to_world(world_.finish(graph_, can_optimize()), graph_.nodes().size());
   MapRevision final_poses{.poses = graph_.nodes()};

@@ -12,6 +12,7 @@
 #include "adit/slam/loops/loop_closer.hpp"
 #include "adit/slam/mapping/localization.hpp"
 #include "adit/slam/mapping/map_store.hpp"
+#include "adit/slam/mapping/start_place.hpp"
 #include "adit/slam/mapping/stored_map.hpp"
 #include "adit/slam/submaps/map_memory.hpp"
 
@@ -42,6 +43,10 @@ class MapAssembly {
   /// no more. What comes is tied to what `earlier` says of the store.
   MapAssembly(engine::Context& context, const Config& config, MapStore& store,
               const MapMemory& memory, EarlierSessions earlier = EarlierSessions::none);
+
+  /// The session is expected to begin there. Before its first keyframe; without earlier sessions it
+  /// has no effect.
+  void begin_at(const ExpectedStart& start);
 
   /// The next keyframe. What the store throws comes through.
   void add(const AssembledKeyframe& added);
@@ -79,7 +84,10 @@ class MapAssembly {
   void tie_to_world(const WorldTies::Change& change, std::size_t last_tied);
   void follow(std::size_t last_tied);
   void settle();
-  void begin_behind(StoredMap earlier);
+  void begin_behind(StoredMap earlier, const GnssConfig& gnss);
+  void tie_start(const Matrix6d& covariance);
+  void start_by_fixes(const AssembledKeyframe& added);
+  void release_start();
   void localize();
   double odometry_path(std::size_t from, std::size_t to) const;
 
@@ -98,6 +106,9 @@ class MapAssembly {
   std::optional<Georeference> georeference_{};  ///< of the earlier sessions
   std::size_t earlier_nodes_ = 0;
   SessionStart start_;
+  std::optional<Matrix6d> start_covariance_{};    ///< of the first keyframe, which has not come yet
+  std::optional<std::size_t> start_edge_{};       ///< of the graph; while it may count
+  std::optional<StartByFixes> start_by_fixes_{};  ///< until a start is known
   Localization localization_;
 };
 

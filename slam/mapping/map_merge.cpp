@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "adit/slam/mapping/loop_by_hand.hpp"
+#include "adit/slam/mapping/merge_start.hpp"
+#include "adit/slam/mapping/start_place.hpp"
 #include "adit/slam/mapping/stored_map.hpp"
 #include "adit/slam/submaps/submap_codec.hpp"
 
@@ -97,8 +99,14 @@ bool is_verified(const LoopCandidate& candidate) {
 class Merge {
  public:
   Merge(engine::Context& context, const Config& config, std::span<const MapStore* const> maps,
-        const MapMemory& memory, const std::function<bool(const MergeStep&)>& on_step)
-      : context_(&context), config_(config), maps_(maps), memory_(memory), on_step_(on_step) {
+        const MapMemory& memory, const MergeSettings& settings,
+        const std::function<bool(const MergeStep&)>& on_step)
+      : context_(&context),
+        config_(config),
+        maps_(maps),
+        memory_(memory),
+        settings_(settings),
+        on_step_(on_step) {
     config_.mapping.loops = true;
     for (const MapStore* store : maps) {
       ReadMap read{.map = read_stored_map(context, *store, EarlierSessions::move),
@@ -106,6 +114,9 @@ class Merge {
                    .rms = usual_rms(context, config_, *store)};
       for (const PoseNode& node : read.map.graph.nodes()) {
         read.keyframes.push_back(node.id);
+      }
+      if (read.map.georeference) {
+        read.map.georeference = with_shared_error(*read.map.georeference, read.map.fixes);
       }
       // Those whose keyframes were lost name nothing.
       std::erase_if(read.candidates, [&](const LoopCandidate& one) {
@@ -173,12 +184,18 @@ class Merge {
     };
   }
 
-  MergeSearch tie(Group& group, std::size_t map);
+  /// First where both have it in the world; if that ties nothing, by what keyframes look like.
+  MergeSearch tie(Group& group, std::size_t map) {
+    MergeSearch found = search_for(group, map, true);
+    return found.is_tied ? found : search_for(group, map, false);
+  }
+  MergeSearch search_for(Group& group, std::size_t map, bool in_world);
 
   engine::Context* context_;
   Config config_;
   std::span<const MapStore* const> maps_;
   MapMemory memory_;
+  MergeSettings settings_;
   const std::function<bool(const MergeStep&)>& on_step_;
   std::vector<ReadMap> read_;
 };
@@ -332,7 +349,7 @@ void count_edges(const PoseGraph& graph, NodeId first, MergeSearch& found) {
   found.keyframes = keyframes.size();
 }
 
-MergeSearch Merge::tie(Group& group, std::size_t map) {
+MergeSearch Merge::search_for(Group& group, std::size_t map, bool in_world) {
   const ReadMap& read = read_[map];
   const MergedPart part = part_of(read, map, group.next());
   MergeSearch found{.map = map};
@@ -341,6 +358,11 @@ MergeSearch Merge::tie(Group& group, std::size_t map) {
   }
   PoseGraph graph = group.merged.graph;
   append(graph, part, read.map.graph);
+  const std::size_t earlier = group.merged.graph.nodes().size();
+  const auto& world = read_[group.merged.parts.front().map].map.georeference;
+  if (in_world && (!world || !place_in_earlier(graph, earlier, *world, read.map, config_.gnss))) {
+    return found;
+  }
   std::vector<LoopCandidate> own = renumbered(read, part, group.last_candidate);
   int64_t last = group.last_candidate;
   for (const LoopCandidate& candidate : own) {
@@ -349,12 +371,12 @@ MergeSearch Merge::tie(Group& group, std::size_t map) {
   const SubmapLoader load = loader(group, part);
   LoopCloser closer(*context_, config_, load, memory_);
   closer.begin_behind(group.places, map_aliases(group.merged.graph, group.merged.candidates), last);
-  closer.search_between(part.first);
+  closer.search_between(part.first, settings_.same_site);
   for (const double rms : group.rms) {
     closer.add_expected_rms(rms);
   }
   closer.add_expected_rms(read.rms);
-  Search search(*context_, closer, load, graph, group.merged.graph.nodes().size(), found, on_step_);
+  Search search(*context_, closer, load, graph, earlier, found, on_step_);
   search.run(own);
   for (const auto& [id, record] : search.records()) {
     ++found.candidates;
@@ -365,7 +387,7 @@ MergeSearch Merge::tie(Group& group, std::size_t map) {
   count_edges(graph, part.first, found);
   found.is_tied = found.keyframes >= LoopVotingSettings{}.least_unexpected;
   if (found.is_tied) {
-    group.merged.graph = std::move(graph);
+    group.merged.graph = measured_alone(graph);
     take(group, part, std::move(own), search.records());
   }
   return found;
@@ -383,8 +405,9 @@ NodeId MergedPart::merged(NodeId keyframe) const {
 
 MergedMap merge_maps(engine::Context& context, const Config& config,
                      std::span<const MapStore* const> maps, const MapMemory& memory,
+                     const MergeSettings& settings,
                      const std::function<bool(const MergeStep&)>& on_step) {
-  return Merge(context, config, maps, memory, on_step).run();
+  return Merge(context, config, maps, memory, settings, on_step).run();
 }
 
 }  // namespace adit

@@ -67,6 +67,11 @@ class MergeStopped : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+struct MergeSettings {
+  /// The maps are known to be of one site: a place that none of them has does not compete.
+  bool same_site = false;
+};
+
 /// Ties the maps to each other as far as they have places in common. A map comes in by at least
 /// four of its keyframes whose loops agree, and only if no other place is nearly as likely
 /// (docs/theory/loops.md). Maps that are tied to nothing are left out; where nothing is tied to the
@@ -77,6 +82,7 @@ class MergeStopped : public std::runtime_error {
 /// stores throw, SubmapDamaged and engine::OutOfMemory.
 MergedMap merge_maps(engine::Context& context, const Config& config,
                      std::span<const MapStore* const> maps, const MapMemory& memory,
+                     const MergeSettings& settings,
                      const std::function<bool(const MergeStep&)>& on_step);
 
 }  // namespace adit

@@ -14,7 +14,8 @@
 namespace adit {
 
 Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
-               const MapMemory& memory, EarlierSessions earlier)
+               const MapMemory& memory, EarlierSessions earlier,
+               const std::optional<StartPlace>& start)
     : context_(&context),
       config_(config),
       store_(&store),
@@ -24,6 +25,7 @@ Mapper::Mapper(engine::Context& context, const Config& config, MapStore& store, 
       clouds_(context, config.preprocess),
       aligner_(context, submap_alignment_settings(config, method_of(config.registration))),
       assembly_(context, config, store, memory, earlier),
+      start_(start),
       next_(assembly_.start().keyframe),
       path_(assembly_.start().path),
       next_fix_(assembly_.start().fix) {}
@@ -34,6 +36,9 @@ MapPlacement Mapper::add(const Sweep& sweep, const SweepResult& result,
     beam_spacing_ = measured_beam_spacing(sweep.points).value_or(0.0);
   }
   const bool restarted = result.state == OdometryState::restarted;
+  if (start_) {
+    assembly_.begin_at(expected_start(*std::exchange(start_, std::nullopt), result.T_map_lidar));
+  }
   place_fixes(result);
   const bool after_silence = result.silence > 0.0 && result.state == OdometryState::tracking;
   if (!open_ || result.keyframe || restarted || after_silence || builder_.full()) {

@@ -57,9 +57,10 @@ struct MapReport {
 class Mapper {
  public:
   /// What the constructor is given must outlive it; `config` must have passed validate().
-  /// The session is tied to what `earlier` says of the store.
+  /// The session is tied to what `earlier` says of the store, and expected to begin at `start`.
   Mapper(engine::Context& context, const Config& config, MapStore& store, SessionId session,
-         const MapMemory& memory = {}, EarlierSessions earlier = EarlierSessions::none);
+         const MapMemory& memory = {}, EarlierSessions earlier = EarlierSessions::none,
+         const std::optional<StartPlace>& start = {});
 
   /// The sweep belongs to a new keyframe, if its result says so, or else to the last one. `cloud`
   /// is its down-sampled cloud, lidar axes. What the store throws comes through.
@@ -112,6 +113,7 @@ class Mapper {
   AlignmentClouds clouds_;
   BatchAligner aligner_;
   MapAssembly assembly_;
+  std::optional<StartPlace> start_;  ///< until the first sweep has come
   std::optional<Open> open_;
   std::optional<Frozen> last_;
   NodeId next_ = 0;

@@ -177,11 +177,14 @@ class SecondSession : public test::DeviceTest {
     return known->second;
   }
 
-  static MapReport mapped(MapStore& store, SessionId session, double aside,
-                          EarlierSessions earlier) {
-    const auto slam = make_slam(
-        context(), test::loop_config(true),
-        {.inertial = false, .map = &store, .session = session, .earlier_sessions = earlier});
+  static MapReport mapped(MapStore& store, SessionId session, double aside, EarlierSessions earlier,
+                          const std::optional<StartPlace>& start = {}) {
+    const auto slam = make_slam(context(), test::loop_config(true),
+                                {.inertial = false,
+                                 .map = &store,
+                                 .session = session,
+                                 .earlier_sessions = earlier,
+                                 .start = start});
     for (const Sweep& sweep : drive(aside).sweeps) {
       slam->add(sweep);
       while (slam->next()) {
@@ -224,6 +227,52 @@ TEST_F(SecondSession, LiesInTheMapWhoseKeyframesStay) {
     const Eigen::Vector3d off = (T_map_world * drive(0.4).truth[i].pose).translation() -
                                 keyframe.T_map_keyframe.translation();
     EXPECT_LT(off.norm(), 0.15) << "keyframe " << keyframe.id;
+  }
+}
+
+/// Edges that say where the session was expected to begin, and still count.
+std::size_t expectations(const MapStore& store) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(store.graph().edges(), [](const PoseEdge& edge) {
+        return edge.kind == EdgeKind::start && edge.status == EdgeStatus::active;
+      }));
+}
+
+TEST_F(SecondSession, IsRecognisedAtOnceWhereSomebodySaysItBegins) {
+  test::TemporaryMap map;
+  mapped(map.store(), map.session(), 0.0, EarlierSessions::none);
+  const SessionId second = map.store().add_session({.name = "second"});
+  const MapReport report = mapped(map.store(), second, 0.4, EarlierSessions::move,
+                                  StartPlace{.position = {0.8, -0.2, 0.1}, .heading = 0.05});
+  EXPECT_EQ(report.localization.start, StartSource::guess);
+  EXPECT_FALSE(report.localization.start_contradicted);
+  EXPECT_EQ(report.localization.state, LocalizationState::localized);
+  EXPECT_EQ(report.localization.keyframes[static_cast<std::size_t>(LocalizationState::ambiguous)],
+            0U);
+  EXPECT_EQ(report.components, 1U);
+  EXPECT_EQ(expectations(map.store()), 0U) << "a guess is no measurement";
+  const MapKeyframe last = map.store().keyframes().back();
+  const Eigen::Isometry3d T_map_world = drive(0.0).truth.front().pose.inverse();
+  const auto truth = std::ranges::find(drive(0.4).truth, last.stamp, &StampedPose::stamp);
+  ASSERT_NE(truth, drive(0.4).truth.end());
+  EXPECT_LT(((T_map_world * truth->pose).translation() - last.T_map_keyframe.translation()).norm(),
+            0.15);
+}
+
+TEST_F(SecondSession, BeginsWhereItIsToThoughNothingConfirmsIt) {
+  test::TemporaryMap map;
+  mapped(map.store(), map.session(), 0.0, EarlierSessions::none);
+  const SessionId second = map.store().add_session({.name = "second"});
+  const MapReport report = mapped(map.store(), second, 0.4, EarlierSessions::move,
+                                  StartPlace{.position = {500.0, 0.0, 0.0}, .heading = 1.0});
+  EXPECT_EQ(expectations(map.store()), 0U);
+  if (report.localization.recognised == 0) {
+    EXPECT_EQ(report.components, 2U);
+    const auto keyframes = map.store().keyframes();
+    const auto first = std::ranges::find(keyframes, second, &MapKeyframe::session);
+    EXPECT_NEAR(first->T_map_keyframe.translation().x(), 500.0, 2.0);
+  } else {
+    EXPECT_TRUE(report.localization.start_contradicted);
   }
 }
 

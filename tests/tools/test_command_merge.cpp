@@ -27,7 +27,9 @@ const std::map<std::string, test::StreetDrive>& drives() {
       {"long", {.sweeps = 56}},
       {"middle", {.from = 3.0, .aside = 0.4, .sweeps = 48}},
       {"late", {.from = 6.0, .aside = -0.4, .sweeps = 44}},
-      {"elsewhere", {.street = 77, .sweeps = 46}}};
+      {"elsewhere", {.street = 77, .sweeps = 46}},
+      {"short", {.sweeps = 20}},
+      {"brief", {.from = 1.0, .aside = 0.4, .sweeps = 18}}};
   return drives;
 }
 
@@ -100,6 +102,46 @@ TEST_F(CommandMerge, AnyOrderGivesTheSameBytesInOneFrame) {
       EXPECT_LT(off.norm(), 0.2) << session.name << ", keyframe " << keyframe.id;
     }
   }
+}
+
+/// With a place in the world, `error` east of the true one (m).
+fs::path placed_copy(const fs::path& map, const fs::path& copy, double error) {
+  fs::copy_file(map, copy);
+  MapDatabase store(copy, MapAccess::write);
+  Eigen::Isometry3d T_world_map =
+      test::street_drive(drives().at(map.stem().string())).truth.front().pose;
+  T_world_map.pretranslate(Eigen::Vector3d(error, 0.0, 0.0));
+  const Georeference georeference{
+      .origin = {.latitude = 48.0, .longitude = 11.0, .altitude = 500.0},
+      .T_world_map = T_world_map,
+      .covariance = 0.01 * Matrix6d::Identity()};
+  store.revise({.georeference = georeference});
+  return copy;
+}
+
+TEST_F(CommandMerge, PlacesInTheWorldTieWhatLooksAloneDoNot) {
+  const Ran alone = merged({"short", "brief"}, "alone.adit");
+  EXPECT_EQ(alone.code, 1) << "a few metres of street could be of many streets: " << alone.out;
+  const std::string first = placed_copy(maps() / "short.adit", folder_ / "short.adit", 0.0);
+  const std::string second = placed_copy(maps() / "brief.adit", folder_ / "brief.adit", 0.7);
+  const Ran placed = merged({first, second}, "placed.adit");
+  ASSERT_EQ(placed.code, 0) << placed.out;
+  const MapDatabase map(folder_ / "placed.adit", MapAccess::read);
+  EXPECT_EQ(connected_components(map.graph()).components.size(), 1U);
+  EXPECT_TRUE(std::ranges::none_of(map.graph().edges(), [](const PoseEdge& edge) {
+    return edge.kind == EdgeKind::start;
+  })) << "what was expected is no measurement";
+}
+
+TEST_F(CommandMerge, MapsWhosePlacesInTheWorldAreWrongAreTiedByTheirLooksOrNotAtAll) {
+  const std::string first = placed_copy(maps() / "long.adit", folder_ / "long.adit", 0.0);
+  const std::string second = placed_copy(maps() / "middle.adit", folder_ / "middle.adit", 50.0);
+  const Ran off = merged({first, second}, "off.adit");
+  ASSERT_EQ(off.code, 0) << off.out;
+  const auto tie = nlohmann::json::parse(off.out).at("ties")[0];
+  EXPECT_LT(tie.at("median_residual_m"), 0.1);
+  const std::string third = placed_copy(maps() / "elsewhere.adit", folder_ / "elsewhere.adit", 0.0);
+  EXPECT_EQ(merged({first, third}, "wrong.adit").code, 1);
 }
 
 TEST(MergeReport, TheTableHasSessionsTiesAndMapsApart) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/tools/run/map_use.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "adit/tests/mapping/map_support.hpp"
@@ -64,6 +66,19 @@ TEST_F(MapUseTest, WhatDoesNotFitTogetherIsRefused) {
   config_.mapping.loops = false;
   EXPECT_THROW(use(), UsageError);
   config_.mapping.enabled = false;
+  EXPECT_THROW(use(), UsageError);
+}
+
+TEST_F(MapUseTest, AStartIsInMetresAndDegreesAndNeedsAMap) {
+  options_.earlier_map.pose = {1.0, -2.0, 0.5, 90.0};
+  EXPECT_THROW(use(), UsageError);
+  options_.earlier_map.map = folder_ / "site";
+  ASSERT_TRUE(use()->start);
+  EXPECT_EQ(use()->start->position, Eigen::Vector3d(1.0, -2.0, 0.5));
+  EXPECT_NEAR(use()->start->heading, 1.5708, 1e-4);
+  options_.earlier_map.pose[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(use(), UsageError);
+  options_.earlier_map.pose = {2e6, 0.0, 0.0, 0.0};
   EXPECT_THROW(use(), UsageError);
 }
 

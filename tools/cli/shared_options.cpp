@@ -34,6 +34,13 @@ void add_map_use_options(Command command, MapUseOptions& use) {
   command.flag("--extend", use.extend,
                "With --map: OUT/map.adit is a copy of it that the run extends");
   command.flag("--keep", use.keep, "With --extend: keyframes of the earlier map stay in place");
+  command
+      .option(
+          "--pose", use.pose,
+          "With --map: about where the lidar is in it at first, within some 2 m and 10 degrees; "
+          "metres and degrees")
+      .values(4, 4)
+      .value_name("X Y Z YAW");
 }
 
 void add_max_ram_option(Command command, uint64_t& bytes) {

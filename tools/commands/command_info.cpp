@@ -60,6 +60,9 @@ Figures figures_of(const std::filesystem::path& file) {
   figures.keyframes = graph.nodes().size();
   figures.components = connected_components(graph).components.size();
   for (const PoseEdge& edge : graph.edges()) {
+    if (edge.kind == EdgeKind::start) {
+      continue;  // expected, not measured
+    }
     ++(edge.status == EdgeStatus::revoked ? figures.revoked
        : edge.kind == EdgeKind::loop      ? figures.loops
                                           : figures.edges);

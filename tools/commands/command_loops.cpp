@@ -3,12 +3,11 @@
 #include "adit/tools/commands/command_loops.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +31,7 @@
 #include "adit/tools/map_edits/loop_addition.hpp"
 #include "adit/tools/map_edits/loop_change.hpp"
 #include "adit/tools/run/loop_verifier.hpp"
+#include "adit/tools/run/map_use.hpp"
 #include "adit/tools/support/output_file.hpp"
 #include "adit/tools/support/usage_error.hpp"
 
@@ -39,20 +39,10 @@ namespace adit {
 namespace {
 
 /// X Y Z YAW, m and degrees.
-Eigen::Isometry3d guess_of(const std::vector<double>& numbers) {
-  constexpr double kFarthest = 1e6;  // m
-  constexpr double kMostTurns = 36000.0;
-  constexpr std::array kNames = {"X", "Y", "Z", "YAW"};
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    const double most = i < 3 ? kFarthest : kMostTurns;
-    if (!(std::abs(numbers[i]) <= most)) {
-      throw UsageError(fmt::format("--guess: {} is {}, and takes a number from {} to {} ({}).",
-                                   kNames[i], numbers[i], -most, most, i < 3 ? "m" : "degrees"));
-    }
-  }
-  Eigen::Isometry3d guess(
-      Eigen::AngleAxisd(numbers[3] / kDegreesPerRadian, Eigen::Vector3d::UnitZ()));
-  guess.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+Eigen::Isometry3d guess_of(std::span<const double> numbers) {
+  const StartPlace place = start_place("--guess", numbers);
+  Eigen::Isometry3d guess(Eigen::AngleAxisd(place.heading, Eigen::Vector3d::UnitZ()));
+  guess.translation() = place.position;
   return guess;
 }
 

@@ -52,7 +52,8 @@ void add_merge_command(Command app, std::function<void(int)> done) {
   const auto options = std::make_shared<MergeCommandOptions>();
   command.footer(
       "OUT is the folder of a run, MAP the map in it, OUT/map.adit.\n"
-      "Each map is searched for in the others by what its keyframes look like. It is merged only "
+      "Each map is searched for in the others where both have it in the world by GNSS or control "
+      "points, and else by what its keyframes look like. It is merged only "
       "if several keyframes agree on its place and no other place is nearly as likely; maps that "
       "stay apart are reported, and are not in the merged map. The order of the maps makes no "
       "difference. The maps themselves stay as they are.\n\n"
@@ -68,6 +69,9 @@ void add_merge_command(Command app, std::function<void(int)> done) {
       .required()
       .value_name("MERGED.adit")
       .written();
+  command.flag("--same-site", options->settings.same_site,
+               "You know that the maps are of one site: another place that looks like it, which "
+               "none of them has, is not considered");
   add_device_options(command, options->device);
   command.flag("--quiet", options->quiet, "Print errors and the report alone");
   command.flag("--json", options->json, "Report as JSON");

@@ -302,6 +302,9 @@ std::string graph_section(const MapDatabase& map) {
   std::size_t revoked = 0;
   const PoseGraph graph = map.graph();
   for (const PoseEdge& edge : graph.edges()) {
+    if (edge.kind == EdgeKind::start) {
+      continue;  // expected, not measured
+    }
     ++(edge.status == EdgeStatus::revoked ? revoked
        : edge.kind == EdgeKind::loop      ? loops
                                           : odometry);

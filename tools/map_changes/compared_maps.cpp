@@ -148,7 +148,8 @@ ComparedMaps of_one_map(const fs::path& given) {
 ComparedMaps of_two_maps(const std::vector<fs::path>& maps, const DeviceOptions& device,
                          const std::function<bool(const MergeStep&)>& on_step) {
   const fs::path first = find_map(maps.front());
-  TiedMaps tied = tie_maps(open_merge_inputs(maps), device, on_step);
+  // Whoever asks what has changed says that both are of one site.
+  TiedMaps tied = tie_maps(open_merge_inputs(maps), device, {.same_site = true}, on_step);
   if (!tied.world) {
     const MapApart apart = maps_apart(tied.inputs, tied.merged).front();
     throw InputError(find_map(maps.back()), {},

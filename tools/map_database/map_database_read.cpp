@@ -153,7 +153,7 @@ PoseEdge MapDatabase::edge_at(const SqliteStatement& row) const {
   PoseEdge edge;
   edge.from = row.integer(1);
   edge.to = row.integer(2);
-  edge.kind = enumerator(row.integer(3), EdgeKind::loop, file, "the kind of an edge");
+  edge.kind = enumerator(row.integer(3), EdgeKind::start, file, "the kind of an edge");
   edge.status = enumerator(row.integer(4), EdgeStatus::revoked, file, "the status of an edge");
   edge.T_from_to = pose_from(numbers<12>(row.blob(5), file, "the pose of edge", id));
   edge.information = matrix_from(numbers<36>(row.blob(6), file, "the information of edge", id));
@@ -421,8 +421,7 @@ void MapDatabase::dump(const std::function<void(std::string_view)>& line) const 
   std::size_t number = 0;
   for (const PoseEdge& edge : edges()) {
     std::string text = "edge " + std::to_string(number++) + " from " + std::to_string(edge.from) +
-                       " to " + std::to_string(edge.to) +
-                       (edge.kind == EdgeKind::loop ? " loop" : " odometry");
+                       " to " + std::to_string(edge.to) + " " + std::string(to_string(edge.kind));
     text += edge.status == EdgeStatus::active      ? " active"
             : edge.status == EdgeStatus::candidate ? " candidate"
                                                    : " revoked";

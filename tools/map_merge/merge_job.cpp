@@ -203,7 +203,7 @@ MergeOutcome merge_job(const MergeCommandOptions& options,
   require_free_output(options.maps, options.output);
   std::vector<MergeInput> opened = open_merge_inputs(options.maps);
   const UnfinishedMap unfinished(options.output);
-  const TiedMaps tied = tie_maps(std::move(opened), options.device, on_step);
+  const TiedMaps tied = tie_maps(std::move(opened), options.device, options.settings, on_step);
   const std::vector<MergeInput>& inputs = tied.inputs;
   const MergedMap& merged = tied.merged;
   if (!tied.world) {

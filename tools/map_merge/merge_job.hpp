@@ -20,6 +20,7 @@ struct MergeCommandOptions {
   std::vector<std::filesystem::path> maps{};  ///< files, or folders of runs
   std::filesystem::path output{};
   DeviceOptions device{};
+  MergeSettings settings{};
   bool quiet = false;
   bool json = false;
 };

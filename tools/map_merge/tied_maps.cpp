@@ -44,6 +44,7 @@ std::vector<WorldPart> world_parts(const std::vector<MergeInput>& inputs, const 
 }  // namespace
 
 TiedMaps tie_maps(std::vector<MergeInput> inputs, const DeviceOptions& device,
+                  const MergeSettings& settings,
                   const std::function<bool(const MergeStep&)>& on_step) {
   TiedMaps tied{.inputs = std::move(inputs)};
   const Config config = config_of(tied.inputs);
@@ -52,7 +53,7 @@ TiedMaps tie_maps(std::vector<MergeInput> inputs, const DeviceOptions& device,
     stores.push_back(input.map.get());
   }
   DeviceSession session(device);
-  tied.merged = merge_maps(session.context(), config, stores, {}, on_step);
+  tied.merged = merge_maps(session.context(), config, stores, {}, settings, on_step);
   session.require_no_complaints();
   if (tied.merged.parts.size() > 1) {
     tied.world =

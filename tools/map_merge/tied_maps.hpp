@@ -24,6 +24,7 @@ struct TiedMaps {
 /// Ties the maps that open_merge_inputs() has opened to each other; nothing is written. `on_step`
 /// as of merge_maps(). Throws InputError, MergeStopped and what the device throws.
 TiedMaps tie_maps(std::vector<MergeInput> inputs, const DeviceOptions& device,
+                  const MergeSettings& settings,
                   const std::function<bool(const MergeStep&)>& on_step);
 
 }  // namespace adit

@@ -3,8 +3,13 @@
 #include "adit/tools/run/map_use.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 
+#include <fmt/core.h>
+
+#include "adit/slam/core/units.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_database/map_location.hpp"
 #include "adit/tools/results/kept_inputs.hpp"
@@ -17,10 +22,12 @@ namespace adit {
 namespace {
 
 void require_sound(const MapUseOptions& options) {
-  if (!options.map && (options.localize || options.extend || options.keep)) {
+  if (!options.map &&
+      (options.localize || options.extend || options.keep || !options.pose.empty())) {
     throw UsageError(std::string(options.localize ? "--localize"
                                  : options.extend ? "--extend"
-                                                  : "--keep") +
+                                 : options.keep   ? "--keep"
+                                                  : "--pose") +
                      ": name the map to use with --map MAP.");
   }
   if (options.localize && options.extend) {
@@ -32,6 +39,21 @@ void require_sound(const MapUseOptions& options) {
 }
 
 }  // namespace
+
+StartPlace start_place(std::string_view option, std::span<const double> numbers) {
+  constexpr double kFarthest = 1e6;  // m
+  constexpr double kMostTurns = 36000.0;
+  constexpr std::array kNames = {"X", "Y", "Z", "YAW"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const double most = i < 3 ? kFarthest : kMostTurns;
+    if (!(std::abs(numbers[i]) <= most)) {
+      throw UsageError(fmt::format("{}: {} is {}, and takes a number from {} to {} ({}).", option,
+                                   kNames[i], numbers[i], -most, most, i < 3 ? "m" : "degrees"));
+    }
+  }
+  return {.position = {numbers[0], numbers[1], numbers[2]},
+          .heading = numbers[3] / kDegreesPerRadian};
+}
 
 std::optional<MapUse> map_use(const RunCommandOptions& options, const Config& config) {
   const MapUseOptions& asked = options.earlier_map;
@@ -49,8 +71,11 @@ std::optional<MapUse> map_use(const RunCommandOptions& options, const Config& co
                                                         : "--odometry and mapping.enabled=false") +
                      ".");
   }
-  const MapUse use{
+  MapUse use{
       .map = find_map(*asked.map), .extends = asked.extend, .keeps = asked.keep || !asked.extend};
+  if (!asked.pose.empty()) {
+    use.start = start_place("--pose", asked.pose);
+  }
   if (same_file(use.map, RunFiles(options.output).database)) {
     throw UsageError("-o " + options.output.string() + ": the new map would replace " +
                      use.map.string() + ". Name another folder; the map stays as it is.");

@@ -316,6 +316,7 @@ JobOutputs open_outputs(const WantedRun& chosen, const PreparedRun& run, engine:
       outputs.map = std::make_unique<RunMap>(outputs.description, session_of(outputs.description),
                                              *run.map_use);
       outputs.slam.earlier_sessions = run.map_use->earlier_sessions();
+      outputs.slam.start = run.map_use->start;
     } else if (!outputs.map) {
       outputs.map = std::make_unique<RunMap>(outputs.description, session_of(outputs.description));
     }
