@@ -10,12 +10,14 @@
 #include "adit/slam/submaps/submap_codec.hpp"
 #include "adit/tests/commands/small_room.hpp"
 #include "adit/tests/mapping/map_support.hpp"
+#include "adit/tools/commands/command_changes.hpp"
 #include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_info.hpp"
 #include "adit/tools/commands/command_loops.hpp"
 #include "adit/tools/commands/command_merge.hpp"
 #include "adit/tools/commands/command_optimize.hpp"
 #include "adit/tools/commands/command_recover.hpp"
+#include "adit/tools/commands/command_split.hpp"
 
 namespace adit::test {
 namespace {
@@ -205,7 +207,7 @@ int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& fo
                 engine::Context& context, Dice& dice, std::ostream& told) {
   const fs::path out = folder / "out";
   fs::create_directories(out);
-  switch (dice.below(6)) {
+  switch (dice.below(8)) {
     case 0:
       return info(map, healthy, dice, told);
     case 1:
@@ -216,6 +218,13 @@ int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& fo
       return optimized({.input = map}, dice, told);
     case 4:
       return merged(map, healthy, out, context, told);
+    case 5:
+      return split_command({.map = map,
+                            .sessions = {static_cast<int64_t>(dice.below(3))},
+                            .output = out / "split.adit"},
+                           told, told);
+    case 6:
+      return changes_command({.maps = {map}, .output = out / "changes.geojson"}, told, told);
     default:
       return recover_command({.map = map, .output = out / "recovered.adit"}, told, told);
   }

@@ -37,6 +37,7 @@
 #include "adit/tools/commands/command_recover.hpp"
 #include "adit/tools/commands/command_run.hpp"
 #include "adit/tools/commands/command_simulate.hpp"
+#include "adit/tools/commands/command_split.hpp"
 #include "adit/tools/commands/command_view.hpp"
 #include "adit/tools/support/commit.hpp"
 #include "adit/tools/support/nearest_name.hpp"
@@ -131,6 +132,7 @@ int parse_and_run(std::span<const char* const> given, std::span<const AddCommand
   add_loops_command(app, done);
   add_optimize_command(app, done);
   add_merge_command(app, done);
+  add_split_command(app, done);
   add_changes_command(app, done);
   add_devices_command(app, done);
   add_config_command(app, done);
