@@ -145,7 +145,7 @@ def prepare(program, folder, scene, seed, share):
         if not (folder / name / "map.adit").exists():
             adit(program, "run", folder / f"{name}.mcap", "-o", folder / name, "--quiet")
     if not (folder / "m.adit").exists():
-        adit(program, "merge", folder / "a", folder / "b", "-o", folder / "m.adit", "--quiet")
+        adit(program, "merge", "--same-site", folder / "a", folder / "b", "-o", folder / "m.adit", "--quiet")
 
 
 def objects_that_count(folder, before, after):

@@ -85,11 +85,7 @@ void MapAssembly::tie_start(const Matrix6d& covariance) {
   for (std::size_t i = 1; i < earlier_nodes_; ++i) {
     nearest = part_of[i] == part_of.front() && apart(i) < apart(nearest) ? i : nearest;
   }
-  const PoseEdge edge{.from = graph_.nodes()[nearest].id,
-                      .to = newest.id,
-                      .T_from_to = graph_.nodes()[nearest].T_map_node.inverse() * newest.T_map_node,
-                      .information = symmetric_inverse(covariance),
-                      .kind = EdgeKind::start};
+  const PoseEdge edge = start_edge(graph_.nodes()[nearest], newest, covariance);
   start_edge_ = graph_.edges().size();
   graph_.add_edge(edge);
   store_->revise({.edges = {edge}});
@@ -98,21 +94,22 @@ void MapAssembly::tie_start(const Matrix6d& covariance) {
 // Where the session's fixes say that it is, all of its keyframes move there. Its odometry may have
 // started anew: the newest ones count.
 void MapAssembly::start_by_fixes(const AssembledKeyframe& added) {
-  const PoseGraph known = known_graph();
-  const std::vector<std::size_t> part_of = connected_components(known).component_of;
+  if (!added.edge) {
+    start_by_fixes_->clear();
+  }
+  if (added.fixes.empty()) {
+    return;
+  }
+  const std::vector<std::size_t> part_of = connected_components(known_graph()).component_of;
   if (part_of.back() == part_of.front()) {  // places were recognised
     start_by_fixes_.reset();
     return;
-  }
-  if (!added.edge) {
-    start_by_fixes_->clear();
   }
   start_by_fixes_->add(added.fixes, added.T_odom_keyframe);
   const Eigen::Vector3d up = added.submap->vertical == Vertical::unknown
                                  ? Eigen::Vector3d(Eigen::Vector3d::UnitZ())
                                  : Eigen::Vector3d(added.T_odom_keyframe.linear().col(2));
-  const auto start =
-      added.fixes.empty() ? std::nullopt : start_by_fixes_->find(up, added.T_odom_keyframe);
+  const auto start = start_by_fixes_->find(up, added.T_odom_keyframe);
   if (!start) {
     return;
   }
@@ -323,7 +320,7 @@ void MapAssembly::take_effect(NodeId until) {
 
 // What loops have changed, for the store and for what came after the last node with an edge.
 void MapAssembly::close_loops(const LoopCloser::Change& change, std::size_t last_tied) {
-  if (!change.edges.empty() || !change.records.empty()) {
+  if (!change.edges.empty() || !change.records.empty() || !change.statuses.empty()) {
     store_->revise(
         {.edges = change.edges, .candidates = change.records, .statuses = change.statuses});
   }

@@ -68,12 +68,7 @@ bool place_in_earlier(PoseGraph& graph, std::size_t earlier_nodes, const Georefe
   const PoseNode& from = graph.nodes()[pair.earlier];
   const PoseNode& to = graph.nodes()[pair.later];
   const Eigen::Isometry3d T_later_to = expected->T_map_odom.inverse() * to.T_map_node;
-  graph.add_edge(
-      {.from = from.id,
-       .to = to.id,
-       .T_from_to = from.T_map_node.inverse() * to.T_map_node,
-       .information = symmetric_inverse(expected_in(earlier, later, T_later_to, gnss)->covariance),
-       .kind = EdgeKind::start});
+  graph.add_edge(start_edge(from, to, expected_in(earlier, later, T_later_to, gnss)->covariance));
   return true;
 }
 

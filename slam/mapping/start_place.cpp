@@ -52,6 +52,14 @@ Matrix6d covariance_of_guess() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
+PoseEdge start_edge(const PoseNode& map, const PoseNode& node, const Matrix6d& covariance) {
+  return {.from = map.id,
+          .to = node.id,
+          .T_from_to = map.T_map_node.inverse() * node.T_map_node,
+          .information = symmetric_inverse(covariance),
+          .kind = EdgeKind::start};
+}
+
 ExpectedStart expected_start(const StartPlace& guess, const Eigen::Isometry3d& T_odom_lidar) {
   const Eigen::AngleAxisd turn(guess.heading - heading_of(T_odom_lidar.linear()),
                                Eigen::Vector3d::UnitZ());

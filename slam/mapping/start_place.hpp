@@ -12,6 +12,7 @@
 #include "adit/slam/gnss/map_fix.hpp"
 #include "adit/slam/gnss/world_fit.hpp"
 #include "adit/slam/gnss/world_frame.hpp"
+#include "adit/slam/graph/pose_graph.hpp"
 
 namespace adit {
 
@@ -31,6 +32,9 @@ struct ExpectedStart {
   Eigen::Isometry3d T_map_odom = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< of the keyframe's pose, right perturbation
 };
+
+/// Ties a node to one of the map, as the graph has both now.
+PoseEdge start_edge(const PoseNode& map, const PoseNode& node, const Matrix6d& covariance);
 
 /// `T_odom_lidar`: the odometry's pose of the first sweep.
 ExpectedStart expected_start(const StartPlace& guess, const Eigen::Isometry3d& T_odom_lidar);
