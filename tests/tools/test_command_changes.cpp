@@ -12,6 +12,8 @@
 #include "adit/tests/support/device_fixture.hpp"
 #include "adit/tests/support/ran.hpp"
 #include "adit/tests/support/temporary_folder.hpp"
+#include "adit/tools/clouds/ply_reader.hpp"
+#include "adit/tools/commands/command_export.hpp"
 #include "adit/tools/commands/command_merge.hpp"
 #include "adit/tools/map_changes/changes_report.hpp"
 #include "adit/tools/support/input_file.hpp"
@@ -95,6 +97,45 @@ class CommandChanges : public test::DeviceTest {
 
   test::TemporaryFolder folder_;
 };
+
+/// Points of an exported cloud within a box of the drive's world, and all of them.
+std::pair<std::size_t, std::size_t> points_in(const fs::path& ply, const Vector3d& lower,
+                                              const Vector3d& upper) {
+  const Eigen::AlignedBox3d box(lower - Vector3d(0.0, 0.0, 1.8), upper - Vector3d(0.0, 0.0, 1.8));
+  const std::vector<Point> points = read_ply(ply).sweep.points;
+  const auto within = std::ranges::count_if(points, [&](const Point& point) {
+    return box.contains(Vector3d(point.x, point.y, point.z));
+  });
+  return {static_cast<std::size_t>(within), points.size()};
+}
+
+TEST_F(CommandChanges, AnExportLeavesOutWhatIsGoneByThen) {
+  const auto exported = [&](const std::string& name, bool without_gone,
+                            std::optional<double> until = {}) {
+    ExportCommandOptions options{.map = maps() / "both.adit",
+                                 .output = folder_ / name,
+                                 .cloud = "ply",
+                                 .until = until,
+                                 .without_gone = without_gone};
+    const Ran ran = test::ran(export_command, options);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return folder_ / name;
+  };
+  const Vector3d lower(10.9, 1.8, 0.2);  // the box that is taken away, but for the ground below it
+  const Vector3d upper(11.8, 2.7, 1.0);
+  const auto [all_there, all] = points_in(exported("all.ply", false), lower, upper);
+  const auto [left_there, left] = points_in(exported("now.ply", true), lower, upper);
+  ASSERT_GT(all_there, 20U);
+  EXPECT_LT(10 * left_there, all_there);
+  EXPECT_LT(all - left - (all_there - left_there), all / 200) << "what is still there stays";
+  const MapDatabase both(maps() / "both.adit", MapAccess::read);
+  const std::vector<MapKeyframe> keyframes = both.keyframes();
+  const auto second = std::ranges::max_element(keyframes, {}, &MapKeyframe::session);
+  const double before = seconds(second->stamp) - 3600.0;
+  const auto [then_there, then] = points_in(exported("then.ply", true, before), lower, upper);
+  EXPECT_EQ(then_there, all_there) << "at that time it was there";
+  EXPECT_LT(then, all);
+}
 
 TEST_F(CommandChanges, TheSessionsOfAMapAreComparedInTheOrderOfTime) {
   const Ran ran = compared({"both"}, folder_ / "changes.geojson");

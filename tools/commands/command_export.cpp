@@ -113,6 +113,9 @@ void check_selection(const ExportCommandOptions& options) {
         "--find-moving is for points, grids and reports: --cloud, --dense, --tiles, --raster, "
         "--grid, --report.");
   }
+  if (options.without_gone && !points) {
+    throw UsageError("--without-gone is for points: --cloud, --dense, --tiles, --raster.");
+  }
   if (!options.find_moving && (!options.device.device.empty() || options.device.validation ||
                                options.device.max_vram_bytes > 0)) {
     throw UsageError("--device, --max-vram and --validation need --find-moving.");
@@ -286,6 +289,29 @@ std::shared_ptr<const MovedSpace> find_moving(const ExportJob& job, std::ostream
   return std::make_shared<const MovedSpace>(std::move(moved));
 }
 
+/// Looks for what is gone since earlier sessions, and says what it has found.
+std::shared_ptr<const GoneSpace> find_gone(const ExportJob& job, std::ostream& out) {
+  std::optional<Progress> progress;
+  const auto until =
+      job.options->until ? std::optional(nanoseconds(*job.options->until)) : std::nullopt;
+  auto gone = std::make_shared<const GoneSpace>(
+      gone_space(job.map->file(), until, [&](const ChangesStep& step) {
+        if (!progress) {
+          progress.emplace(*job.err, progress_style_of_stderr(), "comparing", step.total,
+                           Progress::Clock::now(), "tiles");
+        }
+        progress->update(step.done, 0);
+        require_within(job);
+        return true;
+      }));
+  if (progress) {
+    progress->finish();
+  }
+  out << fmt::format("gone   {} voxels of {} m hold what later sessions saw through\n",
+                     gone->voxels(), shortest(gone->edge()));
+  return gone;
+}
+
 int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& err) {
   check_options(options);
   static_cast<void>(find_map(options.map));
@@ -312,6 +338,9 @@ int run(const ExportCommandOptions& options, std::ostream& out, std::ostream& er
   try {
     if (options.find_moving) {
       job.moved = find_moving(job, out);
+    }
+    if (options.without_gone) {
+      job.gone = find_gone(job, out);
     }
     wrote = write(job);
   } catch (const std::invalid_argument& error) {
@@ -444,6 +473,10 @@ void add_export_command(Command app, std::function<void(int)> done) {
       .value_name("S");
   command.flag("--without-moving", options->without_moving,
                "Without points that other sweeps saw through; LAS files have them as class 64");
+  command.flag(
+      "--without-gone", options->without_gone,
+      "Without what later sessions, up to --until, saw to be gone: the place as it is now, "
+      "or as it was then");
   command.flag("--find-moving", options->find_moving,
                "Looks for what has moved from one submap to the next, too, on the device: some "
                "tenths of a second a keyframe in software");

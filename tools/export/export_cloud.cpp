@@ -158,6 +158,9 @@ std::string visit_dense(const ExportJob& job, const ProductCoordinates& coordina
     }
     std::vector<CloudPoint> points = placed_points(sweep, *stretch);
     const MapSweep& known = *std::ranges::lower_bound(sweeps, sweep.stamp, {}, &MapSweep::stamp);
+    std::erase_if(points, [&](const CloudPoint& point) {
+      return selection.is_gone && selection.is_gone(point.position, known.session);
+    });
     for (CloudPoint& point : points) {
       point.moving = has_moved(selection, point.position);
       point.position = coordinates.from_map(point.position);

@@ -222,6 +222,11 @@ CloudSelection selection_of(const ExportJob& job, const ProductCoordinates& coor
   CloudSelection selection;
   selection.without_moving = options.without_moving;
   selection.moved = job.moved;
+  if (job.gone) {
+    selection.is_gone = [gone = job.gone](const Eigen::Vector3d& point, SessionId session) {
+      return gone->has(point, session);
+    };
+  }
   for (const int64_t id : options.sessions) {
     if (!job.map->session(id)) {
       throw UsageError(

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "adit/tools/export/export_options.hpp"
+#include "adit/tools/map_changes/changed_space.hpp"
 #include "adit/tools/map_database/map_database.hpp"
 #include "adit/tools/map_products/cloud_selection.hpp"
 #include "adit/tools/map_products/product_coordinates.hpp"
@@ -27,6 +28,7 @@ struct ExportJob {
   std::filesystem::path file;                  ///< to write; it takes the place of the output later
   std::optional<Georeference> georeference{};  ///< of the map, or placed by hand
   std::shared_ptr<const MovedSpace> moved{};   ///< null: it was not looked for
+  std::shared_ptr<const GoneSpace> gone{};     ///< the same
   const MemoryLimit* memory = nullptr;
   std::ostream* err = nullptr;
 };

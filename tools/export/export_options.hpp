@@ -38,6 +38,7 @@ struct ExportCommandOptions {
   std::optional<double> from{};     ///< s, stamps
   std::optional<double> until{};
   bool without_moving = false;
+  bool without_gone = false;     ///< by what later sessions, up to `until`, see through
   bool find_moving = false;      ///< by the rays of all submaps, on the device
   std::string raster{};          ///< height, intensity
   bool report = false;           ///< a page for whoever takes delivery

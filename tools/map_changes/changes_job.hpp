@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "adit/slam/core/upright_box.hpp"
-#include "adit/slam/submaps/changed_objects.hpp"
-#include "adit/tools/map_changes/compared_maps.hpp"
+#include "adit/tools/map_changes/changed_space.hpp"
 
 namespace adit {
 
@@ -45,12 +44,6 @@ struct ChangesOutcome {
   double voxel = 0.0;                       ///< m, edge
   std::size_t points = 0;                   ///< that were compared
   bool georeferenced = false;
-};
-
-/// How far the comparison is: keyframes of a search for common places, then tiles.
-struct ChangesStep {
-  std::size_t done = 0;
-  std::size_t total = 0;  ///< 0: not known
 };
 
 /// Compares, and writes the output where there is one. The maps are only read. False from `on_step`

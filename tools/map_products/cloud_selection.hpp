@@ -42,6 +42,9 @@ struct CloudSelection {
   bool without_moving = false;
   /// Map frame: what is in it is moving, besides what each submap knows. Null: not looked for.
   std::shared_ptr<const MovedSpace> moved{};
+  /// Points (map frame, m) of sessions that are left out, as what they were of is gone since.
+  /// Empty: none.
+  std::function<bool(const Eigen::Vector3d& point, SessionId session)> is_gone{};
 };
 
 /// Whether the point of the map (m) has moved, as far as was looked.

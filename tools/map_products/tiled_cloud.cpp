@@ -69,6 +69,9 @@ std::vector<CloudPoint> points_of_keyframe(const MapKeyframe& keyframe,
                                  ? submap.sweeps[measured.sweep].stamp
                                  : keyframe.stamp;
     const Eigen::Vector3d position = keyframe.T_map_keyframe * measured.position();
+    if (selection.is_gone && selection.is_gone(position, keyframe.session)) {
+      continue;
+    }
     const CloudPoint point{.position = coordinates.from_map(position),
                            .time = time,
                            .keyframe = keyframe.id,
