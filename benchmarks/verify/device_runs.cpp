@@ -203,7 +203,7 @@ DeviceCloud::DeviceCloud(engine::Context& context, const std::vector<gpu::uvec4>
     : size_(static_cast<uint32_t>(points.size())),
       points_(upload(context, points, "surface cloud")),
       counters_(
-          upload(context, std::vector{gpu::SweepCounters{size_, size_, 0, 0, 0}}, "counters")) {}
+          upload(context, std::vector{gpu::SweepCounters{size_, size_, 0, 0}}, "counters")) {}
 
 VoxelMapRun::VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots,
                          engine::VoxelContent content)

@@ -23,18 +23,17 @@ using test::expect_layout;
 TEST(KernelLayouts, PreprocessStructsAreTheSameInCppAndGlsl) {
   using gpu::InputCell;
   expect_layout<InputCell>("InputCell", {{"owner", offsetof(InputCell, owner)},
-                                         {"inverted_first", offsetof(InputCell, inverted_first)},
                                          {"count", offsetof(InputCell, count)},
                                          {"sum_x", offsetof(InputCell, sum_x)},
                                          {"sum_y", offsetof(InputCell, sum_y)},
-                                         {"sum_z", offsetof(InputCell, sum_z)}});
+                                         {"sum_z", offsetof(InputCell, sum_z)},
+                                         {"carries", offsetof(InputCell, carries)}});
   using gpu::SweepCounters;
   expect_layout<SweepCounters>("SweepCounters",
                                {{"valid_points", offsetof(SweepCounters, valid_points)},
                                 {"cloud_points", offsetof(SweepCounters, cloud_points)},
                                 {"input_failures", offsetof(SweepCounters, input_failures)},
-                                {"surface_failures", offsetof(SweepCounters, surface_failures)},
-                                {"crowded_cells", offsetof(SweepCounters, crowded_cells)}});
+                                {"surface_failures", offsetof(SweepCounters, surface_failures)}});
   using gpu::DownsamplePush;
   expect_layout<DownsamplePush>("DownsamplePush",
                                 {{"point_count", offsetof(DownsamplePush, point_count)},
