@@ -23,6 +23,9 @@ layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
 layout(constant_id = 1) const uint kRun = 32;
 
+// Whether runs are added up first. GPUs have a point or two a thread, and need its registers.
+layout(constant_id = 3) const bool kRuns = false;
+
 layout(set = 0, binding = 0, scalar) readonly buffer Raw { uvec4 points[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Firsts { PAIR firsts[]; };
 layout(set = 0, binding = 2, scalar) buffer Table { InputCell cells[]; };
@@ -93,6 +96,12 @@ uint finder_of(uint k) {
 // The run that `point` continues or begins; the one that it ends is added to the table. The key
 // kFree stands for no run and no point.
 SurfaceRun with_point(SurfaceRun run, SurfaceCellId point, inout uint lost) {
+  if (!kRuns) {
+    if (point.key != kFree) {
+      lost += add_to_surface(surface_run_of(point), push.surface_mask);
+    }
+    return run;
+  }
   const bool continues = run.key == point.key;
   if (!continues && run.key != kFree) {
     lost += add_to_surface(run, push.surface_mask);
