@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Voxel down-sampling, pass 2 of 3: finds the runs that come first in their cell. Each thread takes
+// Voxel down-sampling, pass 2 of 3: finds the runs that own their cells in the end. Each thread takes
 // one part of the sweep's blocks. Written: its list of (slot of the cell, raw index), and how many
 // it and its group found; from these pass 3 knows where to put its own: the output is in the order
 // of the raw points, whatever the order of execution was.

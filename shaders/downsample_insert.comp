@@ -4,7 +4,8 @@
 // Voxel down-sampling, pass 1 of 3: gathers the raw points of a sweep into a hash grid of cells of
 // edge r_input. One thread takes kRun consecutive points (a block); neighbours along a beam share
 // cells, so it adds up runs in registers and touches the table once a run. Written: the cells'
-// integer sums and first points, and of each block its runs: how many, and each one's cell.
+// integer sums and owners, and of each block the runs that owned their cells for a while: how many,
+// and each one's cell.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
@@ -65,19 +66,21 @@ void add(uint slot, Run run) {
 }
 #endif
 
-// The slot of the run's cell, or kNoSlot if the table is full. Threads mostly run in the order of
-// the points, so that the first one to come is mostly the first point of its cell. Where it is not,
-// the first point takes its place: another probe of the same slot.
-uint insert(Run run) {
+// The slot of the cell that the run owns now, or kNoSlot. Threads mostly run in the order of the
+// points, so that the first one to come is mostly the first point of its cell. Where it is not, the
+// first point takes its place: another probe of the same slot.
+uint insert(Run run, inout uint lost) {
   const uint me = run.first + 1;
   uint slot = hash_cell(run.cell) & push.table_mask;
   uint expected = kFree;
   uint probes = 0;
   bool found = false;
+  bool owns = false;
   while (!found && probes < kMaxProbes) {
     const uint owner = atomicCompSwap(cells[slot].owner, expected, me);
     const bool same = owner == kFree || cell_of(owner - 1) == run.cell;
-    found = owner == expected || (same && owner < me);
+    owns = owner == expected;
+    found = owns || (same && owner < me);
     slot = same ? slot : (slot + 1) & push.table_mask;
     expected = same ? owner : kFree;
     probes += 1;
@@ -85,7 +88,8 @@ uint insert(Run run) {
   if (found) {
     add(slot, run);
   }
-  return found ? slot : kNoSlot;
+  lost += found ? 0 : run.count;
+  return owns ? slot : kNoSlot;
 }
 
 void main() {
@@ -105,12 +109,10 @@ void main() {
     const ivec3 cell = ivec3(corner);
     const bool continues = valid && run.count > 0 && cell == run.cell;
     if (!continues && run.count > 0) {
-      const uint slot = insert(run);
+      const uint slot = insert(run, lost);
       if (slot != kNoSlot) {
         run_heads[begin + heads] = pack_run_head(slot, run.first);
         heads += 1;
-      } else {
-        lost += run.count;
       }
       run.count = 0;
     }

@@ -43,6 +43,7 @@ class Deskew {
 
  private:
   LaunchShape shape_;
+  bool texels_;
   Kernel kernel_;
 };
 

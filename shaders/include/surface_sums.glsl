@@ -53,7 +53,7 @@ uint add_to_surface(SurfaceRun run, uint mask) {
   ADD_PAIR(surfaces[slot], sum_z, xx, uvec2(run.sum.z, run.x.x));
   ADD_PAIR(surfaces[slot], xy, xz, run.x.yz);
   ADD_PAIR(surfaces[slot], yy, yz, run.y);
-  atomicAdd(surfaces[slot].zz, run.zz);
+  ADD_LOW(surfaces[slot], zz, surfaces, run.zz);
   return count > kMostCellPoints ? min(count - kMostCellPoints, run.count) : 0;
 }
 

@@ -18,6 +18,7 @@
 #define WORDS_OF(pair) unpack32(pair)
 // Adds to two neighbouring members of a cell. A sum that overflows spoils its neighbour as well.
 #define ADD_PAIR(cell, a, b, words) atomicAdd(cell.a##_##b, pack64(words))
+#define ADD_LOW(cell, a, b, word) atomicAdd(cell.a##_##b, uint64_t(word))  // to the first of them
 #else
 #define PAIR uvec2
 #define PAIR_OF(words) (words)
@@ -25,5 +26,6 @@
 #define ADD_PAIR(cell, a, b, words) \
   atomicAdd(cell.a, (words).x);     \
   atomicAdd(cell.b, (words).y)
+#define ADD_LOW(cell, a, b, word) atomicAdd(cell.a, word)
 #endif
 #endif

@@ -31,9 +31,7 @@ const int kVoxelsUpwards = 511;
 struct GaussianCell {  // the same words, two at once
   uint key;
   uint count;
-  uint64_t sum_x_sum_y, sum_z_xx, xy_xz, yy_yz;
-  uint zz;
-  uint surfaces;
+  uint64_t sum_x_sum_y, sum_z_xx, xy_xz, yy_yz, zz_surfaces;
 };
 #else
 struct GaussianCell {
