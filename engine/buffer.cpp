@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/engine/buffer.hpp"
 
+#include <bit>
 #include <memory>
 #include <stdexcept>
 
@@ -12,6 +13,14 @@ namespace {
 
 // Far more than the ranges of a buffer that kernels bind again and again.
 constexpr std::size_t kMaxViews = 64;
+
+// Llvmpipe compiles a kernel again for each choice of its texel buffers whose sizes are powers of
+// two. So no buffer of a software device has such a size.
+uint64_t size_for(const Device& device, uint64_t bytes) {
+  return device.info.software && std::has_single_bit(bytes) && bytes >= kSliceAlignment
+             ? bytes + kSliceAlignment
+             : bytes;
+}
 
 }  // namespace
 
@@ -31,7 +40,7 @@ Buffer::State::State(Device& owner, uint64_t size, Memory where, std::string_vie
     using Usage = vk::BufferUsageFlagBits;
     handle = vk::raii::Buffer(
         owner.device,
-        vk::BufferCreateInfo({}, bytes,
+        vk::BufferCreateInfo({}, size_for(owner, bytes),
                              Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst |
                                  Usage::eIndirectBuffer | Usage::eUniformTexelBuffer));
     owner.set_name(handle, name);

@@ -116,8 +116,7 @@ void create_pipeline(Kernel::State& state, std::span<const uint32_t> words,
 
 Shader embedded(const Device& device, std::string_view name) {
   const std::span<const uint32_t> wide = shaders::find_wide(name);
-  const std::span<const uint32_t> words =
-      device.wide && !wide.empty() ? wide : shaders::find(name);
+  const std::span<const uint32_t> words = device.wide && !wide.empty() ? wide : shaders::find(name);
   if (words.empty()) {
     throw std::logic_error("there is no shader '" + std::string(name) + "' in this program");
   }

@@ -21,9 +21,13 @@
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
 
-layout(set = 0, binding = 0, scalar) readonly buffer Raw { uvec4 points[]; };  // bits of x, y, z, intensity
+layout(set = 0, binding = 0, scalar) readonly buffer Raw {
+  uvec4 points[];
+};  // bits of x, y, z, intensity
 layout(set = 0, binding = 1, scalar) readonly buffer Times { float times[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Knots { uvec4 knots[]; };  // DeskewKnot: 2 each
+layout(set = 0, binding = 2, scalar) readonly buffer Knots {
+  uvec4 knots[];
+};  // DeskewKnot: 2 each
 layout(set = 0, binding = 3, scalar) writeonly buffer Moved { PAIR moved[]; };  // two a point
 layout(set = 0, binding = 4) uniform utextureBuffer points_texels;
 layout(set = 0, binding = 5) uniform utextureBuffer knots_texels;

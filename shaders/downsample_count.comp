@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The adit authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Voxel down-sampling, pass 2 of 3: finds the runs that own their cells in the end. Each thread takes
-// one part of the sweep's blocks. Written: its list of (slot of the cell, raw index), and how many
-// it and its group found; from these pass 3 knows where to put its own: the output is in the order
-// of the raw points, whatever the order of execution was.
+// Voxel down-sampling, pass 2 of 3: finds the runs that own their cells in the end. Each thread
+// takes one part of the sweep's blocks. Written: its list of (slot of the cell, raw index), and how
+// many it and its group found; from these pass 3 knows where to put its own: the output is in the
+// order of the raw points, whatever the order of execution was.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require

@@ -115,7 +115,8 @@ vec3 taken_mean(uint slot) {
 #ifdef ADIT_WIDE
   const uint64_t sum_x = cells[slot].count_sum_x;
   const float count = float(uint(sum_x >> kWideSumBits));
-  const u64vec3 sums = u64vec3(sum_x & ((uint64_t(1) << kWideSumBits) - 1), cells[slot].sum_y, cells[slot].sum_z);
+  const u64vec3 sums =
+      u64vec3(sum_x & ((uint64_t(1) << kWideSumBits) - 1), cells[slot].sum_y, cells[slot].sum_z);
   const uvec3 low = uvec3(sums);
   const uvec3 high = uvec3(sums >> 32);
   cells[slot] = InputCell(kFree, 0, 0, 0, 0);
@@ -124,7 +125,8 @@ vec3 taken_mean(uint slot) {
   const float count = float(cell.count);
   const uvec3 low = uvec3(cell.sum_x, cell.sum_y, cell.sum_z);
   const uvec3 high =
-      uvec3(cell.carries, cell.carries >> kCarryBits, cell.carries >> (2 * kCarryBits)) & ((1u << kCarryBits) - 1u);
+      uvec3(cell.carries, cell.carries >> kCarryBits, cell.carries >> (2 * kCarryBits)) &
+      ((1u << kCarryBits) - 1u);
   cells[slot] = InputCell(kFree, 0, 0, 0, 0, 0, 0, 0);
 #endif
   return ((vec3(high) * 4294967296.0 + vec3(low)) / count + 0.5) / 65536.0;

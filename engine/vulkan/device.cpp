@@ -82,7 +82,8 @@ void Device::create_device() {
   vulkan12.timelineSemaphore = VK_TRUE;
   vulkan12.scalarBlockLayout = VK_TRUE;
   vk::PhysicalDeviceFeatures core;
-  wide = !info.gpu_shapes && info.max_storage_buffer_bytes <= kMostWideBytes && has_wide_words(physical);
+  wide = !info.gpu_shapes && info.max_storage_buffer_bytes <= kMostWideBytes &&
+         has_wide_words(physical);
   if (wide) {
     core.shaderInt64 = VK_TRUE;
     vulkan12.shaderBufferInt64Atomics = VK_TRUE;
@@ -91,7 +92,8 @@ void Device::create_device() {
   vulkan13.synchronization2 = VK_TRUE;
   vulkan13.maintenance4 = VK_TRUE;  // for work-group sizes given by specialization constants
   vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables(VK_TRUE);
-  vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info, {}, {}, &core), vulkan12, vulkan13, executables);
+  vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info, {}, {}, &core), vulkan12, vulkan13,
+                           executables);
   const std::array extensions = {VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME};
   if (compile_only) {
     const auto offered = physical.enumerateDeviceExtensionProperties();

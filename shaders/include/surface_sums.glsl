@@ -13,14 +13,12 @@ struct SurfaceRun {
   uint key;  // kFree: no point yet
   uint count;
   uvec3 sum;
-  uvec3 x;   // xx, xy, xz
-  uvec2 y;   // yy, yz
+  uvec3 x;  // xx, xy, xz
+  uvec2 y;  // yy, yz
   uint zz;
 };
 
-SurfaceRun no_surface_run() {
-  return SurfaceRun(kFree, 0, uvec3(0), uvec3(0), uvec2(0), 0);
-}
+SurfaceRun no_surface_run() { return SurfaceRun(kFree, 0, uvec3(0), uvec3(0), uvec2(0), 0); }
 
 SurfaceRun surface_run_of(SurfaceCellId id) {
   const uvec3 o = id.offset;
