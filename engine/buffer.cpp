@@ -14,12 +14,25 @@ namespace {
 // Far more than the ranges of a buffer that kernels bind again and again.
 constexpr std::size_t kMaxViews = 64;
 
-// Llvmpipe compiles a kernel again for each choice of its texel buffers whose sizes are powers of
-// two. So no buffer of a software device has such a size.
+// Llvmpipe takes a texel buffer for a texture: it compiles a kernel again where the size of a buffer
+// is a power of two, and where the second byte of the view's length, which it reads as the number of
+// the last level, is 0. A first start would compile all that reads texels twice, once with the sizes
+// of the self-test. So buffers of software devices are longer than asked for, no power of two, and
+// views reach beyond their slice where their length would differ in that.
+constexpr uint64_t kViewedBeyond = kSliceAlignment;
+
 uint64_t size_for(const Device& device, uint64_t bytes) {
-  return device.info.software && std::has_single_bit(bytes) && bytes >= kSliceAlignment
-             ? bytes + kSliceAlignment
-             : bytes;
+  if (!device.info.software || bytes < kTexelBytes) {
+    return bytes;
+  }
+  const uint64_t longer = align_slice(bytes) + kViewedBeyond;
+  return std::has_single_bit(longer) ? longer + kSliceAlignment : longer;
+}
+
+uint64_t view_length(const Device& device, uint64_t length) {
+  const uint64_t longer = length + kViewedBeyond;
+  const bool fits = longer / kTexelBytes <= device.info.max_texel_buffer_elements;
+  return device.info.software && fits && (length & 0xff00U) == 0 ? longer : length;
 }
 
 }  // namespace
@@ -64,7 +77,8 @@ TexelView Buffer::State::texels(uint64_t offset, uint64_t length) const {
   if (views_.size() == kMaxViews) {
     views_.clear();  // lengths that change from sweep to sweep; recordings hold what they use
   }
-  const vk::BufferViewCreateInfo info({}, *handle, kTexelFormat, offset, length);
+  const vk::BufferViewCreateInfo info({}, *handle, kTexelFormat, offset,
+                                      view_length(*device, length));
   auto view = translated("viewing buffer '" + name + "' as texels", [&] {
     return std::make_shared<const vk::raii::BufferView>(device->device, info);
   });

@@ -119,7 +119,10 @@ vec3 taken_mean(uint slot) {
       u64vec3(sum_x & ((uint64_t(1) << kWideSumBits) - 1), cells[slot].sum_y, cells[slot].sum_z);
   const uvec3 low = uvec3(sums);
   const uvec3 high = uvec3(sums >> 32);
-  cells[slot] = InputCell(kFree, 0, 0, 0, 0);
+  cells[slot].owner = kFree;
+  cells[slot].count_sum_x = 0;
+  cells[slot].sum_y = 0;
+  cells[slot].sum_z = 0;
 #else
   const InputCell cell = cells[slot];
   const float count = float(cell.count);
@@ -127,7 +130,12 @@ vec3 taken_mean(uint slot) {
   const uvec3 high =
       uvec3(cell.carries, cell.carries >> kCarryBits, cell.carries >> (2 * kCarryBits)) &
       ((1u << kCarryBits) - 1u);
-  cells[slot] = InputCell(kFree, 0, 0, 0, 0, 0, 0, 0);
+  cells[slot].owner = kFree;
+  cells[slot].count = 0;
+  cells[slot].sum_x = 0;
+  cells[slot].sum_y = 0;
+  cells[slot].sum_z = 0;
+  cells[slot].carries = 0;
 #endif
   return ((vec3(high) * 4294967296.0 + vec3(low)) / count + 0.5) / 65536.0;
 }
