@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "adit/engine/buffer.hpp"
 
-#include <bit>
 #include <memory>
 #include <stdexcept>
 
@@ -13,27 +12,6 @@ namespace {
 
 // Far more than the ranges of a buffer that kernels bind again and again.
 constexpr std::size_t kMaxViews = 64;
-
-// Llvmpipe takes a texel buffer for a texture: it compiles a kernel again where the size of a buffer
-// is a power of two, and where the second byte of the view's length, which it reads as the number of
-// the last level, is 0. A first start would compile all that reads texels twice, once with the sizes
-// of the self-test. So buffers of software devices are longer than asked for, no power of two, and
-// views reach beyond their slice where their length would differ in that.
-constexpr uint64_t kViewedBeyond = kSliceAlignment;
-
-uint64_t size_for(const Device& device, uint64_t bytes) {
-  if (!device.info.software || bytes < kTexelBytes) {
-    return bytes;
-  }
-  const uint64_t longer = align_slice(bytes) + kViewedBeyond;
-  return std::has_single_bit(longer) ? longer + kSliceAlignment : longer;
-}
-
-uint64_t view_length(const Device& device, uint64_t length) {
-  const uint64_t longer = length + kViewedBeyond;
-  const bool fits = longer / kTexelBytes <= device.info.max_texel_buffer_elements;
-  return device.info.software && fits && (length & 0xff00U) == 0 ? longer : length;
-}
 
 }  // namespace
 
@@ -53,7 +31,7 @@ Buffer::State::State(Device& owner, uint64_t size, Memory where, std::string_vie
     using Usage = vk::BufferUsageFlagBits;
     handle = vk::raii::Buffer(
         owner.device,
-        vk::BufferCreateInfo({}, size_for(owner, bytes),
+        vk::BufferCreateInfo({}, bytes,
                              Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst |
                                  Usage::eIndirectBuffer | Usage::eUniformTexelBuffer));
     owner.set_name(handle, name);
@@ -77,8 +55,7 @@ TexelView Buffer::State::texels(uint64_t offset, uint64_t length) const {
   if (views_.size() == kMaxViews) {
     views_.clear();  // lengths that change from sweep to sweep; recordings hold what they use
   }
-  const vk::BufferViewCreateInfo info({}, *handle, kTexelFormat, offset,
-                                      view_length(*device, length));
+  const vk::BufferViewCreateInfo info({}, *handle, kTexelFormat, offset, length);
   auto view = translated("viewing buffer '" + name + "' as texels", [&] {
     return std::make_shared<const vk::raii::BufferView>(device->device, info);
   });

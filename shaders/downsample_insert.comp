@@ -69,7 +69,7 @@ void add(uint slot, Run run) {
 // The slot of the cell that the run owns now, or kNoSlot. Threads mostly run in the order of the
 // points, so that the first one to come is mostly the first point of its cell. Where it is not, the
 // first point takes its place: another probe of the same slot.
-uint insert(Run run, inout uint lost) {
+uint insert(Run run) {
   const uint me = run.first + 1;
   uint slot = hash_cell(run.cell) & push.table_mask;
   uint expected = kFree;
@@ -87,8 +87,9 @@ uint insert(Run run, inout uint lost) {
   }
   if (found) {
     add(slot, run);
+  } else {
+    atomicAdd(counters.input_failures, run.count);
   }
-  lost += found ? 0 : run.count;
   return owns ? slot : kNoSlot;
 }
 
@@ -96,7 +97,6 @@ void main() {
   const uint begin = gl_GlobalInvocationID.x * kRun;
   const uint end = min(begin + kRun, push.point_count);
   uint valid_points = 0;
-  uint lost = 0;
   uint heads = 0;
   Run run = Run(0, 0, ivec3(0), uvec3(0));
   for (uint i = begin; i <= end && begin < end; ++i) {
@@ -109,7 +109,7 @@ void main() {
     const ivec3 cell = ivec3(corner);
     const bool continues = valid && run.count > 0 && cell == run.cell;
     if (!continues && run.count > 0) {
-      const uint slot = insert(run, lost);
+      const uint slot = insert(run);
       if (slot != kNoSlot) {
         run_heads[begin + heads] = pack_run_head(slot, run.first);
         heads += 1;
@@ -125,9 +125,6 @@ void main() {
   }
   if (begin < end) {
     run_counts[gl_GlobalInvocationID.x] = heads;
-  }
-  if (lost > 0) {
-    atomicAdd(counters.input_failures, lost);
   }
   const uint valid_total = subgroupAdd(valid_points);
   if (subgroupElect()) {
