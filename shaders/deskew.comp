@@ -9,13 +9,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#ifdef ADIT_WIDE
-#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
-#extension GL_EXT_shader_atomic_int64 : require
-#endif
 #include "adit/shaders/include/hash.glsl"
 #include "adit/shaders/include/texels.glsl"
-#include "adit/shaders/include/wide.glsl"
 #include "adit/shaders/shared/deskew.h"
 
 layout(local_size_x_id = 0) in;
@@ -28,7 +23,7 @@ layout(set = 0, binding = 1, scalar) readonly buffer Times { float times[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Knots {
   uvec4 knots[];
 };  // DeskewKnot: 2 each
-layout(set = 0, binding = 3, scalar) writeonly buffer Moved { PAIR moved[]; };  // two a point
+layout(set = 0, binding = 3, scalar) writeonly buffer Moved { vec4 moved[]; };
 layout(set = 0, binding = 4) uniform utextureBuffer points_texels;
 layout(set = 0, binding = 5) uniform utextureBuffer knots_texels;
 layout(push_constant, scalar) uniform Push { DeskewPush push; };
@@ -57,9 +52,6 @@ void main() {
     const float squared = dot(point.xyz, point.xyz);
     const bool valid = is_finite(point.xyz) && is_finite(vec3(time)) &&
                        squared >= push.min_squared && squared <= push.max_squared;
-    const vec3 p = valid ? at_start(point.xyz, time) : vec3(0.0);
-    const uvec4 bits = floatBitsToUint(vec4(p, point.w));
-    moved[2 * i] = PAIR_OF(bits.xy);
-    moved[2 * i + 1] = PAIR_OF(bits.zw);
+    moved[i] = vec4(valid ? at_start(point.xyz, time) : vec3(0.0), point.w);
   }
 }

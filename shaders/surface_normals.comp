@@ -9,13 +9,8 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-#ifdef ADIT_WIDE
-#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
-#extension GL_EXT_shader_atomic_int64 : require
-#endif
 #include "adit/shaders/include/surface_estimate.glsl"
 #include "adit/shaders/include/texels.glsl"
-#include "adit/shaders/include/wide.glsl"
 #include "adit/shaders/shared/preprocess.h"
 
 layout(local_size_x_id = 0) in;
@@ -25,9 +20,7 @@ layout(set = 0, binding = 0, scalar) readonly buffer Cloud { uvec4 cloud[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Surfaces {
   uvec4 surfaces[];
 };  // GaussianCell: 3 each
-layout(set = 0, binding = 2, scalar) writeonly buffer Output {
-  PAIR surface_cloud[];
-};  // two a point
+layout(set = 0, binding = 2, scalar) writeonly buffer Output { uvec4 surface_cloud[]; };
 layout(set = 0, binding = 3, scalar) readonly buffer Counters { SweepCounters counters; };
 layout(set = 0, binding = 4) uniform utextureBuffer cloud_texels;
 layout(set = 0, binding = 5) uniform utextureBuffer surfaces_texels;
@@ -83,7 +76,7 @@ uint look_around(uint left, uint begin, uint threads, uint wider) {
     const uint i = begin + j * threads;
     const vec3 p = uintBitsToFloat(FETCH(cloud, i).xyz);
     const uint packed = surface_around(p, surface_level(p, push.level_factor) + wider);
-    surface_cloud[2 * i + 1] = PAIR_OF(uvec2(floatBitsToUint(p.z), packed));
+    surface_cloud[i].w = packed;
     nothing |= is_none(packed) ? 1u << j : 0u;
     left &= left - 1u;
   }
@@ -106,8 +99,7 @@ void main() {
                               ? no_surface()
                               : surface_of(moments_at(slot, ivec3(0)), p,
                                            beam_gap(p, level, push.level_factor), false);
-      surface_cloud[2 * i] = PAIR_OF(floatBitsToUint(p.xy));
-      surface_cloud[2 * i + 1] = PAIR_OF(uvec2(floatBitsToUint(p.z), packed));
+      surface_cloud[i] = uvec4(floatBitsToUint(p), packed);
       nothing |= is_none(packed) ? 1u << j : 0u;
     }
     nothing = look_around(nothing, begin, threads, 0);
