@@ -114,8 +114,9 @@ void create_pipeline(Kernel::State& state, std::span<const uint32_t> words,
   state.device->set_name(state.pipeline, state.name);
 }
 
-Shader embedded(std::string_view name) {
-  const std::span<const uint32_t> words = shaders::find(name);
+Shader embedded(const Device& device, std::string_view name) {
+  const std::span<const uint32_t> wide = shaders::find_wide(name);
+  const std::span<const uint32_t> words = device.wide && !wide.empty() ? wide : shaders::find(name);
   if (words.empty()) {
     throw std::logic_error("there is no shader '" + std::string(name) + "' in this program");
   }
@@ -126,7 +127,7 @@ Shader embedded(std::string_view name) {
 
 Kernel::Kernel(Context& context, std::string_view shader_name,
                const std::vector<Specialization>& specializations)
-    : Kernel(context, embedded(shader_name), specializations) {}
+    : Kernel(context, embedded(context.internal(), shader_name), specializations) {}
 
 Kernel::Kernel(Context& context, const Shader& shader,
                const std::vector<Specialization>& specializations)

@@ -4,18 +4,24 @@
 // Voxel down-sampling, pass 1 of 3: gathers the raw points of a sweep into a hash grid of cells of
 // edge r_input. One thread takes kRun consecutive points (a block); neighbours along a beam share
 // cells, so it adds up runs in registers and touches the table once a run. Written: the cells'
-// integer sums, and of each block its runs: how many, and each one's cell.
+// integer sums and owners, and of each block the runs that owned their cells for a while: how many,
+// and each one's cell.
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#ifdef ADIT_WIDE
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "adit/shaders/include/hash.glsl"
 #include "adit/shaders/include/texels.glsl"
+#include "adit/shaders/include/wide.glsl"
 #include "adit/shaders/shared/preprocess.h"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 0) const uint kLocalSize = 64;
-layout(constant_id = 1) const uint kRun = 8;  // at most 8: see RunHead
+layout(constant_id = 1) const uint kRun = 32;  // at most 32: see RunHead
 
 layout(set = 0, binding = 0, scalar) readonly buffer Raw {
   uvec4 points[];
@@ -26,6 +32,8 @@ layout(set = 0, binding = 3, scalar) writeonly buffer RunHeads { uint run_heads[
 layout(set = 0, binding = 4, scalar) buffer Counters { SweepCounters counters; };
 layout(set = 0, binding = 5) uniform utextureBuffer points_texels;
 layout(push_constant, scalar) uniform Push { DownsamplePush push; };
+
+const uint kNoSlot = 0xffffffffu;
 
 struct Run {
   uint first;  // raw index
@@ -38,27 +46,51 @@ vec3 position(uint i) { return uintBitsToFloat(FETCH(points, i).xyz); }
 
 ivec3 cell_of(uint i) { return ivec3(floor(position(i) * push.inverse_cell)); }
 
-// What the block remembers of the run: its cell's slot, or kFree if the table is full.
+#ifdef ADIT_WIDE
+void add(uint slot, Run run) {
+  atomicAdd(cells[slot].count_sum_x, (uint64_t(run.count) << kWideSumBits) | uint64_t(run.sum.x));
+  atomicAdd(cells[slot].sum_y, uint64_t(run.sum.y));
+  atomicAdd(cells[slot].sum_z, uint64_t(run.sum.z));
+}
+#else
+void add(uint slot, Run run) {
+  atomicAdd(cells[slot].count, run.count);
+  const uvec3 before =
+      uvec3(atomicAdd(cells[slot].sum_x, run.sum.x), atomicAdd(cells[slot].sum_y, run.sum.y),
+            atomicAdd(cells[slot].sum_z, run.sum.z));
+  const uvec3 carry = uvec3(lessThan(before + run.sum, before));
+  const uint carries = carry.x | (carry.y << kCarryBits) | (carry.z << (2 * kCarryBits));
+  if (carries != 0) {
+    atomicAdd(cells[slot].carries, carries);
+  }
+}
+#endif
+
+// The slot of the cell that the run owns now, or kNoSlot. Threads mostly run in the order of the
+// points, so that the first one to come is mostly the first point of its cell. Where it is not, the
+// first point takes its place: another probe of the same slot.
 uint insert(Run run) {
+  const uint me = run.first + 1;
   uint slot = hash_cell(run.cell) & push.table_mask;
+  uint expected = kFree;
   uint probes = 0;
   bool found = false;
+  bool owns = false;
   while (!found && probes < kMaxProbes) {
-    const uint owner = atomicCompSwap(cells[slot].owner, kFree, run.first + 1);
-    found = owner == kFree || cell_of(owner - 1) == run.cell;
-    slot = found ? slot : (slot + 1) & push.table_mask;
+    const uint owner = atomicCompSwap(cells[slot].owner, expected, me);
+    const bool same = owner == kFree || cell_of(owner - 1) == run.cell;
+    owns = owner == expected;
+    found = owns || (same && owner < me);
+    slot = same ? slot : (slot + 1) & push.table_mask;
+    expected = same ? owner : kFree;
     probes += 1;
   }
-  if (!found) {
+  if (found) {
+    add(slot, run);
+  } else {
     atomicAdd(counters.input_failures, run.count);
-    return kFree;
   }
-  atomicMax(cells[slot].inverted_first, ~run.first);
-  atomicAdd(cells[slot].count, run.count);
-  atomicAdd(cells[slot].sum_x, run.sum.x);
-  atomicAdd(cells[slot].sum_y, run.sum.y);
-  atomicAdd(cells[slot].sum_z, run.sum.z);
-  return pack_run_head(slot, run.first);
+  return owns ? slot : kNoSlot;
 }
 
 void main() {
@@ -77,8 +109,11 @@ void main() {
     const ivec3 cell = ivec3(corner);
     const bool continues = valid && run.count > 0 && cell == run.cell;
     if (!continues && run.count > 0) {
-      run_heads[begin + heads] = insert(run);
-      heads += 1;
+      const uint slot = insert(run);
+      if (slot != kNoSlot) {
+        run_heads[begin + heads] = pack_run_head(slot, run.first);
+        heads += 1;
+      }
       run.count = 0;
     }
     if (valid) {

@@ -14,6 +14,9 @@ namespace adit::shaders {
 /// The module built from shaders/<name>.comp; empty where there is none.
 std::span<const uint32_t> find(std::string_view name);
 
+/// The same of those that include shaders/include/wide.glsl, with ADIT_WIDE defined.
+std::span<const uint32_t> find_wide(std::string_view name);
+
 /// Every shader, in alphabetical order.
 std::vector<std::string_view> names();
 

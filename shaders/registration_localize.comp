@@ -84,6 +84,12 @@ void main() {
   const mat3x4 pose = states[at].pose;
   const vec3 t = vec3(pose[0].w, pose[1].w, pose[2].w);
 
+  // Software devices read a word once a lane, for every point; GPUs read it from their caches, and
+  // need the registers.
+  vec3 directions[6];
+  for (uint k = 0; k < 6; ++k) {
+    directions[k] = kTexels ? states[at].directions[k].xyz : vec3(0.0);
+  }
   float sums[kSupports];
   for (uint k = 0; k < kSupports; ++k) {
     sums[k] = 0.0;
@@ -104,7 +110,7 @@ void main() {
       const vec3 ms = at_most_unit(cross(s.ra, s.direction));
       const vec3 mt = at_most_unit(cross(s.ra, target_normal));
       for (uint k = 0; k < 6; ++k) {
-        const vec3 v = states[at].directions[k].xyz;
+        const vec3 v = kTexels ? directions[k] : states[at].directions[k].xyz;
         const float share = k < 3 ? min(abs(dot(s.direction, v)), abs(dot(target_normal, v)))
                                   : min(abs(dot(ms, v)), abs(dot(mt, v)));
         sums[k] += share > kShare ? share : 0.0;

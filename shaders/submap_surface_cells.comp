@@ -7,6 +7,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#ifdef ADIT_WIDE
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/shaders/shared/submap.h"
 
@@ -26,6 +30,7 @@ void main() {
     const uvec4 point = cloud[i];
     const vec3 p = uintBitsToFloat(point.xyz);
     const uint level = surface_level(p - sensors[point.w].xyz, push.level_factor);
-    add_to_surface(surface_cell_of_level(p, level, push.inverse_surface_cell), push.surface_mask);
+    add_to_surface(surface_run_of(surface_cell_of_level(p, level, push.inverse_surface_cell)),
+                   push.surface_mask);
   }
 }

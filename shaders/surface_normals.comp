@@ -63,23 +63,46 @@ uint surface_around(vec3 p, uint level) {
 
 bool is_none(uint packed) { return (packed >> 30) == kIsotropic; }
 
+// Software devices run what any lane of a subgroup takes in all of them. So a thread looks around
+// the few points that need it in loops of their own.
+const uint kShare = 32;
+
+// The points of which `left` has a bit, the j-th of them at begin + j * threads; `wider` levels up.
+// Bits of those that show nothing there, either.
+uint look_around(uint left, uint begin, uint threads, uint wider) {
+  uint nothing = 0;
+  while (left != 0) {
+    const uint j = uint(findLSB(left));
+    const uint i = begin + j * threads;
+    const vec3 p = uintBitsToFloat(FETCH(cloud, i).xyz);
+    const uint packed = surface_around(p, surface_level(p, push.level_factor) + wider);
+    surface_cloud[i].w = packed;
+    nothing |= is_none(packed) ? 1u << j : 0u;
+    left &= left - 1u;
+  }
+  return nothing;
+}
+
 void main() {
   const uint count = counters.cloud_points;
   const uint threads = gl_NumWorkGroups.x * kLocalSize;
-  for (uint i = gl_GlobalInvocationID.x; i < count; i += threads) {
-    const vec3 p = uintBitsToFloat(FETCH(cloud, i).xyz);
-    const uint level = surface_level(p, push.level_factor);
-    const SurfaceCellId own = surface_cell_of_level(p, level, push.inverse_surface_cell);
-    const uint slot = slot_of(own.key);
-    uint packed = slot == kNoSlot ? no_surface()
-                                  : surface_of(moments_at(slot, ivec3(0)), p,
-                                               beam_gap(p, level, push.level_factor), false);
-    if (is_none(packed)) {
-      packed = surface_around(p, level);
+  for (uint begin = gl_GlobalInvocationID.x; begin < count; begin += kShare * threads) {
+    const uint points = min((count - begin + threads - 1) / threads, kShare);
+    uint nothing = 0;
+    for (uint j = 0; j < points; ++j) {
+      const uint i = begin + j * threads;
+      const vec3 p = uintBitsToFloat(FETCH(cloud, i).xyz);
+      const uint level = surface_level(p, push.level_factor);
+      const SurfaceCellId own = surface_cell_of_level(p, level, push.inverse_surface_cell);
+      const uint slot = slot_of(own.key);
+      const uint packed = slot == kNoSlot
+                              ? no_surface()
+                              : surface_of(moments_at(slot, ivec3(0)), p,
+                                           beam_gap(p, level, push.level_factor), false);
+      surface_cloud[i] = uvec4(floatBitsToUint(p), packed);
+      nothing |= is_none(packed) ? 1u << j : 0u;
     }
-    if (is_none(packed)) {
-      packed = surface_around(p, level + 1);
-    }
-    surface_cloud[i] = uvec4(floatBitsToUint(p), packed);
+    nothing = look_around(nothing, begin, threads, 0);
+    look_around(nothing, begin, threads, 1);
   }
 }

@@ -7,6 +7,10 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
+#ifdef ADIT_WIDE
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "adit/shaders/include/surface.glsl"
 #include "adit/shaders/include/texels.glsl"
 #include "adit/shaders/shared/gaussian_cell.h"
@@ -21,8 +25,45 @@ layout(set = 0, binding = 2, scalar) buffer Counters { VoxelMapCounters counters
 layout(set = 0, binding = 3) uniform utextureBuffer surface_cloud_texels;
 layout(push_constant, scalar) uniform Push { VoxelMapAddPush push; };
 
+#ifdef ADIT_WIDE
+// Subtracts where the cloud is taken out: as long as no sum overflows, words do not carry into each
+// other, and what they carried is taken back with the points that made them overflow.
+uint64_t signed_pair(uint low, uint high) {
+  const uint64_t mask = push.sign == 1u ? uint64_t(0) : ~uint64_t(0);
+  return (pack64(uvec2(low, high)) ^ mask) - mask;
+}
+
+void add_sums(uint slot, uvec3 offset, uvec3 x, uvec3 y, uint surfaces, bool bare) {
+  atomicAdd(voxels[slot].sum_x_sum_y, signed_pair(offset.x, offset.y));
+  atomicAdd(voxels[slot].sum_z_xx, signed_pair(offset.z, bare ? 0 : x.x));
+  if (!bare) {
+    atomicAdd(voxels[slot].xy_xz, signed_pair(x.y, x.z));
+    atomicAdd(voxels[slot].yy_yz, signed_pair(y.x, y.y));
+    atomicAdd(voxels[slot].zz_surfaces, signed_pair(y.z, surfaces));
+  }
+}
+#else
+void add_sums(uint slot, uvec3 offset, uvec3 x, uvec3 y, uint surfaces, bool bare) {
+  atomicAdd(voxels[slot].sum_x, offset.x * push.sign);
+  atomicAdd(voxels[slot].sum_y, offset.y * push.sign);
+  atomicAdd(voxels[slot].sum_z, offset.z * push.sign);
+  if (!bare) {
+    if (!kMoments) {
+      atomicAdd(voxels[slot].surfaces, surfaces * push.sign);
+    }
+    atomicAdd(voxels[slot].xx, x.x * push.sign);
+    atomicAdd(voxels[slot].xy, x.y * push.sign);
+    atomicAdd(voxels[slot].xz, x.z * push.sign);
+    atomicAdd(voxels[slot].yy, y.x * push.sign);
+    atomicAdd(voxels[slot].yz, y.y * push.sign);
+    atomicAdd(voxels[slot].zz, y.z * push.sign);
+  }
+}
+#endif
+
 void main() {
   const uint threads = gl_NumWorkGroups.x * kLocalSize;
+  VoxelMapCounters found = VoxelMapCounters(0, 0, 0, 0);
   for (uint i = gl_GlobalInvocationID.x; i < push.point_count; i += threads) {
     const uvec4 point = FETCH(surface_cloud, i);
     const vec3 p = vec4(uintBitsToFloat(point.xyz), 1.0) * push.pose;
@@ -32,21 +73,20 @@ void main() {
     const vec3 corner = floor(scaled);
     const uint key = pack_voxel(ivec3(corner));
     if (key == kFree) {
-      atomicAdd(counters.out_of_range, 1);
+      found.out_of_range += 1;
       continue;
     }
     uint slot = mix32(key) & push.table_mask;
     uint probes = 0;
-    uint found = atomicCompSwap(voxels[slot].key, kFree, key);
-    while (found != key && found != kFree && probes < kMaxProbes) {
+    uint owner = atomicCompSwap(voxels[slot].key, kFree, key);
+    while (owner != key && owner != kFree && probes < kMaxProbes) {
       slot = (slot + 1) & push.table_mask;
-      found = atomicCompSwap(voxels[slot].key, kFree, key);
+      owner = atomicCompSwap(voxels[slot].key, kFree, key);
       probes += 1;
     }
-    if (found == kFree) {
-      atomicAdd(counters.used_slots, 1);
-    } else if (found != key) {
-      atomicAdd(counters.failures, 1);
+    found.used_slots += owner == kFree ? 1 : 0;
+    if (owner != key && owner != kFree) {
+      found.failures += 1;
       continue;
     }
     const uvec3 offset = fixed_offset(scaled, corner);
@@ -66,23 +106,16 @@ void main() {
     const uint along = facing > kUnclearFacing ? 1u << kFacingShift : 0u;
     const uint against = facing < -kUnclearFacing ? 1u << kFacingShift : 0u;
     const uint before = atomicAdd(voxels[slot].count, (1u + along) * push.sign);
-    if (push.sign == 1u && (before & kCountMask) == kMostCellPoints) {
-      atomicAdd(counters.crowded, 1);
-    }
-    atomicAdd(voxels[slot].sum_x, offset.x * push.sign);
-    atomicAdd(voxels[slot].sum_y, offset.y * push.sign);
-    atomicAdd(voxels[slot].sum_z, offset.z * push.sign);
-    if (!kMoments) {
-      if ((point.w >> 30) == kIsotropic) {
-        continue;
-      }
-      atomicAdd(voxels[slot].surfaces, (1u + against) * push.sign);
-    }
-    atomicAdd(voxels[slot].xx, x.x * push.sign);
-    atomicAdd(voxels[slot].xy, x.y * push.sign);
-    atomicAdd(voxels[slot].xz, x.z * push.sign);
-    atomicAdd(voxels[slot].yy, y.x * push.sign);
-    atomicAdd(voxels[slot].yz, y.y * push.sign);
-    atomicAdd(voxels[slot].zz, y.z * push.sign);
+    found.crowded += push.sign == 1u && (before & kCountMask) == kMostCellPoints ? 1 : 0;
+    add_sums(slot, offset, x, y, kMoments ? 0 : 1u + against,
+             !kMoments && (point.w >> 30) == kIsotropic);
+  }
+  if (found.used_slots > 0) {
+    atomicAdd(counters.used_slots, found.used_slots);
+  }
+  if (found.failures + found.out_of_range + found.crowded > 0) {
+    atomicAdd(counters.failures, found.failures);
+    atomicAdd(counters.out_of_range, found.out_of_range);
+    atomicAdd(counters.crowded, found.crowded);
   }
 }

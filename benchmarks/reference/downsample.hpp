@@ -14,7 +14,6 @@
 #include <Eigen/Core>
 
 #include "adit/engine/kernels/preprocess.hpp"
-#include "adit/shaders/shared/gaussian_cell.h"
 #include "adit/slam/core/types.hpp"
 
 namespace adit::reference {
@@ -45,15 +44,13 @@ inline Cell unpacked_cell(uint32_t key) {
 struct DownsampledPoint {
   Cell cell{};
   Eigen::Vector3d centroid =
-      Eigen::Vector3d::Zero();  ///< m; exact mean, not rounded to 1/65536 of a cell; the first
-                                ///< point where there are more than gpu::kMostCellPoints
+      Eigen::Vector3d::Zero();  ///< m; exact mean, not rounded to 1/65536 of a cell
   float intensity = 0.0F;       ///< that of the first raw point in the cell
   uint32_t count = 0;
 };
 
 struct Downsampled {
   uint32_t valid_points = 0;
-  uint32_t crowded_cells = 0;            ///< with more points than gpu::kMostCellPoints
   std::vector<DownsampledPoint> points;  ///< in order of their cells' first appearance
 };
 
@@ -72,7 +69,6 @@ inline Downsampled downsample(std::span<const Point> raw,
   const float inverse_edge = 1.0F / static_cast<float>(settings.r_input);
   Downsampled result;
   std::map<Cell, size_t> index_of;
-  std::vector<Eigen::Vector3d> first;
   for (const Point& point : raw) {
     if (!is_valid(point, settings)) {
       continue;
@@ -82,17 +78,13 @@ inline Downsampled downsample(std::span<const Point> raw,
     const auto [found, is_new] = index_of.try_emplace(cell, result.points.size());
     if (is_new) {
       result.points.push_back({.cell = cell, .intensity = point.intensity});
-      first.emplace_back(point.x, point.y, point.z);
     }
     DownsampledPoint& sum = result.points[found->second];
     sum.centroid += Eigen::Vector3d(point.x, point.y, point.z);
     sum.count += 1;
   }
-  for (size_t i = 0; i < first.size(); ++i) {
-    DownsampledPoint& point = result.points[i];
-    const bool crowded = point.count > gpu::kMostCellPoints;
-    point.centroid = crowded ? first[i] : Eigen::Vector3d(point.centroid / point.count);
-    result.crowded_cells += crowded ? 1U : 0U;
+  for (DownsampledPoint& point : result.points) {
+    point.centroid /= point.count;
   }
   return result;
 }

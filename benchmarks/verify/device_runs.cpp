@@ -202,8 +202,7 @@ std::vector<gpu::uvec4> SubmapSurfacesRun::surface_cloud() const {
 DeviceCloud::DeviceCloud(engine::Context& context, const std::vector<gpu::uvec4>& points)
     : size_(static_cast<uint32_t>(points.size())),
       points_(upload(context, points, "surface cloud")),
-      counters_(
-          upload(context, std::vector{gpu::SweepCounters{size_, size_, 0, 0, 0}}, "counters")) {}
+      counters_(upload(context, std::vector{gpu::SweepCounters{size_, size_, 0, 0}}, "counters")) {}
 
 VoxelMapRun::VoxelMapRun(engine::Context& context, double voxel_size, uint32_t slots,
                          engine::VoxelContent content)

@@ -7,12 +7,14 @@
 #include <stdexcept>
 
 #include "adit/engine/context.hpp"
+#include "adit/engine/kernels/texels.hpp"
 
 namespace adit::engine {
 
 Deskew::Deskew(Context& context)
     : shape_(launch_shape(context.device())),
-      kernel_(context, "deskew", {{0, shape_.local_size}}) {}
+      texels_(reads_texels(context.device())),
+      kernel_(context, "deskew", {{0, shape_.local_size}, {2, texels_ ? 1U : 0U}}) {}
 
 void Deskew::record(Recorder& recorder, const DeskewSettings& settings,
                     const DeskewArguments& arguments) const {
@@ -33,7 +35,9 @@ void Deskew::record(Recorder& recorder, const DeskewSettings& settings,
                               std::numeric_limits<float>::min()),
       .max_squared = static_cast<float>(settings.c_max * settings.c_max)};
   recorder.dispatch(kernel_, std::min(shape_.groups, kernel_.groups_for(arguments.point_count)),
-                    push, {arguments.raw, arguments.times, arguments.knots, arguments.moved});
+                    push,
+                    {arguments.raw, arguments.times, arguments.knots, arguments.moved,
+                     texel_slice(arguments.raw, texels_), texel_slice(arguments.knots, texels_)});
 }
 
 }  // namespace adit::engine

@@ -43,6 +43,7 @@ class Deskew {
 
  private:
   LaunchShape shape_;
+  bool texels_;  ///< points and knots are read as texels
   Kernel kernel_;
 };
 

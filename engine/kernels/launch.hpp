@@ -15,7 +15,7 @@ struct LaunchShape {
   uint32_t local_size = 0;  ///< invocations a group
   uint32_t groups = 0;      ///< a power of two
   uint32_t run =
-      0;  ///< consecutive raw points one invocation looks at when down-sampling; 8 at most
+      0;  ///< consecutive raw points one invocation looks at when down-sampling; 32 at most
   uint32_t least_items = 1;  ///< of reductions: what a group takes before another one takes part
 
   uint32_t threads() const { return local_size * groups; }
@@ -25,7 +25,7 @@ struct LaunchShape {
 /// to fill a large GPU.
 inline LaunchShape launch_shape(const DeviceInfo& device) {
   return device.gpu_shapes ? LaunchShape{.local_size = 128, .groups = 512, .run = 4}
-                           : LaunchShape{.local_size = 64, .groups = 16, .run = 8};
+                           : LaunchShape{.local_size = 64, .groups = 16, .run = 32};
 }
 
 /// The same for kernels whose last group goes on alone, at most `groups` of them. Software devices

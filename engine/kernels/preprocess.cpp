@@ -66,7 +66,10 @@ Preprocess::Preprocess(Context& context)
               {{0, shape_.local_size}, {1, shape_.run}, {2, texels_ ? 1U : 0U}}),
       count_(context, "downsample_count", {{0, shape_.local_size}, {1, shape_.run}}),
       emit_(context, "downsample_emit",
-            {{0, shape_.local_size}, {1, shape_.run}, {2, texels_ ? 1U : 0U}}),
+            {{0, shape_.local_size},
+             {1, shape_.run},
+             {2, texels_ ? 1U : 0U},
+             {3, context.device().gpu_shapes ? 0U : 1U}}),
       normals_(context, "surface_normals", {{0, shape_.local_size}, {2, texels_ ? 1U : 0U}}) {}
 
 uint64_t Preprocess::scratch_bytes(uint32_t capacity) const {

@@ -31,6 +31,17 @@ bool is_cache_of(const vk::raii::PhysicalDevice& device, std::span<const std::by
          header.pipelineCacheUUID == properties.pipelineCacheUUID;
 }
 
+// Sums of wide kernels hold fewer than 2^24 points of 16 bytes (InputCell in
+// shaders/shared/preprocess.h).
+constexpr uint64_t kMostWideBytes = 16ULL * ((1U << 24U) - 1);
+
+bool has_wide_words(const vk::raii::PhysicalDevice& device) {
+  const auto features =
+      device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
+  return features.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 == VK_TRUE &&
+         features.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics == VK_TRUE;
+}
+
 }  // namespace
 
 Device::Device(const ContextOptions& options)
@@ -70,11 +81,19 @@ void Device::create_device() {
   vk::PhysicalDeviceVulkan12Features vulkan12;
   vulkan12.timelineSemaphore = VK_TRUE;
   vulkan12.scalarBlockLayout = VK_TRUE;
+  vk::PhysicalDeviceFeatures core;
+  wide = !info.gpu_shapes && info.max_storage_buffer_bytes <= kMostWideBytes &&
+         has_wide_words(physical);
+  if (wide) {
+    core.shaderInt64 = VK_TRUE;
+    vulkan12.shaderBufferInt64Atomics = VK_TRUE;
+  }
   vk::PhysicalDeviceVulkan13Features vulkan13;
   vulkan13.synchronization2 = VK_TRUE;
   vulkan13.maintenance4 = VK_TRUE;  // for work-group sizes given by specialization constants
   vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables(VK_TRUE);
-  vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info), vulkan12, vulkan13, executables);
+  vk::StructureChain chain(vk::DeviceCreateInfo({}, queue_info, {}, {}, &core), vulkan12, vulkan13,
+                           executables);
   const std::array extensions = {VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME};
   if (compile_only) {
     const auto offered = physical.enumerateDeviceExtensionProperties();

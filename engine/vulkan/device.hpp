@@ -60,6 +60,8 @@ struct Device {
   bool profile = false;
   bool compile_only = false;
   bool software_fallback = false;
+  /// Kernels that have it add, read and write 64 bits at once (shaders/include/wide.glsl).
+  bool wide = false;
   vk::raii::PhysicalDevice physical{nullptr};
   DeviceInfo info;
   uint64_t max_buffer_bytes = 0;

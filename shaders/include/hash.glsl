@@ -36,17 +36,17 @@ uvec3 fixed_offset(vec3 scaled, vec3 corner) {
   return min(uvec3((scaled - corner) * 65536.0), uvec3(65535u));
 }
 
-// The first point of a run of raw points: its cell's slot and its place in its block of at most 8
-// points. Slots are below 2^29: a table of more would not fit a storage buffer.
+// The first point of a run of raw points: its cell's slot and its place in its block of at most 32
+// points. Slots are below 2^27: a table of more would not fit a storage buffer.
 struct RunHead {
   uint slot;
   uint first;  // raw index
 };
 
-uint pack_run_head(uint slot, uint first) { return ((slot << 3) | (first & 7u)) + 1u; }
+uint pack_run_head(uint slot, uint first) { return (slot << 5) | (first & 31u); }
 
 RunHead unpack_run_head(uint head, uint block_begin) {
-  return RunHead((head - 1u) >> 3, (block_begin & ~7u) | ((head - 1u) & 7u));
+  return RunHead(head >> 5, (block_begin & ~31u) | (head & 31u));
 }
 
 // Voxel maps: 11 bits for x and y, 10 for z, biased. Cells outside give kFree.

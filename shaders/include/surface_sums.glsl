@@ -6,35 +6,53 @@
 #ifndef ADIT_SURFACE_SUMS_GLSL
 #define ADIT_SURFACE_SUMS_GLSL
 #include "adit/shaders/include/surface.glsl"
+#include "adit/shaders/include/wide.glsl"
 
-// False where the point found no slot, or its cell is beyond kMostCellPoints and shows no surface.
-bool add_to_surface(SurfaceCellId id, uint mask) {
-  uint slot = mix32(id.key) & mask;
+// What consecutive points of one surface cell add to it: fewer than 2^16 of them.
+struct SurfaceRun {
+  uint key;  // kFree: no point yet
+  uint count;
+  uvec3 sum;
+  uvec3 x;  // xx, xy, xz
+  uvec2 y;  // yy, yz
+  uint zz;
+};
+
+SurfaceRun no_surface_run() { return SurfaceRun(kFree, 0, uvec3(0), uvec3(0), uvec2(0), 0); }
+
+SurfaceRun surface_run_of(SurfaceCellId id) {
+  const uvec3 o = id.offset;
+  return SurfaceRun(id.key, 1, o, (o * o.x + 32768) >> 16, (o.yz * o.y + 32768) >> 16,
+                    (o.z * o.z + 32768) >> 16);
+}
+
+// Of two runs of one cell.
+SurfaceRun joined(SurfaceRun a, SurfaceRun b) {
+  return SurfaceRun(a.key, a.count + b.count, a.sum + b.sum, a.x + b.x, a.y + b.y, a.zz + b.zz);
+}
+
+// How many of its points were lost: found no slot, or are beyond kMostCellPoints, so that their
+// cell shows no surface.
+uint add_to_surface(SurfaceRun run, uint mask) {
+  uint slot = mix32(run.key) & mask;
   uint probes = 0;
   bool found = false;
-  uint before = 0;
   while (!found && probes < kMaxProbes) {
-    const uint key = atomicCompSwap(surfaces[slot].key, kFree, id.key);
-    found = key == kFree || key == id.key;
+    const uint key = atomicCompSwap(surfaces[slot].key, kFree, run.key);
+    found = key == kFree || key == run.key;
     slot = found ? slot : (slot + 1) & mask;
     probes += 1;
   }
-  if (found) {
-    const uvec3 o = id.offset;
-    const uvec3 x = (o * o.x + 32768) >> 16;  // xx, xy, xz
-    const uvec3 y = (o * o.y + 32768) >> 16;  // xy, yy, yz
-    before = atomicAdd(surfaces[slot].count, 1);
-    atomicAdd(surfaces[slot].sum_x, o.x);
-    atomicAdd(surfaces[slot].sum_y, o.y);
-    atomicAdd(surfaces[slot].sum_z, o.z);
-    atomicAdd(surfaces[slot].xx, x.x);
-    atomicAdd(surfaces[slot].xy, x.y);
-    atomicAdd(surfaces[slot].xz, x.z);
-    atomicAdd(surfaces[slot].yy, y.y);
-    atomicAdd(surfaces[slot].yz, y.z);
-    atomicAdd(surfaces[slot].zz, (o.z * o.z + 32768) >> 16);
+  if (!found) {
+    return run.count;
   }
-  return found && before < kMostCellPoints;
+  const uint count = atomicAdd(surfaces[slot].count, run.count) + run.count;
+  ADD_PAIR(surfaces[slot], sum_x, sum_y, run.sum.xy);
+  ADD_PAIR(surfaces[slot], sum_z, xx, uvec2(run.sum.z, run.x.x));
+  ADD_PAIR(surfaces[slot], xy, xz, run.x.yz);
+  ADD_PAIR(surfaces[slot], yy, yz, run.y);
+  ADD_LOW(surfaces[slot], zz, surfaces, run.zz);
+  return count > kMostCellPoints ? min(count - kMostCellPoints, run.count) : 0;
 }
 
 #endif

@@ -27,6 +27,13 @@ const int kVoxelsUpwards = 511;
 // At most kMostCellPoints. A surface cell with more shows no surface, and the points beyond are
 // counted as having found no slot. A voxel with more is counted (VoxelMapCounters::crowded); its
 // sums are modulo 2^32, so that they are right again once enough points are taken out.
+#ifdef ADIT_WIDE
+struct GaussianCell {  // the same words, two at once
+  uint key;
+  uint count;
+  uint64_t sum_x_sum_y, sum_z_xx, xy_xz, yy_yz, zz_surfaces;
+};
+#else
 struct GaussianCell {
   uint key;    // packed cell coordinates; kFree: free
   uint count;  // voxel maps: below; above it the planes that face along kFacing
@@ -35,6 +42,7 @@ struct GaussianCell {
   uint surfaces;  // voxel maps: points with a surface, those that the six entries are of; above it
                   // the planes that face against kFacing
 };
+#endif
 
 // Both faces of a thin wall lie in one voxel. Which of them it shows is told by how many of its
 // planes face along an axis that is none of a building's, and how many against it; planes that

@@ -10,25 +10,39 @@ namespace adit::gpu {
 #endif
 
 // One cell of the down-sampling grid while it is being filled. Sums are offsets from the cell's
-// corner in 1/65536 of its edge: integers, so that any order of addition gives the same bits. At
-// most kMostCellPoints of them for certain: beyond, the cell's first point stands for it.
-struct InputCell {
-  uint owner;           // 1 + index of the raw point that claimed the slot; kFree: free
-  uint inverted_first;  // the largest ~index of its points: the smallest index, its place in the
-                        // output
-  uint count;
-  uint sum_x, sum_y, sum_z;
+// corner in 1/65536 of its edge: integers, so that any order of addition gives the same bits. They
+// hold every sweep whose table fits a storage buffer, which is less than 4 GiB: the table has two
+// slots a point, so there are at most 2^25 points of less than 2^16 each, and a sum reaches 2^32
+// fewer than 2^10 times.
+#ifdef ADIT_WIDE
+struct InputCell {  // sums of 64 bits and fewer than 2^24 points, which is all that fits
+  uint owner;
+  uint unused0;
+  uint64_t count_sum_x;  // the count above kWideSumBits
+  uint64_t sum_y;
+  uint64_t sum_z;
 };
+#else
+struct InputCell {
+  uint owner;  // 1 + the smallest index of its raw points, its place in the output; kFree: free
+  uint count;
+  uint sum_x, sum_y, sum_z;  // modulo 2^32
+  uint carries;              // times that they reached 2^32: kCarryBits each, x the lowest
+  uint unused0, unused1;     // 32 bytes never straddle a line of a cache
+};
+#endif
 
-// What the kernels of one sweep report: counts of its points, which are fewer than 2^29 (RunHead in
-// hash.glsl). Zeroed by the host before the sweep.
+const uint kCarryBits = 10;
+const uint kWideSumBits = 40;
+
+// What the kernels of one sweep report: counts of its points, of which there are at most 2^25.
+// Zeroed by the host before the sweep.
 struct SweepCounters {
   uint valid_points;      // raw points left after NaN, no-return and range clipping
   uint cloud_points;      // points of the down-sampled cloud
   uint input_failures;    // raw points that found no slot: 0, or the table is too small
   uint surface_failures;  // surface cells that found no slot for a point: 0, or the table is too
                           // small; and points beyond what a surface cell's sums hold
-  uint crowded_cells;     // with more raw points than their sums hold for certain
 };
 
 struct DownsamplePush {

@@ -69,8 +69,7 @@ struct SweepResult {
   int cloud_points = 0;   ///< left after down-sampling
   int lost_points =
       0;  ///< found no place in a table on the device or in the submap's extent; 0 is normal
-  int crowded_voxels = 0;    ///< with more than 65 535 points: of the down-sampling, where their
-                             ///< first point stands for them, or of the submap
+  int crowded_voxels = 0;    ///< of the submap: times that one held more than 65 535 points
   InertialReport inertial;   ///< state of the inertial sensor, where there is one
   bool deskewed = false;     ///< points were moved to the sweep's start
   std::vector<Point> cloud;  ///< keyframes only: the down-sampled sweep, lidar frame

@@ -121,12 +121,11 @@ void Odometry::Impl::read_back(Begun& sweep) {
   result.valid_points = static_cast<int>(counters.valid_points);
   result.cloud_points = static_cast<int>(counters.cloud_points);
   result.lost_points = static_cast<int>(counters.input_failures + counters.surface_failures);
-  result.crowded_voxels = static_cast<int>(counters.crowded_cells);
   if (sweep.aligns) {
     const gpu::VoxelMapCounters map_counters = aligner.read_map_counters();
     const SubmapLoss loss = submap.note_counters(map_counters);
     result.lost_points += static_cast<int>(loss.points);
-    result.crowded_voxels += static_cast<int>(loss.crowded_voxels);
+    result.crowded_voxels = static_cast<int>(loss.crowded_voxels);
     result.registration = aligner.read_result(result.cloud_points, submap);
   }
 }

@@ -91,7 +91,6 @@ SurfaceCloud AlignmentClouds::make_cloud(std::span<const Point> points,
   SurfaceCloud cloud{.points = context_->make_buffer(std::max(size, 1U) * sizeof(gpu::uvec4),
                                                      engine::Memory::device, "surface cloud"),
                      .size = size,
-                     .crowded_voxels = counters.crowded_cells,
                      .origin = viewpoint,
                      .viewpoint = viewpoint};
   if (size > 0) {

@@ -38,8 +38,6 @@ std::optional<engine::FinishSettings> finish_for(RegistrationMethod method);
 struct SurfaceCloud {
   engine::Buffer points;  ///< uvec4 each: bits of x, y, z, packed surface
   uint32_t size = 0;      ///< points
-  uint32_t crowded_voxels =
-      0;  ///< with more points than their sums hold: the first stands for them
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();     ///< m, in the cloud's own frame
   Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< sensor's position, m, cloud's frame
 };

@@ -150,7 +150,29 @@ TEST(Spirv, EveryEmbeddedShaderIsReflectedTheSameInBothBuilds) {
   }
 }
 
+TEST(Spirv, WideBuildsBindTheSameAsTheOthers) {
+  std::size_t wide_builds = 0;
+  for (const std::string_view name : shaders::names()) {
+    SCOPED_TRACE(name);
+    if (shaders::find_wide(name).empty()) {
+      continue;
+    }
+    wide_builds += 1;
+    const Reflection wide = reflect(shaders::find_wide(name));
+    const Reflection narrow = reflect(shaders::find(name));
+    ASSERT_EQ(wide.bindings.size(), narrow.bindings.size());
+    for (std::size_t i = 0; i < wide.bindings.size(); ++i) {
+      EXPECT_EQ(wide.bindings[i].read_only, narrow.bindings[i].read_only);
+      EXPECT_EQ(wide.bindings[i].texels, narrow.bindings[i].texels);
+    }
+    EXPECT_EQ(wide.push_bytes, narrow.push_bytes);
+    EXPECT_EQ(wide.spec_constants.size(), narrow.spec_constants.size());
+  }
+  EXPECT_GE(wide_builds, 5U);
+}
+
 TEST(Spirv, UnknownShaderIsEmpty) {
+  EXPECT_TRUE(shaders::find_wide("no_such_shader").empty());
   EXPECT_TRUE(shaders::find("no_such_shader").empty());
   EXPECT_TRUE(shaders::find_debug("no_such_shader").empty());
 }

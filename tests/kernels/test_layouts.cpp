@@ -23,18 +23,19 @@ using test::expect_layout;
 TEST(KernelLayouts, PreprocessStructsAreTheSameInCppAndGlsl) {
   using gpu::InputCell;
   expect_layout<InputCell>("InputCell", {{"owner", offsetof(InputCell, owner)},
-                                         {"inverted_first", offsetof(InputCell, inverted_first)},
                                          {"count", offsetof(InputCell, count)},
                                          {"sum_x", offsetof(InputCell, sum_x)},
                                          {"sum_y", offsetof(InputCell, sum_y)},
-                                         {"sum_z", offsetof(InputCell, sum_z)}});
+                                         {"sum_z", offsetof(InputCell, sum_z)},
+                                         {"carries", offsetof(InputCell, carries)},
+                                         {"unused0", offsetof(InputCell, unused0)},
+                                         {"unused1", offsetof(InputCell, unused1)}});
   using gpu::SweepCounters;
   expect_layout<SweepCounters>("SweepCounters",
                                {{"valid_points", offsetof(SweepCounters, valid_points)},
                                 {"cloud_points", offsetof(SweepCounters, cloud_points)},
                                 {"input_failures", offsetof(SweepCounters, input_failures)},
-                                {"surface_failures", offsetof(SweepCounters, surface_failures)},
-                                {"crowded_cells", offsetof(SweepCounters, crowded_cells)}});
+                                {"surface_failures", offsetof(SweepCounters, surface_failures)}});
   using gpu::DownsamplePush;
   expect_layout<DownsamplePush>("DownsamplePush",
                                 {{"point_count", offsetof(DownsamplePush, point_count)},
@@ -60,9 +61,10 @@ TEST(KernelLayouts, PreprocessStructsAreTheSameInCppAndGlsl) {
 }
 
 TEST(KernelLayouts, DeskewStructsAreTheSameInCppAndGlsl) {
-  using gpu::DeskewKnot;
-  expect_layout<DeskewKnot>("DeskewKnot", {{"rotation", offsetof(DeskewKnot, rotation)},
-                                           {"translation", offsetof(DeskewKnot, translation)}});
+  // The shader reads knots as two vec4 each.
+  EXPECT_EQ(offsetof(gpu::DeskewKnot, rotation), 0U);
+  EXPECT_EQ(offsetof(gpu::DeskewKnot, translation), sizeof(gpu::vec4));
+  EXPECT_EQ(sizeof(gpu::DeskewKnot), 2 * sizeof(gpu::vec4));
   using gpu::DeskewPush;
   expect_layout<DeskewPush>("DeskewPush", {{"point_count", offsetof(DeskewPush, point_count)},
                                            {"knots", offsetof(DeskewPush, knots)},

@@ -78,16 +78,5 @@ TEST_F(AlignmentCloudsTest, AVoxelWithMorePointsThanItsSumsHoldIsToldOf) {
   }
 }
 
-TEST_F(AlignmentCloudsTest, ACloudThatCrowdsTheDownSamplingTells) {
-  PreprocessConfig config;
-  config.r_input = 0.25;
-  config.beam_spacing = 0.01;
-  AlignmentClouds maker(context(), config);
-  EXPECT_EQ(maker.make_cloud(std::vector<Point>(65'535, {3.2F, 2.2F, 1.2F, 0.0F})).crowded_voxels,
-            0U);
-  EXPECT_EQ(maker.make_cloud(std::vector<Point>(65'536, {3.2F, 2.2F, 1.2F, 0.0F})).crowded_voxels,
-            1U);
-}
-
 }  // namespace
 }  // namespace adit

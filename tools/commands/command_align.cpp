@@ -80,10 +80,6 @@ class Clouds {
         *notes_ << "note: " << damage.what() << std::endl;
       });
       found = clouds_.emplace(name, Prepared{aligner_->prepare(sweep.points), sweep.offset}).first;
-      if (const uint32_t crowded = found->second.cloud.cloud.crowded_voxels; crowded > 0) {
-        *notes_ << "note: " << crowded << " voxels of " << name
-                << " hold more than 65535 points; the first of each stands for them" << std::endl;
-      }
     }
     return found->second;
   }

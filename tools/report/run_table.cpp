@@ -38,8 +38,8 @@ std::string counts(const RunStatistics& statistics) {
   }
   if (statistics.crowded_voxels() > 0) {
     text += fmt::format(
-        "; {} times a voxel held more than 65535 points, and their mean is lost: a smaller "
-        "preprocess.r_input keeps that of a sweep's, a smaller registration.r_align the submap's",
+        "; {} times a voxel of the submap held more than 65535 points, and their mean is lost: a "
+        "smaller registration.r_align keeps it",
         statistics.crowded_voxels());
   }
   return text;
