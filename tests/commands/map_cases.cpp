@@ -153,15 +153,30 @@ int merged(const fs::path& map, const fs::path& healthy, const fs::path& out,
   return said.str().find("it holds the same as") != std::string::npos ? 0 : code;
 }
 
+int split(const fs::path& map, const fs::path& out, Dice& dice, std::ostream& told) {
+  const SplitCommandOptions options{.map = map,
+                                    .sessions = {1 + static_cast<int64_t>(dice.below(2))},
+                                    .output = out / "split.adit",
+                                    .json = dice.one_in(2)};
+  return split_command(options, told, told);
+}
+
+int changes(const fs::path& map, const fs::path& out, Dice& dice, std::ostream& told) {
+  const ChangesCommandOptions options{
+      .maps = {map}, .output = out / "changes.geojson", .quiet = true, .json = dice.one_in(2)};
+  return changes_command(options, told, told);
+}
+
 }  // namespace
 
 void write_healthy_map(const fs::path& folder) {
   fs::create_directories(folder);
   {
     MapDatabase map(folder / "map.adit", MapAccess::write);
-    const SessionId session = add_session(map);
+    const SessionId first = add_session(map);
+    const SessionId second = map.add_session({.name = "second"});
     for (NodeId id = 0; id < 6; ++id) {
-      KeyframeRecord keyframe = record(id, session);
+      KeyframeRecord keyframe = record(id, id < 3 ? first : second);
       keyframe.submap = encode(wall(keyframe.keyframe.stamp));
       map.store(keyframe);
     }
@@ -219,12 +234,9 @@ int call_on_map(const fs::path& map, const fs::path& healthy, const fs::path& fo
     case 4:
       return merged(map, healthy, out, context, told);
     case 5:
-      return split_command({.map = map,
-                            .sessions = {static_cast<int64_t>(dice.below(3))},
-                            .output = out / "split.adit"},
-                           told, told);
+      return split(map, out, dice, told);
     case 6:
-      return changes_command({.maps = {map}, .output = out / "changes.geojson"}, told, told);
+      return changes(map, out, dice, told);
     default:
       return recover_command({.map = map, .output = out / "recovered.adit"}, told, told);
   }
