@@ -143,7 +143,7 @@ def fuzz_packets(adit, folder, seconds):
                 if begun.is_set():
                     sender.sendto(damaged(chance, packet), ("127.0.0.1", port))
                     sent["damaged"] += 1
-                time.sleep(1 / 754)
+                time.sleep(1 / 754)  # the rate of a VLP-16
 
     fuzz(adit, folder / "packets", seconds, [f"udp://127.0.0.1:{port}"], send, sent)
 

@@ -43,7 +43,8 @@ constexpr double kDifferent = -1.1;
 constexpr double kClearLogOdds = 4.6;  // 100 to 1
 // Nine in ten sessions begin in what is mapped.
 constexpr double kMapped = 2.2;
-// Of places that look the same, one in a hundred lies where the fixes of both maps have this one.
+// Of places that look the same, one in a hundred lies where the fixes of both maps have this one:
+// an assumption, since fixes know some metres and maps are some hundred wide (decision 0040).
 constexpr double kWithinFixes = 4.6;
 
 using Kind = PlaceLikeness::Kind;

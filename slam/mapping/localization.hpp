@@ -21,26 +21,6 @@ enum class LocalizationState {
   lost,         ///< the odometry has started anew since, and nothing has been recognised again
 };
 inline constexpr std::size_t kLocalizationStates = 7;
-
-/// What the session's first place in the map came from.
-enum class StartSource {
-  appearance,  ///< it was searched for by what places look like
-  guess,       ///< somebody said where it begins
-  fixes,       ///< GNSS fixes, in a map that is georeferenced
-};
-/// The enumerator's name.
-constexpr std::string_view to_string(StartSource source) {
-  switch (source) {
-    case StartSource::appearance:
-      return "appearance";
-    case StartSource::guess:
-      return "guess";
-    case StartSource::fixes:
-      return "fixes";
-  }
-  return "unknown";
-}
-
 /// The enumerator's name.
 constexpr std::string_view to_string(LocalizationState state) {
   switch (state) {
@@ -58,6 +38,25 @@ constexpr std::string_view to_string(LocalizationState state) {
       return "unconfirmed";
     case LocalizationState::lost:
       return "lost";
+  }
+  return "unknown";
+}
+
+/// What the session's first place in the map came from.
+enum class StartSource {
+  appearance,  ///< it was searched for by what places look like
+  guess,       ///< somebody said where it begins
+  fixes,       ///< GNSS fixes, in a map that is georeferenced
+};
+/// The enumerator's name.
+constexpr std::string_view to_string(StartSource source) {
+  switch (source) {
+    case StartSource::appearance:
+      return "appearance";
+    case StartSource::guess:
+      return "guess";
+    case StartSource::fixes:
+      return "fixes";
   }
   return "unknown";
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr double kGuessedPosition = 1.0;                   // m
 constexpr double kGuessedAngle = 5.0 / kDegreesPerRadian;  // rad
 constexpr double kGuessedHeight = 0.5;                     // m, of a start: a storey is six of them
-constexpr double kUntoldHeight = 3.0;                      // m, that nothing tells: a storey
+constexpr double kUnmeasuredHeight = 3.0;                  // m, where fixes give none: a storey
 
 double heading_of(const Eigen::Matrix3d& R) {
   return std::atan2(R(1, 0), R(0, 0));
@@ -125,7 +125,7 @@ std::optional<ExpectedStart> StartByFixes::find(const Eigen::Vector3d& up_odom,
     position = fit->agrees[i] ? pairs[i].covariance : position;
   }
   if (!use_height_) {
-    position(2, 2) += kUntoldHeight * kUntoldHeight;
+    position(2, 2) += kUnmeasuredHeight * kUnmeasuredHeight;
   }
   const Eigen::Matrix3d R_keyframe_world =
       (georeference_.T_world_map * T_map_keyframe).linear().transpose();

@@ -120,7 +120,7 @@ void bind_records(py::module_& module) {
           "(6, 6), [translation, rotation]: 1/m^2, 1/(m rad), 1/rad^2.")
       .def_property_readonly(
           "kind", [](const PoseEdge& self) { return std::string(to_string(self.kind)); },
-          "odometry or loop.")
+          "odometry, loop, or start: where a session was expected to begin, which does not count.")
       .def_property_readonly(
           "status", [](const PoseEdge& self) { return std::string(to_string(self.status)); },
           "active, candidate or revoked; only active ones count.");
