@@ -171,14 +171,19 @@ void check_rest(Checks& checks, const Config& config) {
   checks.between("recovery.max_speed", config.recovery.max_speed, 0.1, 1e6, "m/s");
 }
 
-void check_imu(Checks& checks, const ImuConfig& imu) {
-  double norm = imu.T_imu_lidar ? 0.0 : 1.0;
-  for (size_t i = 0; imu.T_imu_lidar && i < imu.T_imu_lidar->size(); ++i) {
-    checks.finite("imu.T_imu_lidar", (*imu.T_imu_lidar)[i]);
-    norm = std::hypot(norm, i < 3 ? 0.0 : (*imu.T_imu_lidar)[i]);
+void check_pose(Checks& checks, const char* field,
+                const std::optional<std::array<double, 7>>& pose) {
+  double norm = pose ? 0.0 : 1.0;
+  for (size_t i = 0; pose && i < pose->size(); ++i) {
+    checks.finite(field, (*pose)[i]);
+    norm = std::hypot(norm, i < 3 ? 0.0 : (*pose)[i]);
   }
-  checks.require(std::abs(norm - 1.0) < 1e-3, "imu.T_imu_lidar", norm,
+  checks.require(std::abs(norm - 1.0) < 1e-3, field, norm,
                  "a pose x y z qx qy qz qw whose quaternion has the length 1");
+}
+
+void check_imu(Checks& checks, const ImuConfig& imu) {
+  check_pose(checks, "imu.T_imu_lidar", imu.T_imu_lidar);
   std::string known = "custom";
   for (const ImuPreset& preset : imu_presets()) {
     known += ", " + std::string(preset.name);
@@ -223,6 +228,14 @@ void check_gnss(Checks& checks, const GnssConfig& gnss) {
   checks.between("gnss.noise_scale", gnss.noise_scale, 0.1, 1000.0);
   checks.between("gnss.correlation", gnss.correlation, 0.1, 3600.0, "s");
   checks.between("gnss.time_offset", gnss.time_offset, -4e9, 4e9, "s");
+}
+
+void check_velocity(Checks& checks, const VelocityConfig& velocity) {
+  check_pose(checks, "velocity.T_lidar_sensor", velocity.T_lidar_sensor);
+  checks.between("velocity.sigma", velocity.sigma, 1e-4, 100.0, "m/s");
+  checks.between("velocity.scale_sigma", velocity.scale_sigma, 1e-6, 1.0);
+  checks.between("velocity.turn_sigma", velocity.turn_sigma, 1e-6, 1.0, "rad");
+  checks.between("velocity.time_offset", velocity.time_offset, -4e9, 4e9, "s");
 }
 
 }  // namespace
@@ -294,6 +307,7 @@ std::optional<ConfigProblem> validate(const Config& stated) {
   check_rest(checks, config);
   check_imu(checks, config.imu);
   check_gnss(checks, config.gnss);
+  check_velocity(checks, config.velocity);
   const std::optional<ConfigProblem> problem = checks.problem();
   return problem ? std::optional(with_origin(*problem, stated, config)) : std::nullopt;
 }

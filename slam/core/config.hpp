@@ -218,6 +218,38 @@ struct GnssConfig {
   }
 };
 
+/// Velocities that wheels, a radar or another odometry measure, and those of points that have a
+/// Doppler speed; fused with the inertial sensor (docs/theory/velocity.md).
+struct VelocityConfig {
+  bool use = true;
+  std::optional<std::array<double, 7>> T_lidar_sensor{};
+  double sigma = 0.05;  ///< m/s
+  double scale_sigma = 0.05;
+  double turn_sigma = 0.05;  ///< rad
+  double time_offset = 0.0;  ///< s
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& field) {
+    field("use", self.use, "",
+          "true: the velocities of recording.velocity_topic, and those that points have, are "
+          "fused with the IMU; false: they are left alone");
+    field("T_lidar_sensor", self.T_lidar_sensor, "m, quaternion",
+          "pose of the sensor of velocities in the lidar's axes: x y z qx qy qz qw; where it is "
+          "not given, the recording's static transforms tell it, or else its axes are taken to be "
+          "the lidar's");
+    field("sigma", self.sigma, "m/s",
+          "standard deviation of a measured velocity that comes without covariance, the same "
+          "throughout a sweep");
+    field("scale_sigma", self.scale_sigma, "",
+          "share by which a source may read too much or too little at first; it is estimated");
+    field("turn_sigma", self.turn_sigma, "rad",
+          "by which its mounting may be turned at first, about its y and z axes; it is estimated");
+    field("time_offset", self.time_offset, "s",
+          "is added to the stamps of velocities, of a source that reports late or by another "
+          "clock");
+  }
+};
+
 /// What to do when a sweep cannot be aligned.
 struct RecoveryConfig {
   int max_coasting = 5;      ///< sweeps
@@ -244,6 +276,7 @@ struct Config {
   RecoveryConfig recovery;
   ImuConfig imu;
   GnssConfig gnss;
+  VelocityConfig velocity;
 
   /// Calls section(name, struct) for each section, in the order of the file.
   template <class Self, class Visitor>
@@ -257,6 +290,7 @@ struct Config {
     section("recovery", self.recovery);
     section("imu", self.imu);
     section("gnss", self.gnss);
+    section("velocity", self.velocity);
   }
 };
 

@@ -13,6 +13,7 @@ struct RecordingConfig {
   std::optional<std::string> sweep_topic{};
   std::optional<std::string> imu_topic{};
   std::optional<std::string> gnss_topic{};
+  std::optional<std::string> velocity_topic{};
   std::optional<std::string> sweep_frame{};
   std::optional<std::string> imu_frame{};
   std::optional<std::string> metadata{};
@@ -35,6 +36,10 @@ struct RecordingConfig {
     field("imu_topic", self.imu_topic, "",
           "the topic of the IMU; not given: the best one by its readings, frame and rate");
     field("gnss_topic", self.gnss_topic, "", "the topic of fixes; not given: the first with a fix");
+    field("velocity_topic", self.velocity_topic, "",
+          "the topic of measured velocities (wheels, radar, another odometry): TwistStamped, "
+          "TwistWithCovarianceStamped, or the twist of Odometry; not given: none is used, since "
+          "such messages may be commands");
     field("sweep_frame", self.sweep_frame, "",
           "the frame of the sensor to map, where several publish sweeps on one topic; not given: "
           "the one with most messages at the start");

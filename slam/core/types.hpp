@@ -42,13 +42,15 @@ struct Point {
 static_assert(sizeof(Point) == 16, "a Point is uploaded to the device as one vec4");
 
 /// One turn of a range sensor, points in the lidar frame at the time each was captured.
-/// Points may be NaN or (0, 0, 0): no return. `times` and `rings` are empty where the source has
-/// none, and as long as `points` otherwise.
+/// Points may be NaN or (0, 0, 0): no return. `times`, `rings` and `doppler` are empty where the
+/// source has none, and as long as `points` otherwise.
 struct Sweep {
-  Nanoseconds stamp{0};                 ///< time of the start of the sweep
-  std::vector<Point> points;            ///< lidar frame, m
-  std::vector<float> times;             ///< s after `stamp`, one a point, or empty
-  std::vector<uint16_t> rings;          ///< beam index, one a point, or empty
+  Nanoseconds stamp{0};         ///< time of the start of the sweep
+  std::vector<Point> points;    ///< lidar frame, m
+  std::vector<float> times;     ///< s after `stamp`, one a point, or empty
+  std::vector<uint16_t> rings;  ///< beam index, one a point, or empty
+  /// How fast each point's distance from the sensor grows, m/s, or empty; NaN: not measured.
+  std::vector<float> doppler{};
   std::string source;                   ///< file or message it came from, for messages to people
   std::optional<std::size_t> number{};  ///< among its recording's sweeps, from 0, where it is known
   /// m. Points + offset are the coordinates of the source. Not zero where these are so large that
@@ -65,10 +67,10 @@ inline double duration_of(const Sweep& sweep) {
   return static_cast<double>(last);
 }
 
-/// Memory of a sweep's points with their times and rings, bytes.
+/// Memory of a sweep's points with what is known of each, bytes.
 inline std::size_t bytes_of(const Sweep& sweep) {
   return sweep.points.size() * sizeof(Point) + sweep.times.size() * sizeof(float) +
-         sweep.rings.size() * sizeof(uint16_t);
+         sweep.rings.size() * sizeof(uint16_t) + sweep.doppler.size() * sizeof(float);
 }
 
 /// One reading of an inertial sensor, in the sensor's own axes. A sensor at rest with z up reads
@@ -97,6 +99,15 @@ struct GnssFix {
   double longitude = 0.0;                     ///< degrees, east positive
   double altitude = 0.0;                      ///< m above the ellipsoid
   std::optional<Eigen::Matrix3d> covariance;  ///< m², east north up; none: the receiver gives none
+};
+
+/// Velocity of a sensor that is fixed to the body, in the sensor's own axes: of wheels, of a radar,
+/// of another odometry. An axis that is not measured is NaN.
+struct BodyVelocity {
+  Nanoseconds stamp{0};                              ///< when it was measured
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();  ///< m/s, sensor axes
+  std::optional<Eigen::Matrix3d> covariance{};       ///< (m/s)²; none: the source gives none
+  std::string frame{};  ///< whose velocity it is, and in whose axes; empty: the source names none
 };
 
 /// A pose that somebody else determined: T_parent_child maps child coordinates to the parent frame.

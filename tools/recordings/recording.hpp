@@ -27,6 +27,7 @@ enum class TopicKind {
   sweeps,
   imu,
   gnss,
+  velocities,  ///< of wheels, a radar or another odometry
   poses,       ///< somebody else's estimate or the truth
   transforms,  ///< static
   other,       ///< nothing that is understood; never part of the stream
@@ -43,7 +44,8 @@ struct Topic {
 };
 
 /// What an event can be.
-using EventValue = std::variant<Sweep, ImuSample, GnssFix, ReferencePose, StaticTransform>;
+using EventValue =
+    std::variant<Sweep, ImuSample, GnssFix, BodyVelocity, ReferencePose, StaticTransform>;
 
 /// Coordinates (m) that a pose can have: finite, and not so large that a path of them is not.
 inline bool is_position(const Eigen::Vector3d& p) {
@@ -73,6 +75,8 @@ struct EventSelection {
   Nanoseconds begin = Nanoseconds::min();  ///< earliest `received`, inclusive
   Nanoseconds end = Nanoseconds::max();    ///< latest `received`, inclusive
   uint64_t skip = 0;  ///< messages of these topics and times to pass over first, undecoded
+  /// This topic of odometry messages gives velocities in place of poses; none: none does.
+  std::optional<std::size_t> velocities_of{};
   std::optional<double> point_time_unit{};     ///< s; none: inferred from the first sweeps
   std::optional<double> coordinate_scale{};    ///< m of a step of the coordinates; none: metres
   std::optional<uint32_t> floats_per_point{};  ///< of .bin files; none: found by their numbers
